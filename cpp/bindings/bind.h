@@ -1,0 +1,16 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+/// One function a folder of cpp/uwsim, each in its own bind_<folder>.cpp.
+namespace uwsim::bindings {
+
+void bind_core(pybind11::module_& m);
+void bind_acoustics(pybind11::module_& m);
+void bind_world(pybind11::module_& m);
+void bind_vehicle(pybind11::module_& m);
+void bind_sonar(pybind11::module_& m);
+void bind_mapping(pybind11::module_& m);
+void bind_sim(pybind11::module_& m);
+
+}  // namespace uwsim::bindings

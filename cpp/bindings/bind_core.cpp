@@ -1,0 +1,18 @@
+#include "bind.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim::bindings {
+
+void bind_core(pybind11::module_& m) {
+  (void)m;
+  // InvalidValue is a std::invalid_argument, which pybind11 already turns into ValueError.
+  pybind11::register_local_exception_translator([](std::exception_ptr p) {
+    try {
+      if (p) std::rethrow_exception(p);
+    } catch (const FileError& error) {
+      PyErr_SetString(PyExc_OSError, error.what());
+    }
+  });
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,24 @@
+# The only place where libraries are found. System headers, so that our warnings stay ours.
+find_package(Python REQUIRED COMPONENTS Interpreter Development.Module)
+find_package(pybind11 CONFIG REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(embree 3 CONFIG REQUIRED)
+
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
+
+# Debian's archives: octomap's templates must be Debian's own code (see mapping/occupancy_map.cpp).
+find_package(octomap 1.9 CONFIG REQUIRED)
+add_library(uwsim_octomap INTERFACE)
+target_include_directories(uwsim_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
+target_link_libraries(uwsim_octomap INTERFACE octomap-static octomath-static)
+
+find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common filters)
+add_library(uwsim_pcl INTERFACE)
+target_include_directories(uwsim_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIRS})
+target_link_libraries(uwsim_pcl INTERFACE pcl_common pcl_filters)
+
+if(UWSIM_TESTS)
+  find_package(GTest REQUIRED)
+endif()
