@@ -1,0 +1,264 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "arrays.h"
+#include "bind.h"
+#include "convert.h"
+#include "uwsim/sim/simulation.h"
+
+namespace uwsim::bindings {
+namespace {
+
+constexpr std::uint64_t kStepsBetweenSignals = 2000;
+
+/// A simulation that one call at a time owns; the others wait with the GIL released.
+class OwnedSimulation {
+ public:
+  OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
+      : simulation_(world, std::move(scene), spec) {}
+
+  template <typename Call>
+  auto with(Call&& call) {
+    const py::gil_scoped_release unlocked;
+    const std::lock_guard owned(mutex_);
+    return call(simulation_);
+  }
+
+  /// In slices, so that Ctrl-C is answered.
+  void step(std::uint64_t count) {
+    while (count > 0) {
+      const std::uint64_t slice = std::min(count, kStepsBetweenSignals);
+      with([&](Simulation& sim) { sim.step(slice); });
+      count -= slice;
+      if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  }
+
+ private:
+  std::mutex mutex_;
+  Simulation simulation_;
+};
+
+template <typename T>
+py::array read_only(py::array_t<T> array) {
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+struct Ping {
+  int model;
+  std::uint64_t time_ns;
+  Eigen::Matrix4d world_from_sonar;
+  py::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, labels, valid;
+};
+
+Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t sonar) {
+  MultibeamPing raw;
+  Ping out;
+  std::vector<float> angles;
+  owned.with([&](Simulation& sim) {
+    raw = sim.ping(vehicle, sonar);
+    out.time_ns = sim.time_ns();
+    out.world_from_sonar = sim.world_from_sonar(vehicle, sonar).matrix();
+    const MultibeamModel& model = sim.vehicle(vehicle).sonars.at(sonar).model();
+    out.model = model.number;
+    for (int beam = 0; beam < model.beams; ++beam) angles.push_back(static_cast<float>(model.angle_rad(beam)));
+  });
+  const auto beams = static_cast<py::ssize_t>(raw.ranges_m.size());
+  out.ranges_m = read_only(move_out(std::move(raw.ranges_m)));
+  out.angles_rad = read_only(move_out(std::move(angles)));
+  out.points_sonar_m = read_only(move_out(std::move(raw.points_sonar_m), {beams, 3}));
+  out.incidence_rad = read_only(move_out(std::move(raw.incidence_rad)));
+  out.intensity_db = read_only(move_out(std::move(raw.intensity_db)));
+  out.labels = read_only(move_out(std::move(raw.labels)));
+  out.valid = read_only(move_out(std::move(raw.valid)).attr("view")("bool").cast<py::array_t<bool>>());
+  return out;
+}
+
+/// A reading as {field: float or (n,) array}.
+py::dict read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor, bool with_noise) {
+  std::vector<double> values;
+  const Sensor* kind = nullptr;
+  owned.with([&](Simulation& sim) {
+    values = sim.read_sensor(vehicle, sensor, with_noise);
+    kind = &sim.vehicle(vehicle).sensors.at(sensor).sensor();
+  });
+  py::dict reading;
+  std::size_t first = 0;
+  for (const Field& field : kind->fields()) {
+    const auto width = static_cast<std::size_t>(field.width);
+    const py::str name(field.name.data(), field.name.size());
+    if (width == 1) {
+      reading[name] = values[first];
+    } else {
+      reading[name] = move_out(std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(first),
+                                                   values.begin() + static_cast<std::ptrdiff_t>(first + width)));
+    }
+    first += width;
+  }
+  return reading;
+}
+
+void bind_specs(py::module_& m) {
+  py::class_<SimulationSpec>(m, "SimulationSpec")
+      .def(py::init<>())
+      .def_readwrite("step_s", &SimulationSpec::step_s)
+      .def_readwrite("seed", &SimulationSpec::seed)
+      .def_readwrite("mission_time_s", &SimulationSpec::mission_time_s)
+      .def_readwrite("station_world_m", &SimulationSpec::station_world_m)
+      .def_readwrite("range_warning_m", &SimulationSpec::range_warning_m)
+      .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m);
+
+  py::class_<SensorSpec>(m, "SensorSpec")
+      .def(py::init([](std::string name, std::string kind, const py::object& position_m,
+                       const py::object& orientation_xyzw, double range_max_m, double noise_std) {
+             return SensorSpec{std::move(name), std::move(kind), as_pose(position_m, orientation_xyzw, "sensor"),
+                               range_max_m, noise_std};
+           }),
+           py::arg("name"), py::arg("kind"), py::arg("position_m"), py::arg("orientation_xyzw"),
+           py::arg("range_max_m") = 0.0, py::arg("noise_std") = 0.0)
+      .def_readonly("name", &SensorSpec::name)
+      .def_readonly("kind", &SensorSpec::kind);
+  m.def("sensor_kinds", &sensor_kinds, "The kinds of sensor that are built in.");
+
+  py::class_<SonarSpec>(m, "SonarSpec")
+      .def(py::init([](std::string name, int model, const py::object& position_m, const py::object& orientation_xyzw,
+                       double elevation_rad) {
+             return SonarSpec{std::move(name), model, as_pose(position_m, orientation_xyzw, "sonar"), elevation_rad};
+           }),
+           py::arg("name"), py::arg("model"), py::arg("position_m"), py::arg("orientation_xyzw"),
+           py::arg("elevation_rad") = 0.0)
+      .def_readonly("name", &SonarSpec::name)
+      .def_readonly("model", &SonarSpec::model);
+
+  py::enum_<CollisionShape>(m, "CollisionShape")
+      .value("HULL", CollisionShape::kHull)
+      .value("BOX", CollisionShape::kBox);
+
+  py::class_<VehicleSpec>(m, "VehicleSpec")
+      .def(py::init<>())
+      .def_readwrite("name", &VehicleSpec::name)
+      .def_property(
+          "craft", [](const VehicleSpec& v) { return std::const_pointer_cast<Craft>(v.craft); },
+          [](VehicleSpec& v, std::shared_ptr<Craft> craft) { v.craft = std::move(craft); })
+      .def_property(
+          "full_wrench_body", [](const VehicleSpec& v) { return v.drive.full_wrench_body; },
+          [](VehicleSpec& v, const Vector6d& wrench) { v.drive.full_wrench_body = wrench; },
+          "(6,) force and torque at full effort [N, N m]")
+      .def_readwrite("shape", &VehicleSpec::shape)
+      .def_readwrite("friction", &VehicleSpec::friction)
+      .def_readwrite("restitution", &VehicleSpec::restitution)
+      .def(
+          "set_start",
+          [](VehicleSpec& v, const py::object& position_m, const py::object& orientation_xyzw) {
+            v.start_world_from_body = as_pose(position_m, orientation_xyzw, "start");
+          },
+          py::arg("position_m"), py::arg("orientation_xyzw"))
+      .def_readwrite("docked", &VehicleSpec::docked)
+      .def_readwrite("sensors", &VehicleSpec::sensors)
+      .def_readwrite("sonars", &VehicleSpec::sonars);
+}
+
+void bind_results(py::module_& m) {
+  py::class_<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, a value a beam.")
+      .def_readonly("model", &Ping::model, "EM 2040 variant 1..4")
+      .def_readonly("time_ns", &Ping::time_ns)
+      .def_readonly("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")
+      .def_readonly("ranges_m", &Ping::ranges_m, "(beams,) float32, inf = no echo")
+      .def_readonly("angles_rad", &Ping::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
+      .def_readonly("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN = no echo")
+      .def_readonly("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
+      .def_readonly("intensity_db", &Ping::intensity_db,
+                    "(beams,) float32, echo level less source level (Lambert, 40 log R, absorption); -inf = no echo")
+      .def_readonly("labels", &Ping::labels, "(beams,) uint16, see World.label_names")
+      .def_readonly("valid", &Ping::valid, "(beams,) bool");
+
+  py::class_<Telemetry>(m, "Telemetry", "The paper's vehicle panel.")
+      .def_readonly("time_s", &Telemetry::time_s)
+      .def_readonly("speed_m_s", &Telemetry::speed_m_s)
+      .def_readonly("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
+      .def_readonly("acceleration_m_s2", &Telemetry::acceleration_m_s2)
+      .def_readonly("temperature_deg_c", &Telemetry::temperature_deg_c)
+      .def_readonly("pressure_pa", &Telemetry::pressure_pa, "absolute")
+      .def_readonly("depth_m", &Telemetry::depth_m)
+      .def_readonly("distance_to_station_m", &Telemetry::distance_to_station_m)
+      .def_readonly("distance_to_seabed_m", &Telemetry::distance_to_seabed_m, "straight down; inf over nothing")
+      .def_readonly("mission_time_s", &Telemetry::mission_time_s, "since the release")
+      .def_readonly("battery_percent", &Telemetry::battery_percent, "what is left of the mission time")
+      .def_readonly("range_warning", &Telemetry::range_warning)
+      .def_readonly("proximity_warning", &Telemetry::proximity_warning)
+      .def_readonly("collision_warning", &Telemetry::collision_warning);
+}
+
+}  // namespace
+
+void bind_sim(py::module_& m) {
+  bind_specs(m);
+  bind_results(m);
+  py::class_<OwnedSimulation>(m, "Simulation", "A world with vehicles, advanced by fixed steps; vehicles by index.")
+      .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
+           py::arg("scene"), py::arg("spec"))
+      .def(
+          "add_vehicle",
+          [](OwnedSimulation& owned, const VehicleSpec& spec) {
+            require(spec.craft != nullptr, "vehicles.craft", "none", "must be set");
+            return owned.with([&](Simulation& sim) { return sim.add_vehicle(spec); });
+          },
+          py::arg("spec"), "Returns the vehicle's index.")
+      .def("step", &OwnedSimulation::step, py::arg("count") = 1, "Fixed steps; releases the GIL, answers Ctrl-C.")
+      .def_property_readonly("time_ns",
+                             [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.time_ns(); }); })
+      .def_property_readonly("tick", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.tick(); }); })
+      .def(
+          "state", [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.state(v); }); },
+          py::arg("vehicle"))
+      .def(
+          "set_state",
+          [](OwnedSimulation& o, std::size_t v, const BodyState& state) {
+            o.with([&](Simulation& s) { s.set_state(v, state); });
+          },
+          py::arg("vehicle"), py::arg("state"))
+      .def(
+          "release", [](OwnedSimulation& o, std::size_t v) { o.with([&](Simulation& s) { s.release(v); }); },
+          py::arg("vehicle"))
+      .def(
+          "released",
+          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.released(v); }); },
+          py::arg("vehicle"))
+      .def(
+          "set_effort",
+          [](OwnedSimulation& o, std::size_t v, const Vector6d& effort) {
+            o.with([&](Simulation& s) { s.set_effort(v, effort); });
+          },
+          py::arg("vehicle"), py::arg("effort"), "(6,) surge sway heave roll pitch yaw in [-1, 1]. Raises ValueError.")
+      .def(
+          "effort",
+          [](OwnedSimulation& o, std::size_t v) {
+            return o.with([&](Simulation& s) { return Vector6d(s.effort(v)); });
+          },
+          py::arg("vehicle"))
+      .def(
+          "collisions",
+          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.collisions(v); }); },
+          py::arg("vehicle"), "How often it came to touch something.")
+      .def(
+          "telemetry",
+          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
+          py::arg("vehicle"))
+      .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
+           "{field: float or (n,) float64}; repeated at one time it is the same sample.")
+      .def(
+          "aim",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sonar, double elevation_rad) {
+            o.with([&](Simulation& s) { s.aim(v, sonar, elevation_rad); });
+          },
+          py::arg("vehicle"), py::arg("sonar"), py::arg("elevation_rad"), "Positive is up. Raises ValueError.")
+      .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"));
+}
+
+}  // namespace uwsim::bindings

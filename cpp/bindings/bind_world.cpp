@@ -1,0 +1,209 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "arrays.h"
+#include "bind.h"
+#include "convert.h"
+#include "uwsim/world/ray_scene.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim::bindings {
+namespace {
+
+int usable_threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+struct RayHits {
+  py::array_t<float> ranges_m;
+  py::array_t<float> normals_world;
+  py::array_t<Label> labels;
+};
+
+RayHits cast(const RayScene& scene, const py::object& origins_m, const py::object& directions, double max_range_m) {
+  require(max_range_m > 0, "max_range_m", max_range_m, "must be positive");
+  const auto origins = as_points(origins_m, "origins_m");
+  const auto ways = as_points(directions, "directions");
+  const bool shared = origins.size() == 1;
+  require(shared || origins.size() == ways.size(), "origins_m.shape[0]", origins.size(),
+          "must be 1 or the number of directions");
+  const std::size_t n = ways.size();
+  std::vector<float> ranges(n), normals(3 * n);
+  std::vector<Label> labels(n);
+  {
+    const py::gil_scoped_release unlocked;
+    std::vector<Ray> rays(n);
+    std::vector<RayHit> hits(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const double length = ways[k].norm();
+      require(length > 0, "directions", 0, "must not be zero");
+      rays[k] = {origins[shared ? 0 : k], ways[k] / length};
+    }
+    scene.cast(rays, max_range_m, hits, usable_threads());
+    for (std::size_t k = 0; k < n; ++k) {
+      ranges[k] = static_cast<float>(hits[k].distance_m);
+      std::copy_n(hits[k].normal_world.data(), 3, normals.begin() + static_cast<std::ptrdiff_t>(3 * k));
+      labels[k] = hits[k].label;
+    }
+  }
+  const auto rows = static_cast<py::ssize_t>(n);
+  return {move_out(std::move(ranges)), move_out(std::move(normals), {rows, 3}), move_out(std::move(labels))};
+}
+
+py::array_t<bool> visible(const RayScene& scene, const py::object& origin_m, const py::object& points_m,
+                          double tolerance_m) {
+  const Eigen::Vector3d origin = as_vector3(origin_m, "origin_m");
+  const auto points = as_points(points_m, "points_m");
+  py::array_t<bool> seen(static_cast<py::ssize_t>(points.size()));
+  bool* out = seen.mutable_data();
+  {
+    const py::gil_scoped_release unlocked;
+    std::vector<Ray> rays(points.size());
+    std::vector<RayHit> hits(points.size());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Eigen::Vector3d way = points[k] - origin;
+      rays[k] = {origin, way.norm() > 0 ? way.normalized() : Eigen::Vector3d::UnitZ().eval()};
+    }
+    scene.cast(rays, std::numeric_limits<float>::max(), hits, usable_threads());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      out[k] = hits[k].distance_m + tolerance_m >= (points[k] - origin).norm();
+    }
+  }
+  return seen;
+}
+
+py::array_t<double> distance(const RayScene& scene, const py::object& points_m) {
+  const auto points = as_points(points_m, "points_m");
+  std::vector<double> distances(points.size());
+  {
+    const py::gil_scoped_release unlocked;
+    scene.distance(points, distances, usable_threads());
+  }
+  return move_out(std::move(distances));
+}
+
+void set_terrain(World& world, const py::object& heights_m, double spacing_m, const py::object& origin_m) {
+  const auto heights = as_array<float>(heights_m, "heights_m", {-1, -1});
+  const auto origin = as_array<double>(origin_m, "origin_m", {2});
+  world.set_terrain(Heightfield({heights.data(), heights.data() + heights.size()},
+                                static_cast<std::size_t>(heights.shape(1)), static_cast<std::size_t>(heights.shape(0)),
+                                spacing_m, {origin.at(0), origin.at(1)}));
+}
+
+py::array_t<double> height_at(const World& world, const py::object& xy_m) {
+  const auto points = as_array<double>(xy_m, "xy_m", {-1, 2});
+  std::vector<double> heights(static_cast<std::size_t>(points.shape(0)), std::numeric_limits<double>::quiet_NaN());
+  if (world.terrain()) {
+    for (py::ssize_t k = 0; k < points.shape(0); ++k) {
+      heights[static_cast<std::size_t>(k)] = world.terrain()->height_at(points.at(k, 0), points.at(k, 1));
+    }
+  }
+  return move_out(std::move(heights));
+}
+
+py::tuple surface_mesh(const World& world) {
+  std::vector<double> vertices;
+  std::vector<std::uint32_t> triangles;
+  std::vector<Label> labels;
+  const auto add = [&](Label label, std::size_t vertex_count, auto vertex, std::size_t triangle_count, auto triangle) {
+    const auto base = static_cast<std::uint32_t>(vertices.size() / 3);
+    for (std::size_t k = 0; k < vertex_count; ++k) {
+      const Eigen::Vector3d v = vertex(k);
+      vertices.insert(vertices.end(), v.begin(), v.end());
+    }
+    for (std::size_t k = 0; k < triangle_count; ++k) {
+      for (const std::uint32_t index : triangle(k)) triangles.push_back(base + index);
+    }
+    labels.insert(labels.end(), triangle_count, label);
+  };
+  if (const auto& terrain = world.terrain()) {
+    add(
+        kTerrain, terrain->nx() * terrain->ny(), [&](std::size_t k) { return terrain->vertex(k); },
+        terrain->triangle_count(), [&](std::size_t k) { return terrain->triangle(k); });
+  }
+  Label label = kTerrain;
+  for (const auto& solid : world.solids()) {
+    const TriangleMesh& mesh = solid->mesh_world;
+    add(
+        ++label, mesh.vertices_m.size(), [&](std::size_t k) { return mesh.vertices_m[k]; }, mesh.triangles.size(),
+        [&](std::size_t k) { return mesh.triangles[k]; });
+  }
+  const auto vertex_rows = static_cast<py::ssize_t>(vertices.size() / 3);
+  const auto triangle_rows = static_cast<py::ssize_t>(labels.size());
+  return py::make_tuple(move_out(std::move(vertices), {vertex_rows, 3}),
+                        move_out(std::move(triangles), {triangle_rows, 3}), move_out(std::move(labels)));
+}
+
+void bind_water(py::module_& m) {
+  py::class_<Water>(m, "Water", "Still water with its surface at z = 0; temperature linear down to bottom_depth_m.")
+      .def(py::init<>())
+      .def_readwrite("density_kg_m3", &Water::density_kg_m3)
+      .def_readwrite("gravity_m_s2", &Water::gravity_m_s2)
+      .def_readwrite("atmospheric_pressure_pa", &Water::atmospheric_pressure_pa)
+      .def_readwrite("surface_temperature_deg_c", &Water::surface_temperature_deg_c)
+      .def_readwrite("bottom_temperature_deg_c", &Water::bottom_temperature_deg_c)
+      .def_readwrite("bottom_depth_m", &Water::bottom_depth_m)
+      .def_readwrite("salinity_psu", &Water::salinity_psu)
+      .def_readwrite("current_world_m_s", &Water::current_world_m_s)
+      .def("check", &Water::check, "Raises ValueError that names the field, its value, unit and rule.")
+      .def("pressure_pa", &Water::pressure_pa, py::arg("z_world_m"), "Absolute pressure, p_atm + rho g d.")
+      .def("temperature_deg_c", &Water::temperature_deg_c, py::arg("z_world_m"));
+}
+
+}  // namespace
+
+void bind_world(py::module_& m) {
+  bind_water(m);
+  py::class_<World, std::shared_ptr<World>>(m, "World",
+                                            "The one world that feeds physics and rays. ENU, z up, water at z = 0.")
+      .def(py::init<>())
+      .def_readwrite("water", &World::water)
+      .def("set_terrain", &set_terrain, py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"),
+           "heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). "
+           "Raises ValueError on shape, non-finite heights or spacing.")
+      .def(
+          "add_solid",
+          [](World& world, std::string name, const py::object& vertices_world_m, const py::object& triangles) {
+            return world.add_solid(std::move(name), {as_points(vertices_world_m, "vertices_world_m"),
+                                                     as_triangles(triangles, "triangles")});
+          },
+          py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
+          "vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. Returns the label. Raises ValueError.")
+      .def_property_readonly("label_names", &World::label_names, "Names by label: nothing, terrain, then the solids'.")
+      .def("height_at", &height_at, py::arg("xy_m"), "(n, 2) -> (n,) float64 terrain height; NaN outside.")
+      .def_property_readonly(
+          "terrain_extent_m",
+          [](const World& world) {
+            require(world.terrain() != nullptr, "world.terrain", "none", "must be set");
+            const Eigen::Vector2d near = world.terrain()->origin_m(), far = world.terrain()->far_corner_m();
+            return py::make_tuple(near.x(), near.y(), far.x(), far.y());
+          },
+          "(x0, y0, x1, y1) [m]")
+      .def("surface_mesh", &surface_mesh,
+           "(vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain and all solids.");
+
+  py::class_<RayHits>(m, "RayHits")
+      .def_readonly("ranges_m", &RayHits::ranges_m, "(n,) float32, inf = nothing within range")
+      .def_readonly("normals_world", &RayHits::normals_world, "(n, 3) float32, unit; zero where nothing was hit")
+      .def_readonly("labels", &RayHits::labels, "(n,) uint16, see World.label_names");
+
+  py::class_<RayScene, std::shared_ptr<RayScene>>(
+      m, "RayScene", "The world's surfaces for rays (Embree). A snapshot: solids added later are not in it.")
+      .def(py::init([](const World& world) {
+             const py::gil_scoped_release unlocked;
+             return std::make_shared<RayScene>(world);
+           }),
+           py::arg("world"))
+      .def("cast", &cast, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"),
+           "origins_m: (n, 3) or (1, 3); directions: (n, 3), any length but zero. Returns RayHits. Raises ValueError.")
+      .def("visible", &visible, py::arg("origin_m"), py::arg("points_m"), py::arg("tolerance_m") = 1e-3,
+           "(n,) bool: no surface lies more than tolerance_m before the point as seen from origin_m (3,).")
+      .def("distance_m", &distance, py::arg("points_m"),
+           "(n, 3) -> (n,) float64, exact distance to the nearest surface.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "uwsim/core/pose.h"
+#include "uwsim/core/triangle_mesh.h"
+
+/// Python's arrays as our geometry.
+namespace uwsim::bindings {
+
+inline std::vector<Eigen::Vector3d> as_points(const py::object& object, const char* name) {
+  const auto array = as_array<double>(object, name, {-1, 3});
+  std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(array.shape(0)));
+  std::copy(array.data(), array.data() + array.size(), reinterpret_cast<double*>(points.data()));
+  for (const auto& p : points) require(p.allFinite(), name, p.transpose(), "must be finite");
+  return points;
+}
+
+/// Refuses negative and fractional indices rather than wrapping them round.
+inline std::vector<Triangle> as_triangles(const py::object& object, const char* name) {
+  const auto array = as_array<double>(object, name, {-1, 3});
+  std::vector<Triangle> triangles(static_cast<std::size_t>(array.shape(0)));
+  auto* out = reinterpret_cast<std::uint32_t*>(triangles.data());
+  for (py::ssize_t k = 0; k < array.size(); ++k) {
+    const double index = array.data()[k];
+    require(index >= 0 && index < 4294967295.0 && index == std::floor(index), name, index, "must be a whole index");
+    out[k] = static_cast<std::uint32_t>(index);
+  }
+  return triangles;
+}
+
+/// A pose from a position (3,) and a quaternion x, y, z, w (4,), which is normalised.
+inline Pose as_pose(const py::object& position_m, const py::object& orientation_xyzw, const std::string& name) {
+  const Eigen::Vector3d position = as_vector3(position_m, (name + ".position_m").c_str());
+  const auto q = as_array<double>(orientation_xyzw, (name + ".orientation_xyzw").c_str(), {4});
+  const Eigen::Quaterniond orientation(q.at(3), q.at(0), q.at(1), q.at(2));
+  require(position.allFinite(), name + ".position_m", position.transpose(), "must be finite");
+  require(orientation.norm() > 1e-6 && orientation.coeffs().allFinite(), name + ".orientation_xyzw",
+          orientation.coeffs().transpose(), "must be a quaternion");
+  return {position, orientation.normalized()};
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,63 @@
+#include "uwsim/core/triangle_mesh.h"
+
+#include <string>
+#include <unordered_map>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+
+SolidProperties solid_properties(const TriangleMesh& mesh) {
+  double volume = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  // integral of x x^T over the volume, about the origin
+  for (const Triangle& t : mesh.triangles) {
+    const Eigen::Vector3d& a = mesh.vertices_m[t[0]];
+    const Eigen::Vector3d& b = mesh.vertices_m[t[1]];
+    const Eigen::Vector3d& c = mesh.vertices_m[t[2]];
+    const double det = a.dot(b.cross(c));
+    const Eigen::Vector3d sum = a + b + c;
+    volume += det / 6;
+    first += det / 24 * sum;
+    second += det / 120 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+  }
+  SolidProperties solid;
+  solid.volume_m3 = volume;
+  if (volume == 0) return solid;
+  solid.centroid_m = first / volume;
+  const Eigen::Matrix3d about_centroid = second - volume * solid.centroid_m * solid.centroid_m.transpose();
+  solid.inertia_per_density_m5 = about_centroid.trace() * Eigen::Matrix3d::Identity() - about_centroid;
+  return solid;
+}
+
+void require_well_formed(const TriangleMesh& mesh, std::string_view path) {
+  const std::string name(path);
+  require(!mesh.triangles.empty(), name + ".triangles", mesh.triangles.size(), "must hold at least one triangle");
+  for (const Eigen::Vector3d& v : mesh.vertices_m) {
+    require(v.allFinite(), name + ".vertices_m", v.transpose(), "must be finite");
+  }
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t index : t) {
+      require(index < mesh.vertices_m.size(), name + ".triangles", index, "must be the index of a vertex");
+    }
+  }
+}
+
+void require_closed(const TriangleMesh& mesh, std::string_view path) {
+  require_well_formed(mesh, path);
+  std::unordered_map<std::uint64_t, int> uses;  // directed edge -> how often
+  const auto key = [](std::uint32_t from, std::uint32_t to) { return (std::uint64_t{from} << 32) | to; };
+  for (const Triangle& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) ++uses[key(t[k], t[(k + 1) % 3])];
+  }
+  std::size_t bad = 0;
+  for (const auto& [edge, count] : uses) {
+    const auto back = uses.find((edge << 32) | (edge >> 32));
+    if (back == uses.end() || back->second != count) ++bad;
+  }
+  require(bad == 0, std::string(path) + ".open_edges", bad, "must be 0: the mesh must be closed");
+  const double volume = solid_properties(mesh).volume_m3;
+  require(volume > 0, std::string(path) + ".volume_m3", volume, "must be positive: triangles must wind outward");
+}
+
+}  // namespace uwsim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "uwsim/core/pose.h"
+
+namespace uwsim {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Triangles wind counter-clockwise seen from outside.
+struct TriangleMesh {
+  std::vector<Eigen::Vector3d> vertices_m;
+  std::vector<Triangle> triangles;
+};
+
+/// Volume, centroid and inertia of the solid inside a closed mesh.
+struct SolidProperties {
+  double volume_m3 = 0;
+  Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
+  /// Second moments of volume about the centroid, [m^5]; times density gives the inertia tensor in kg m^2.
+  Eigen::Matrix3d inertia_per_density_m5 = Eigen::Matrix3d::Zero();
+};
+
+/// Sums signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2); here in closed tetrahedron form).
+SolidProperties solid_properties(const TriangleMesh& mesh);
+
+/// Throws InvalidValue unless the mesh has triangles, finite vertices and indices in range.
+void require_well_formed(const TriangleMesh& mesh, std::string_view path);
+
+/// As above, and every edge is shared by exactly two triangles that run along it in opposite directions, and the volume
+/// is positive: a closed surface that winds outward.
+void require_closed(const TriangleMesh& mesh, std::string_view path);
+
+}  // namespace uwsim

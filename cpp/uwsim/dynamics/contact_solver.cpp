@@ -1,0 +1,117 @@
+#include "uwsim/dynamics/contact_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace uwsim {
+namespace {
+
+constexpr int kSweeps = 20;
+constexpr double kBounceThreshold_m_s = 0.05;  // slower hits do not bounce, so that bodies come to rest
+constexpr double kSlop_m = 1e-3;
+constexpr double kOverlapShare = 0.2;  // of the overlap beyond the slop, removed each step
+
+/// The six-vector J with J nu = velocity of the contact point along `direction_world`.
+Vector6d point_direction(const ContactBody& body, const Eigen::Vector3d& point_world_m,
+                         const Eigen::Vector3d& direction_world) {
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  const Eigen::Vector3d direction = body_from_world * direction_world;
+  const Eigen::Vector3d arm = body_from_world * (point_world_m - body.world_from_body.position_m);
+  Vector6d j;
+  j << direction, arm.cross(direction);
+  return j;
+}
+
+}  // namespace
+
+ContactSolver::Row ContactSolver::make_row(std::span<const ContactBody> bodies, const Contact& contact,
+                                           const Eigen::Vector3d& direction_world) const {
+  Row row{};
+  row.a = contact.a;
+  row.b = contact.b;
+  const ContactBody& a = bodies[static_cast<std::size_t>(row.a)];
+  row.direction_a = point_direction(a, contact.point_world_m, direction_world);
+  row.response_a = a.inverse_mass * row.direction_a;
+  double inverse = row.direction_a.dot(row.response_a);
+  if (row.b != kFixedBody) {
+    const ContactBody& b = bodies[static_cast<std::size_t>(row.b)];
+    row.direction_b = point_direction(b, contact.point_world_m, -direction_world);
+    row.response_b = b.inverse_mass * row.direction_b;
+    inverse += row.direction_b.dot(row.response_b);
+  }
+  row.inverse_effective_mass = inverse;
+  return row;
+}
+
+void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
+  rows_.clear();
+  for (const Contact& contact : contacts) {
+    const Eigen::Vector3d& n = contact.normal_world;
+    const Eigen::Vector3d t1 = n.unitOrthogonal();
+    for (const Eigen::Vector3d& direction : {n, t1, n.cross(t1).eval()})
+      rows_.push_back(make_row(bodies, contact, direction));
+    Row& normal = *(rows_.end() - 3);
+    double approach = normal.direction_a.dot(bodies[static_cast<std::size_t>(normal.a)].velocity_body);
+    if (normal.b != kFixedBody)
+      approach += normal.direction_b.dot(bodies[static_cast<std::size_t>(normal.b)].velocity_body);
+    const double gap = std::max(0.0, contact.gap_m);
+    const bool arrives = approach * step_s + gap < 0;
+    const bool bounces = arrives && approach < -kBounceThreshold_m_s;
+    normal.target = bounces ? -contact.restitution * approach : -gap / step_s;
+  }
+  solve_velocities(bodies, contacts);
+  solve_overlaps(bodies, contacts, step_s);
+}
+
+void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<const Contact> contacts) {
+  const auto push = [&](Row& row, double impulse) {
+    const double change = impulse - row.impulse;
+    row.impulse = impulse;
+    ContactBody& a = bodies[static_cast<std::size_t>(row.a)];
+    a.velocity_body += change * row.response_a;
+    a.impulse_body += change * row.direction_a;
+    if (row.b == kFixedBody) return;
+    ContactBody& b = bodies[static_cast<std::size_t>(row.b)];
+    b.velocity_body += change * row.response_b;
+    b.impulse_body += change * row.direction_b;
+  };
+  const auto wanted = [&](const Row& row) {
+    double speed = row.direction_a.dot(bodies[static_cast<std::size_t>(row.a)].velocity_body);
+    if (row.b != kFixedBody) speed += row.direction_b.dot(bodies[static_cast<std::size_t>(row.b)].velocity_body);
+    return row.impulse + (row.target - speed) / row.inverse_effective_mass;
+  };
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      Row& normal = rows_[3 * k];
+      push(normal, std::max(0.0, wanted(normal)));
+      const double limit = contacts[k].friction * normal.impulse;
+      for (std::size_t axis = 1; axis <= 2; ++axis) {
+        Row& tangent = rows_[3 * k + axis];
+        push(tangent, std::clamp(wanted(tangent), -limit, limit));
+      }
+    }
+  }
+}
+
+void ContactSolver::solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
+  const bool any = std::ranges::any_of(contacts, [](const Contact& c) { return c.gap_m < -kSlop_m; });
+  if (!any) return;
+  for (Row& row : rows_) row.impulse = 0;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const double overlap = -contacts[k].gap_m - kSlop_m;
+      if (overlap <= 0) continue;
+      Row& row = rows_[3 * k];
+      double speed = row.direction_a.dot(bodies[static_cast<std::size_t>(row.a)].push_body);
+      if (row.b != kFixedBody) speed += row.direction_b.dot(bodies[static_cast<std::size_t>(row.b)].push_body);
+      const double target = kOverlapShare * overlap / step_s;
+      const double impulse = std::max(0.0, row.impulse + (target - speed) / row.inverse_effective_mass);
+      bodies[static_cast<std::size_t>(row.a)].push_body += (impulse - row.impulse) * row.response_a;
+      if (row.b != kFixedBody)
+        bodies[static_cast<std::size_t>(row.b)].push_body += (impulse - row.impulse) * row.response_b;
+      row.impulse = impulse;
+    }
+  }
+}
+
+}  // namespace uwsim

@@ -1,0 +1,122 @@
+#include "uwsim/mapping/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, const char* what, const std::string& reason) {
+  throw FileError("'" + path + "': cannot be " + what + ": " + reason);
+}
+
+[[noreturn]] void fail_to_write(const std::string& path, int error) { fail(path, "written", std::strerror(error)); }
+
+void require_path(const std::string& path) {
+  require(!path.empty(), "path", "''", "must name a file");
+  require(path.find('\0') == std::string::npos, "path", path.c_str(), "must not hold a null character");
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  operator int() const { return fd_; }
+  /// A late error of the disk may only show here.
+  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+bool write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Where the bytes end up: links resolved, so that a link stays a link.
+fs::path real_target(const std::string& path) {
+  require_path(path);
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    if (fs::is_symlink(fs::symlink_status(path, error))) fail(path, "written", "it is a link to nothing");
+    return path;
+  }
+  if (!fs::is_regular_file(status)) fail(path, "written", "it is not a regular file");
+  return fs::canonical(path);
+}
+
+/// The process id keeps two programs apart, O_EXCL keeps us off anything that exists.
+std::pair<int, fs::path> create_beside(const fs::path& target, const std::string& path) {
+  for (int attempt = 0;; ++attempt) {
+    std::ostringstream name;
+    name << '.' << target.filename().string() << '.' << ::getpid() << '.' << attempt << ".tmp";
+    const fs::path temporary = target.parent_path() / name.str();
+    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd >= 0) return {fd, temporary};
+    if (errno != EEXIST || attempt == 1000) fail_to_write(path, errno);
+  }
+}
+
+/// The rename is only safe on the disk once its folder is; file systems that cannot do this lose nothing else.
+void flush_folder(const fs::path& target) {
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (descriptor >= 0) ::fsync(descriptor);
+}
+
+}  // namespace
+
+std::string read_whole_file(const std::string& path) {
+  require_path(path);
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) fail(path, "read", "no such file");
+  if (error) fail(path, "read", error.message());
+  if (!fs::is_regular_file(status)) fail(path, "read", "it is not a regular file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail(path, "read", std::strerror(errno));
+  std::string bytes(fs::file_size(path, error), '\0');
+  if (error) fail(path, "read", error.message());
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (file.bad()) fail(path, "read", std::strerror(errno));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+void write_file_atomically(const std::string& path, std::string_view bytes) {
+  const fs::path target = real_target(path);
+  auto [fd, temporary] = create_beside(target, path);
+  Descriptor file(fd);
+  const bool done =
+      write_all(file, bytes) && ::fsync(file) == 0 && file.close() && ::rename(temporary.c_str(), target.c_str()) == 0;
+  if (!done) {
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    fail_to_write(path, error);
+  }
+  flush_folder(target);
+}
+
+}  // namespace uwsim

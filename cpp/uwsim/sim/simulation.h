@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "uwsim/sim/vehicle.h"
+#include "uwsim/world/ray_scene.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim {
+
+struct SimulationSpec {
+  double step_s = 0.005;
+  std::uint64_t seed = 0;
+  double mission_time_s = 3600;  ///< the battery: thrusters stop this long after the release
+  Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
+  double range_warning_m = 110;
+  double proximity_warning_m = 10;
+
+  void check() const;
+};
+
+/// A world with vehicles in it, advanced by fixed steps. One step: actuators from efforts and battery, then bodies.
+/// Sensors, sonars and telemetry look at the present state, do not advance time, and repeat at one time.
+/// One thread at a time.
+class Simulation {
+ public:
+  Simulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec);
+
+  std::size_t add_vehicle(const VehicleSpec& spec);
+
+  /// Throws InvalidValue when a state stops being finite.
+  void step(std::uint64_t count = 1);
+  std::uint64_t tick() const { return tick_; }
+  std::uint64_t time_ns() const { return tick_ * step_ns_; }
+  double time_s() const { return 1e-9 * static_cast<double>(time_ns()); }
+  const SimulationSpec& spec() const { return spec_; }
+
+  const BodyState& state(std::size_t vehicle) const;
+  void set_state(std::size_t vehicle, const BodyState& state);
+  /// Leaves the station; does nothing when already free.
+  void release(std::size_t vehicle);
+  bool released(std::size_t vehicle) const { return vehicles_.at(vehicle).released; }
+  /// Surge, sway, heave, roll, pitch, yaw in [-1, 1], held until the next call. Throws InvalidValue beyond.
+  void set_effort(std::size_t vehicle, const Vector6d& effort);
+  const Vector6d& effort(std::size_t vehicle) const { return vehicles_.at(vehicle).effort; }
+  std::uint64_t collisions(std::size_t vehicle) const { return vehicles_.at(vehicle).collisions; }
+
+  const Vehicle& vehicle(std::size_t vehicle) const { return vehicles_.at(vehicle); }
+  Telemetry telemetry(std::size_t vehicle) const;
+  std::vector<double> read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true) const;
+  void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
+  MultibeamPing ping(std::size_t vehicle, std::size_t sonar) const;
+  Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
+
+ private:
+  double mission_time_s(const Vehicle& vehicle) const;
+  void step_once(const Fluid& fluid);
+
+  World world_;
+  std::shared_ptr<const RayScene> scene_;
+  SimulationSpec spec_;
+  std::uint64_t step_ns_;
+  std::uint64_t tick_ = 0;
+  RigidBodyWorld bodies_;
+  std::vector<Vehicle> vehicles_;
+};
+
+}  // namespace uwsim

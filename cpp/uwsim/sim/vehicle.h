@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "uwsim/dynamics/rigid_body_world.h"
+#include "uwsim/sensors/sensor.h"
+#include "uwsim/sonar/multibeam.h"
+#include "uwsim/vehicle/craft.h"
+#include "uwsim/vehicle/effort_drive.h"
+
+namespace uwsim {
+
+struct SonarSpec {
+  std::string name;
+  int model = 2;  ///< EM 2040 variant 1..4
+  Pose body_from_mount;
+  double elevation_rad = 0;
+};
+
+/// Everything that makes a vehicle of a scenario.
+struct VehicleSpec {
+  std::string name;
+  std::shared_ptr<const Craft> craft;
+  EffortDrive drive;
+  CollisionShape shape = CollisionShape::kHull;
+  double friction = 0.5;
+  double restitution = 0.1;
+  Pose start_world_from_body;
+  bool docked = false;  ///< held at its start until released
+  std::vector<SensorSpec> sensors;
+  std::vector<SonarSpec> sonars;
+};
+
+/// A vehicle within a simulation: what it carries and how its mission stands.
+struct Vehicle {
+  std::string name;
+  std::size_t body = 0;  ///< in the RigidBodyWorld
+  EffortDrive drive;
+  Vector6d effort = Vector6d::Zero();
+  std::vector<NoisySensor> sensors;
+  std::vector<Multibeam> sonars;
+  std::vector<std::string> sonar_names;
+  std::uint64_t released_tick = 0;  ///< meaningful once released
+  bool released = false;
+  bool touching = false;
+  std::uint64_t collisions = 0;  ///< times it came to touch something
+};
+
+/// The paper's vehicle panel.
+struct Telemetry {
+  double time_s = 0;
+  double speed_m_s = 0;
+  double angular_speed_rad_s = 0;
+  double acceleration_m_s2 = 0;  ///< magnitude of the inertial acceleration
+  double temperature_deg_c = 0;
+  double pressure_pa = 0;
+  double depth_m = 0;
+  double distance_to_station_m = 0;
+  double distance_to_seabed_m = 0;  ///< straight down; infinity over nothing
+  double mission_time_s = 0;        ///< since the release
+  double battery_percent = 0;       ///< of the mission time, what is left
+  bool range_warning = false;       ///< too far from the station
+  bool proximity_warning = false;   ///< too near the seabed
+  bool collision_warning = false;   ///< touching something
+};
+
+}  // namespace uwsim

@@ -1,0 +1,87 @@
+#include "uwsim/sonar/depth_string.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr char kSeparator = 'a';
+/// A float32 in G7 takes 13 letters with its separator; other writers may spend more digits, but not without end.
+constexpr std::size_t kLettersMax = 32;
+
+/// Appends a number that is not negative as C# does. C's %.7g has the same rules but for a capital E and for ties,
+/// which it rounds to even: one step of a double up is far below the seventh digit and turns a tie away from zero.
+void append_g7(std::string& out, float value) {
+  double nudged = value;
+  if (value != 0) nudged = std::nextafter(nudged, std::numeric_limits<double>::infinity());
+  char text[16];
+  char* end = std::to_chars(text, text + sizeof text, std::abs(nudged), std::chars_format::general, 7).ptr;
+  std::replace(text, end, 'e', 'E');
+  out.append(text, end);
+}
+
+[[noreturn]] void refuse(std::size_t beam, std::string_view text, const std::string& rule) {
+  std::string quoted = "'";
+  for (const char c : text.substr(0, 24)) quoted += c >= ' ' && c <= '~' ? c : '?';
+  quoted += text.size() > 24 ? "...'" : "'";
+  throw InvalidValue("depth_string[" + std::to_string(beam) + "] = " + quoted + ": " + rule);
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+float parse_range(std::string_view text, std::size_t beam) {
+  float value = 0;
+  // from_chars also takes "inf", ".5", "5." and "-1".
+  const bool plain = !text.empty() && is_digit(text.front()) && is_digit(text.back());
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (!plain || error == std::errc::invalid_argument || end != text.data() + text.size()) {
+    refuse(beam, text, "must be a decimal number of metres, at least 0");
+  }
+  if (error == std::errc::result_out_of_range) refuse(beam, text, "must fit a float32");
+  return value;
+}
+
+}  // namespace
+
+std::string encode_depth_string(std::span<const float> ranges_m, double range_max_m) {
+  require(range_max_m > 0 && std::isfinite(range_max_m), "sonar.range_max_m", range_max_m, "must be positive");
+  std::string text;
+  text.reserve(9 * ranges_m.size());
+  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
+    const float range_m = ranges_m[beam];
+    if (!(range_m >= 0 && (range_m <= range_max_m || std::isinf(range_m)))) {
+      std::ostringstream rule;
+      rule << "must be in [0, " << range_max_m << "] m, or infinity for a beam without echo";
+      require(false, "ranges_m[" + std::to_string(beam) + "]", range_m, rule.str());
+    }
+    append_g7(text, std::isinf(range_m) ? static_cast<float>(range_max_m) : range_m);
+    text += kSeparator;
+  }
+  return text;
+}
+
+std::vector<float> decode_depth_string(std::string_view text, std::size_t beams, double range_limit_m) {
+  require(
+      text.size() <= beams * kLettersMax, "depth_string.size", text.size(),
+      "must be at most " + std::to_string(beams * kLettersMax) + " letters for " + std::to_string(beams) + " beams");
+  const std::string count_rule = "the text must hold " + std::to_string(beams) + " values, each followed by 'a'";
+  std::vector<float> ranges_m;
+  ranges_m.reserve(beams);
+  while (!text.empty()) {
+    const std::size_t end = text.find(kSeparator);
+    const std::size_t beam = ranges_m.size();
+    if (beam == beams || end == std::string_view::npos) refuse(beam, text, count_rule);
+    const float range_m = parse_range(text.substr(0, end), beam);
+    ranges_m.push_back(range_m > range_limit_m ? std::numeric_limits<float>::infinity() : range_m);
+    text.remove_prefix(end + 1);
+  }
+  if (ranges_m.size() != beams) refuse(ranges_m.size(), "", count_rule);
+  return ranges_m;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,210 @@
+#include "uwsim/world/ray_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
+
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kPacket = 16;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Corners = std::array<Eigen::Vector3d, 3>;
+
+Eigen::Vector3d middle_of(const World& world) {
+  if (world.terrain()) {
+    const Eigen::Vector2d middle = 0.5 * (world.terrain()->origin_m() + world.terrain()->far_corner_m());
+    return {middle.x(), middle.y(), 0};
+  }
+  return world.solids().empty() ? Eigen::Vector3d::Zero().eval()
+                                : world.solids().front()->mesh_world.vertices_m.front();
+}
+
+/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return a;
+  if (d3 >= 0 && d4 <= d3) return b;
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  return a + (vb * ab + vc * ac) / (va + vb + vc);
+}
+
+}  // namespace
+
+struct RayScene::Impl {
+  World world;
+  Eigen::Vector3d middle_world_m;  // float coordinates are relative to this
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  explicit Impl(const World& source) : world(source), middle_world_m(middle_of(source)) {
+    device = rtcNewDevice("verbose=0");
+    require(device != nullptr, "embree", static_cast<int>(rtcGetDeviceError(nullptr)), "no device");
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // without it, rays through shared edges leak
+    if (world.terrain())
+      attach(world.terrain()->nx() * world.terrain()->ny(), world.terrain()->triangle_count(), kTerrain);
+    for (std::size_t k = 0; k < world.solids().size(); ++k) {
+      const TriangleMesh& mesh = world.solids()[k]->mesh_world;
+      attach(mesh.vertices_m.size(), mesh.triangles.size(), static_cast<Label>(kTerrain + 1 + k));
+    }
+    rtcCommitScene(scene);
+  }
+
+  ~Impl() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  Eigen::Vector3d vertex(Label label, std::size_t index) const {
+    return label == kTerrain ? world.terrain()->vertex(index)
+                             : world.solids()[label - kTerrain - 1]->mesh_world.vertices_m[index];
+  }
+
+  Triangle triangle(Label label, std::size_t index) const {
+    return label == kTerrain ? world.terrain()->triangle(index)
+                             : world.solids()[label - kTerrain - 1]->mesh_world.triangles[index];
+  }
+
+  Corners corners(Label label, std::size_t index) const {
+    const Triangle t = triangle(label, index);
+    return {vertex(label, t[0]), vertex(label, t[1]), vertex(label, t[2])};
+  }
+
+  /// Embree's geometry id is the label.
+  void attach(std::size_t vertex_count, std::size_t triangle_count, Label label) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), vertex_count));
+    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangle_count));
+    for (std::size_t k = 0; k < vertex_count; ++k) {
+      Eigen::Map<Eigen::Vector3f>(vertices + 3 * k) = (vertex(label, k) - middle_world_m).cast<float>();
+    }
+    for (std::size_t k = 0; k < triangle_count; ++k) {
+      const Triangle t = triangle(label, k);
+      std::copy(t.begin(), t.end(), indices + 3 * k);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, label);
+    rtcReleaseGeometry(geometry);
+  }
+
+  /// Embree's float distance errs by up to 1e-2 m far from the origin; its choice of triangle is good.
+  RayHit resolve(const Ray& ray, unsigned geometry, unsigned primitive, float float_distance) const {
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return {kInfinity, Eigen::Vector3f::Zero(), kNothing};
+    const auto label = static_cast<Label>(geometry);
+    const Corners t = corners(label, primitive);
+    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
+    const double along = normal.dot(ray.direction_world);
+    // Within 0.1 degree of tangency the plane says less about the distance than Embree does.
+    const double distance =
+        std::abs(along) < 1.7e-3 ? double{float_distance} : normal.dot(t[0] - ray.origin_world_m) / along;
+    return {std::max(0.0, distance), normal.cast<float>(), label};
+  }
+
+  void cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) std::array<int, kPacket> valid;
+    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+      const std::size_t count = std::min(kPacket, rays.size() - first);
+      for (std::size_t lane = 0; lane < kPacket; ++lane) {
+        valid[lane] = lane < count ? -1 : 0;
+        const Ray& ray = rays[first + std::min(lane, count - 1)];
+        const Eigen::Vector3f origin = (ray.origin_world_m - middle_world_m).cast<float>();
+        packet.ray.org_x[lane] = origin.x();
+        packet.ray.org_y[lane] = origin.y();
+        packet.ray.org_z[lane] = origin.z();
+        packet.ray.dir_x[lane] = static_cast<float>(ray.direction_world.x());
+        packet.ray.dir_y[lane] = static_cast<float>(ray.direction_world.y());
+        packet.ray.dir_z[lane] = static_cast<float>(ray.direction_world.z());
+        packet.ray.tnear[lane] = 0;
+        packet.ray.tfar[lane] = static_cast<float>(max_range_m);
+        packet.ray.time[lane] = 0;
+        packet.ray.mask[lane] = ~0u;
+        packet.ray.flags[lane] = 0;
+        packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+      }
+      rtcIntersect16(valid.data(), scene, &context, &packet);
+      for (std::size_t lane = 0; lane < count; ++lane) {
+        hits[first + lane] =
+            resolve(rays[first + lane], packet.hit.geomID[lane], packet.hit.primID[lane], packet.ray.tfar[lane]);
+      }
+    }
+  }
+
+  struct Query {
+    const Impl* scene;
+    Eigen::Vector3d point_world_m;
+    double distance_m;
+  };
+
+  static bool visit_triangle(RTCPointQueryFunctionArguments* args) {
+    auto* query = static_cast<Query*>(args->userPtr);
+    const Corners t = query->scene->corners(static_cast<Label>(args->geomID), args->primID);
+    const double distance = (closest_on_triangle(query->point_world_m, t) - query->point_world_m).norm();
+    if (distance >= query->distance_m) return false;
+    query->distance_m = distance;
+    // The search radius stays a hair wider than the double result, so that float rounding hides no nearer triangle.
+    args->query->radius = static_cast<float>(distance * (1 + 1e-5) + 1e-4);
+    return true;
+  }
+
+  double distance_to(const Eigen::Vector3d& point_world_m) const {
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    const Eigen::Vector3f p = (point_world_m - middle_world_m).cast<float>();
+    RTCPointQuery query{p.x(), p.y(), p.z(), 0, std::numeric_limits<float>::infinity()};
+    Query state{this, point_world_m, kInfinity};
+    rtcPointQuery(scene, &query, &context, &Impl::visit_triangle, &state);
+    return state.distance_m;
+  }
+};
+
+RayScene::RayScene(const World& world) : impl_(std::make_unique<Impl>(world)) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+void RayScene::cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads) const {
+  require(hits.size() == rays.size(), "hits.size", hits.size(), "must equal the number of rays");
+  parallel_ranges(rays.size(), threads, [&](std::size_t first, std::size_t last) {
+    impl_->cast_range(rays.subspan(first, last - first), max_range_m, hits.subspan(first, last - first));
+  });
+}
+
+RayHit RayScene::cast(const Ray& ray, double max_range_m) const {
+  RayHit hit;
+  impl_->cast_range({&ray, 1}, max_range_m, {&hit, 1});
+  return hit;
+}
+
+void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m,
+                        int threads) const {
+  require(distances_m.size() == points_world_m.size(), "distances_m.size", distances_m.size(),
+          "must equal the number of points");
+  parallel_ranges(points_world_m.size(), threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) distances_m[k] = impl_->distance_to(points_world_m[k]);
+  });
+}
+
+}  // namespace uwsim

@@ -1,0 +1,6 @@
+"""Steering a vehicle through its public names alone, so that the same code flies a simulated or a remote one."""
+
+from uwsim.control.autopilot import Autopilot
+from uwsim.control.protocols import Clock, SteeredVehicle
+
+__all__ = ["Autopilot", "Clock", "SteeredVehicle"]

@@ -1,0 +1,109 @@
+"""What a mission needs of a vehicle and a clock. uwsim.Simulator and its vehicles fit; so may a remote vehicle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
+
+
+class Clock(Protocol):
+    """Lets time pass: a simulator advances, a remote vehicle's clock sleeps."""
+
+    @property
+    def time_s(self) -> float:
+        """Seconds since some start."""
+
+    def wait(self, duration_s: float) -> None:
+        """Return when duration_s seconds have passed."""
+
+
+class PoseLike(Protocol):
+    """position_world_m (3,), world_from_body (4, 4), yaw_rad."""
+
+    @property
+    def position_world_m(self) -> NDArray[Any]: ...
+    @property
+    def world_from_body(self) -> NDArray[Any]: ...
+    @property
+    def yaw_rad(self) -> float: ...
+
+
+class VelocityLike(Protocol):
+    """linear_body_m_s (3,), angular_body_rad_s (3,)."""
+
+    @property
+    def linear_body_m_s(self) -> NDArray[Any]: ...
+    @property
+    def angular_body_rad_s(self) -> NDArray[Any]: ...
+
+
+class PingLike(Protocol):
+    """ranges_m (beams,), inf = no echo; points_sonar_m (beams, 3); world_from_sonar (4, 4)."""
+
+    @property
+    def ranges_m(self) -> NDArray[Any]: ...
+    @property
+    def points_sonar_m(self) -> NDArray[Any]: ...
+    @property
+    def world_from_sonar(self) -> NDArray[Any]: ...
+
+
+class SonarLike(Protocol):
+    """A head that tilts and pings."""
+
+    def aim(self, elevation_rad: float) -> None:
+        """Positive is up."""
+
+    def ping(self) -> PingLike:
+        """One ping from here and now."""
+
+
+class SensorLike(Protocol):
+    """A sensor whose reading is a number."""
+
+    def read(self) -> Any:
+        """In the sensor's SI unit."""
+
+
+class PanelLike(Protocol):
+    """What a mission looks at on the vehicle's panel."""
+
+    @property
+    def battery_percent(self) -> float: ...
+
+
+class SteeredVehicle(Protocol):
+    """A vehicle that takes efforts."""
+
+    @property
+    def pose(self) -> PoseLike: ...
+    @property
+    def velocity(self) -> VelocityLike: ...
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """In [-1, 1], held until the next call."""
+
+
+class SurveyVehicle(SteeredVehicle, Protocol):
+    """A vehicle that can be sent to survey."""
+
+    @property
+    def sonar(self) -> SonarLike: ...
+    @property
+    def sensors(self) -> Mapping[str, SensorLike]: ...
+    @property
+    def released(self) -> bool: ...
+    def release(self) -> None:
+        """Leave the station."""
+
+    def telemetry(self) -> PanelLike:
+        """The vehicle's panel."""

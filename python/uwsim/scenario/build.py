@@ -1,0 +1,80 @@
+"""From a scenario to the one native world that feeds physics and rays."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.meshes import Triangles, Vertices, load_mesh
+from uwsim.scenario.obstacles import obstacle_mesh
+from uwsim.scenario.schema import Scenario, Station, Vehicle
+from uwsim.scenario.terrain import Terrain, build_terrain
+
+
+def build_world(scenario: Scenario) -> _core.World:
+    """Terrain, obstacles and station ("station"), and the water over them. Raises ScenarioError."""
+    terrain = build_terrain(scenario.terrain)
+    _require_inside(scenario, terrain)
+    world = _core.World()
+    world.set_terrain(terrain.heights_m, terrain.spacing_m, terrain.origin_m)
+    for obstacle in scenario.obstacles:
+        world.add_solid(obstacle.name, *obstacle_mesh(obstacle, terrain))
+    if scenario.station.mesh is not None:
+        world.add_solid("station", *_station_mesh(scenario.station))
+    world.water = _water(scenario, terrain)
+    return world
+
+
+def start_pose(scenario: Scenario, vehicle: Vehicle) -> tuple[tuple[float, float, float], float]:
+    """Where a vehicle's origin is at the start (world, metres) and its yaw (radians); docked or free."""
+    if vehicle.start is not None:
+        return vehicle.start.position_m, float(np.radians(vehicle.start.yaw_deg))
+    station = scenario.station
+    x, y, z = _world_from_station(station).apply(station.dock_m) + np.asarray(station.position_m)
+    return (float(x), float(y), float(z)), float(np.radians(station.yaw_deg))
+
+
+def _world_from_station(station: Station) -> Rotation:
+    return Rotation.from_euler("z", station.yaw_deg, degrees=True)
+
+
+def _station_mesh(station: Station) -> tuple[Vertices, Triangles]:
+    assert station.mesh is not None
+    vertices, triangles = load_mesh(station.mesh)
+    return _world_from_station(station).apply(vertices) + np.asarray(station.position_m), triangles
+
+
+def _water(scenario: Scenario, terrain: Terrain) -> _core.Water:
+    given = scenario.water
+    water = _core.Water()
+    water.density_kg_m3 = given.density_kg_m3
+    water.surface_temperature_deg_c = given.surface_temperature_deg_c
+    water.bottom_temperature_deg_c = given.bottom_temperature_deg_c
+    water.bottom_depth_m = -terrain.lowest_m
+    water.salinity_psu = given.salinity_psu
+    water.current_world_m_s = given.current_world_m_s
+    return water
+
+
+def _require_inside(scenario: Scenario, terrain: Terrain) -> None:
+    """Refuses a dry world, and vehicles and survey corners beside, or vehicles below, the terrain."""
+    if terrain.lowest_m >= 0.0:
+        raise ScenarioError(
+            f"terrain: its lowest point is at z = {terrain.lowest_m:g} m: must be below the water, z = 0"
+        )
+    for index, vehicle in enumerate(scenario.vehicles):
+        (x, y, z), _ = start_pose(scenario, vehicle)
+        _require_above(terrain, (x, y, z), f"vehicles[{index}] starts at")
+    for corner in scenario.survey.area_m if scenario.survey else ():
+        _require_above(terrain, (*corner, np.inf), "survey.area_m: the corner")
+
+
+def _require_above(terrain: Terrain, point_m: tuple[float, float, float], what: str) -> None:
+    x, y, z = point_m
+    bed = terrain.height_at([[x, y]])[0]
+    if np.isnan(bed):
+        raise ScenarioError(f"{what} ({x:g}, {y:g}) m: outside the terrain, {terrain.extent_text}")
+    if z <= bed:
+        raise ScenarioError(f"{what} ({x:g}, {y:g}, {z:g}) m: must be above the bed, which is at z = {bed:g} m there")

@@ -1,0 +1,92 @@
+"""Hulls must be closed: what can be mended is mended, with a warning that says what was done."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.scenario.errors import ScenarioError
+
+Vertices = NDArray[np.float64]
+Triangles = NDArray[np.uint32]
+
+
+def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh") -> tuple[Vertices, Triangles]:
+    """Return the same surface closed and winding outward, equal vertices merged. Raises ScenarioError if it cannot be.
+
+    Every edge is shared by two triangles that run along it in opposite directions, and the volume is positive.
+    Parts that overlap are each counted: unite them where the hull is made.
+    Merging what STL writes apart is silent; any other repair issues a UserWarning.
+    """
+    mesh = trimesh.Trimesh(vertices_m, np.asarray(triangles, np.int64), process=False)
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
+    mesh.remove_unreferenced_vertices()
+    done = _repair(mesh)
+    if not _is_closed(mesh):
+        raise ScenarioError(f"mesh '{name}': is not closed ({_defects(mesh)}): close it in the program it is from")
+    if mesh.volume <= 0.0:
+        raise ScenarioError(f"mesh '{name}': encloses no volume")
+    if done:
+        warnings.warn(f"mesh '{name}': repaired: {', '.join(done)}", UserWarning, stacklevel=2)
+    return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
+
+
+def _repair(mesh: trimesh.Trimesh) -> list[str]:
+    """Mends the mesh in place; says what was done."""
+    done = []
+    if not mesh.is_watertight:
+        before = len(mesh.faces)
+        trimesh.repair.fill_holes(mesh, use_fan=True)
+        if len(mesh.faces) > before:
+            done.append(f"filled holes with {len(mesh.faces) - before} triangles")
+    if not mesh.is_winding_consistent:
+        trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]
+        done.append("made the winding consistent")
+    if _is_closed(mesh) and _turn_outward(mesh):
+        done.append("turned inside-out parts outward")
+    return done
+
+
+def _is_closed(mesh: trimesh.Trimesh) -> bool:
+    return bool(mesh.is_watertight and mesh.is_winding_consistent)
+
+
+def _turn_outward(mesh: trimesh.Trimesh) -> bool:
+    """Flips parts whose volume is negative, unless they lie inside another: those are cavities."""
+    parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)
+    volumes = [_volume(mesh.triangles[part]) for part in parts]
+    boxes = [(mesh.triangles[part].min(axis=(0, 1)), mesh.triangles[part].max(axis=(0, 1))) for part in parts]
+    faces = mesh.faces.copy()
+    flipped = False
+    for part, volume, (low, high) in zip(parts, volumes, boxes, strict=True):
+        inside = any((outer[0] < low).all() and (high < outer[1]).all() for outer in boxes)
+        if volume < 0.0 and not inside:
+            faces[part] = faces[part][:, ::-1]
+            flipped = True
+    if flipped:
+        mesh.faces = faces
+    return flipped
+
+
+def _volume(corners: NDArray[np.float64]) -> float:
+    """Signed, of triangles (m, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def _defects(mesh: trimesh.Trimesh) -> str:
+    _, uses = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+    found = [
+        f"{count} edges {what}"
+        for count, what in (
+            (np.sum(uses == 1), "of one triangle only"),
+            (np.sum(uses > 2), "of more than two triangles"),
+        )
+        if count
+    ]
+    return ", ".join(found) or "triangles that wind against each other"

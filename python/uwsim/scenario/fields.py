@@ -1,0 +1,96 @@
+"""What scenario models are made of: a strict base, numbers that know their range and unit, names, files.
+
+Rules are checked where the type is written, so that the same rule serves YAML and Python. Failures carry the unit and
+the rule to `messages.py`, which knows the file and the line.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.scenario.paths import did_you_mean, find_asset
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
+
+
+class Model(BaseModel):
+    """Immutable; a key that it does not know is an error that names the nearest one it does."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _knows_every_key(cls, data: object) -> object:
+        for key in data if isinstance(data, Mapping) else ():
+            if key not in cls.model_fields:
+                raise broken(f"unknown key{did_you_mean(str(key), cls.model_fields)}", at=(str(key),))
+        return data
+
+
+def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:
+    """Make the error of a broken rule, `at` keys below where it is raised; context: `value` there, and its `unit`."""
+    return PydanticCustomError("rule", "{rule}", {"rule": rule, "at": at, **context})
+
+
+@dataclass(frozen=True)
+class InRange:
+    """A number in [low, high]; text and booleans are not numbers. An int-typed field takes whole numbers only."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        number = (
+            core_schema.int_schema(strict=True)
+            if source is int
+            else core_schema.float_schema(strict=True, allow_inf_nan=True)
+        )
+        return core_schema.no_info_after_validator_function(self._check, number)
+
+    def _check(self, value: float) -> float:
+        if not (math.isfinite(value) and self.low <= value <= self.high):
+            raise broken(f"must be in [{self.low}, {self.high}] {self.unit}".rstrip(), unit=self.unit)
+        return value
+
+
+def _check_name(name: str) -> str:
+    if not NAME.fullmatch(name):
+        raise broken("must be a letter followed by at most 39 letters, digits, '-' or '_'")
+    return name
+
+
+def _check_file(value: object, info: ValidationInfo) -> Path:
+    if not isinstance(value, str | Path):
+        raise broken("must be the path of a file")
+    folder = (info.context or {}).get("folder", Path())
+    found = find_asset(Path(value), folder)
+    if found is None:
+        raise broken(f"no such file in {folder.resolve()} nor among the packaged assets")
+    return found
+
+
+Name = Annotated[str, AfterValidator(_check_name)]
+
+AssetFile = Annotated[Path, BeforeValidator(_check_file)]
+"""A file that exists: relative to the YAML file that names it (in Python: to the working folder), else packaged."""
+
+# World positions are far inside float32's millimetre range, in which rays are traced.
+Metres = Annotated[float, InRange(-10_000, 10_000, "m")]
+Size = Annotated[float, InRange(0.01, 10_000, "m")]
+Degrees = Annotated[float, InRange(-360, 360, "deg")]
+Factor = Annotated[float, InRange(1e-6, 1e6)]
+
+Point2 = tuple[Metres, Metres]
+Point3 = tuple[Metres, Metres, Metres]
+YawPitchRoll = tuple[Degrees, Degrees, Degrees]
+"""Turns about z, then the new y, then the new x, degrees."""

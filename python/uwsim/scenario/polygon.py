@@ -1,0 +1,45 @@
+"""Whether a polygon's outline meets itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+Point = tuple[float, float]
+
+
+def crossing_edges(corners: Sequence[Point]) -> tuple[int, int] | None:
+    """Corners at which two edges start that cross, touch or fold back on each other; None for a simple polygon."""
+    n = len(corners)
+    edges = [(corners[k], corners[(k + 1) % n]) for k in range(n)]
+    for i in range(n):
+        for j in range(i + 1, n):
+            if j == i + 1 or (i == 0 and j == n - 1):
+                first, second = (edges[i], edges[j]) if j == i + 1 else (edges[j], edges[i])
+                if _folds_back(first[0], first[1], second[1]):
+                    return i, j
+            elif _meet(*edges[i], *edges[j]):
+                return i, j
+    return None
+
+
+def _turn(a: Point, b: Point, c: Point) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _folds_back(a: Point, b: Point, c: Point) -> bool:
+    """Whether going on from a over b to c returns along the same line, or stays."""
+    along = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1])
+    return a == b or b == c or (_turn(a, b, c) == 0.0 and along < 0.0)
+
+
+def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
+    t1, t2, t3, t4 = _turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b)
+    if t1 * t2 < 0 and t3 * t4 < 0:
+        return True
+    touching = ((t1, a, b, c), (t2, a, b, d), (t3, c, d, a), (t4, c, d, b))
+    return any(turn == 0 and _within(p, q, r) for turn, p, q, r in touching)
+
+
+def _within(p: Point, q: Point, r: Point) -> bool:
+    """Whether r lies in the box that p and q span."""
+    return all(min(p[k], q[k]) <= r[k] <= max(p[k], q[k]) for k in (0, 1))

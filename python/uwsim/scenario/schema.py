@@ -1,0 +1,171 @@
+"""A scenario: the place, the things in it, the vehicles and what they are sent to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.scenario.fields import (
+    AssetFile,
+    Degrees,
+    InRange,
+    Model,
+    Name,
+    Point2,
+    Point3,
+    broken,
+)
+from uwsim.scenario.messages import validated
+from uwsim.scenario.obstacle_spec import ObstacleSpec
+from uwsim.scenario.polygon import crossing_edges
+from uwsim.scenario.terrain_spec import TerrainSpec
+from uwsim.scenario.vehicle_model import VehicleModel
+from uwsim.scenario.vehicles import load_vehicle
+
+Celsius = Annotated[float, InRange(-2, 40, "deg C")]
+MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
+NoseDown = Annotated[float, InRange(-90, 90, "deg")]
+RESERVED_NAMES = ("nothing", "terrain", "station")
+
+
+class Water(Model):
+    """Still or evenly flowing water. Its temperature is linear from the surface to the terrain's deepest point."""
+
+    density_kg_m3: Annotated[float, InRange(900, 1100, "kg/m3")] = 1000.0
+    surface_temperature_deg_c: Celsius = 15.0
+    bottom_temperature_deg_c: Celsius = 6.0
+    salinity_psu: Annotated[float, InRange(0, 45, "psu")] = 0.0
+    current_world_m_s: tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond] = (0.0, 0.0, 0.0)
+
+
+class Station(Model):
+    """The control station, from which distances are taken and where a vehicle may start docked.
+
+    position_m: of its own origin, on the water line. yaw_deg: of its x axis from east, counter-clockwise.
+    mesh: closed or not, in the station's frame; without one the station is a point. dock_m: where a docked
+    vehicle's origin is held, in the station's frame; the vehicle looks along the station's x.
+    """
+
+    position_m: Point3
+    yaw_deg: Degrees = 0.0
+    mesh: AssetFile | None = None
+    dock_m: Point3 = (0.0, 0.0, 0.0)
+
+
+class StartPose(Model):
+    """A free start, level, at position_m (world)."""
+
+    position_m: Point3
+    yaw_deg: Degrees = 0.0
+
+
+class Sonar(Model):
+    """Which EM 2040 the vehicle carries (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual swath).
+
+    tilt_deg: at the start, positive nose down, as on the wire's scanPos.
+    """
+
+    model: Annotated[int, InRange(1, 4)] = 2
+    tilt_deg: NoseDown = 0.0
+
+
+def _start(value: object) -> object:
+    if isinstance(value, str):
+        if value != "station":
+            raise broken("must be 'station', or position_m and yaw_deg")
+        return None
+    return value
+
+
+def _vehicle_model(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str | Path):
+        return load_vehicle(value, folder=(info.context or {}).get("folder"))
+    return value
+
+
+class Vehicle(Model):
+    """One vehicle in the scenario.
+
+    model: a packaged vehicle's name or the path of its YAML file; held here as the model that was read.
+    start: `station` (docked there; None in Python) or a free pose.
+    """
+
+    name: Name
+    model: Annotated[VehicleModel, BeforeValidator(_vehicle_model)]
+    start: Annotated[StartPose | None, BeforeValidator(_start)] = None
+    sonar: Sonar = Sonar()
+
+
+class Warnings(Model):
+    """When the panel warns: farther than range_m from the station, lower than proximity_m above the bed."""
+
+    range_m: Annotated[float, InRange(0, 1e5, "m")] = 110.0
+    proximity_m: Annotated[float, InRange(0, 1e3, "m")] = 10.0
+
+
+class Survey(Model):
+    """What `uwsim survey` flies here.
+
+    area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of
+    the lawn-mower's lines. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
+    """
+
+    area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]
+    altitude_m: Annotated[float, InRange(0.5, 500, "m")]
+    line_spacing_m: Annotated[float, InRange(0.5, 500, "m")]
+    speed_m_s: Annotated[float, InRange(0.05, 5, "m/s")]
+    tilt_deg: NoseDown = 30.0
+    ping_rate_hz: Annotated[float, InRange(0.1, 50, "Hz")] = 10.0
+    voxel_m: Annotated[float, InRange(0.02, 10, "m")] = 0.5
+
+    @model_validator(mode="after")
+    def _is_a_polygon(self) -> Survey:
+        crossing = crossing_edges(self.area_m)
+        if crossing is not None:
+            raise broken(f"the edges that start at its corners {crossing[0]} and {crossing[1]} meet", at=("area_m",))
+        return self
+
+
+class Scenario(Model):
+    """All that fixes a run, the number of threads excepted. World ENU, z up, water surface at z = 0."""
+
+    name: Name
+    description: str = ""
+    seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
+    step_s: Annotated[float, InRange(0.0005, 0.02, "s")] = 0.005
+    mission_time_s: Annotated[float, InRange(1, 1e6, "s")] = 3600.0
+    water: Water = Water()
+    terrain: TerrainSpec
+    obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
+    station: Station
+    vehicles: Annotated[tuple[Vehicle, ...], Field(min_length=1, max_length=64)]
+    warnings: Warnings = Warnings()
+    survey: Survey | None = None
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Scenario:
+        taken = set(RESERVED_NAMES)
+        for kind, items in (("obstacles", self.obstacles), ("vehicles", self.vehicles)):
+            for index, item in enumerate(items):
+                if item.name in taken:
+                    raise broken("is taken", at=(kind, index, "name"), value=item.name)
+                taken.add(item.name)
+        return self
+
+    def with_changes(
+        self, *, seed: int | None = None, mission_time_s: float | None = None, sonar_model: int | None = None
+    ) -> Scenario:
+        """Copy with some figures replaced and checked; sonar_model is that of every vehicle. Raises ScenarioError."""
+        data: dict[str, Any] = {key: getattr(self, key) for key in type(self).model_fields}
+        if seed is not None:
+            data["seed"] = seed
+        if mission_time_s is not None:
+            data["mission_time_s"] = mission_time_s
+        if sonar_model is not None:
+            data["vehicles"] = [
+                {**dict(vehicle), "sonar": {**dict(vehicle.sonar), "model": sonar_model}} for vehicle in self.vehicles
+            ]
+        return validated(Scenario, data)

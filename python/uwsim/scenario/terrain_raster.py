@@ -1,0 +1,191 @@
+"""Terrain from an elevation raster: GeoTIFF, ESRI ASCII grid and whatever else GDAL reads."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import rasterio
+from affine import Affine
+from numpy.typing import NDArray
+from rasterio.crs import CRS
+from rasterio.errors import CRSError, NotGeoreferencedWarning, RasterioError
+from rasterio.fill import fillnodata
+from rasterio.io import DatasetReader
+from rasterio.warp import transform
+
+from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.terrain_grid import grid_axes, read_off
+from uwsim.scenario.terrain_spec import MAX_NODES, RasterTerrain
+
+FloatGrid = NDArray[np.float64]
+Coordinates = TypeVar("Coordinates", float, FloatGrid)
+WGS84 = "EPSG:4326"
+LOCAL = "local"
+DEGREE_CELL = 0.1
+"""Cells narrower than this, in a file that names no coordinate system and spans less than the globe, are degrees."""
+
+
+@dataclass(frozen=True)
+class _Raster:
+    """elevations (h, w), complete; file_from_pixel maps (column, row) of pixel corners to the file's coordinates."""
+
+    name: str
+    elevations: FloatGrid
+    file_from_pixel: Affine
+    crs: CRS | None
+
+    @property
+    def unit_m(self) -> float:
+        """Metres for each unit of a projected system (feet, mostly)."""
+        return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
+
+    def pixel_at(self, x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
+        """Fractional columns and rows, whole at the cells' centres, of the file's coordinates."""
+        columns, rows = _mapped(~self.file_from_pixel, x, y)
+        return columns - 0.5, rows - 0.5
+
+
+def raster_heights(spec: RasterTerrain) -> FloatGrid:
+    """(ny, nx) heights: (elevation - water_level_m) * vertical_scale, read off in metres about the centre."""
+    raster = _read(spec)
+    h, w = raster.elevations.shape
+    centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
+    size = spec.size_m or _largest_size(raster, centre, spec)
+    x, y = np.meshgrid(*grid_axes(size, spec.spacing_m))
+    columns, rows = raster.pixel_at(
+        *_file_from_metres(raster, centre, x / spec.horizontal_scale, y / spec.horizontal_scale)
+    )
+    slack = 0.5 + 1e-6  # a cell's value holds out to its edge
+    outside = (columns < -slack) | (columns > w - 1 + slack) | (rows < -slack) | (rows > h - 1 + slack)
+    if outside.any() or not np.isfinite(columns + rows).all():
+        raise ScenarioError(
+            f"terrain '{raster.name}': {size[0]:g} x {size[1]:g} m at horizontal_scale {spec.horizontal_scale:g} about "
+            f"({centre[0]:.6g}, {centre[1]:.6g}) reaches beyond the raster: choose a smaller size_m or another centre"
+        )
+    elevations = read_off(raster.elevations, rows, columns, spec.interpolation)
+    return (elevations - spec.water_level_m) * spec.vertical_scale
+
+
+def _read(spec: RasterTerrain) -> _Raster:
+    name = spec.file.name
+    try:
+        with _opened(spec.file) as file:
+            if file.driver == "AAIGrid":
+                _require_numbers(spec.file)
+            if file.count != 1 and spec.band is None:
+                raise ScenarioError(f"terrain '{name}': {file.count} bands, expected 1 (choose one with band)")
+            if (spec.band or 1) > file.count:
+                raise ScenarioError(f"terrain '{name}': band = {spec.band}: the file has {file.count}")
+            if file.width * file.height > 4 * MAX_NODES:
+                raise ScenarioError(
+                    f"terrain '{name}': {file.width} x {file.height} cells, must be at most {4 * MAX_NODES}"
+                )
+            if min(file.width, file.height) < 2:
+                raise ScenarioError(f"terrain '{name}': {file.width} x {file.height} cells, expected 2 x 2 or more")
+            elevations = file.read(spec.band or 1, out_dtype=np.float64)
+            has_data = file.read_masks(spec.band or 1) > 0
+            file_from_pixel, crs = file.transform, file.crs
+    except RasterioError as error:
+        raise ScenarioError(f"terrain '{name}': not a readable elevation raster: {_reason(error)}") from None
+    if file_from_pixel.is_degenerate or file_from_pixel.is_identity:
+        raise ScenarioError(
+            f"terrain '{name}': does not say where and how large its cells are (for an image: source: image)"
+        )
+    complete = _without_gaps(name, elevations, has_data & np.isfinite(elevations), spec)
+    return _Raster(name, complete, file_from_pixel, _crs(spec, crs, file_from_pixel))
+
+
+def _opened(path: Path) -> DatasetReader:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotGeoreferencedWarning)  # an error of ours says so
+        return rasterio.open(path)
+
+
+def _without_gaps(name: str, elevations: FloatGrid, has_data: NDArray[np.bool_], spec: RasterTerrain) -> FloatGrid:
+    gaps = np.count_nonzero(~has_data)
+    if gaps == 0:
+        return elevations
+    if not spec.fill_nodata or gaps == elevations.size:
+        raise ScenarioError(
+            f"terrain '{name}': {gaps} of {elevations.size} cells have no data (fill_nodata: true fills gaps)"
+        )
+    reach = float(np.hypot(*elevations.shape))
+    filled = fillnodata(np.where(has_data, elevations, 0).astype(np.float32), has_data, max_search_distance=reach)
+    return np.where(has_data, elevations, filled)
+
+
+def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS | None:
+    """Return the file's coordinate system; None for plain metres."""
+    if spec.crs == LOCAL:
+        return None
+    if spec.crs is None:
+        looks_like_degrees = abs(file_from_pixel.a) < DEGREE_CELL and abs(file_from_pixel.c) <= 180 + DEGREE_CELL
+        return crs or (CRS.from_string(WGS84) if looks_like_degrees else None)
+    try:
+        return CRS.from_user_input(spec.crs)
+    except (CRSError, ValueError):
+        raise ScenarioError(
+            f"terrain.crs = '{spec.crs}': not a coordinate system, such as {WGS84} or {LOCAL}"
+        ) from None
+
+
+def _file_from_metres(
+    raster: _Raster, centre: tuple[float, float], x_m: FloatGrid, y_m: FloatGrid
+) -> tuple[FloatGrid, FloatGrid]:
+    """Return the file's coordinates of points given in real metres east and north of the centre."""
+    if raster.crs is None or not raster.crs.is_geographic:
+        return centre[0] + x_m / raster.unit_m, centre[1] + y_m / raster.unit_m
+    x, y = transform(_metres_about(centre), raster.crs, x_m.ravel(), y_m.ravel())
+    return np.reshape(x, x_m.shape), np.reshape(y, x_m.shape)
+
+
+def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
+    """Return the simulated extent of the largest grid about the centre that stays within the raster's cell centres."""
+    h, w = raster.elevations.shape
+    across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)
+    columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
+    rows = np.concatenate([np.full(65, 0.5), np.full(65, h - 0.5), down, down])
+    x, y = _mapped(raster.file_from_pixel, columns, rows)
+    if raster.crs is not None and raster.crs.is_geographic:
+        east, north = (np.asarray(axis) for axis in transform(raster.crs, _metres_about(centre), x, y))
+    else:
+        east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m
+    # A point of the border blocks the extent along the axis on which it is relatively farther out.
+    sideways = np.abs(east) / np.ptp(east) > np.abs(north) / np.ptp(north)
+    halves = np.abs(east[sideways]).min(), np.abs(north[~sideways]).min()
+    cells = [int(2 * half * spec.horizontal_scale / spec.spacing_m) for half in halves]
+    if min(cells) < 1 or (cells[0] + 1) * (cells[1] + 1) > MAX_NODES:
+        raise ScenarioError(
+            f"terrain '{raster.name}': {cells[0]} x {cells[1]} spacings of {spec.spacing_m:g} m at horizontal_scale "
+            f"{spec.horizontal_scale:g}: must be at least 1 x 1 and at most {MAX_NODES}; set horizontal_scale or size_m"
+        )
+    return cells[0] * spec.spacing_m, cells[1] * spec.spacing_m
+
+
+def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates, Coordinates]:
+    return affine.a * x + affine.b * y + affine.c, affine.d * x + affine.e * y + affine.f
+
+
+def _metres_about(centre: tuple[float, float]) -> CRS:
+    """Metres east and north of a longitude and latitude: true at the centre, off by 1e-6 at 10 km."""
+    return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
+
+
+def _require_numbers(path: Path) -> None:
+    """GDAL reads a word among an ASCII grid's numbers as zero."""
+    pattern = re.compile(r"(?<!\S)(?![-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?!\S))\S+")
+    with path.open(encoding="latin-1") as lines:
+        for number, line in enumerate(lines, 1):
+            bad = None if line[:1].isalpha() and number <= 8 else pattern.search(line)
+            if bad:
+                raise ScenarioError(f"terrain '{path.name}': line {number}: '{bad.group():.40}' is not a number")
+
+
+def _reason(error: Exception) -> str:
+    cause = error.__cause__ or error
+    return " ".join(str(cause).split())

@@ -1,0 +1,66 @@
+"""Vehicles: their YAML files, their hulls, and the rigid body that a hull and a model make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.scenario.closing import closed_mesh
+from uwsim.scenario.document import read_document
+from uwsim.scenario.meshes import load_mesh
+from uwsim.scenario.messages import validated
+from uwsim.scenario.paths import assets_folder, find_yaml
+from uwsim.scenario.vehicle_model import VehicleModel
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """A hull's mass properties, body frame.
+
+    centre_of_buoyancy_m: (3,), of the whole hull under water. inertia_kg_m2: (3,), about the centre of mass along the
+    body's axes.
+    """
+
+    volume_m3: float
+    mass_kg: float
+    centre_of_buoyancy_m: NDArray[np.float64]
+    centre_of_mass_m: NDArray[np.float64]
+    inertia_kg_m2: NDArray[np.float64]
+
+
+def load_vehicle(source: str | Path, folder: Path | None = None) -> VehicleModel:
+    """Load a vehicle from a packaged name ("rov") or a YAML file's path, relative to `folder`. Raises ScenarioError."""
+    beside = (folder or Path()) / source
+    path = beside if beside.is_file() else find_yaml(source, "vehicles")
+    name = path.name if assets_folder() in path.parents else str(path)
+    document = read_document(path, name)
+    return validated(VehicleModel, document.values, document, folder=path.resolve().parent)
+
+
+def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError."""
+    return closed_mesh(*load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up), name=str(model.mesh))
+
+
+def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
+    """Mass properties: what the model gives, the rest from the hull as a solid of even density."""
+    hull = trimesh.Trimesh(*vehicle_hull(model), process=False)
+    volume = float(hull.volume)
+    density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
+    mass = model.mass_kg if density is None else density * volume
+    assert mass is not None  # the model has exactly one of the three
+    if model.inertia_kg_m2 is not None:
+        inertia = np.asarray(model.inertia_kg_m2)
+    else:
+        inertia = np.diagonal(hull.moment_inertia) * mass / volume
+    return RigidBody(
+        volume_m3=volume,
+        mass_kg=mass,
+        centre_of_buoyancy_m=np.asarray(hull.center_mass, np.float64),
+        centre_of_mass_m=np.asarray(model.centre_of_mass_m),
+        inertia_kg_m2=np.asarray(inertia, np.float64),
+    )

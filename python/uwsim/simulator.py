@@ -1,0 +1,118 @@
+"""The simulator's face: one object that holds a scenario's world and vehicles and advances them in fixed steps."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.assembly import vehicle_spec
+from uwsim.scenario import Scenario, build_world, load
+from uwsim.vehicle import Vehicle
+
+STEP_TOLERANCE = 1e-6  # of a step, by which a duration may miss a whole number of steps
+
+
+class Simulator:
+    """A scenario that runs.
+
+    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
+    seed, sonar_model (1..4, every vehicle's), mission_time_s: replace the scenario's figures.
+    threads: how many a long call may use; by default all. Results do not depend on it.
+    Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
+
+    Reading, pinging and looking at telemetry do not advance time, and repeated at one time give the same sample.
+    One call at a time owns the simulator; others wait.
+    """
+
+    def __init__(
+        self,
+        scenario: str | Path | Scenario = "lake",
+        *,
+        seed: int | None = None,
+        sonar_model: int | None = None,
+        mission_time_s: float | None = None,
+        threads: int | None = None,
+    ) -> None:
+        self.scenario = load(scenario).with_changes(seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model)
+        self.threads = _checked_threads(threads)
+        self.world = build_world(self.scenario)
+        self.scene = _core.RayScene(self.world)
+        self._core = _core.Simulation(self.world, self.scene, _simulation_spec(self.scenario))
+        self.vehicles: dict[str, Vehicle] = {}
+        for vehicle in self.scenario.vehicles:
+            spec = vehicle_spec(self.scenario, vehicle)
+            self.vehicles[vehicle.name] = Vehicle(self._core, self._core.add_vehicle(spec), spec)
+
+    @property
+    def rov(self) -> Vehicle:
+        """The scenario's first vehicle."""
+        return next(iter(self.vehicles.values()))
+
+    @property
+    def seed(self) -> int:
+        """What every random draw is keyed by."""
+        return self.scenario.seed
+
+    @property
+    def step_s(self) -> float:
+        """The fixed step, seconds."""
+        return self.scenario.step_s
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start, nanoseconds."""
+        return self._core.time_ns
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the start, seconds."""
+        return self.time_ns * 1e-9
+
+    def step(self, n: int = 1) -> None:
+        """Advance by n fixed steps. Raises ValueError when n is negative or a vehicle's motion diverges."""
+        if n < 0:
+            raise ValueError(f"n = {n} steps: must not be negative")
+        self._core.step(n)
+
+    def advance(self, duration_s: float) -> None:
+        """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
+        steps = duration_s / self.step_s
+        if not np.isfinite(steps) or steps < 0 or abs(steps - round(steps)) > STEP_TOLERANCE * max(1.0, steps):
+            raise ValueError(f"duration_s = {duration_s} s: must be a whole number of steps of {self.step_s} s")
+        self.step(round(steps))
+
+    def wait(self, duration_s: float) -> None:
+        """What a mission calls to let time pass: the simulator is its own clock. Same as advance."""
+        self.advance(duration_s)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Nothing to release: the world lives as long as the object."""
+
+
+def _checked_threads(threads: int | None) -> int:
+    if threads is None:
+        return os.cpu_count() or 1
+    if not 1 <= threads <= 1024:
+        raise ValueError(f"threads = {threads}: must be in [1, 1024]")
+    return threads
+
+
+def _simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
+    spec = _core.SimulationSpec()
+    spec.step_s = scenario.step_s
+    spec.seed = scenario.seed
+    spec.mission_time_s = scenario.mission_time_s
+    spec.station_world_m = scenario.station.position_m
+    spec.range_warning_m = scenario.warnings.range_m
+    spec.proximity_warning_m = scenario.warnings.proximity_m
+    return spec

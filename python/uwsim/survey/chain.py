@@ -1,0 +1,104 @@
+"""The paper's chain from a ping to the map: string, decoded ranges, LaserScan, point cloud, world, OctoMap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import ranging
+from uwsim.mapping import OccupancyMap
+from uwsim.survey.stages import StageTimer
+
+SCANS_IN_FLIGHT = 64  # bounds what waits for the map's thread
+
+
+@dataclass(frozen=True, eq=False)
+class SelfBox:
+    """The vehicle's own hull as a box in the body frame, whose echoes are not the world's: corners (3,) [m]."""
+
+    low_body_m: NDArray[np.float64]
+    high_body_m: NDArray[np.float64]
+
+
+class ScanChain:
+    """Carries every ping through all the links into a map. A context manager: leaving it waits for the map.
+
+    With more than one thread the map is filled beside the simulation, scans in their order, so that its bytes do not
+    depend on the number of threads. tamper: stands for the channel; it gets the string and returns what arrives.
+    """
+
+    def __init__(
+        self,
+        occupancy: OccupancyMap,
+        model: int,
+        self_box: SelfBox,
+        *,
+        threads: int = 1,
+        timer: StageTimer | None = None,
+        tamper: Callable[[str], str] | None = None,
+    ) -> None:
+        self.occupancy = occupancy
+        self.model = model
+        self.self_box = self_box
+        self.timer = timer or StageTimer()
+        self._tamper = tamper
+        self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
+        self._waiting: list[Future[None]] = []
+
+    def insert(
+        self,
+        ranges_m: NDArray[np.float32],
+        world_from_body: NDArray[np.float64],
+        world_from_sonar: NDArray[np.float64],
+        stamp_s: float,
+    ) -> NDArray[np.float32]:
+        """One ping (beams,) taken at these poses (4, 4); returns its echoes in the world, (n, 3)."""
+        with self.timer.measure("codec"):
+            text = ranging.encode_depth_string(ranges_m, self.model)
+            if self._tamper is not None:
+                text = self._tamper(text)
+            decoded = ranging.decode_depth_string(text, self.model)
+        with self.timer.measure("conversion"):
+            scan = ranging.to_laser_scan(decoded, self.model, stamp_s)
+            points_sonar = ranging.to_point_cloud(scan)
+            body_from_sonar = np.linalg.inv(world_from_body) @ world_from_sonar
+            points_body = ranging.transform_points(points_sonar, body_from_sonar)
+            others = ranging.remove_box(points_body, self.self_box.low_body_m, self.self_box.high_body_m)
+            points_world = ranging.transform_points(others, world_from_body)
+        self._to_map(points_world, np.ascontiguousarray(world_from_sonar[:3, 3]), scan.range_max)
+        return points_world
+
+    def finish(self) -> None:
+        """Wait until every scan is in the map."""
+        waiting, self._waiting = self._waiting, []
+        for scan in waiting:
+            scan.result()
+
+    def _to_map(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64], range_max_m: float) -> None:
+        if self._mapper is None:
+            self._insert(points_world_m, origin_m, range_max_m)
+            return
+        self._waiting.append(self._mapper.submit(self._insert, points_world_m, origin_m, range_max_m))
+        while len(self._waiting) > SCANS_IN_FLIGHT or (self._waiting and self._waiting[0].done()):
+            self._waiting.pop(0).result()
+
+    def _insert(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64], range_max_m: float) -> None:
+        with self.timer.measure("map"):
+            self.occupancy.insert_scan(points_world_m, origin_m, max_range_m=range_max_m)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._mapper is not None:
+            self._mapper.shutdown(wait=True)
+        if error is None:
+            self.finish()

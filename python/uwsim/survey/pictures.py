@@ -1,0 +1,61 @@
+"""All pictures of a survey, in the order in which the report shows them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.survey.fan_picture import sonar_fan
+from uwsim.survey.map_picture import map_from_above
+from uwsim.survey.profile_picture import depth_profile
+from uwsim.survey.record import SurveyRecord
+from uwsim.survey.scene_picture import truth_and_map
+from uwsim.survey.score import MapScore
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG on disk, and what the report says of it."""
+
+    path: Path
+    title: str
+    caption: str
+
+
+def draw_pictures(
+    folder: Path,
+    world: _core.World,
+    record: SurveyRecord,
+    score: MapScore,
+    occupied_centres_m: NDArray[np.floating],
+) -> list[Picture]:
+    """Draw into an existing folder what there is to draw: a survey without pings has neither fan nor profile."""
+    pictures = [
+        Picture(
+            folder / "truth_and_map.png",
+            "Truth and map",
+            "The surveyed area cut out of the true world (left) and the occupied voxels of the map (right), seen by "
+            "one camera and coloured by height. The orange line is the sonar's path, drawn over what would hide it.",
+        ),
+        Picture(
+            folder / "map_from_above.png",
+            "The map from above",
+            "The highest occupied voxel of each column with the sonar's path. Voxels of the true surface that were in "
+            "line of sight and range of the path, but are not in the map, are marked in pink.",
+        ),
+    ]
+    truth_and_map(pictures[0].path, world, record, occupied_centres_m)
+    map_from_above(pictures[1].path, record, score, occupied_centres_m)
+    if record.sample_ping is not None:
+        fan = "One ping of the survey as the sonar sent it: from above over the true seabed, and from the side."
+        pictures.append(Picture(folder / "sonar_fan.png", "The sonar's fan", fan))
+        sonar_fan(pictures[-1].path, world, record)
+    if len(record.path_world_m) > 1:
+        profile = "The sonar's depth along its path, and the true seabed straight below it."
+        pictures.append(Picture(folder / "depth_profile.png", "Depth along the path", profile))
+        depth_profile(pictures[-1].path, world, record)
+    return pictures

@@ -1,0 +1,34 @@
+"""How deep the vehicle flew and how high above the true seabed, along its path."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.survey.figure_style import ACCENT, add_legend, dress, new_figure, save_figure
+from uwsim.survey.record import SurveyRecord
+
+GROUND, GROUND_LINE, WATER = "#b9ab98", "#6d6150", "#e6f0f6"
+
+
+def depth_profile(path: Path, world: _core.World, record: SurveyRecord) -> None:
+    """Draw z of the sonar and of the terrain beneath it over the distance flown. Raises ValueError without a path."""
+    if len(record.path_world_m) < 2:
+        raise ValueError(f"record.path_world_m = {len(record.path_world_m)} positions: must be two at least")
+    flown_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(record.path_world_m, axis=0), axis=1))])
+    sonar_m = record.path_world_m[:, 2]
+    ground_m = world.height_at(np.ascontiguousarray(record.path_world_m[:, :2]))
+    low = float(np.nanmin(np.append(ground_m, sonar_m)))
+    figure = new_figure(9.6, 3.0)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    dress(axes, "Depth along the path", "distance flown [m]", "z [m], 0 is the water's surface")
+    axes.set_facecolor(WATER)
+    axes.set_xlim(0.0, max(float(flown_m[-1]), 1.0))
+    axes.set_ylim(low - 0.08 * abs(low) - 0.5, 0.0)
+    axes.fill_between(flown_m, ground_m, axes.get_ylim()[0], color=GROUND, linewidth=0, label="true seabed below")
+    axes.plot(flown_m, ground_m, color=GROUND_LINE, linewidth=0.8)
+    axes.plot(flown_m, sonar_m, color=ACCENT, linewidth=1.4, label="sonar")
+    add_legend(axes, 2)
+    save_figure(figure, path)

@@ -1,0 +1,62 @@
+"""What a survey hands over when it ends, whether it finished or was interrupted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.floating]
+
+
+@dataclass(frozen=True, eq=False)
+class PingSample:
+    """One ping kept for the picture of the sonar's fan.
+
+    ranges_m: (beams,), inf where no echo came back. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
+    world_from_sonar: (4, 4). points_world_m: (echoes, 3).
+    """
+
+    ranges_m: FloatArray
+    angles_rad: FloatArray
+    world_from_sonar: NDArray[np.float64]
+    points_world_m: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyRecord:
+    """A survey from above: what was asked for, what was flown and what it cost.
+
+    path_world_m: (n, 3), where the sonar was at each ping, in order. area_world_m: (k, 2), the polygon that was to be
+    covered. sample_ping is None when the survey ended before its first ping. stage_wall_s: wall seconds by stage
+    (physics, rays, codec, conversion, map); what is missing to wall_s is the mission and the bookkeeping.
+    """
+
+    scenario_name: str
+    seed: int
+    sonar_model: int
+    step_s: float
+    voxel_m: float
+    threads: int
+    stopped_because: str
+    simulated_s: float
+    wall_s: float
+    ping_count: int
+    echo_count: int
+    collision_count: int
+    path_world_m: NDArray[np.float64]
+    area_world_m: NDArray[np.float64]
+    range_max_m: float
+    sample_ping: PingSample | None = None
+    stage_wall_s: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds for each second of wall time; 0 before anything ran."""
+        return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
+
+    @property
+    def path_length_m(self) -> float:
+        """Length of the line through the pings' positions."""
+        return float(np.linalg.norm(np.diff(self.path_world_m, axis=0), axis=1).sum())

@@ -1,0 +1,61 @@
+"""The survey in figures: one list that the terminal's table and the report both show."""
+
+from __future__ import annotations
+
+import math
+
+from rich.markup import escape
+from rich.table import Table
+
+from uwsim.survey.record import SurveyRecord
+from uwsim.survey.score import MapScore
+
+
+def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> list[tuple[str, str]]:
+    """Return (what, value with unit) of the survey and its map, in the order in which they are shown."""
+    return [
+        ("simulated time", minutes(record.simulated_s)),
+        ("wall time", minutes(record.wall_s)),
+        ("real-time factor", f"{record.real_time_factor:.1f} x"),
+        ("pings", f"{record.ping_count:,}"),
+        ("echoes", f"{record.echo_count:,}"),
+        ("path flown while pinging", f"{record.path_length_m:,.0f} m"),
+        ("collisions", f"{record.collision_count:,}"),
+        ("occupied voxels", f"{score.occupied_voxels:,}"),
+        ("free voxels", f"{free_voxel_count:,}"),
+        ("coverage", coverage(score)),
+        ("map to true surface, mean", distance(score.distance_mean_m)),
+        ("map to true surface, 95th percentile", distance(score.distance_p95_m)),
+        ("map to true surface, max", distance(score.distance_max_m)),
+    ]
+
+
+def summary_table(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> Table:
+    """Return the key figures as a table for the terminal."""
+    title = f"Survey of {escape(record.scenario_name)}, seed {record.seed}, sonar model {record.sonar_model}"
+    table = Table(title=title, title_justify="left", show_header=False)
+    table.add_column("figure", style="cyan", no_wrap=True)
+    table.add_column("value", justify="right")
+    for name, value in key_figures(record, score, free_voxel_count):
+        table.add_row(name, value)
+    return table
+
+
+def minutes(seconds: float) -> str:
+    """Write seconds as `21 min 52 s`, or `4.2 s` under a minute."""
+    if seconds < 60.0:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    return f"{whole // 60} min {whole % 60:02d} s"
+
+
+def distance(metres: float) -> str:
+    """Write metres to the millimetre; a dash where nothing was measured."""
+    return "-" if math.isnan(metres) else f"{metres:.3f} m"
+
+
+def coverage(score: MapScore) -> str:
+    """Write coverage in per cent of how many voxels; rounded down, so that 100 % is all of them."""
+    if score.visible_truth_voxels == 0:
+        return "- (no true surface was in sight)"
+    return f"{math.floor(score.coverage * 1000.0) / 10.0:.1f} % of {score.visible_truth_voxels:,} voxels"

@@ -1,0 +1,90 @@
+#include "uwsim/sonar/multibeam.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "meshes.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+World flat_world(float z_m) {
+  World world;
+  world.set_terrain(Heightfield(std::vector<float>(4, z_m), 2, 2, 400.0, {-200, -200}));
+  return world;
+}
+
+TEST(MultibeamModel, TheFourVariantsAreAsPublished) {
+  for (const auto& [number, beams, degrees, range, khz] :
+       {std::tuple{1, 513, 85, 95, 600}, {2, 513, 85, 55, 700}, {3, 1025, 170, 95, 600}, {4, 1025, 170, 55, 700}}) {
+    const MultibeamModel& model = em2040(number);
+    EXPECT_EQ(model.beams, beams);
+    EXPECT_NEAR(model.field_of_view_rad, degrees * std::numbers::pi / 180, 1e-12);
+    EXPECT_EQ(model.range_max_m, range);
+    EXPECT_EQ(model.frequency_hz, khz * 1e3);
+    EXPECT_NEAR(model.angle_rad(beams - 1), -model.angle_min_rad(), 1e-12);
+    EXPECT_NEAR(model.angle_rad(beams / 2), 0, 1e-12) << "an odd number of beams: one looks straight ahead";
+  }
+  EXPECT_THROW(em2040(5), InvalidValue);
+}
+
+TEST(Multibeam, ABeamMeetsAFlatBedAtItsHeightOverTheSineOfItsDip) {
+  const RayScene scene(flat_world(-20));
+  Multibeam sonar(em2040(4), Pose{{0.5, 0, -0.2}, Eigen::Quaterniond::Identity()});
+  const double tilt = 0.6;
+  sonar.aim(-tilt);
+  const Pose body{{3, 2, -8}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))};
+  const MultibeamPing ping = sonar.ping(scene, Water{}, body);
+  for (int beam = 0; beam < 1025; ++beam) {
+    const auto k = static_cast<std::size_t>(beam);
+    const double expected = (20 - 8 - 0.2) / (std::sin(tilt) * std::cos(sonar.model().angle_rad(beam)));
+    if (expected < 54.99) {
+      ASSERT_EQ(ping.valid[k], 1);
+      EXPECT_NEAR(ping.ranges_m[k], expected, 1e-5);
+      EXPECT_NEAR(std::cos(ping.incidence_rad[k]), (20 - 8.2) / expected, 1e-5);
+      EXPECT_EQ(ping.labels[k], kTerrain);
+    } else if (expected > 55) {
+      EXPECT_EQ(ping.valid[k], 0);
+      EXPECT_TRUE(std::isinf(ping.ranges_m[k]) && std::isinf(ping.intensity_db[k]));
+      EXPECT_EQ(ping.labels[k], kNothing);
+    }
+  }
+}
+
+TEST(Multibeam, PositiveElevationLooksUpAndPositiveAnglesToPort) {
+  World world;
+  TriangleMesh target = testing::box(1, 1, 1);
+  const double up = 0.5;
+  for (auto& v : target.vertices_m) v += Eigen::Vector3d(20 * std::cos(up), 0, -30 + 20 * std::sin(up));
+  world.add_solid("above", target);
+  for (auto& v : target.vertices_m) v += Eigen::Vector3d(0, 10, 0);
+  world.add_solid("above to port", target);
+  Multibeam sonar(em2040(2), Pose{});
+  sonar.aim(up);
+  const MultibeamPing ping = sonar.ping(RayScene(world), Water{}, {{0, 0, -30}, Eigen::Quaterniond::Identity()});
+  EXPECT_EQ(ping.labels[256], kTerrain + 1);
+  bool port = false;
+  for (std::size_t k = 0; k < 513; ++k) port |= ping.labels[k] == kTerrain + 2 && k > 256;
+  EXPECT_TRUE(port);
+  EXPECT_THROW(sonar.aim(1.6), InvalidValue);
+}
+
+TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
+  const auto level = [](float depth) {
+    Multibeam sonar(em2040(1), Pose{});
+    sonar.aim(-std::numbers::pi / 2);
+    const RayScene scene(flat_world(-depth));
+    return sonar.ping(scene, Water{}, Pose{{0, 0, -1}, Eigen::Quaterniond::Identity()}).intensity_db;
+  };
+  const auto near = level(11), far = level(41);  // 10 m and 40 m straight below
+  const double spreading = 40 * std::log10(4.0);
+  EXPECT_GT(near[256] - far[256], spreading);
+  EXPECT_LT(near[256] - far[256], spreading + 60 * 0.5) << "absorption of under 0.5 dB/m";
+  EXPECT_LT(near[0], near[256]);
+}
+
+}  // namespace
+}  // namespace uwsim

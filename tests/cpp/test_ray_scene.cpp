@@ -1,0 +1,83 @@
+#include "uwsim/world/ray_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "meshes.h"
+
+namespace uwsim {
+namespace {
+
+World slope_world(const Eigen::Vector2d& origin_m) {
+  std::vector<float> heights;
+  for (int j = 0; j < 101; ++j) {
+    for (int i = 0; i < 101; ++i) heights.push_back(-20 + 0.25f * static_cast<float>(i));
+  }
+  World world;
+  world.set_terrain(Heightfield(heights, 101, 101, 1.0, origin_m));
+  return world;
+}
+
+TEST(RayScene, ARayMeetsAPlaneAtItsClosedFormDistanceEvenFarFromTheOrigin) {
+  for (const double offset : {0.0, 10'000.0}) {
+    const RayScene scene(slope_world({offset, offset}));
+    const Eigen::Vector3d origin(offset + 40.37, offset + 51.91, 0);
+    for (int k = 0; k < 50; ++k) {
+      const double turn = 0.3 + k * 0.11;
+      const Eigen::Vector3d way = Eigen::Vector3d(0.4 * std::cos(turn), 0.4 * std::sin(turn), -1).normalized();
+      const RayHit hit = scene.cast({origin, way}, 100);
+      // z = -20 + (x - offset) / 4 along the ray
+      const double expected = (20 - 0.25 * (origin.x() - offset)) / (0.25 * way.x() - way.z());
+      EXPECT_NEAR(hit.distance_m, expected, 1e-9);
+      EXPECT_EQ(hit.label, kTerrain);
+      EXPECT_NEAR(hit.normal_world.z(), 1 / std::sqrt(1 + 0.0625), 1e-6);
+    }
+  }
+}
+
+TEST(RayScene, RaysThroughVerticesAndEdgesDoNotLeak) {
+  const RayScene scene(slope_world({0, 0}));
+  for (int j = 1; j < 100; ++j) {
+    for (int i = 1; i < 100; ++i) {
+      EXPECT_EQ(scene.cast({{double(i), double(j), 10}, {0, 0, -1}}, 100).label, kTerrain);
+      EXPECT_EQ(scene.cast({{i + 0.5, j + 0.5, 10}, {0, 0, -1}}, 100).label, kTerrain);
+    }
+  }
+}
+
+TEST(RayScene, NothingWithinRangeIsInfinityAndLabelsTellSolidsApart) {
+  World world = slope_world({0, 0});
+  TriangleMesh box = testing::box(2, 2, 2);
+  for (auto& v : box.vertices_m) v += Eigen::Vector3d(20, 50, -5);
+  const Label label = world.add_solid("box", box);
+  const RayScene scene(world);
+  const RayHit hit = scene.cast({{20, 50, 0}, {0, 0, -1}}, 100);
+  EXPECT_EQ(hit.label, label);
+  EXPECT_NEAR(hit.distance_m, 4, 1e-12);
+  EXPECT_EQ(scene.cast({{20, 50, 0}, {0, 0, -1}}, 3).distance_m, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(scene.cast({{20, 50, 0}, {0, 0, 1}}, 1000).label, kNothing);
+}
+
+TEST(RayScene, DistanceToASphereIsRadialWhateverTheThreads) {
+  World world;
+  world.add_solid("sphere", testing::sphere(2, 200));
+  const RayScene scene(world);
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < 10'000; ++k) {
+    points.emplace_back(5 * std::cos(k * 0.1), 5 * std::sin(k * 0.1), 0.001 * k - 5);
+  }
+  std::vector<double> one(points.size()), two(points.size());
+  scene.distance(points, one, 1);
+  scene.distance(points, two, 2);
+  EXPECT_EQ(one, two);
+  // Facets are pi/200 wide both ways; each way sags by r (1 - cos(pi/400)).
+  const double facet_sag_m = 2 * 2 * (1 - std::cos(std::numbers::pi / 400)) + 1e-6;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    EXPECT_NEAR(one[k], std::abs(points[k].norm() - 2), facet_sag_m);
+  }
+}
+
+}  // namespace
+}  // namespace uwsim

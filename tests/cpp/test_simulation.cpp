@@ -1,0 +1,127 @@
+#include "uwsim/sim/simulation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "meshes.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+World flat_world() {
+  World world;
+  world.set_terrain(Heightfield(std::vector<float>(4, -20), 2, 2, 400.0, {-200, -200}));
+  return world;
+}
+
+VehicleSpec neutral_vehicle(bool docked) {
+  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 1000 * solid.volume_m3;
+  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  p.quadratic_damping.diagonal().setConstant(250);
+  VehicleSpec spec;
+  spec.name = "rov";
+  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
+  spec.drive.full_wrench_body.setConstant(250);
+  spec.start_world_from_body.position_m = {0, 0, -8};
+  spec.docked = docked;
+  return spec;
+}
+
+Simulation simulation(const World& world, SimulationSpec spec = {}) {
+  return {world, std::make_shared<const RayScene>(world), spec};
+}
+
+TEST(Simulation, ADockedVehicleStaysUntilItIsReleased) {
+  Simulation sim = simulation(flat_world());
+  sim.add_vehicle(neutral_vehicle(true));
+  Vector6d ahead = Vector6d::Zero();
+  ahead(0) = 1;
+  sim.set_effort(0, ahead);
+  sim.step(200);
+  EXPECT_EQ(sim.state(0).world_from_body.position_m.x(), 0);
+  EXPECT_EQ(sim.telemetry(0).mission_time_s, 0);
+  sim.release(0);
+  sim.step(200);
+  EXPECT_GT(sim.state(0).world_from_body.position_m.x(), 0.1);
+  EXPECT_NEAR(sim.telemetry(0).mission_time_s, 1, 1e-9);
+}
+
+TEST(Simulation, EachEffortMovesItsOwnAxisThePositiveWay) {
+  for (int axis = 0; axis < 6; ++axis) {
+    Simulation sim = simulation(flat_world());
+    sim.add_vehicle(neutral_vehicle(false));
+    Vector6d effort = Vector6d::Zero();
+    effort(axis) = 0.2;
+    sim.set_effort(0, effort);
+    sim.step(100);
+    EXPECT_GT(sim.state(0).velocity_body(axis), 0.01);
+    Vector6d others = sim.state(0).velocity_body;
+    others(axis) = 0;
+    EXPECT_LT(others.norm(), 1e-9);
+  }
+}
+
+TEST(Simulation, ThrustersStopWhenTheBatteryIsUsedUp) {
+  SimulationSpec spec;
+  spec.mission_time_s = 2;
+  Simulation sim = simulation(flat_world(), spec);
+  sim.add_vehicle(neutral_vehicle(false));
+  Vector6d ahead = Vector6d::Zero();
+  ahead(0) = 1;
+  sim.set_effort(0, ahead);
+  sim.step(200);
+  EXPECT_NEAR(sim.telemetry(0).battery_percent, 50, 1e-9);
+  sim.step(200);
+  const double speed = sim.telemetry(0).speed_m_s;
+  EXPECT_EQ(sim.telemetry(0).battery_percent, 0);
+  sim.step(400);
+  const double mass_kg = 1000 * 1.2 * 0.8 * 0.6, drag = 250, coasting_s = 2;
+  EXPECT_NEAR(sim.telemetry(0).speed_m_s, speed / (1 + drag * speed * coasting_s / mass_kg), 1e-6);
+}
+
+TEST(Simulation, ThePanelAgreesWithGeometryAndWarnsAtItsThresholds) {
+  SimulationSpec spec;
+  spec.station_world_m = {0, 60, -8};
+  Simulation sim = simulation(flat_world(), spec);
+  sim.add_vehicle(neutral_vehicle(false));
+  Telemetry t = sim.telemetry(0);
+  EXPECT_NEAR(t.depth_m, 8, 1e-12);
+  EXPECT_NEAR(t.distance_to_seabed_m, 12, 1e-9);
+  EXPECT_NEAR(t.distance_to_station_m, 60, 1e-12);
+  EXPECT_FALSE(t.range_warning || t.proximity_warning || t.collision_warning);
+  BodyState far;
+  far.world_from_body.position_m = {0, -51, -19.69};
+  far.velocity_body << 1, 2, 2, 0, 0, 0.5;
+  sim.set_state(0, far);
+  t = sim.telemetry(0);
+  EXPECT_TRUE(t.range_warning && t.proximity_warning);
+  EXPECT_NEAR(t.speed_m_s, 3, 1e-12);
+  EXPECT_NEAR(t.angular_speed_rad_s, 0.5, 1e-12);
+  far.velocity_body << 0, 0, -0.5, 0, 0, 0;
+  sim.set_state(0, far);
+  sim.step(5);
+  EXPECT_TRUE(sim.telemetry(0).collision_warning);
+  EXPECT_EQ(sim.collisions(0), 1u);
+}
+
+TEST(Simulation, EffortsBeyondOneAndWhatIsNotFiniteStayOutside) {
+  Simulation sim = simulation(flat_world());
+  sim.add_vehicle(neutral_vehicle(false));
+  EXPECT_THROW(sim.set_effort(0, Vector6d::Constant(1.01)), InvalidValue);
+  EXPECT_THROW(sim.set_effort(0, Vector6d::Constant(NAN)), InvalidValue);
+  BodyState state;
+  state.velocity_body(3) = INFINITY;
+  EXPECT_THROW(sim.set_state(0, state), InvalidValue);
+  EXPECT_THROW(sim.add_vehicle(neutral_vehicle(false)), InvalidValue) << "a name taken twice";
+  SimulationSpec spec;
+  spec.step_s = 0;
+  EXPECT_THROW(simulation(flat_world(), spec), InvalidValue);
+}
+
+}  // namespace
+}  // namespace uwsim

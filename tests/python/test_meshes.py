@@ -1,0 +1,194 @@
+"""A mesh is the same solid in the same place whatever file it comes from; hulls are closed or refused."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from uwsim.scenario import ScenarioError, closed_mesh, load_mesh
+
+LOW, HIGH = np.array([9.0, 18.0, 27.0]), np.array([10.0, 20.0, 30.0])  # metres, z up
+
+
+def solid() -> trimesh.Trimesh:
+    return trimesh.creation.box(bounds=[LOW, HIGH])
+
+
+def write_fbx(path: Path, up: str = "z", unit_cm: float = 100.0) -> Path:
+    """The same box as Blender would write it: a mesh at its own origin, placed by its node."""
+    size, place = HIGH - LOW, LOW
+    if up == "y":
+        size, place = size[[0, 2, 1]], np.array([LOW[0], LOW[2], -HIGH[1]])
+    size, place = size * 100 / unit_cm, place * 100 / unit_cm
+    points = [(x * size[0], y * size[1], z * size[2]) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [k if n < 3 else -k - 1 for quad in quads for n, k in enumerate(quad)]
+    up_axis, front_axis, front_sign = {"y": (1, 2, 1), "z": (2, 1, -1)}[up]
+    settings = {"UpAxis": up_axis, "UpAxisSign": 1, "FrontAxis": front_axis, "FrontAxisSign": front_sign}
+    settings |= {"CoordAxis": 0, "CoordAxisSign": 1}
+    lines = "".join(f'P: "{key}", "int", "Integer", "",{value}\n' for key, value in settings.items())
+    path.write_text(f"""; FBX 7.4.0 project file
+FBXHeaderExtension:  {{
+FBXHeaderVersion: 1003
+FBXVersion: 7400
+}}
+GlobalSettings:  {{
+Version: 1000
+Properties70:  {{
+{lines}P: "UnitScaleFactor", "double", "Number", "",{unit_cm}
+}}
+}}
+Objects:  {{
+Geometry: 1000, "Geometry::box", "Mesh" {{
+Vertices: *24 {{
+a: {",".join(f"{c:.9g}" for point in points for c in point)}
+}}
+PolygonVertexIndex: *24 {{
+a: {",".join(map(str, faces))}
+}}
+}}
+Model: 2000, "Model::box", "Mesh" {{
+Version: 232
+Properties70:  {{
+P: "Lcl Translation", "Lcl Translation", "", "A",{",".join(f"{c:.9g}" for c in place)}
+}}
+}}
+}}
+Connections:  {{
+C: "OO",2000,0
+C: "OO",1000,2000
+}}
+""")
+    return path
+
+
+def write(folder: Path, kind: str) -> Path:
+    path = folder / f"box.{kind}"
+    if kind == "fbx":
+        return write_fbx(path)
+    mesh = solid()
+    if kind in ("glb", "gltf"):  # y up, and placed by a node
+        mesh.apply_transform([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+        shift = trimesh.transformations.translation_matrix([5, 6, 7])
+        mesh.apply_transform(np.linalg.inv(shift))
+        scene = trimesh.Scene()
+        scene.add_geometry(mesh, transform=shift)
+        scene.export(path)
+    else:
+        mesh.export(path)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["stl", "ply", "obj", "off", "glb", "gltf", "fbx"])
+def test_every_format_gives_the_same_solid_in_the_same_place(
+    kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    vertices, triangles = load_mesh(write(tmp_path, kind))
+    assert (vertices.dtype, triangles.dtype) == (np.float64, np.uint32)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vertices, triangles = closed_mesh(vertices, triangles)
+    assert vertices.shape == (8, 3)
+    assert triangles.shape == (12, 3)
+    np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [LOW, HIGH], atol=1e-5)
+    assert trimesh.Trimesh(vertices, triangles).volume == pytest.approx(6.0, rel=1e-5)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_fbx_says_its_own_axes_and_unit(tmp_path: Path) -> None:
+    for up in ("y", "z"):
+        for unit_cm in (1.0, 100.0):
+            vertices, _ = load_mesh(write_fbx(tmp_path / "a.fbx", up, unit_cm))
+            np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [LOW, HIGH], atol=1e-4)
+
+
+def test_scale_and_up_are_for_files_that_do_not_say(tmp_path: Path) -> None:
+    path = write(tmp_path, "obj")
+    vertices, _ = load_mesh(path, scale=0.001, up="y")  # (x, y, z) of the file becomes (x, -z, y)
+    np.testing.assert_allclose(vertices.min(axis=0), [0.009, -0.030, 0.018])
+    np.testing.assert_allclose(load_mesh(write(tmp_path, "glb"), up="z")[0].min(axis=0), [9, 27, -20], atol=1e-5)
+
+
+def test_comments_in_any_encoding_do_not_matter(tmp_path: Path) -> None:
+    path = write(tmp_path, "obj")
+    path.write_bytes(b"# caf\xe9\n" + path.read_bytes())
+    assert len(load_mesh(path)[1]) == 12
+
+
+@pytest.mark.parametrize("kind", ["stl", "ply", "obj", "glb", "fbx", "dae", "xyz"])
+@pytest.mark.parametrize("content", [b"", b"hello world", bytes(range(256)) * 4], ids=["empty", "text", "bytes"])
+def test_malformed_files_are_refused_in_one_line(
+    kind: str, content: bytes, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"bad.{kind}"
+    path.write_bytes(content)
+    with pytest.raises(ScenarioError) as caught:
+        load_mesh(path)
+    assert str(caught.value).startswith(f"mesh '{path}': ")
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("kind", ["stl", "ply", "glb", "fbx"])
+def test_truncated_files_are_refused(kind: str, tmp_path: Path) -> None:
+    path = write(tmp_path, kind)
+    path.write_bytes(path.read_bytes()[:-120])
+    with pytest.raises(ScenarioError, match="not a readable"):
+        load_mesh(path)
+
+
+def test_what_is_missing_not_finite_or_no_surface_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="no such file"):
+        load_mesh(tmp_path / "none.stl")
+    with pytest.raises(ScenarioError, match="not a regular file"):
+        load_mesh(tmp_path)
+    path = tmp_path / "a.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")
+    with pytest.raises(ScenarioError, match="1 vertices are not finite"):
+        load_mesh(path)
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    with pytest.raises(ScenarioError, match=r"a\.obj"):
+        load_mesh(path)
+    path.write_text("v 0 0 0\nv 1 0 0\nl 1 2\n")
+    with pytest.raises(ScenarioError, match="holds no triangles"):
+        load_mesh(path)
+
+
+def volume(vertices: np.ndarray, triangles: np.ndarray) -> float:
+    return float(trimesh.Trimesh(vertices, triangles, process=False).volume)
+
+
+def test_holes_and_winding_are_mended_with_a_warning() -> None:
+    box = solid()
+    with pytest.warns(UserWarning, match="repaired: filled holes with 1 triangles"):
+        assert volume(*closed_mesh(box.vertices, box.faces[1:])) == pytest.approx(6.0)
+    turned = box.faces.copy()
+    turned[[2, 7]] = turned[[2, 7], ::-1]
+    with pytest.warns(UserWarning, match="made the winding consistent"):
+        assert volume(*closed_mesh(box.vertices, turned)) == pytest.approx(6.0)
+    with pytest.warns(UserWarning, match="turned inside-out parts outward"):
+        assert volume(*closed_mesh(box.vertices, box.faces[:, ::-1])) == pytest.approx(6.0)
+
+
+def test_a_cavity_stays_a_cavity_and_an_inverted_neighbour_does_not() -> None:
+    inner = trimesh.creation.box((0.5, 0.5, 0.5))
+    inner.invert()
+    outer = trimesh.creation.box((2, 2, 2))
+    shell = trimesh.util.concatenate([outer, inner])
+    assert volume(*closed_mesh(shell.vertices, shell.faces)) == pytest.approx(8 - 0.125)
+    inner.apply_translation([5, 0, 0])
+    pair = trimesh.util.concatenate([outer, inner])
+    with pytest.warns(UserWarning, match="turned inside-out parts outward"):
+        assert volume(*closed_mesh(pair.vertices, pair.faces)) == pytest.approx(8 + 0.125)
+
+
+def test_what_cannot_be_closed_is_refused() -> None:
+    box = solid()
+    fin = np.vstack([box.faces, [[0, 7, 5]]])
+    with pytest.raises(ScenarioError, match=r"mesh 'fin': is not closed \(.*edge"):
+        closed_mesh(box.vertices, fin, name="fin")
+    flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    with pytest.raises(ScenarioError, match="mesh 'mesh'"):
+        closed_mesh(flat.vertices, flat.faces)

@@ -1,0 +1,163 @@
+"""The report stands alone, shows every figure, and is valid however early the survey ended."""
+
+import base64
+import dataclasses
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from uwsim import _core
+from uwsim.survey import scene_picture
+from uwsim.survey.atomic_file import write_atomically
+from uwsim.survey.pictures import draw_pictures
+from uwsim.survey.record import PingSample, SurveyRecord
+from uwsim.survey.report import write_report
+from uwsim.survey.score import score_map
+from uwsim.survey.table import key_figures, summary_table
+
+AREA = np.array([[-8.0, -6.0], [8.0, -6.0], [8.0, 6.0], [-8.0, 6.0]])
+NO_VOXELS = np.empty((0, 3))
+
+
+@pytest.fixture(autouse=True)
+def small_panels(monkeypatch):
+    monkeypatch.setattr(scene_picture, "PANEL_PIXELS", 160)
+
+
+@pytest.fixture
+def world():
+    x, y = np.meshgrid(np.arange(-20.0, 21.0), np.arange(-20.0, 21.0))
+    world = _core.World()
+    world.set_terrain((np.sin(x / 4.0) + np.cos(y / 5.0) - 20.0).astype(np.float32), 1.0, (-20.0, -20.0))
+    world.add_solid("post", np.array([[0.0, 0, -22], [1, 0, -22], [0, 1, -22], [0.3, 0.3, -14]]), np.array([[0, 1, 3]]))
+    return world
+
+
+@pytest.fixture
+def record(world):
+    path = np.stack([np.linspace(-6.0, 6.0, 40), np.zeros(40), np.full(40, -12.0)], axis=1)
+    angles = np.linspace(-1.0, 1.0, 65)
+    tilt = 0.9
+    turn = np.array([[np.cos(tilt), 0, np.sin(tilt)], [0, 1, 0], [-np.sin(tilt), 0, np.cos(tilt)]])
+    world_from_sonar = np.eye(4)
+    world_from_sonar[:3, :3], world_from_sonar[:3, 3] = turn, path[20]
+    ways = np.stack([np.cos(angles), np.sin(angles), np.zeros(65)], axis=1) @ turn.T
+    ranges = _core.RayScene(world).cast(path[20:21], ways, 15.0).ranges_m
+    echo = np.isfinite(ranges)
+    assert 0 < echo.sum() < 65  # some beams come back empty
+    points = path[20] + ways[echo] * ranges[echo, None]
+    return SurveyRecord(
+        scenario_name='<b>lake & "co"</b>',
+        seed=31415,
+        sonar_model=2,
+        step_s=0.005,
+        voxel_m=0.5,
+        threads=2,
+        stopped_because="the <proximity> sensor read less than 7 m",
+        simulated_s=1312.4,
+        wall_s=62.1,
+        ping_count=40,
+        echo_count=2345,
+        collision_count=0,
+        path_world_m=path,
+        area_world_m=AREA,
+        range_max_m=15.0,
+        sample_ping=PingSample(ranges, angles, world_from_sonar, points),
+        stage_wall_s={"physics": 8.0, "map": 32.0},
+    )
+
+
+def survey(world, record, folder, voxels=None):
+    if voxels is None:
+        voxels = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0).visible_centres_m
+    score = score_map(world, voxels, 0.5, record.path_world_m, AREA, 15.0)
+    pictures = draw_pictures(folder, world, record, score, voxels)
+    write_report(folder / "report.html", record, score, 98765, pictures)
+    return score, pictures, (folder / "report.html").read_text(encoding="utf-8")
+
+
+def texts(page: str) -> str:
+    return " ".join(" ".join(ElementTree.fromstring(page).itertext()).split())
+
+
+def test_the_report_is_well_formed_and_shows_every_figure_and_picture(world, record, tmp_path):
+    score, pictures, page = survey(world, record, tmp_path)
+    shown = texts(page)
+    for name, value in key_figures(record, score, 98765):
+        assert f"{name} {value}" in shown
+    for value in (record.scenario_name, str(record.seed), record.stopped_because, "octovis map.bt"):
+        assert value in shown
+    assert "physics 8.0 s 13 %" in shown
+    assert "mission and the rest 22.1 s" in shown
+
+    assert len(pictures) == 4
+    embedded = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
+    assert [base64.b64decode(text) for text in embedded] == [picture.path.read_bytes() for picture in pictures]
+
+
+def test_the_report_asks_nothing_of_the_network_and_escapes_names(world, record, tmp_path):
+    page = survey(world, record, tmp_path)[2]
+    without_pictures = re.sub(r"base64,[^\"]+", "", page)
+    assert not re.search(r"https?:|//|<script|<link|@import|url\(", without_pictures)
+    assert "<b>lake" not in page
+    assert "&lt;proximity&gt;" in page
+
+
+def test_a_survey_without_pings_says_so(world, record, tmp_path):
+    nothing = dataclasses.replace(
+        record, ping_count=0, echo_count=0, path_world_m=NO_VOXELS, sample_ping=None, wall_s=0.0, stage_wall_s={},
+        simulated_s=0.0, stopped_because="interrupted",
+    )  # fmt: skip
+    _, pictures, page = survey(world, nothing, tmp_path, NO_VOXELS)
+    assert [picture.path.name for picture in pictures] == ["truth_and_map.png", "map_from_above.png"]
+    shown = texts(page)
+    assert "ended before its first ping" in shown
+    assert "The map is empty" in shown
+    assert "nan" not in shown
+    assert nothing.real_time_factor == 0.0
+
+
+def test_one_ping_and_one_voxel_are_enough(world, record, tmp_path):
+    short = dataclasses.replace(record, ping_count=1, path_world_m=record.path_world_m[:1])
+    _, pictures, page = survey(world, short, tmp_path, np.array([[0.25, 0.25, -19.75]]))
+    assert len(pictures) == 3
+    assert "first ping" not in texts(page)
+
+
+def test_the_same_survey_draws_the_same_bytes(world, record, tmp_path):
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+        survey(world, record, folder)
+    for path in first.iterdir():
+        assert path.read_bytes() == (second / path.name).read_bytes()
+
+
+def test_the_table_holds_the_same_figures(world, record, tmp_path):
+    score = survey(world, record, tmp_path)[0]
+    console = Console(width=100, record=True, file=(tmp_path / "terminal").open("w"))
+    console.print(summary_table(dataclasses.replace(record, scenario_name="[red]lake[/red]"), score, 98765))
+    shown = console.export_text()
+    assert "[red]lake[/red]" in shown
+    for name, value in key_figures(record, score, 98765):
+        assert re.search(f"{re.escape(name)} .* {re.escape(value)} ", shown)
+
+
+def test_coverage_is_not_rounded_up_to_all(world, record):
+    voxels = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0).visible_centres_m
+    score = score_map(world, voxels, 0.5, record.path_world_m, AREA, 15.0)
+    almost = dataclasses.replace(score, coverage=0.99996)
+    assert dict(key_figures(record, almost, 0))["coverage"].startswith("99.9 %")
+
+
+def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path):
+    target = tmp_path / "report.html"
+    target.mkdir()
+    with pytest.raises(OSError, match=r"report\.html"):
+        write_atomically(target, b"new")
+    assert list(tmp_path.iterdir()) == [target]
+    with pytest.raises(OSError, match="nowhere"):
+        write_atomically(tmp_path / "nowhere" / "report.html", b"new")

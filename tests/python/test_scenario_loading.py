@@ -1,0 +1,187 @@
+"""A scenario file says what it means or is refused in one line that says where and why."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uwsim.scenario import Scenario, ScenarioError, load, load_vehicle, packaged_scenarios
+from uwsim.scenario.paths import assets_folder
+
+POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+ROV = (assets_folder() / "vehicles" / "rov.yaml").read_text()
+
+
+def line_of(text: str, part: str) -> int:
+    return text[: text.index(part)].count("\n") + 1
+
+
+def refusal(path: Path, text: str | bytes) -> str:
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ScenarioError) as caught:
+        load(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith(str(path))
+    return message.removeprefix(f"{path}:")
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_packaged_scenarios_load_by_name_and_as_a_copy_elsewhere(name: str, tmp_path: Path) -> None:
+    scenario = load(name)
+    assert scenario.name == name
+    copy = tmp_path / "copy.yaml"
+    copy.write_text((assets_folder() / "scenarios" / f"{name}.yaml").read_text())
+    assert load(copy) == load(str(copy)) == scenario
+    assert load(scenario) is scenario
+
+
+def test_files_are_sought_beside_the_yaml_that_names_them(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(ROV.replace("name: rov", "name: mine"))
+    (tmp_path / "pool.yaml").write_text(POOL.replace("model: rov", "model: mine.yaml"))
+    assert load(tmp_path / "pool.yaml").vehicles[0].model.name == "mine"
+    assert load_vehicle("mine.yaml", folder=tmp_path).name == "mine"
+
+
+def test_unknown_names_list_what_there_is() -> None:
+    with pytest.raises(ScenarioError, match=r"unknown scenario 'laek': .*lake, pool, valley.*did you mean 'lake'\?$"):
+        load("laek")
+    with pytest.raises(ScenarioError, match=r"unknown vehicle 'rv': .*did you mean 'rov'\?$"):
+        load_vehicle("rv")
+    with pytest.raises(ScenarioError, match=r"^no/such\.yaml: no such file$"):
+        load("no/such.yaml")
+
+
+@pytest.mark.parametrize(
+    ("given", "instead", "message"),
+    [
+        ("sonar: {", "sonr: {", "vehicles[0].sonr: unknown key; did you mean 'sonar'?"),
+        ("bed_depth_m: 5", "bed_dept_m: 5", "terrain.bed_dept_m: unknown key; did you mean 'bed_depth_m'?"),
+        ("source: noise", "source: nois", "terrain.source = 'nois': must be one of 'noise', 'raster', 'image'; did"),
+        ("kind: box", "kind: bx", "obstacles[0].kind = 'bx': must be one of"),
+        ("spacing_m: 0.5", "spacing_m: half", "terrain.spacing_m = 'half': must be a number"),
+        ("spacing_m: 0.5", "spacing_m: true", "terrain.spacing_m = true: must be a number"),
+        ("spacing_m: 0.5", "spacing_m: .nan", "terrain.spacing_m = nan m: must be in [0.02, 100] m"),
+        ("size_m: [20, 20]", "size_m: [20.3, 20]", "terrain.size_m = 20.3 m: must be a whole number of spacing_m"),
+        ("size_m: [20, 20]", "size_m: [20]", "terrain.size_m = [20]: must have 2 values"),
+        ("size_m: [20, 20]", "size_m: [9000, 9000]", "terrain.spacing_m = 0.5 m: makes 324036001 heights"),
+        ("model: 2", "model: 5", "vehicles[0].sonar.model = 5: must be in [1, 4]"),
+        ("model: 2", "model: 2.5", "vehicles[0].sonar.model = 2.5: must be a whole number"),
+        ("mission_time_s: 600", "mission_time_s: -1", "mission_time_s = -1 s: must be in [1, 1000000.0] s"),
+        ("start: station", "start: dock", "vehicles[0].start = 'dock': must be 'station', or position_m and yaw_deg"),
+        ("name: box", "name: rov", "vehicles[0].name = 'rov': is taken"),
+        ("name: box", "name: terrain", "obstacles[0].name = 'terrain': is taken"),
+        ("model: rov", "model: rv", "vehicles[0].model: unknown vehicle 'rv'"),
+        ("source: noise", "source: image\n  file: no.png", "terrain.bed_depth_m: unknown key"),
+        ("[4, -4], [4, 4]", "[4, 4], [4, -4]", "survey.area_m: the edges that start at its corners 0 and 2 meet"),
+        ("name: pool", "name: pool\nname: lake", 'duplicate key "name"'),
+        ("mission_time_s: 600", "mission_time_s: [600", "not valid YAML"),
+        ("mission_time_s: 600", "mission_time_s: !!python/name:os.system x", "neither text, number"),
+    ],
+)
+def test_a_mistake_is_told_with_line_key_value_unit_and_rule(
+    given: str, instead: str, message: str, tmp_path: Path
+) -> None:
+    text = POOL.replace(given, instead, 1)
+    told = refusal(tmp_path / "pool.yaml", text)
+    number, told = told.split(": ", 1)
+    assert told.startswith(message)
+    culprit = message.split(" ")[0].strip(":").split(".")[-1].split("[")[0]
+    if culprit.endswith("_m") or culprit in ("sonr", "kind", "model", "start"):
+        assert culprit in text.splitlines()[int(number) - 1]
+
+
+def test_a_missing_key_is_named(tmp_path: Path) -> None:
+    told = refusal(tmp_path / "pool.yaml", POOL.replace("  bed_depth_m: 5\n", ""))
+    assert told == f"{line_of(POOL, 'terrain:')}: terrain.bed_depth_m: missing"
+
+
+def test_a_missing_terrain_file_is_told_with_its_line(tmp_path: Path) -> None:
+    text = POOL.replace("source: noise", "source: raster\n  water_level_m: 3\n  file: no.tif")
+    text = text.replace("  bed_depth_m: 5\n", "")
+    told = refusal(tmp_path / "pool.yaml", text)
+    assert told.startswith(f"{line_of(text, 'file: no.tif')}: terrain.file = 'no.tif': no such file in ")
+
+
+def test_an_error_in_a_vehicle_file_names_both_places(tmp_path: Path) -> None:
+    vehicle = tmp_path / "mine.yaml"
+    vehicle.write_text(ROV.replace("buoyancy: neutral", "buoyancy: neutral\nmass_kg: 3"))
+    told = refusal(tmp_path / "pool.yaml", POOL.replace("model: rov", "model: mine.yaml"))
+    assert told.startswith(f"{line_of(POOL, 'model: rov')}: vehicles[0].model: {vehicle}:")
+    assert "exactly one of mass_kg, density_kg_m3 and buoyancy" in told
+    vehicle.write_text(ROV.replace("kind: proximity", "kind: proxmity"))
+    with pytest.raises(ScenarioError, match=r"sensors\.proximity_port\.kind = 'proxmity': .*did you mean 'proximity'"):
+        load_vehicle(vehicle)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"# only a comment\n",
+        b"\x00\x01\x02\x03",
+        b"name: \xff\n",
+        b"- 1\n",
+        b"hello\n",
+        b"a:\n\t- b\n",
+        b"a: " + b"[" * 1000,
+        b"a: 1\n" * 250_000,
+        b"a: &x [1,2]\n" + b"".join(b"k%d: &x [*x,*x]\n" % k for k in range(40)),
+        b"a: &a {b: *a}\n",
+        b"a: 1\n---\nb: 2\n",
+        b"1: 2\n",
+    ],
+    ids=lambda content: content[:12].decode("latin-1"),
+)
+def test_what_is_no_scenario_at_all_is_refused_quickly(content: bytes, tmp_path: Path) -> None:
+    refusal(tmp_path / "x.yaml", content)
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="is a folder"):
+        load(tmp_path)
+    with pytest.raises(ScenarioError, match="not a regular file"):
+        load("/dev/zero")
+    with pytest.raises(ScenarioError, match="expected a name, a path or a Scenario"):
+        load(5)  # type: ignore[arg-type]
+
+
+@given(
+    line=st.integers(0, len(POOL.splitlines()) - 1),
+    edit=st.sampled_from(["drop", "double", "null", "list", "text", "huge", "typo", "indent"]),
+)
+def test_any_line_may_be_spoilt(line: int, edit: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Whatever is done to a line, the file loads or is refused in one line; nothing else is ever raised."""
+    lines = POOL.splitlines()
+    key, colon, value = lines[line].partition(": ")
+    lines[line] = {
+        "drop": "",
+        "double": lines[line] + "\n" + lines[line],
+        "null": key + colon,
+        "list": f"{key}{colon}[{value}, 1]",
+        "text": f"{key}{colon}'{value}'",
+        "huge": f"{key}{colon}1e300",
+        "typo": f"{key}x{colon}{value}",
+        "indent": " " + lines[line],
+    }[edit]
+    path = tmp_path_factory.getbasetemp() / "spoilt.yaml"
+    path.write_text("\n".join(lines))
+    try:
+        assert isinstance(load(path), Scenario)
+    except ScenarioError as error:
+        assert str(error).startswith(str(path))
+        assert "\n" not in str(error)
+
+
+def test_changes_are_checked_and_leave_the_original() -> None:
+    pool = load("pool")
+    changed = pool.with_changes(seed=5, mission_time_s=60.0, sonar_model=3)
+    assert (changed.seed, changed.mission_time_s, changed.vehicles[0].sonar.model) == (5, 60.0, 3)
+    assert changed.vehicles[0].sonar.tilt_deg == pool.vehicles[0].sonar.tilt_deg
+    assert pool.seed == 0
+    assert pool.with_changes() == pool
+    with pytest.raises(ScenarioError, match=r"^vehicles\[0\]\.sonar\.model = 7: must be in \[1, 4\]$"):
+        pool.with_changes(sonar_model=7)
+    with pytest.raises(ScenarioError, match=r"^mission_time_s = 0 s: "):
+        pool.with_changes(mission_time_s=0)

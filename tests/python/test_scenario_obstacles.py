@@ -1,0 +1,105 @@
+"""Obstacles are closed solids of the size that was asked for, standing where they should."""
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from uwsim import _core
+from uwsim.scenario import ScenarioError, Terrain
+from uwsim.scenario.obstacle_spec import ObstacleSpec
+from uwsim.scenario.obstacles import AROUND, obstacle_mesh, swept_tube
+
+SLOPE = 0.2
+X, Y = np.meshgrid(np.linspace(-50, 50, 101), np.linspace(-50, 50, 101))
+BED = Terrain((SLOPE * X - 30).astype(np.float32), 1.0, (-50.0, -50.0))
+POLYGON_AREA = AROUND / 2 * np.sin(2 * np.pi / AROUND)
+"""Of the regular polygon that stands for a unit circle."""
+
+
+def build(**settings: object) -> trimesh.Trimesh:
+    spec = TypeAdapter(ObstacleSpec).validate_python({"name": "it", **settings})
+    vertices, triangles = obstacle_mesh(spec, BED)
+    mesh = trimesh.Trimesh(vertices, triangles, process=False)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume > 0
+    return mesh
+
+
+def is_hit(mesh: trimesh.Trimesh, origin_m: list[float]) -> bool:
+    """Whether a ray to the north meets it."""
+    world = _core.World()
+    world.add_solid("it", mesh.vertices, mesh.faces)
+    return bool(np.isfinite(_core.RayScene(world).cast([origin_m], [[0, 1, 0]], 100.0).ranges_m[0]))
+
+
+def test_boxes_and_cylinders_have_their_size_and_pose() -> None:
+    box = build(kind="box", size_m=[4, 2, 1], position_m=[1, 2, -5], yaw_pitch_roll_deg=[90, 0, 0])
+    np.testing.assert_allclose(box.bounds, [[0, 0, -5.5], [2, 4, -4.5]], atol=1e-9)
+    lying = build(kind="cylinder", radius_m=0.5, length_m=6, position_m=[0, 0, -5], yaw_pitch_roll_deg=[30, 90, 0])
+    assert lying.volume == pytest.approx(6 * POLYGON_AREA / 4)
+    reach = 3 * np.array([np.cos(np.radians(30)), np.sin(np.radians(30))])
+    np.testing.assert_allclose(lying.vertices[:, :2].max(axis=0), reach + 0.5 * reach[::-1] / 3, atol=0.02)
+
+
+@given(
+    bend_deg=st.floats(-120, 120),
+    climb=st.floats(-0.5, 0.5),
+    radius_m=st.floats(0.1, 1.0),
+)
+def test_a_mitred_tube_keeps_its_cross_section(bend_deg: float, climb: float, radius_m: float) -> None:
+    """Volume of a mitred prism is its section's area times the length of its axis, whatever it bends (Pappus)."""
+    bend = np.radians(bend_deg)
+    axis = np.array([[0, 0, 0], [20, 0, 0], [20 + 20 * np.cos(bend), 20 * np.sin(bend), 20 * climb]])
+    tube = trimesh.Trimesh(*swept_tube(axis, radius_m), process=False)
+    assert tube.is_watertight
+    assert tube.is_winding_consistent
+    length = 20 + 20 * np.hypot(1, climb)
+    assert tube.volume == pytest.approx(POLYGON_AREA * radius_m**2 * length, rel=1e-9)
+
+
+@pytest.mark.parametrize("buried", [0.0, 0.25, 0.5])
+def test_a_pipeline_lies_on_the_bed_and_as_deep_in_it_as_asked(buried: float) -> None:
+    pipe = build(kind="pipeline", points_m=[[-30, 5], [0, 5], [20, -10]], radius_m=0.5, buried_fraction=buried)
+    top = pipe.vertices[:, 2] - BED.height_at(pipe.vertices[:, :2])
+    level = np.hypot(1, SLOPE)  # the pipe climbs with the bed: its section leans
+    assert top.max() == pytest.approx(0.5 * (1 - 2 * buried) + 0.5 * level, abs=0.02)
+    assert top.min() == pytest.approx(0.5 * (1 - 2 * buried) - 0.5 * level, abs=0.02)
+
+
+def test_a_gate_stands_on_the_bed_and_is_open() -> None:
+    gate = build(kind="gate", position_m=[10, 0], yaw_deg=90, width_m=6, height_m=5, bar_radius_m=0.1)
+    bed = SLOPE * 10 - 30
+    low, high = gate.bounds
+    assert high[2] == pytest.approx(bed + 5 + 0.1)
+    assert low[2] == pytest.approx(SLOPE * 7 - 30 - 0.5)
+    np.testing.assert_allclose([low[:2], high[:2]], [[6.9, -0.1], [13.1, 0.1]], atol=1e-6)
+    assert not is_hit(gate, [10, -3, bed + 2.5])
+    assert is_hit(gate, [10, -3, bed + 5])
+    assert is_hit(gate, [7, -3, bed + 1])
+    barred = build(kind="gate", position_m=[10, 0], yaw_deg=90, width_m=6, height_m=5, lower_bar_m=2.5)
+    assert is_hit(barred, [10, -3, bed + 2.5])
+
+
+def test_what_stands_beside_the_terrain_is_refused() -> None:
+    with pytest.raises(
+        ScenarioError, match=r"obstacle 'it': \(5\d, 0\) m lies outside the terrain, which reaches from"
+    ):
+        build(kind="pipeline", points_m=[[40, 0], [60, 0]], radius_m=0.3)
+
+
+@pytest.mark.parametrize(
+    ("settings", "rule"),
+    [
+        ({"kind": "pipeline", "points_m": [[0, 0], [10, 0], [0, 1]], "radius_m": 1}, "the pipe bends by 174 deg"),
+        ({"kind": "pipeline", "points_m": [[0, 0], [0, 0]], "radius_m": 1}, "comes twice in a row"),
+        ({"kind": "gate", "position_m": [0, 0], "width_m": 1, "height_m": 1, "bar_radius_m": 0.5}, "below half"),
+        ({"kind": "gate", "position_m": [0, 0], "width_m": 2, "height_m": 1, "lower_bar_m": 1}, "below height_m"),
+    ],
+)
+def test_shapes_that_make_no_sense_are_refused(settings: dict[str, object], rule: str) -> None:
+    with pytest.raises(ValidationError, match=rule):
+        build(**settings)

@@ -1,0 +1,124 @@
+"""The packaged places hold what they promise, and the world that is built is theirs."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import trimesh
+from matplotlib.path import Path as Polygon
+
+from uwsim.scenario import ScenarioError, Terrain, build_terrain, build_world, load, load_vehicle, rigid_body
+from uwsim.scenario import start_pose as start
+from uwsim.scenario.meshes import load_mesh
+from uwsim.scenario.obstacles import obstacle_mesh
+from uwsim.scenario.vehicles import vehicle_hull
+
+
+@cache
+def terrain_of(name: str) -> Terrain:
+    return build_terrain(load(name).terrain)
+
+
+def points_within(terrain: Terrain, area_m: tuple[tuple[float, float], ...], margin_m: float = 0) -> np.ndarray:
+    """Every node of the terrain inside the polygon or, with a margin, in the band outside it: (n, 3)."""
+    ny, nx = terrain.heights_m.shape
+    x, y = np.meshgrid(np.arange(nx), np.arange(ny))
+    xy = np.column_stack([x.ravel(), y.ravel()]) * terrain.spacing_m + terrain.origin_m
+    low, high = np.min(area_m, axis=0) - margin_m, np.max(area_m, axis=0) + margin_m
+    inside = Polygon(area_m).contains_points(xy)
+    chosen = ((xy >= low) & (xy <= high)).all(axis=1) & ~inside if margin_m else inside
+    return np.column_stack([xy, terrain.heights_m.ravel()])[chosen]
+
+
+def test_the_lake_is_40_m_deep_and_ringed_by_hills() -> None:
+    z = terrain_of("lake").heights_m
+    assert -42 < z.min() < -38
+    assert min(z[0].min(), z[-1].min(), z[:, 0].min(), z[:, -1].min()) > 5
+
+
+@pytest.mark.parametrize("name", ["lake", "valley"])
+def test_the_survey_holds_hills_a_pipeline_and_a_gate_that_can_be_flown_over(name: str) -> None:
+    scenario, terrain = load(name), terrain_of(name)
+    survey = scenario.survey
+    assert survey is not None
+    bed = points_within(terrain, survey.area_m)
+    size = np.ptp(survey.area_m, axis=0)
+    assert (size >= ([150, 100] if name == "lake" else [120, 80])).all()
+    assert np.ptp(bed[:, 2]) > 5
+    assert bed[:, 2].max() < -12
+    beside = points_within(terrain, survey.area_m, margin_m=15)
+    # Where the vehicle turns, at its height above the bed, nothing may come near its side.
+    assert beside[:, 2].max() < -12
+    for kind in ("pipeline", "gate"):
+        inside = [
+            Polygon(survey.area_m).contains_points(obstacle_mesh(o, terrain)[0][:, :2]).any()
+            for o in scenario.obstacles
+            if o.kind == kind
+        ]
+        assert any(inside)
+    for obstacle in scenario.obstacles:
+        vertices, _ = obstacle_mesh(obstacle, terrain)
+        assert (vertices[:, 2] - terrain.height_at(vertices[:, :2])).max() < survey.altitude_m - 1
+
+
+@pytest.mark.parametrize("name", ["lake", "valley"])
+def test_the_docked_vehicle_can_leave_forward(name: str) -> None:
+    """The hull, swept 5 m ahead from the dock, touches neither the station nor the bed."""
+    scenario = load(name)
+    (x, y, z), yaw_rad = start(scenario, scenario.vehicles[0])
+    assert z == pytest.approx(-5)
+    assert np.degrees(yaw_rad) == pytest.approx(scenario.station.yaw_deg)
+    assert scenario.station.mesh is not None
+    station = trimesh.Trimesh(*load_mesh(scenario.station.mesh), process=False)
+    low, high = (np.array(f(vehicle_hull(scenario.vehicles[0].model)[0], axis=0)) for f in (np.min, np.max))
+    low, high = low + scenario.station.dock_m - 0.1, high + scenario.station.dock_m + [5.0, 0.1, 0.1]
+    corners = station.triangles
+    apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
+    assert apart.any(axis=1).all()
+    assert z - terrain_of(name).height_at([[x, y]])[0] > 10
+
+
+def test_the_world_has_the_terrain_the_solids_and_the_water() -> None:
+    world = build_world(load("valley"))
+    terrain = terrain_of("valley")
+    assert world.label_names == ["nothing", "terrain", "pipeline_main", "gate_main", "gate_west", "station"]
+    assert world.terrain_extent_m == terrain.extent_m
+    xy = np.random.default_rng(1).uniform(-150, 150, (500, 2))
+    np.testing.assert_allclose(world.height_at(xy), terrain.height_at(xy), atol=1e-4)
+    water = world.water
+    assert water.temperature_deg_c(0.0) == pytest.approx(14)
+    assert water.temperature_deg_c(terrain.lowest_m) == pytest.approx(8)
+
+
+def test_starts_below_the_bed_or_beside_the_terrain_are_refused() -> None:
+    pool = load("pool")
+
+    def moved(position_m: tuple[float, float, float]) -> None:
+        build_world(pool.model_copy(update={"station": pool.station.model_copy(update={"position_m": position_m})}))
+
+    with pytest.raises(ScenarioError, match=r"vehicles\[0\] starts at \(0, 0, -6\) m: must be above the bed"):
+        moved((0, 0, -4))
+    with pytest.raises(ScenarioError, match=r"vehicles\[0\] starts at \(11, 0\) m: outside the terrain"):
+        moved((11, 0, 0))
+
+
+def test_the_rov_is_neutral_upright_and_as_fast_as_it_says() -> None:
+    model = load_vehicle("rov")
+    vertices, triangles = vehicle_hull(model)
+    assert len(triangles) <= 2000
+    np.testing.assert_allclose(np.ptp(vertices, axis=0), [1.2, 0.8, 0.7], atol=1e-3)
+    body = rigid_body(model, 1025.0)
+    assert body.mass_kg == pytest.approx(1025 * body.volume_m3)
+    np.testing.assert_allclose(body.centre_of_buoyancy_m - body.centre_of_mass_m, [0, 0, 0.1], atol=1e-3)
+    effort = np.array([*model.max_force_n, *model.max_torque_nm])
+    linear, quadratic = np.array(model.linear_damping), np.array(model.quadratic_damping)
+    speed = (np.sqrt(linear**2 + 4 * quadratic * effort) - linear) / (2 * quadratic)
+    np.testing.assert_allclose(speed[[0, 1, 2, 5]], [1.6, 0.8, 0.8, 0.7], rtol=0.02)
+
+
+def test_what_a_model_leaves_out_comes_from_its_hull() -> None:
+    model = load_vehicle("rov").model_copy(update={"buoyancy": None, "density_kg_m3": 500.0, "inertia_kg_m2": None})
+    body = rigid_body(model, 1000.0)
+    assert body.mass_kg == pytest.approx(500 * body.volume_m3)
+    hull = trimesh.Trimesh(*vehicle_hull(model), process=False)
+    np.testing.assert_allclose(body.inertia_kg_m2, 500 * np.diagonal(hull.moment_inertia))

@@ -1,0 +1,106 @@
+"""Laws of the score: a perfect map has coverage 1, an empty one 0, and a shift by d is a distance of d."""
+
+import numpy as np
+import pytest
+
+from uwsim import _core
+from uwsim.survey.score import MapScore, score_map
+
+VOXEL_M = 0.5
+AREA = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
+ABOVE = np.array([[0.0, 0.0, 6.0]])
+
+
+def plane(z_m: float) -> _core.World:
+    world = _core.World()
+    world.set_terrain(np.full((31, 31), z_m, np.float32), 1.0, (-15.0, -15.0))
+    return world
+
+
+def box(low, high):
+    x, y, z = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    return np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), np.array(triangles)
+
+
+def score(world, occupied, path=ABOVE, range_max_m=50.0) -> MapScore:
+    return score_map(world, np.asarray(occupied, float).reshape(-1, 3), VOXEL_M, path, AREA, range_max_m)
+
+
+def test_a_plane_in_sight_is_as_many_voxels_as_its_area_holds_and_a_map_of_them_is_perfect():
+    world = plane(0.2)
+    truth = score(world, [])
+    assert truth.visible_truth_voxels == 10 * 10 / VOXEL_M**2
+    perfect = score(world, truth.visible_centres_m)
+    assert perfect.coverage == 1.0
+    assert len(perfect.missed_centres_m) == 0
+    assert perfect.distance_max_m == pytest.approx(0.05)  # the plane runs 0.05 m below the voxels' centres
+
+
+def test_an_empty_map_covers_nothing_and_has_no_distance():
+    empty = score(plane(0.2), [])
+    assert empty.coverage == 0.0
+    assert len(empty.missed_centres_m) == empty.visible_truth_voxels
+    assert np.isnan([empty.distance_mean_m, empty.distance_p95_m, empty.distance_max_m]).all()
+
+
+def test_no_flown_pose_means_nothing_was_visible():
+    nowhere = score(plane(0.2), [[0.25, 0.25, 0.25]], path=np.empty((0, 3)))
+    assert nowhere.visible_truth_voxels == 0
+    assert nowhere.coverage == 0.0
+
+
+def test_half_the_plane_mapped_is_half_covered():
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    half = truth[truth[:, 0] < -VOXEL_M]  # its neighbours reach to x = 0
+    assert score(world, half).coverage == 0.5
+
+
+@pytest.mark.parametrize(("voxels", "coverage"), [(1, 1.0), (2, 0.0), (3, 0.0)])
+def test_one_voxel_off_is_covered_and_more_is_not(voxels, coverage):
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    assert score(world, truth + np.array([0.0, 0.0, voxels * VOXEL_M])).coverage == coverage
+
+
+def test_the_distance_of_a_plane_shifted_by_d_is_d():
+    world = plane(0.25)
+    truth = score(world, []).visible_centres_m
+    for voxels in (0, 1, 5):
+        shifted = score(world, truth + np.array([0.0, 0.0, voxels * VOXEL_M]))
+        figures = [shifted.distance_mean_m, shifted.distance_p95_m, shifted.distance_max_m]
+        assert figures == pytest.approx([voxels * VOXEL_M] * 3)
+
+
+def test_a_hidden_underside_and_the_ground_in_its_shadow_are_not_counted():
+    world = plane(0.2)
+    world.add_solid("slab", *box((-1.9, -1.9, 1.7), (1.9, 1.9, 2.7)))
+    seen = score(world, []).visible_centres_m
+    below = np.all(np.abs(seen[:, :2]) < 1.5, axis=1) & (seen[:, 2] < 2.5)
+    assert not below.any()
+    assert score(world, seen).coverage == 1.0
+    from_the_side = np.array([[0.0, 0.0, 6.0], [9.0, 0.0, 0.7]])
+    assert score(world, [], path=from_the_side).visible_truth_voxels > len(seen)
+
+
+def test_what_is_out_of_range_is_not_counted():
+    reach = score(plane(0.0), [], range_max_m=6.5)
+    from_foot_m = np.linalg.norm(reach.visible_centres_m[:, :2], axis=1)
+    assert from_foot_m.max() <= 2.5 + VOXEL_M  # 6.5, 6, 2.5: a right triangle
+    assert reach.visible_truth_voxels >= np.pi * 2.5**2 / VOXEL_M**2
+
+
+def test_it_does_not_matter_in_which_direction_the_path_was_flown():
+    world = plane(0.2)
+    world.add_solid("wall", *box((-0.1, -3.0, 0.0), (0.1, 3.0, 4.0)))
+    path = np.stack([np.linspace(-4.0, 4.0, 60), np.full(60, 0.3), np.full(60, 2.0)], axis=1)
+    there, back = score(world, [], path=path), score(world, [], path=path[::-1])
+    assert there.visible_truth_voxels == pytest.approx(back.visible_truth_voxels, rel=0.02)
+    assert there.visible_truth_voxels > score(world, [], path=path[:1]).visible_truth_voxels
+
+
+def test_voxels_of_another_grid_are_refused():
+    with pytest.raises(ValueError, match=r"occupied_centres_m = up to 0\.25 m off the grid"):
+        score(plane(0.2), [[0.0, 0.0, 0.0]])

@@ -1,0 +1,201 @@
+"""Terrain goes through the points of its source, in metres, and is complete."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rasterio
+from PIL import Image
+from rasterio.transform import from_origin
+
+from uwsim.scenario import ScenarioError, build_terrain
+from uwsim.scenario.terrain import Terrain
+from uwsim.scenario.terrain_spec import ImageTerrain, NoiseTerrain, RasterTerrain, Rim
+
+RNG = np.random.default_rng(3)
+GRID = RNG.integers(200, 300, (12, 15)).astype(np.float64)  # rows from north to south
+
+
+def write_asc(path: Path, values: np.ndarray, cell: float = 10.0, corner: tuple[float, float] = (1000, 2000)) -> Path:
+    ny, nx = values.shape
+    header = f"ncols {nx}\nnrows {ny}\nxllcorner {corner[0]!r}\nyllcorner {corner[1]!r}\ncellsize {cell!r}\n"
+    path.write_text(
+        header + "NODATA_value -9999\n" + "\n".join(" ".join(f"{v:g}" for v in row) for row in values) + "\n"
+    )
+    return path
+
+
+def write_tif(path: Path, values: np.ndarray, crs: str | None, cell: float = 10.0, nodata: float | None = None) -> Path:
+    bands = np.atleast_3d(values.T).T if values.ndim == 2 else values
+    with rasterio.open(
+        path, "w", driver="GTiff", count=len(bands), height=bands.shape[1], width=bands.shape[2], dtype="float32",
+        crs=crs, transform=from_origin(500_000, 4_000_000, cell, cell), nodata=nodata,
+    ) as file:  # fmt: skip
+        file.write(bands.astype("float32"))
+    return path
+
+
+def raster(file: Path, **settings: object) -> RasterTerrain:
+    return RasterTerrain.model_validate(
+        {"source": "raster", "file": file, "water_level_m": 250, "spacing_m": 10, "size_m": [140, 110], **settings}
+    )
+
+
+@pytest.mark.parametrize("interpolation", ["cubic", "linear"])
+def test_a_raster_in_metres_is_met_at_its_cells_centres(interpolation: str, tmp_path: Path) -> None:
+    for file in (write_asc(tmp_path / "a.asc", GRID), write_tif(tmp_path / "b.tif", GRID, "EPSG:32616")):
+        terrain = build_terrain(raster(file, interpolation=interpolation, vertical_scale=0.5))
+        assert terrain.origin_m == (-70.0, -55.0)
+        np.testing.assert_allclose(terrain.heights_m, (GRID[::-1] - 250) / 2, atol=1e-5)
+
+
+def test_a_finer_grid_still_meets_the_cells_and_scale_shrinks_it(tmp_path: Path) -> None:
+    file = write_asc(tmp_path / "a.asc", GRID)
+    terrain = build_terrain(raster(file, horizontal_scale=0.1, spacing_m=0.25, size_m=[14, 11]))
+    assert terrain.extent_m == (-7.0, -5.5, 7.0, 5.5)
+    np.testing.assert_allclose(terrain.heights_m[::4, ::4], GRID[::-1] - 250, atol=1e-4)
+
+
+def test_without_a_size_the_largest_grid_that_fits_is_taken(tmp_path: Path) -> None:
+    terrain = build_terrain(raster(write_asc(tmp_path / "a.asc", GRID), size_m=None))
+    np.testing.assert_allclose(terrain.heights_m, GRID[::-1] - 250, atol=1e-4)
+
+
+def test_feet_become_metres(tmp_path: Path) -> None:
+    file = write_tif(tmp_path / "feet.tif", GRID, "EPSG:2274")  # Tennessee, US survey feet
+    terrain = build_terrain(raster(file, size_m=None, spacing_m=1.0))
+    width_m = terrain.extent_m[2] - terrain.extent_m[0]
+    assert width_m == pytest.approx(140 * 1200 / 3937, abs=1.0)
+
+
+@pytest.mark.parametrize("latitude", [36.0, -60.0])
+def test_a_degree_grid_has_cells_of_the_right_metric_size(latitude: float, tmp_path: Path) -> None:
+    """One cell is a cos(lat) / sqrt(1 - e2 sin2) dlon across and a (1 - e2) / (1 - e2 sin2)^1.5 dlat up (WGS 84)."""
+    a, e2, cell = 6378137.0, 0.00669437999014, 0.001
+    flattening = 1 - e2 * np.sin(np.radians(latitude)) ** 2
+    east_m = a * np.cos(np.radians(latitude)) / np.sqrt(flattening) * np.radians(cell)
+    north_m = a * (1 - e2) / flattening**1.5 * np.radians(cell)
+    columns, rows = np.meshgrid(np.arange(21), np.arange(21))
+    for values, metres in ((columns, east_m), (20 - rows, north_m)):
+        file = write_asc(tmp_path / "a.asc", values.astype(float), cell, (-84.0, latitude - 10.5 * cell))
+        heights = build_terrain(
+            raster(file, water_level_m=0, spacing_m=10, size_m=[800, 1600], interpolation="linear")
+        ).heights_m
+        rise = heights[80] if metres is east_m else heights[:, 40]
+        np.testing.assert_allclose(np.diff(rise), 10 / metres, rtol=1e-3)
+        assert rise[len(rise) // 2] == pytest.approx(10.0, abs=1e-3)
+
+
+def test_gaps_are_refused_or_filled(tmp_path: Path) -> None:
+    holed = np.where(np.arange(GRID.size).reshape(GRID.shape) % 50 == 7, -9999, 260.0)
+    file = write_asc(tmp_path / "a.asc", holed)
+    with pytest.raises(ScenarioError, match=r"'a\.asc': 4 of 180 cells have no data \(fill_nodata"):
+        build_terrain(raster(file))
+    np.testing.assert_allclose(build_terrain(raster(file, fill_nodata=True)).heights_m, 10.0, atol=1e-4)
+    nan = write_tif(tmp_path / "n.tif", np.where(holed < 0, np.nan, holed), "EPSG:32616")
+    with pytest.raises(ScenarioError, match="4 of 180 cells have no data"):
+        build_terrain(raster(nan))
+
+
+def test_one_band_is_expected_or_chosen(tmp_path: Path) -> None:
+    file = write_tif(tmp_path / "b.tif", np.stack([GRID, GRID + 5, GRID]), "EPSG:32616")
+    with pytest.raises(ScenarioError, match=r"'b\.tif': 3 bands, expected 1 \(choose one with band\)"):
+        build_terrain(raster(file))
+    with pytest.raises(ScenarioError, match="band = 4: the file has 3"):
+        build_terrain(raster(file, band=4))
+    np.testing.assert_allclose(build_terrain(raster(file, band=2)).heights_m, GRID[::-1] - 245, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.asc", b"hello", "not a readable elevation raster"),
+        ("a.tif", b"II*\0junkjunk", "not a readable elevation raster"),
+        ("a.asc", b"ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4 5 6\n", "not a readable"),
+        ("a.asc", b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4 x 6\n", "line 7: 'x' is not a"),
+        ("a.asc", b"ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 0\n1 2 3\n4 5 6\n", "a.asc"),
+    ],
+)
+def test_malformed_rasters_are_refused_in_one_line(
+    name: str, content: bytes, message: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ScenarioError, match=message) as caught:
+        build_terrain(raster(tmp_path / name))
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_raster_must_be_placed_and_large_enough(tmp_path: Path) -> None:
+    Image.fromarray(GRID.astype(np.uint8)).save(tmp_path / "plain.tif")
+    with pytest.raises(ScenarioError, match="does not say where and how large its cells are"):
+        build_terrain(raster(tmp_path / "plain.tif"))
+    with pytest.raises(ScenarioError, match="reaches beyond the raster: choose a smaller size_m"):
+        build_terrain(raster(write_asc(tmp_path / "a.asc", GRID), size_m=[500, 100]))
+    with pytest.raises(ScenarioError, match=r"terrain\.crs = 'EPSG:nine': not a coordinate system"):
+        build_terrain(raster(tmp_path / "a.asc", crs="EPSG:nine"))
+
+
+@pytest.mark.parametrize(("dtype", "white"), [(np.uint8, 255), (np.uint16, 65535)])
+def test_an_image_is_met_at_its_pixels(dtype: type, white: int, tmp_path: Path) -> None:
+    levels = RNG.integers(0, white + 1, (9, 11)).astype(dtype)
+    levels[0, 0], levels[0, 1] = 0, white
+    Image.fromarray(levels).save(tmp_path / "i.png")
+    spec = ImageTerrain(source="image", file=tmp_path / "i.png", size_m=(100, 80), spacing_m=10, black_m=-30, white_m=5)
+    heights = build_terrain(spec).heights_m
+    np.testing.assert_allclose(heights, -30 + 35 * (levels[::-1] / white), atol=1e-4)
+    assert heights[-1, 0] == -30
+    assert heights[-1, 1] == 5
+
+
+def test_images_that_are_not_grey_or_not_images_are_refused(tmp_path: Path) -> None:
+    def build(name: str) -> Terrain:
+        settings = {"source": "image", "size_m": [10, 10], "spacing_m": 1, "black_m": -9, "white_m": 0}
+        return build_terrain(ImageTerrain.model_validate({**settings, "file": tmp_path / name}))
+
+    colour = RNG.integers(0, 256, (8, 8, 3)).astype(np.uint8)
+    Image.fromarray(colour).save(tmp_path / "colour.png")
+    with pytest.raises(ScenarioError, match="a colour image, expected grey levels"):
+        build("colour.png")
+    Image.fromarray(np.repeat(colour[..., :1], 3, axis=2)).save(tmp_path / "grey.png")
+    assert build("grey.png").lowest_m >= -9.5  # a cubic may overshoot a little
+    whole = (tmp_path / "grey.png").read_bytes()
+    (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "text.png").write_text("hello")
+    for name in ("half.png", "text.png"):
+        with pytest.raises(ScenarioError, match=f"{name}': not a readable image"):
+            build(name)
+
+
+def lake(**settings: object) -> NoiseTerrain:
+    given = {"source": "noise", "size_m": [200, 150], "spacing_m": 2, "bed_depth_m": 30, "hill_height_m": 9}
+    return NoiseTerrain.model_validate({**given, "hill_wavelength_m": 60, **settings})
+
+
+def test_noise_is_the_same_for_one_seed_and_within_its_hills() -> None:
+    first, again, other = (build_terrain(lake(seed=seed)).heights_m for seed in (4, 4, 5))
+    assert first.tobytes() == again.tobytes()
+    assert (first != other).any()
+    assert -39 <= first.min() < -32
+    assert -28 < first.max() <= -21
+
+
+def test_a_finer_noise_grid_is_the_same_place() -> None:
+    coarse, fine = build_terrain(lake()).heights_m, build_terrain(lake(spacing_m=1)).heights_m
+    np.testing.assert_allclose(fine[::2, ::2], coarse, atol=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_rim_stands_out_of_the_water_on_all_sides(seed: int) -> None:
+    z = build_terrain(lake(seed=seed, rim=Rim(height_m=8, width_m=40))).heights_m
+    assert min(z[0].min(), z[-1].min(), z[:, 0].min(), z[:, -1].min()) >= 4.0 - 1e-4
+    assert z[len(z) // 2, z.shape[1] // 2] < -20
+
+
+def test_height_between_nodes_is_that_of_the_triangles() -> None:
+    terrain = Terrain(np.array([[0, 1, 0], [2, 5, 0]], np.float32), 2.0, (10.0, 20.0))
+    corners = [[10, 20], [12, 20], [10, 22], [12, 22], [14, 22]]
+    np.testing.assert_allclose(terrain.height_at(corners), [0, 1, 2, 5, 0])
+    # The cut runs from the cell's lower right to its upper left corner: 1.5 half-way, not the bilinear 2.
+    np.testing.assert_allclose(terrain.height_at([[11, 21], [10.5, 20.5], [11.5, 21.5]]), [1.5, 0.75, 3.25])
+    assert np.isnan(terrain.height_at([[9.99, 20], [10, 22.01], [np.nan, 21]])).all()

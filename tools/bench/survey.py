@@ -1,0 +1,80 @@
+"""Where a survey's time goes: real-time factor and the share of each stage, medians of several runs in one process."""
+
+from __future__ import annotations
+
+import json
+import statistics
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Simulator
+from uwsim.survey.fly import fly_survey
+from uwsim.survey.record import SurveyRecord
+from uwsim.survey.stages import STAGES
+
+console = Console()
+
+
+def main(
+    scenario: Annotated[str, typer.Argument(help="A packaged scenario's name or the path of a YAML file.")] = "lake",
+    runs: Annotated[int, typer.Option(min=1, help="How many surveys; medians are reported.")] = 3,
+    mission_time: Annotated[float | None, typer.Option(help="Simulated seconds of each; the whole survey without.")] = 300.0,
+    threads: Annotated[int | None, typer.Option(help="Threads to use; all by default.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Fly a survey several times and print medians."""
+    records = []
+    for run in range(runs):
+        with console.status(f"run {run + 1} of {runs}"):
+            sim = Simulator(scenario, mission_time_s=mission_time, threads=threads)
+            records.append(fly_survey(sim)[1])
+    figures = summarise(records)
+    console.print(_table(figures, records[0]))
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def summarise(records: list[SurveyRecord]) -> dict[str, float]:
+    """Medians over the runs: real-time factor, wall time, and each stage's wall seconds."""
+
+    def median(values: list[float]) -> float:
+        return statistics.median(values)
+
+    figures = {
+        "real_time_factor": median([r.real_time_factor for r in records]),
+        "simulated_s": median([r.simulated_s for r in records]),
+        "wall_s": median([r.wall_s for r in records]),
+        "pings": median([float(r.ping_count) for r in records]),
+    }
+    for stage in STAGES:
+        figures[f"{stage}_s"] = median([r.stage_wall_s[stage] for r in records])
+    # With more than one thread the map is filled beside the rest and is not part of the flying thread's time.
+    beside = figures["map_s"] if records[0].threads > 1 else 0.0
+    figures["mission_s"] = figures["wall_s"] + beside - sum(figures[f"{stage}_s"] for stage in STAGES)
+    return figures
+
+
+def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
+    table = Table(
+        title=f"{record.scenario_name}, seed {record.seed}, sonar model {record.sonar_model}, {record.threads} threads: "
+        f"{figures['real_time_factor']:.1f} x real time over {figures['simulated_s']:.0f} simulated s",
+        title_justify="left",
+    )
+    table.add_column("stage")
+    for column in ("wall s", "share of wall", "us a ping"):
+        table.add_column(column, justify="right")
+    for stage in (*STAGES, "mission"):
+        seconds = figures[f"{stage}_s"]
+        name = f"{stage} (beside the rest)" if stage == "map" and record.threads > 1 else stage
+        share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)
+        table.add_row(name, f"{seconds:.2f}", f"{share:.0%}", f"{ping_us:.0f}")
+    table.add_row("wall", f"{figures['wall_s']:.2f}", "100%", f"{1e6 * figures['wall_s'] / max(figures['pings'], 1.0):.0f}")
+    return table
+
+
+if __name__ == "__main__":
+    typer.run(main)
