@@ -65,6 +65,7 @@ std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeo
 
 std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source) {
   require_rigid(target_from_source);
+  if (points_source_m.empty()) return {};  // which PCL would grumble about on stderr
   const Cloud::Ptr source = to_cloud(points_source_m);
   Cloud target;
   pcl::transformPointCloud(*source, target, target_from_source);  // reckons in double, rounds each point once
@@ -74,6 +75,7 @@ std::vector<float> transform_points(std::span<const float> points_source_m, cons
 std::vector<float> filter_range(std::span<const float> points_m, double min_m, double max_m) {
   require(min_m >= 0, "min_m", min_m, "must be at least 0 m");
   require(max_m >= min_m, "max_m", max_m, "must be at least min_m");
+  if (points_m.empty()) return {};
   pcl::experimental::FunctionFilter<pcl::PointXYZ> filter([=](const Cloud& cloud, pcl::index_t index) {
     const double distance_m = cloud[static_cast<std::size_t>(index)].getVector3fMap().cast<double>().norm();
     return distance_m >= min_m && distance_m <= max_m;
@@ -88,6 +90,7 @@ std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vect
                               const Eigen::Vector3d& box_max_m) {
   require(box_min_m.allFinite() && box_max_m.allFinite() && (box_min_m.array() <= box_max_m.array()).all(), "box_max_m",
           box_max_m.transpose(), "must be finite and at least box_min_m along each axis");
+  if (points_m.empty()) return {};
   pcl::CropBox<pcl::PointXYZ> crop;
   crop.setMin((Eigen::Vector4f() << box_min_m.cast<float>(), 1.0f).finished());
   crop.setMax((Eigen::Vector4f() << box_max_m.cast<float>(), 1.0f).finished());

@@ -71,7 +71,7 @@ class ScanChain:
             points_body = ranging.transform_points(points_sonar, body_from_sonar)
             others = ranging.remove_box(points_body, self.self_box.low_body_m, self.self_box.high_body_m)
             points_world = ranging.transform_points(others, world_from_body)
-        self._to_map(points_world, np.ascontiguousarray(world_from_sonar[:3, 3]), scan.range_max)
+        self._to_map(points_world, np.ascontiguousarray(world_from_sonar[:3, 3]))
         return points_world
 
     def finish(self) -> None:
@@ -80,17 +80,18 @@ class ScanChain:
         for scan in waiting:
             scan.result()
 
-    def _to_map(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64], range_max_m: float) -> None:
+    def _to_map(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
         if self._mapper is None:
-            self._insert(points_world_m, origin_m, range_max_m)
+            self._insert(points_world_m, origin_m)
             return
-        self._waiting.append(self._mapper.submit(self._insert, points_world_m, origin_m, range_max_m))
+        self._waiting.append(self._mapper.submit(self._insert, points_world_m, origin_m))
         while len(self._waiting) > SCANS_IN_FLIGHT or (self._waiting and self._waiting[0].done()):
             self._waiting.pop(0).result()
 
-    def _insert(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64], range_max_m: float) -> None:
+    def _insert(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
         with self.timer.measure("map"):
-            self.occupancy.insert_scan(points_world_m, origin_m, max_range_m=range_max_m)
+            # The scan's own range_max has done its work; float32 points may come out a hair longer.
+            self.occupancy.insert_scan(points_world_m, origin_m, ranging.MODELS[self.model].range_max_m)
 
     def __enter__(self) -> Self:
         return self

@@ -17,6 +17,7 @@ from uwsim.simulator import Simulator
 from uwsim.survey.chain import ScanChain, SelfBox
 from uwsim.survey.record import PingSample, SurveyRecord
 from uwsim.survey.stages import StageTimer
+from uwsim.survey.true_surface import inside_polygon
 
 INTERRUPTED = "interrupted (Ctrl-C)"
 SELF_MARGIN_M = 0.05
@@ -26,6 +27,7 @@ SELF_MARGIN_M = 0.05
 class SurveyLog:
     """What is noted of each ping as the survey goes on."""
 
+    area_world_m: NDArray[np.float64]
     positions_world_m: list[NDArray[np.float64]] = field(default_factory=list)
     echo_count: int = 0
     richest: PingSample | None = None
@@ -33,8 +35,11 @@ class SurveyLog:
 
     def note(self, ping: _core.Ping, points_world_m: NDArray[np.float32]) -> None:
         """Keep the ping's place, count its echoes, and keep the most telling ping for the report's picture."""
-        self.positions_world_m.append(ping.world_from_sonar[:3, 3])
+        position = ping.world_from_sonar[:3, 3]
+        self.positions_world_m.append(position)
         self.echo_count += len(points_world_m)
+        if not inside_polygon(position[None, :2], self.area_world_m)[0]:
+            return
         # The picture wants a full fan that also meets something other than the bed.
         things = len(np.unique(ping.labels[ping.valid]))
         score = 100.0 * things + float(ping.valid.mean())
@@ -97,7 +102,7 @@ def fly_survey(
     """
     survey = required_survey(sim.scenario)
     occupancy = OccupancyMap(resolution_m=voxel_m or survey.voxel_m)
-    log, timer = SurveyLog(), StageTimer()
+    log, timer = SurveyLog(np.asarray(survey.area_m)), StageTimer()
     begun, begun_s = time.perf_counter(), sim.time_s
     with ScanChain(
         occupancy, sim.rov.sonar.model.number, _self_box(sim.scenario), threads=sim.threads, timer=timer, tamper=tamper
@@ -122,7 +127,7 @@ def fly_survey(
         echo_count=log.echo_count,
         collision_count=sim.rov.collisions,
         path_world_m=np.array(log.positions_world_m).reshape(-1, 3),
-        area_world_m=np.asarray(survey.area_m),
+        area_world_m=log.area_world_m,
         range_max_m=sim.rov.sonar.model.range_limit_m,
         sample_ping=log.richest,
         stage_wall_s=timer.wall_s,
