@@ -28,6 +28,9 @@ constexpr std::uint64_t kListedVoxelsMax = 100'000'000;
 /// nodes the tree is pruned each time it has doubled, which bounds the memory.
 constexpr std::size_t kLazyNodes = 16'000'000;
 
+/// Bits of a child in a .bt.
+enum Code : unsigned { kUnknown = 0, kFree = 1, kOccupied = 2, kInner = 3 };
+
 /// The protected members, without OctoMap's accessors and iterators, which Debian's archives do not export.
 struct Children : OcTreeNode {
   static const OcTreeNode* at(const OcTreeNode& node, int child) {
@@ -50,6 +53,41 @@ void settle(octomap::OcTree& tree, OcTreeNode& node) {
   }
   if (&node == Root::of(tree) || !tree.pruneNode(&node)) node.updateOccupancyChildren();
 }
+
+/// Writes the maximum likelihood tree in preorder without touching the live one: eight equal children become one leaf.
+/// OctoMap's writeBinary rounds the live tree off and prints to stderr in Debian's build, whose archives export neither
+/// its node writer nor a copy constructor. The tests hold these bytes against writeBinary's.
+class BinaryWriter {
+ public:
+  explicit BinaryWriter(const octomap::OcTree& tree) : tree_(tree) {}
+
+  Code write(const OcTreeNode& node) {
+    ++nodes;
+    if (Children::none(node)) return tree_.isNodeOccupied(node) ? kOccupied : kFree;
+    const std::size_t at = body.size();
+    const std::uint64_t nodes_before = nodes;
+    body.append(2, '\0');
+    unsigned codes = 0;
+    for (int child = 0; child < 8; ++child) {
+      if (const OcTreeNode* below = Children::at(node, child)) codes |= write(*below) << (2 * child);
+    }
+    for (const Code whole : {kFree, kOccupied}) {
+      if (codes != whole * 0x5555u || &node == Root::of(tree_)) continue;
+      body.resize(at);
+      nodes = nodes_before;
+      return whole;
+    }
+    body[at] = static_cast<char>(codes & 0xff);
+    body[at + 1] = static_cast<char>(codes >> 8);
+    return kInner;
+  }
+
+  std::string body;
+  std::uint64_t nodes = 0;
+
+ private:
+  const octomap::OcTree& tree_;
+};
 
 using Key = std::array<int, 3>;
 
@@ -242,16 +280,13 @@ std::vector<std::int8_t> OccupancyMap::state_at(std::span<const double> points_w
 std::string OccupancyMap::to_bytes(MapFormat format) const {
   const std::scoped_lock lock(impl_->mutex);
   const octomap::OcTree& tree = *impl_->tree;
-  std::ostringstream body;
   if (format == MapFormat::bt) {
-    // What writeBinary does, on a copy, since it rounds the tree off; and without its print to stderr.
-    octomap::OcTree rounded(tree);
-    rounded.toMaxLikelihood();
-    rounded.prune();
-    if (const OcTreeNode* root = Root::of(rounded)) rounded.writeBinaryNode(body, root);
-    return octree_header(format, rounded.size(), impl_->resolution_m) + body.str();
+    BinaryWriter writer(tree);
+    if (const OcTreeNode* root = Root::of(tree)) writer.write(*root);
+    return octree_header(format, writer.nodes, impl_->resolution_m) + writer.body;
   }
   impl_->settle_now();
+  std::ostringstream body;
   tree.writeData(body);
   return octree_header(format, tree.size(), impl_->resolution_m) + body.str();
 }
