@@ -1,5 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+#include <pybind11/typing.h>
 
 #include <algorithm>
 #include <memory>
@@ -81,14 +82,15 @@ Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t sonar) {
 }
 
 /// A reading as {field: float or (n,) array}.
-py::dict read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor, bool with_noise) {
+py::typing::Dict<py::str, py::object> read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor,
+                                                  bool with_noise) {
   std::vector<double> values;
   const Sensor* kind = nullptr;
   owned.with([&](Simulation& sim) {
     values = sim.read_sensor(vehicle, sensor, with_noise);
     kind = &sim.vehicle(vehicle).sensors.at(sensor).sensor();
   });
-  py::dict reading;
+  py::typing::Dict<py::str, py::object> reading;
   std::size_t first = 0;
   for (const Field& field : kind->fields()) {
     const auto width = static_cast<std::size_t>(field.width);

@@ -1,5 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+#include <pybind11/typing.h>
 
 #include <algorithm>
 #include <cmath>
@@ -105,7 +106,9 @@ py::array_t<double> height_at(const World& world, const py::object& xy_m) {
   return move_out(std::move(heights));
 }
 
-py::tuple surface_mesh(const World& world) {
+using SurfaceMesh = py::typing::Tuple<py::array_t<double>, py::array_t<std::uint32_t>, py::array_t<Label>>;
+
+SurfaceMesh surface_mesh(const World& world) {
   std::vector<double> vertices;
   std::vector<std::uint32_t> triangles;
   std::vector<Label> labels;

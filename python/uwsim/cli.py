@@ -38,7 +38,7 @@ def survey(
     voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
     threads: Threads = None,
 ) -> None:
-    """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps what was mapped."""
+    """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far."""
     from uwsim.survey.command import run_survey
 
     stopped_early = run_survey(
@@ -56,7 +56,9 @@ def survey(
 
 @app.command()
 def scenario(
-    name: Annotated[str | None, typer.Argument(help="A scenario to check and describe; all are listed without.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="A scenario to check and describe; all are listed without.")
+    ] = None,
 ) -> None:
     """List the packaged scenarios, or check one and say what is in it."""
     from uwsim.scenario import load, packaged_scenarios

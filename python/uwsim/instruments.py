@@ -8,7 +8,7 @@ from uwsim import _core
 
 
 class Sensor:
-    """A sensor by its name and kind. Its noise is seeded, its own, and the same for one time however often it is read."""
+    """A sensor. Its noise is seeded and its own: however often it is read at one time, it is the same sample."""
 
     def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, name: str, kind: str) -> None:
         self._simulation = simulation

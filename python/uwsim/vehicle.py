@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where a vehicle is: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4). World ENU, body REP 103."""
+    """Where a vehicle is: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
 
     position_world_m: Vector
     orientation_xyzw: Vector

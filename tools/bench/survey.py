@@ -22,7 +22,9 @@ console = Console()
 def main(
     scenario: Annotated[str, typer.Argument(help="A packaged scenario's name or the path of a YAML file.")] = "lake",
     runs: Annotated[int, typer.Option(min=1, help="How many surveys; medians are reported.")] = 3,
-    mission_time: Annotated[float | None, typer.Option(help="Simulated seconds of each; the whole survey without.")] = 300.0,
+    mission_time: Annotated[
+        float | None, typer.Option(help="Simulated seconds of each; the whole survey without.")
+    ] = 300.0,
     threads: Annotated[int | None, typer.Option(help="Threads to use; all by default.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
@@ -60,7 +62,7 @@ def summarise(records: list[SurveyRecord]) -> dict[str, float]:
 
 def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
     table = Table(
-        title=f"{record.scenario_name}, seed {record.seed}, sonar model {record.sonar_model}, {record.threads} threads: "
+        title=f"{record.scenario_name}, seed {record.seed}, model {record.sonar_model}, {record.threads} threads: "
         f"{figures['real_time_factor']:.1f} x real time over {figures['simulated_s']:.0f} simulated s",
         title_justify="left",
     )
@@ -72,7 +74,9 @@ def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
         name = f"{stage} (beside the rest)" if stage == "map" and record.threads > 1 else stage
         share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)
         table.add_row(name, f"{seconds:.2f}", f"{share:.0%}", f"{ping_us:.0f}")
-    table.add_row("wall", f"{figures['wall_s']:.2f}", "100%", f"{1e6 * figures['wall_s'] / max(figures['pings'], 1.0):.0f}")
+    table.add_row(
+        "wall", f"{figures['wall_s']:.2f}", "100%", f"{1e6 * figures['wall_s'] / max(figures['pings'], 1.0):.0f}"
+    )
     return table
 
 

@@ -1,4 +1,4 @@
-"""Heading, depth and velocity hold by efforts: one proportional-integral or -derivative loop an axis (Fossen 2011, ch. 12)."""
+"""Heading, height and velocity hold by efforts: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.control.protocols import SteeredVehicle
 
 @dataclass(frozen=True)
 class Gains:
-    """Effort (of full effort) for each unit of error. The defaults suit vehicles that reach about 1 m/s and 0.5 rad/s."""
+    """Share of full effort for each unit of error. The defaults suit vehicles that reach about 1 m/s and 0.5 rad/s."""
 
     speed: float = 1.5  # per m/s
     speed_integral: float = 0.6  # per m

@@ -1,9 +1,9 @@
-"""The paper's adaptive lawn-mower, sent to a polygon, on a vehicle's public names alone. Copy this file to write another.
+"""The paper's adaptive lawn-mower, sent to a polygon, on a vehicle's public names alone. Copy it to write another.
 
-As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more than
-7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less
-than 7 m at a turn. Ours adds the polygon (a lane ends with it, the mission with its last lane) and keeps its height above
-the bed and above what the sonar sees ahead.
+As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more
+than 7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor
+reads less than 7 m at a turn. Ours adds the polygon (a lane ends with it, the mission with its last lane) and keeps
+its height above the bed and above what the sonar sees ahead.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ STUCK_AFTER_S = 60.0
 
 @dataclass(frozen=True)
 class LawnMowerPlan:
-    """Where and how to mow. area_m: the polygon's corners (k, 2), world. altitude_m: over the bed. tilt_deg: nose down."""
+    """Where and how to mow. area_m: the polygon's corners (k, 2). altitude_m: over the bed. tilt_deg: nose down."""
 
     area_m: Sequence[Sequence[float]]
     altitude_m: float = 8.0
@@ -47,7 +47,7 @@ class StoppedError(Exception):
 
 
 class AdaptiveLawnMower:
-    """Flies a plan with a vehicle (release, set_effort, pose, velocity, sonar, sensors, telemetry) and a clock (wait)."""
+    """Flies a plan with a vehicle and a clock; uwsim.control.protocols says what of them it needs."""
 
     def __init__(self, vehicle: SurveyVehicle, clock: Clock, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
         self.vehicle = vehicle
@@ -94,13 +94,12 @@ class AdaptiveLawnMower:
         while np.linalg.norm(self._position() - start) < UNDOCK_M:
             if self.clock.time_s > begun_s + STUCK_AFTER_S:
                 raise StoppedError("stuck in the station's dock")
-            self.autopilot.steer(heading, UNDOCK_SPEED_M_S * ahead, start[2])
-            self.clock.wait(self.period_s)
+            self._command(heading, UNDOCK_SPEED_M_S * ahead, start[2])
 
     def _abreast(self, lane: Lane) -> NDArray[np.float64]:
         """The point of the lane beside the vehicle: its start, or further on where the last lane was cut short."""
         along, _ = lane.locate(self._position()[:2])
-        return lane.start_m + np.clip(along, 0.0, lane.length_m) * lane.direction
+        return lane.start_m + float(np.clip(along, 0.0, lane.length_m)) * lane.direction
 
     def _fly(self, lane: Lane) -> None:
         """Forward along the lane while there is water ahead."""
@@ -154,8 +153,6 @@ class AdaptiveLawnMower:
 
     def _steer(self, heading_rad: float, velocity_world_m_s: NDArray[np.float64]) -> None:
         """One control period, at a safe height over what is known of the way."""
-        if self.vehicle.telemetry().battery_percent <= 0.0:
-            raise StoppedError("the battery is used up")
         position = self._position()
         yaw = self.vehicle.pose.yaw_rad
         self.lookout.see(self.vehicle.sonar.ping(), position, yaw)
@@ -164,7 +161,13 @@ class AdaptiveLawnMower:
         target_m = min(wanted_m if np.isfinite(wanted_m) else position[2], SHALLOWEST_Z_M)
         # Slow down while the climb is still ahead.
         slower = np.clip(1.0 - (target_m - position[2] - 1.0) / 4.0, 0.1, 1.0)
-        self.autopilot.steer(heading_rad, slower * velocity_world_m_s, target_m)
+        self._command(heading_rad, slower * velocity_world_m_s, target_m)
+
+    def _command(self, heading_rad: float, velocity_world_m_s: NDArray[np.float64], z_world_m: float) -> None:
+        """One control period, while there is power."""
+        if self.vehicle.telemetry().battery_percent <= 0.0:
+            raise StoppedError("the battery is used up")
+        self.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
         self.clock.wait(self.period_s)
 
     def _position(self) -> NDArray[np.float64]:

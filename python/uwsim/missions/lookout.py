@@ -40,4 +40,4 @@ class Lookout:
         dx, dy = (points_world_m[:, :2] - position_world_m[:2]).T
         cos, sin = np.cos(heading_rad), np.sin(heading_rad)
         along, across = cos * dx + sin * dy, cos * dy - sin * dx
-        return (along > -self.half_width_m) & (along < self.ahead_m) & (np.abs(across) < self.half_width_m)
+        return np.asarray((along > -self.half_width_m) & (along < self.ahead_m) & (np.abs(across) < self.half_width_m))

@@ -34,10 +34,9 @@ def run_survey(
     """
     console = Console()
     with console.status(f"building {scenario}"):
-        sim = Simulator(
-            scenario, seed=seed, sonar_model=sonar_model, mission_time_s=mission_time_s, threads=threads
-        )
-        required_survey(sim.scenario)
+        sim = Simulator(scenario, seed=seed, sonar_model=sonar_model, mission_time_s=mission_time_s, threads=threads)
+        survey = required_survey(sim.scenario)
+        occupancy = OccupancyMap(resolution_m=survey.voxel_m if voxel_m is None else voxel_m)
     _require_writable(out)
 
     progress = Progress(
@@ -50,10 +49,12 @@ def run_survey(
     )
     with progress:
         task = progress.add_task("", total=1.0, scenario=sim.scenario.name, note="")
-        occupancy, record = fly_survey(
+        _, record = fly_survey(
             sim,
-            voxel_m,
-            on_progress=lambda share: progress.update(task, completed=share, note=f"{sim.time_s / 60:.1f} min simulated"),
+            occupancy,
+            on_progress=lambda share: progress.update(
+                task, completed=share, note=f"{sim.time_s / 60:.1f} min simulated"
+            ),
         )
     occupancy.write(out / "map.bt")  # before anything else can fail
     if record.stopped_because == INTERRUPTED:

@@ -90,18 +90,20 @@ class PingingClock:
 
 def fly_survey(
     sim: Simulator,
-    voxel_m: float | None = None,
+    occupancy: OccupancyMap | None = None,
     *,
     on_progress: Callable[[float], None] = lambda share: None,
     tamper: Callable[[str], str] | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end, or to Ctrl-C; either way the map of what was seen and the record come back.
 
-    voxel_m: replaces the scenario's. on_progress: called at every ping with the share flown, 0..1.
+    occupancy: the map to fill; by default a new one of the scenario's voxel_m. on_progress: called at every ping with
+    the share flown, 0..1. tamper: stands for the channel between sonar and decoder; gets each string, returns another.
     Raises ScenarioError when the scenario has no survey.
     """
     survey = required_survey(sim.scenario)
-    occupancy = OccupancyMap(resolution_m=voxel_m or survey.voxel_m)
+    if occupancy is None:
+        occupancy = OccupancyMap(resolution_m=survey.voxel_m)
     log, timer = SurveyLog(np.asarray(survey.area_m)), StageTimer()
     begun, begun_s = time.perf_counter(), sim.time_s
     with ScanChain(

@@ -1,0 +1,170 @@
+"""The public surface: what scripts and notebooks build on."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import uwsim
+from uwsim import Simulator
+
+
+@pytest.fixture
+def pool() -> Simulator:
+    return Simulator("pool")
+
+
+def fly_ahead(sim: Simulator, duration_s: float) -> None:
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.5, yaw=-0.1)
+    sim.advance(duration_s)
+
+
+def test_time_is_a_whole_number_of_fixed_steps(pool: Simulator) -> None:
+    pool.step(3)
+    pool.advance(0.5)
+    assert pool.time_ns == round((3 * pool.step_s + 0.5) * 1e9)
+    with pytest.raises(ValueError, match=r"0\.0123 s: must be a whole number of steps"):
+        pool.advance(0.0123)
+    with pytest.raises(ValueError, match="must not be negative"):
+        pool.step(-1)
+
+
+def test_efforts_move_the_vehicle_the_way_of_rep_103(pool: Simulator) -> None:
+    fly_ahead(pool, 2.0)
+    velocity = pool.rov.velocity
+    assert velocity.linear_body_m_s[0] > 0.1
+    assert velocity.angular_body_rad_s[2] < -0.01
+    pool.rov.set_effort(surge=0.2)
+    np.testing.assert_array_equal(pool.rov.effort, [0.2, 0, 0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("effort", [1.01, -2.0, float("nan"), float("inf")])
+def test_an_effort_beyond_one_is_refused_and_changes_nothing(pool: Simulator, effort: float) -> None:
+    pool.rov.set_effort(sway=0.5)
+    with pytest.raises(ValueError, match=r"effort\.heave = .*: must be in \[-1, 1\]"):
+        pool.rov.set_effort(heave=effort)
+    assert pool.rov.effort[1] == 0.5
+
+
+def test_reading_and_pinging_do_not_advance_time_and_repeat(pool: Simulator) -> None:
+    fly_ahead(pool, 1.0)
+    rov, before = pool.rov, pool.time_ns
+    first, second = rov.sonar.ping(), rov.sonar.ping()
+    np.testing.assert_array_equal(first.ranges_m, second.ranges_m)
+    for sensor in rov.sensors.values():
+        if sensor.kind != "imu":
+            assert sensor.read() == sensor.read()
+    assert pool.time_ns == before == first.time_ns
+
+
+def test_same_scenario_and_seed_same_bits_and_another_seed_other_noise() -> None:
+    def run(seed: int) -> tuple[bytes, float]:
+        sim = Simulator("pool", seed=seed)
+        fly_ahead(sim, 3.0)
+        return sim.rov.pose.world_from_body.tobytes() + sim.rov.sonar.ping().ranges_m.tobytes(), sim.rov.sensors[
+            "depth"
+        ].read()
+
+    assert run(7) == run(7)
+    assert run(7)[1] != run(8)[1]
+
+
+def test_a_pings_arrays_agree_with_each_other(pool: Simulator) -> None:
+    pool.rov.sonar.aim(elevation_rad=-0.5)
+    ping = pool.rov.sonar.ping()
+    beams = len(ping.ranges_m)
+    assert beams == 513
+    assert ping.ranges_m.dtype == np.float32
+    assert ping.points_sonar_m.shape == (beams, 3)
+    assert ping.valid.any()
+    np.testing.assert_array_equal(ping.valid, np.isfinite(ping.ranges_m))
+    hit = ping.points_sonar_m[ping.valid]
+    np.testing.assert_allclose(np.linalg.norm(hit, axis=1), ping.ranges_m[ping.valid], rtol=1e-6)
+    np.testing.assert_allclose(np.arctan2(hit[:, 1], hit[:, 0]), ping.angles_rad[ping.valid], atol=1e-6)
+    world = hit @ ping.world_from_sonar[:3, :3].T + ping.world_from_sonar[:3, 3]
+    bed = ping.labels[ping.valid] == pool.world.label_names.index("terrain")
+    np.testing.assert_allclose(world[bed, 2], pool.world.height_at(world[bed, :2]), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("model", "beams", "range_m"), [(1, 513, 95.0), (2, 513, 55.0), (3, 1025, 95.0), (4, 1025, 55.0)]
+)
+def test_the_sonar_model_is_chosen_by_argument(model: int, beams: int, range_m: float) -> None:
+    sim = Simulator("pool", sonar_model=model)
+    assert sim.rov.sonar.model.range_max_m == range_m
+    assert len(sim.rov.sonar.ping().ranges_m) == beams
+
+
+def test_the_panel_and_the_sensors_tell_the_same_truth(pool: Simulator) -> None:
+    panel, sensors = pool.rov.telemetry(), pool.rov.sensors
+    assert panel.depth_m == pytest.approx(2.0)
+    assert sensors["depth"].read(noise=False) == panel.depth_m
+    assert sensors["pressure"].read(noise=False) == panel.pressure_pa
+    assert panel.pressure_pa == pytest.approx(101325 + 1000 * 9.80665 * 2.0)
+    assert panel.distance_to_seabed_m == pytest.approx(3.0)
+    assert panel.proximity_warning and not panel.range_warning and not panel.collision_warning
+    imu = sensors["imu"].read(noise=False)
+    np.testing.assert_allclose(imu.linear_acceleration_m_s2, [0, 0, 9.80665], atol=1e-12)
+
+
+def test_the_battery_is_the_mission_time() -> None:
+    sim = Simulator("pool", mission_time_s=2.0)
+    sim.advance(5.0)
+    assert sim.rov.telemetry().battery_percent == 100.0, "docked, nothing is used up"
+    fly_ahead(sim, 1.0)
+    assert sim.rov.telemetry().battery_percent == pytest.approx(50.0)
+    sim.advance(1.0)
+    speed = sim.rov.telemetry().speed_m_s
+    sim.advance(2.0)
+    assert sim.rov.telemetry().battery_percent == 0.0
+    assert sim.rov.telemetry().speed_m_s < 0.8 * speed
+
+
+def test_what_the_vehicle_hits_is_what_the_sonar_sees(pool: Simulator) -> None:
+    """Driven at the box, it stops where its own sonar's middle beam says that the box is."""
+    rov = pool.rov
+    rov.release()
+    rov.place([0.0, 0.0, -4.5])
+    rov.sonar.aim(0.0)
+    ping = rov.sonar.ping()
+    assert pool.world.label_names[ping.labels[256]] == "box"
+    ahead_m = float(ping.ranges_m[256])
+    rov.set_effort(surge=0.3)
+    pool.advance(20.0)
+    assert rov.collisions >= 1
+    assert rov.telemetry().collision_warning
+    bow_m = rov.pose.position_world_m[0] + 0.6
+    assert bow_m == pytest.approx(ping.world_from_sonar[0, 3] + ahead_m, abs=0.05)
+
+
+def test_placing_a_vehicle_takes_finite_numbers_only(pool: Simulator) -> None:
+    pool.rov.place([1.0, 2.0, -1.5], velocity_body=[0.1, 0, 0, 0, 0, 0])
+    np.testing.assert_array_equal(pool.rov.pose.position_world_m, [1.0, 2.0, -1.5])
+    with pytest.raises(ValueError, match="finite"):
+        pool.rov.place([float("nan"), 0.0, 0.0])
+    with pytest.raises(ValueError, match=r"position_m\.shape"):
+        pool.rov.place([0.0, 0.0])
+
+
+def test_calls_from_several_threads_wait_for_each_other(pool: Simulator) -> None:
+    pool.rov.release()
+    stepper = threading.Thread(target=pool.step, args=(5000,))
+    stepper.start()
+    for _ in range(50):
+        assert np.isfinite(pool.rov.pose.position_world_m).all()
+        assert pool.rov.sonar.ping().valid.any()
+    stepper.join()
+    assert pool.time_ns == 5000 * round(pool.step_s * 1e9)
+
+
+@pytest.mark.parametrize("threads", [0, -1, 5000])
+def test_the_number_of_threads_is_checked(threads: int) -> None:
+    with pytest.raises(ValueError, match="threads"):
+        Simulator("pool", threads=threads)
+
+
+def test_it_is_a_context_manager_and_has_a_version() -> None:
+    with Simulator("pool") as sim:
+        assert sim.vehicles["rov"] is sim.rov
+    assert uwsim.__version__[0].isdigit()

@@ -1,0 +1,92 @@
+"""The main job end to end, on the pool: every ping through the chain, same bytes, clean ends."""
+
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.mapping import OccupancyMap
+from uwsim.survey.fly import INTERRUPTED, fly_survey
+from uwsim.survey.score import score_map
+
+
+def survey_bytes(**options: object) -> bytes:
+    occupancy, _ = fly_survey(Simulator("pool", mission_time_s=20.0, **options))
+    return occupancy.to_bytes("bt")
+
+
+def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface() -> None:
+    sim = Simulator("pool")
+    occupancy, record = fly_survey(sim)
+    assert record.stopped_because == "the area is covered"
+    assert record.collision_count == 0
+    assert record.ping_count == pytest.approx(10 * record.simulated_s, abs=1)
+    score = score_map(
+        sim.world,
+        occupancy.occupied_voxels(),
+        occupancy.resolution_m,
+        record.path_world_m,
+        record.area_world_m,
+        record.range_max_m,
+    )
+    assert score.coverage > 0.95
+    # The centre of a voxel that the surface passes through is at most half its diagonal away.
+    assert score.distance_max_m < 0.5 * np.sqrt(3) * occupancy.resolution_m + 1e-3
+
+
+def test_scenario_and_seed_fix_the_map_to_the_byte_whatever_the_threads() -> None:
+    first = survey_bytes(seed=3, threads=1)
+    assert survey_bytes(seed=3, threads=1) == first
+    assert survey_bytes(seed=3, threads=2) == first
+    assert survey_bytes(seed=4, threads=1) != first, "the sensors' noise steers the vehicle"
+
+
+def test_what_is_corrupted_in_the_string_is_corrupted_in_the_map() -> None:
+    """The map is made of what came over the wire, of nothing else."""
+
+    def nearer(text: str) -> str:
+        values = text.split("a")
+        values[256] = "0.75"
+        return "a".join(values)
+
+    clean, _ = fly_survey(Simulator("pool", mission_time_s=5.0, threads=1))
+    corrupted, _ = fly_survey(Simulator("pool", mission_time_s=5.0, threads=1), tamper=nearer)
+    assert corrupted.to_bytes("bt") != clean.to_bytes("bt")
+    with pytest.raises(ValueError, match=r"513 values"):
+        fly_survey(Simulator("pool", mission_time_s=5.0), tamper=lambda text: text[: len(text) // 2])
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_the_survey_with_the_map_of_what_was_seen(threads: int) -> None:
+    sim = Simulator("pool", threads=threads)
+    pinged = threading.Event()
+    shares: list[float] = []
+
+    def interrupt_after_fifty(share: float) -> None:
+        shares.append(share)
+        if len(shares) == 50:
+            pinged.set()
+            os.kill(os.getpid(), signal.SIGINT)
+
+    occupancy, record = fly_survey(sim, on_progress=interrupt_after_fifty)
+    assert pinged.is_set()
+    assert record.stopped_because == INTERRUPTED
+    assert 50 <= record.ping_count <= 52
+    assert len(occupancy.occupied_voxels()) > 0
+    assert OccupancyMap(0.5).to_bytes("bt") != occupancy.to_bytes("bt")
+
+
+def test_a_survey_of_another_model_decodes_its_own_beams() -> None:
+    _, record = fly_survey(Simulator("pool", sonar_model=3, mission_time_s=3.0))
+    assert record.sonar_model == 3
+    assert record.range_max_m == pytest.approx(94.9)
+    assert record.sample_ping is None or len(record.sample_ping.ranges_m) == 1025
+
+
+def test_a_spent_battery_ends_the_survey() -> None:
+    _, record = fly_survey(Simulator("pool", mission_time_s=4.0))
+    assert record.stopped_because == "the battery is used up"
+    assert record.simulated_s == pytest.approx(4.0, abs=0.11)
