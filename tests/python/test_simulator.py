@@ -1,12 +1,15 @@
 """The public surface: what scripts and notebooks build on."""
 
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 import uwsim
 from uwsim import Simulator
+from uwsim.scenario.paths import assets_folder
 
 
 @pytest.fixture
@@ -121,8 +124,20 @@ def test_the_battery_is_the_mission_time() -> None:
     assert sim.rov.telemetry().speed_m_s < 0.8 * speed
 
 
-def test_what_the_vehicle_hits_is_what_the_sonar_sees(pool: Simulator) -> None:
+def pool_with_a_mesh_for_a_box(folder: Path) -> Path:
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(folder / "box.glb")
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    scenario = folder / "meshed.yaml"
+    scenario.write_text(
+        text.replace("kind: box", "kind: mesh\n    file: box.glb").replace("size_m: [1, 1, 1]", "scale: 1")
+    )
+    return scenario
+
+
+@pytest.mark.parametrize("kind", ["box", "mesh"])
+def test_what_the_vehicle_hits_is_what_the_sonar_sees(kind: str, tmp_path: Path) -> None:
     """Driven at the box, it stops where its own sonar's middle beam says that the box is."""
+    pool = Simulator("pool" if kind == "box" else pool_with_a_mesh_for_a_box(tmp_path))
     rov = pool.rov
     rov.release()
     rov.place([0.0, 0.0, -4.5])

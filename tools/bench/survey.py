@@ -14,7 +14,7 @@ from rich.table import Table
 from uwsim import Simulator
 from uwsim.survey.fly import fly_survey
 from uwsim.survey.record import SurveyRecord
-from uwsim.survey.stages import STAGES
+from uwsim.survey.stages import STAGES, WAITING
 
 console = Console()
 
@@ -52,11 +52,9 @@ def summarise(records: list[SurveyRecord]) -> dict[str, float]:
         "wall_s": median([r.wall_s for r in records]),
         "pings": median([float(r.ping_count) for r in records]),
     }
-    for stage in STAGES:
+    for stage in (*STAGES, WAITING):
         figures[f"{stage}_s"] = median([r.stage_wall_s[stage] for r in records])
-    # With more than one thread the map is filled beside the rest and is not part of the flying thread's time.
-    beside = figures["map_s"] if records[0].threads > 1 else 0.0
-    figures["mission_s"] = figures["wall_s"] + beside - sum(figures[f"{stage}_s"] for stage in STAGES)
+    figures["mission_s"] = median([r.mission_wall_s for r in records])
     return figures
 
 
@@ -69,7 +67,7 @@ def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
     table.add_column("stage")
     for column in ("wall s", "share of wall", "us a ping"):
         table.add_column(column, justify="right")
-    for stage in (*STAGES, "mission"):
+    for stage in (*STAGES, WAITING, "mission"):
         seconds = figures[f"{stage}_s"]
         name = f"{stage} (beside the rest)" if stage == "map" and record.threads > 1 else stage
         share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from uwsim import ranging
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.stages import StageTimer
+from uwsim.survey.stages import WAITING, StageTimer
 
 SCANS_IN_FLIGHT = 64  # bounds what waits for the map's thread
 
@@ -49,7 +50,7 @@ class ScanChain:
         self.timer = timer or StageTimer()
         self._tamper = tamper
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
-        self._waiting: list[Future[None]] = []
+        self._in_flight: deque[Future[None]] = deque()
 
     def insert(
         self,
@@ -76,17 +77,18 @@ class ScanChain:
 
     def finish(self) -> None:
         """Wait until every scan is in the map."""
-        waiting, self._waiting = self._waiting, []
-        for scan in waiting:
-            scan.result()
+        with self.timer.measure(WAITING):
+            while self._in_flight:
+                self._in_flight.popleft().result()
 
     def _to_map(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
         if self._mapper is None:
             self._insert(points_world_m, origin_m)
             return
-        self._waiting.append(self._mapper.submit(self._insert, points_world_m, origin_m))
-        while len(self._waiting) > SCANS_IN_FLIGHT or (self._waiting and self._waiting[0].done()):
-            self._waiting.pop(0).result()
+        self._in_flight.append(self._mapper.submit(self._insert, points_world_m, origin_m))
+        with self.timer.measure(WAITING):
+            while len(self._in_flight) > SCANS_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
+                self._in_flight.popleft().result()
 
     def _insert(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
         with self.timer.measure("map"):

@@ -30,7 +30,7 @@ class SurveyRecord:
 
     path_world_m: (n, 3), where the sonar was at each ping, in order. area_world_m: (k, 2), the polygon that was to be
     covered. sample_ping is None when the survey ended before its first ping. stage_wall_s: wall seconds by stage
-    (physics, rays, codec, conversion, map); what is missing to wall_s is the mission and the bookkeeping.
+    (physics, rays, codec, conversion, map, waiting for the map).
     """
 
     scenario_name: str
@@ -55,6 +55,12 @@ class SurveyRecord:
     def real_time_factor(self) -> float:
         """Simulated seconds for each second of wall time; 0 before anything ran."""
         return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
+
+    @property
+    def mission_wall_s(self) -> float:
+        """Wall time of the flying thread that no stage accounts for. With more threads the map has one of its own."""
+        flying = [seconds for stage, seconds in self.stage_wall_s.items() if stage != "map" or self.threads == 1]
+        return max(self.wall_s - sum(flying), 0.0)
 
     @property
     def path_length_m(self) -> float:

@@ -75,11 +75,11 @@ def _setup(record: SurveyRecord) -> list[tuple[str, str]]:
 
 
 def _stages(record: SurveyRecord) -> list[tuple[str, str, float]]:
-    """Return (stage, wall time, share in per cent) and, last, what no stage accounts for."""
-    stages = dict(record.stage_wall_s)
-    stages["mission and the rest"] = max(record.wall_s - sum(stages.values()), 0.0)
-    whole = max(sum(stages.values()), 1e-9)
-    return [(name, minutes(wall_s), 100.0 * wall_s / whole) for name, wall_s in stages.items()]
+    """Return (stage, wall time, share of the survey's wall time in per cent), the mission last."""
+    stages = {**record.stage_wall_s, "mission and the rest": record.mission_wall_s}
+    if record.threads > 1 and "map" in stages:
+        stages = {("map (beside the rest)" if name == "map" else name): wall_s for name, wall_s in stages.items()}
+    return [(name, minutes(wall_s), 100.0 * wall_s / max(record.wall_s, 1e-9)) for name, wall_s in stages.items()]
 
 
 def _data_uri(path: Path) -> str:
