@@ -3,10 +3,9 @@
 
 namespace uwsim::bindings {
 
-void bind_core(pybind11::module_& m) {
-  (void)m;
+void bind_core(pybind11::module_&) {
   // InvalidValue is a std::invalid_argument, which pybind11 already turns into ValueError.
-  pybind11::register_local_exception_translator([](std::exception_ptr p) {
+  pybind11::register_local_exception_translator([](std::exception_ptr p) {  // by value: pybind11's signature
     try {
       if (p) std::rethrow_exception(p);
     } catch (const FileError& error) {

@@ -3,14 +3,32 @@
 World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103); quaternions x, y, z, w; SI units.
 """
 
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
 
-from uwsim.scenario import Scenario, ScenarioError
-from uwsim.simulator import Simulator
+if TYPE_CHECKING:
+    from uwsim.scenario import Scenario, ScenarioError
+    from uwsim.simulator import Simulator
 
 try:
     __version__ = version("uwsim")
 except PackageNotFoundError:  # a source tree that was never installed
     __version__ = "0+unknown"
 
+# Loaded when first asked for (PEP 562), so that `uwsim --help` answers at once.
+_HOMES = {"Scenario": "uwsim.scenario", "ScenarioError": "uwsim.scenario", "Simulator": "uwsim.simulator"}
+
 __all__ = ["Scenario", "ScenarioError", "Simulator", "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'uwsim' has no attribute '{name}'")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -24,8 +24,9 @@ struct Contact {
 /// A body as its contacts see it.
 struct ContactBody {
   Pose world_from_body;
-  Vector6d velocity_body = Vector6d::Zero();  ///< that free motion would end the step with; changed to what contacts allow
-  Matrix6d inverse_mass = Matrix6d::Zero();   ///< full (M_RB + M_A)^-1
+  Vector6d velocity_body =
+      Vector6d::Zero();  ///< that free motion would end the step with; changed to what contacts allow
+  Matrix6d inverse_mass = Matrix6d::Zero();  ///< full (M_RB + M_A)^-1
   /// What the contacts gave it, about its origin [N s, N m s].
   Vector6d impulse_body = Vector6d::Zero();
   /// Velocity for this step's pose only: pushes overlaps apart without adding energy (split impulse).

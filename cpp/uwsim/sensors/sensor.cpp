@@ -60,6 +60,7 @@ std::vector<double> NoisySensor::read(const SensorInput& input, std::uint64_t ti
 
 std::vector<std::string> sensor_kinds() {
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const Kind& kind : kKinds) names.emplace_back(kind.name);
   return names;
 }
