@@ -30,14 +30,17 @@ class OwnedSimulation {
     return call(simulation_);
   }
 
-  /// In slices, so that Ctrl-C is answered.
+  /// In slices, so that Ctrl-C is answered; nobody else gets in between.
   void step(std::uint64_t count) {
-    while (count > 0) {
-      const std::uint64_t slice = std::min(count, kStepsBetweenSignals);
-      with([&](Simulation& sim) { sim.step(slice); });
-      count -= slice;
-      if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
-    }
+    with([&](Simulation& sim) {
+      while (count > 0) {
+        const std::uint64_t slice = std::min(count, kStepsBetweenSignals);
+        sim.step(slice);
+        count -= slice;
+        const py::gil_scoped_acquire locked;
+        if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+      }
+    });
   }
 
  private:
@@ -204,10 +207,10 @@ void bind_sim(py::module_& m) {
   bind_results(m);
   py::class_<OwnedSimulation>(m, "Simulation", "A world with vehicles, advanced by fixed steps; vehicles by index.")
       .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
-           py::arg("scene"), py::arg("spec"))
+           py::arg("scene").none(false), py::arg("spec"))
       .def(
           "add_vehicle",
-          [](OwnedSimulation& owned, const VehicleSpec& spec) {
+          [](OwnedSimulation& owned, VehicleSpec spec) {
             require(spec.craft != nullptr, "vehicles.craft", "none", "must be set");
             return owned.with([&](Simulation& sim) { return sim.add_vehicle(spec); });
           },

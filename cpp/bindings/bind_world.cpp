@@ -40,9 +40,8 @@ RayHits cast(const RayScene& scene, const py::object& origins_m, const py::objec
     std::vector<Ray> rays(n);
     std::vector<RayHit> hits(n);
     for (std::size_t k = 0; k < n; ++k) {
-      const double length = ways[k].norm();
-      require(length > 0, "directions", 0, "must not be zero");
-      rays[k] = {origins[shared ? 0 : k], ways[k] / length};
+      require(!ways[k].isZero(0), "directions", 0, "must not be zero");
+      rays[k] = {origins[shared ? 0 : k], ways[k].stableNormalized()};
     }
     scene.cast(rays, max_range_m, hits, usable_threads());
     for (std::size_t k = 0; k < n; ++k) {
@@ -58,6 +57,8 @@ RayHits cast(const RayScene& scene, const py::object& origins_m, const py::objec
 py::array_t<bool> visible(const RayScene& scene, const py::object& origin_m, const py::object& points_m,
                           double tolerance_m) {
   const Eigen::Vector3d origin = as_vector3(origin_m, "origin_m");
+  require(origin.allFinite(), "origin_m", origin.transpose(), "must be finite");
+  require(tolerance_m >= 0, "tolerance_m", tolerance_m, "must not be negative");
   const auto points = as_points(points_m, "points_m");
   py::array_t<bool> seen(static_cast<py::ssize_t>(points.size()));
   bool* out = seen.mutable_data();
@@ -67,7 +68,7 @@ py::array_t<bool> visible(const RayScene& scene, const py::object& origin_m, con
     std::vector<RayHit> hits(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
       const Eigen::Vector3d way = points[k] - origin;
-      rays[k] = {origin, way.norm() > 0 ? way.normalized() : Eigen::Vector3d::UnitZ().eval()};
+      rays[k] = {origin, way.isZero(0) ? Eigen::Vector3d::UnitZ().eval() : way.stableNormalized().eval()};
     }
     scene.cast(rays, std::numeric_limits<float>::max(), hits, usable_threads());
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -196,7 +197,7 @@ void bind_world(py::module_& m) {
 
   py::class_<RayScene, std::shared_ptr<RayScene>>(
       m, "RayScene", "The world's surfaces for rays (Embree). A snapshot: solids added later are not in it.")
-      .def(py::init([](const World& world) {
+      .def(py::init([](World world) {  // a copy, since others may add to the original meanwhile
              const py::gil_scoped_release unlocked;
              return std::make_shared<RayScene>(world);
            }),

@@ -42,8 +42,9 @@ inline Pose as_pose(const py::object& position_m, const py::object& orientation_
   const auto q = as_array<double>(orientation_xyzw, (name + ".orientation_xyzw").c_str(), {4});
   const Eigen::Quaterniond orientation(q.at(3), q.at(0), q.at(1), q.at(2));
   require(position.allFinite(), name + ".position_m", position.transpose(), "must be finite");
-  require(orientation.norm() > 1e-6 && orientation.coeffs().allFinite(), name + ".orientation_xyzw",
-          orientation.coeffs().transpose(), "must be a quaternion");
+  const double length = orientation.coeffs().stableNorm();
+  require(length >= 1e-6 && length <= 1e6, name + ".orientation_xyzw", orientation.coeffs().transpose(),
+          "must be a quaternion of length in [1e-6, 1e6]");
   return {position, orientation.normalized()};
 }
 

@@ -22,7 +22,7 @@ class Simulator:
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
     seed, sonar_model (1..4, every vehicle's), mission_time_s: replace the scenario's figures.
-    threads: how many a long call may use; by default all. Results do not depend on it.
+    threads: how many a survey may use; by default all. Results do not depend on it.
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
     Reading, pinging and looking at telemetry do not advance time, and repeated at one time give the same sample.

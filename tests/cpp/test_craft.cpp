@@ -92,6 +92,12 @@ TEST(Craft, CoefficientsThatMakeNoSenseAreRefusedByName) {
   p.inertia_kg_m2.diagonal() << 1, 1, 5;
   EXPECT_THROW(p.check(), InvalidValue);
   p = neutral_box();
+  p.inertia_kg_m2(0, 1) = 9;  // and not (1, 0)
+  EXPECT_THROW(p.check(), InvalidValue);
+  p = neutral_box();
+  p.quadratic_damping.topLeftCorner<2, 2>() << 1, 0.1, 0.1, 0.01;  // semi-definite, yet v = (1, -5) gains energy
+  EXPECT_THROW(p.check(), InvalidValue);
+  p = neutral_box();
   p.added_mass(0, 1) = 3;
   EXPECT_THROW(p.check(), InvalidValue);
 }

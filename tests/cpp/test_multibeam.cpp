@@ -86,5 +86,21 @@ TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
   EXPECT_LT(near[0], near[256]);
 }
 
+TEST(Multibeam, SoundDoesNotLeaveTheWater) {
+  World world = flat_world(-20);
+  TriangleMesh bank = testing::box(1, 60, 10);  // from z = -5 up to z = 5
+  for (auto& v : bank.vertices_m) v += Eigen::Vector3d(10, 0, 0);
+  world.add_solid("bank", bank);
+  const RayScene scene(world);
+  Multibeam sonar(em2040(2), Pose{});
+  sonar.aim(0.05);
+  const auto echoes = [&](double z) {
+    return sonar.ping(scene, Water{}, {{0, 0, z}, Eigen::Quaterniond::Identity()}).valid;
+  };
+  EXPECT_EQ(echoes(-2)[256], 1);
+  EXPECT_EQ(echoes(-0.2)[256], 0) << "meets the bank above the surface";
+  EXPECT_EQ(echoes(1)[256], 0) << "a dry head";
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -79,5 +79,23 @@ TEST(RayScene, DistanceToASphereIsRadialWhateverTheThreads) {
   }
 }
 
+TEST(RayScene, DegenerateTrianglesDoNotPoisonDistances) {
+  World world;
+  world.add_solid("sliver",
+                  {{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {4, 0, 0}, {5, 0, 0}, {4, 1, 0}}, {{0, 1, 2}, {3, 4, 5}}});
+  const std::vector<Eigen::Vector3d> points = {{0.5, 0, 1}, {-1, 0, 0}, {4.2, 0.2, 3}};
+  std::vector<double> distances(points.size());
+  RayScene(world).distance(points, distances);
+  EXPECT_NEAR(distances[0], 1, 1e-9);
+  EXPECT_NEAR(distances[1], 1, 1e-9);
+  EXPECT_NEAR(distances[2], 3, 1e-9);
+}
+
+TEST(RayScene, RaysFromBeyondTheWorldMeetNothing) {
+  const RayScene scene(slope_world({0, 0}));
+  EXPECT_EQ(scene.cast({{0, 0, 2e18}, {0, 0, -1}}, 1e30).label, kNothing);
+  EXPECT_EQ(scene.cast({{0, 0, 10}, {0, 0, NAN}}, 100).label, kNothing);
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -51,13 +51,16 @@ void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact
     for (const Eigen::Vector3d& direction : {n, t1, n.cross(t1).eval()})
       rows_.push_back(make_row(bodies, contact, direction));
     Row& normal = *(rows_.end() - 3);
-    double approach = normal.direction_a.dot(bodies[static_cast<std::size_t>(normal.a)].velocity_body);
-    if (normal.b != kFixedBody)
-      approach += normal.direction_b.dot(bodies[static_cast<std::size_t>(normal.b)].velocity_body);
+    const auto along_normal = [&](Vector6d ContactBody::*velocity) {
+      double speed = normal.direction_a.dot(bodies[static_cast<std::size_t>(normal.a)].*velocity);
+      if (normal.b != kFixedBody) speed += normal.direction_b.dot(bodies[static_cast<std::size_t>(normal.b)].*velocity);
+      return speed;
+    };
     const double gap = std::max(0.0, contact.gap_m);
-    const bool arrives = approach * step_s + gap < 0;
-    const bool bounces = arrives && approach < -kBounceThreshold_m_s;
-    normal.target = bounces ? -contact.restitution * approach : -gap / step_s;
+    const bool arrives = along_normal(&ContactBody::velocity_body) * step_s + gap < 0;
+    const double arriving = along_normal(&ContactBody::arriving_velocity_body);
+    const bool bounces = arrives && arriving < -kBounceThreshold_m_s;
+    normal.target = bounces ? -contact.restitution * arriving : -gap / step_s;
   }
   solve_velocities(bodies, contacts);
   solve_overlaps(bodies, contacts, step_s);
@@ -84,11 +87,15 @@ void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<co
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       Row& normal = rows_[3 * k];
       push(normal, std::max(0.0, wanted(normal)));
+      // Coulomb's cone is round: both tangents are asked first, then held to its radius together.
       const double limit = contacts[k].friction * normal.impulse;
-      for (std::size_t axis = 1; axis <= 2; ++axis) {
-        Row& tangent = rows_[3 * k + axis];
-        push(tangent, std::clamp(wanted(tangent), -limit, limit));
-      }
+      Row &first = rows_[3 * k + 1], &second = rows_[3 * k + 2];
+      push(first, wanted(first));
+      push(second, wanted(second));
+      const double size = std::hypot(first.impulse, second.impulse);
+      if (size <= limit) continue;
+      push(first, first.impulse * limit / size);
+      push(second, second.impulse * limit / size);
     }
   }
 }

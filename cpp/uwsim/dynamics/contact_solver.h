@@ -27,6 +27,8 @@ struct ContactBody {
   Vector6d velocity_body =
       Vector6d::Zero();  ///< that free motion would end the step with; changed to what contacts allow
   Matrix6d inverse_mass = Matrix6d::Zero();  ///< full (M_RB + M_A)^-1
+  /// At the start of the step: what bounces. Gravity's share of this step must not.
+  Vector6d arriving_velocity_body = Vector6d::Zero();
   /// What the contacts gave it, about its origin [N s, N m s].
   Vector6d impulse_body = Vector6d::Zero();
   /// Velocity for this step's pose only: pushes overlaps apart without adding energy (split impulse).

@@ -31,18 +31,24 @@ std::unique_ptr<btCollisionShape> terrain_shape(const Heightfield& terrain) {
   return shape;
 }
 
-std::unique_ptr<btConvexShape> body_shape(const TriangleMesh& mesh, CollisionShape kind) {
-  std::unique_ptr<btConvexShape> shape;
-  if (kind == CollisionShape::kHull) {
-    btConvexHullComputer hull;
-    hull.compute(mesh.vertices_m.front().data(), sizeof(Eigen::Vector3d), static_cast<int>(mesh.vertices_m.size()), 0,
-                 0);
-    shape = std::make_unique<btConvexHullShape>(&hull.vertices[0].getX(), hull.vertices.size());
-  } else {
-    Eigen::Vector3d reach = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& v : mesh.vertices_m) reach = reach.cwiseMax(v.cwiseAbs());
-    shape = std::make_unique<btBoxShape>(to_bullet(reach));
+std::vector<Eigen::Vector3d> box_corners(const TriangleMesh& mesh) {
+  Eigen::Vector3d low = mesh.vertices_m.front(), high = low;
+  for (const Eigen::Vector3d& v : mesh.vertices_m) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
   }
+  std::vector<Eigen::Vector3d> corners;
+  for (int k = 0; k < 8; ++k) {
+    corners.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z() : low.z());
+  }
+  return corners;
+}
+
+std::unique_ptr<btConvexShape> body_shape(const TriangleMesh& mesh, CollisionShape kind) {
+  const std::vector<Eigen::Vector3d> corners = kind == CollisionShape::kHull ? mesh.vertices_m : box_corners(mesh);
+  btConvexHullComputer hull;
+  hull.compute(corners.front().data(), sizeof(Eigen::Vector3d), static_cast<int>(corners.size()), 0, 0);
+  auto shape = std::make_unique<btConvexHullShape>(&hull.vertices[0].getX(), hull.vertices.size());
   shape->setMargin(kSkin_m);
   return shape;
 }
@@ -80,13 +86,16 @@ struct RigidBodyWorld::Impl {
     bullet.setForceUpdateAllAabbs(false);
     if (const auto& terrain = world.terrain()) {
       const Eigen::Vector2d middle = 0.5 * (terrain->origin_m() + terrain->far_corner_m());
-      add_fixed(terrain_shape(*terrain), {middle.x(), middle.y(), 0.5 * (terrain->lowest_m() + terrain->highest_m())});
+      const double middle_z = 0.5 * (double{terrain->lowest_m()} + double{terrain->highest_m()});
+      add_fixed(terrain_shape(*terrain), {middle.x(), middle.y(), middle_z});
     }
     for (const auto& solid : world.solids()) add_solid(solid->mesh_world);
   }
 
   ~Impl() {
-    for (auto& body : bodies) bullet.removeCollisionObject(body.object.get());
+    for (auto& body : bodies) {
+      if (!body.held) bullet.removeCollisionObject(body.object.get());
+    }
     for (auto& object : fixed_objects) bullet.removeCollisionObject(object.get());
   }
   Impl(const Impl&) = delete;
@@ -133,8 +142,6 @@ struct RigidBodyWorld::Impl {
     int a = manifold.getBody0()->getUserIndex(), b = manifold.getBody1()->getUserIndex();
     const bool swapped = a == kFixedBody;
     if (swapped) std::swap(a, b);
-    if (bodies[static_cast<std::size_t>(a)].held || (b != kFixedBody && bodies[static_cast<std::size_t>(b)].held))
-      return;
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
       Contact contact;
@@ -144,9 +151,27 @@ struct RigidBodyWorld::Impl {
       contact.normal_world = from_bullet(point.m_normalWorldOnB).normalized() * (swapped ? -1.0 : 1.0);
       contact.gap_m = point.getDistance();
       if (!contact.normal_world.allFinite()) continue;  // Bullet's degenerate pair: nothing to push along
+      if (b == kFixedBody)
+        straighten_on_terrain(contact, swapped ? manifold.getBody0() : manifold.getBody1(), point, swapped);
       mix_materials(contact);
       contacts.push_back(contact);
     }
+  }
+
+  /// Crossing an edge between two of the terrain's triangles, Bullet tilts the normal as if the edge stood out: a
+  /// sliding body would stub on it. The triangle's own normal is meant.
+  void straighten_on_terrain(Contact& contact, const btCollisionObject* fixed, const btManifoldPoint& point,
+                             bool terrain_is_first) const {
+    if (fixed->getCollisionShape()->getShapeType() != TERRAIN_SHAPE_PROXYTYPE) return;
+    const Heightfield& terrain = *world.terrain();
+    // Bullet's height field numbers its triangles as (part = 2 i + half, index = row j).
+    const auto part = static_cast<std::size_t>(terrain_is_first ? point.m_partId0 : point.m_partId1);
+    const auto row = static_cast<std::size_t>(terrain_is_first ? point.m_index0 : point.m_index1);
+    const Triangle t = terrain.triangle(2 * (row * (terrain.nx() - 1) + part / 2) + part % 2);
+    const Eigen::Vector3d a = terrain.vertex(t[0]);
+    const Eigen::Vector3d face = (terrain.vertex(t[1]) - a).cross(terrain.vertex(t[2]) - a).normalized();
+    contact.gap_m *= contact.normal_world.dot(face);
+    contact.normal_world = face;
   }
 
   void mix_materials(Contact& contact) const {
@@ -164,7 +189,8 @@ struct RigidBodyWorld::Impl {
       const Pose& pose = bodies[k].state.world_from_body;
       contact_bodies.push_back({.world_from_body = pose,
                                 .velocity_body = next_states[k].velocity_body,
-                                .inverse_mass = bodies[k].spec.craft->inverse_mass(pose)});
+                                .inverse_mass = bodies[k].spec.craft->inverse_mass(pose),
+                                .arriving_velocity_body = bodies[k].state.velocity_body});
     }
     solver.solve(contact_bodies, contacts, step_s);
     for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -210,12 +236,19 @@ struct RigidBodyWorld::Impl {
   }
 };
 
+void BodySpec::check() const {
+  require(craft != nullptr, "vehicle '" + name + "' craft", "none", "must be set");
+  require(friction >= 0 && friction <= 10, "vehicle.friction", friction, "must be in [0, 10]");
+  require(restitution >= 0 && restitution <= 1, "vehicle.restitution", restitution, "must be in [0, 1]");
+}
+
 RigidBodyWorld::RigidBodyWorld(const World& world, double step_s) : impl_(std::make_unique<Impl>(world, step_s)) {}
 RigidBodyWorld::~RigidBodyWorld() = default;
 RigidBodyWorld::RigidBodyWorld(RigidBodyWorld&&) noexcept = default;
 RigidBodyWorld& RigidBodyWorld::operator=(RigidBodyWorld&&) noexcept = default;
 
 std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
+  spec.check();
   Impl::Body body;
   body.shape = body_shape(spec.craft->hull().mesh_body(), spec.shape);
   body.object = std::make_unique<btCollisionObject>();
@@ -232,8 +265,28 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
 }
 
 const BodyState& RigidBodyWorld::state(std::size_t body) const { return impl_->bodies.at(body).state; }
-void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) { impl_->bodies.at(body).state = state; }
-void RigidBodyWorld::hold(std::size_t body, bool held) { impl_->bodies.at(body).held = held; }
+void RigidBodyWorld::set_state(std::size_t index, const BodyState& state) {
+  Impl::Body& body = impl_->bodies.at(index);
+  body.state = state;
+  body.acceleration_body.setZero();
+  body.in_contact = false;
+  if (body.held) return;
+  // What Bullet remembers of old contacts must not bear on the new place.
+  auto& pairs = *impl_->broadphase.getOverlappingPairCache();
+  pairs.cleanProxyFromPairs(body.object->getBroadphaseHandle(), &impl_->dispatcher);
+}
+
+void RigidBodyWorld::hold(std::size_t index, bool held) {
+  Impl::Body& body = impl_->bodies.at(index);
+  if (held == body.held) return;
+  body.held = held;
+  if (held) {
+    impl_->bullet.removeCollisionObject(body.object.get());
+  } else {
+    body.object->setWorldTransform(to_bullet(body.state.world_from_body));
+    impl_->bullet.addCollisionObject(body.object.get());
+  }
+}
 bool RigidBodyWorld::held(std::size_t body) const { return impl_->bodies.at(body).held; }
 void RigidBodyWorld::set_wrench(std::size_t body, const Vector6d& tau_body) {
   impl_->bodies.at(body).tau_body = tau_body;

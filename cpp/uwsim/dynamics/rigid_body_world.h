@@ -19,6 +19,9 @@ struct BodySpec {
   CollisionShape shape = CollisionShape::kHull;
   double friction = 0.5;     ///< Coulomb coefficient; a pair's is the product's square root
   double restitution = 0.1;  ///< 0 dead .. 1 elastic; a pair's is the larger
+
+  /// Throws InvalidValue that names the field.
+  void check() const;
 };
 
 /// Six-degree-of-freedom bodies among the world's terrain and solids.

@@ -63,15 +63,18 @@ fs::path real_target(const std::string& path) {
     if (fs::is_symlink(fs::symlink_status(path, error))) fail(path, "written", "it is a link to nothing");
     return path;
   }
+  if (error) fail(path, "written", error.message());
   if (!fs::is_regular_file(status)) fail(path, "written", "it is not a regular file");
-  return fs::canonical(path);
+  fs::path target = fs::canonical(path, error);
+  if (error) fail(path, "written", error.message());
+  return target;
 }
 
 /// The process id keeps two programs apart, O_EXCL keeps us off anything that exists.
 std::pair<int, fs::path> create_beside(const fs::path& target, const std::string& path) {
   for (int attempt = 0;; ++attempt) {
     std::ostringstream name;
-    name << '.' << target.filename().string() << '.' << ::getpid() << '.' << attempt << ".tmp";
+    name << ".uwsim-" << ::getpid() << '-' << attempt << ".tmp";
     const fs::path temporary = target.parent_path() / name.str();
     const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd >= 0) return {fd, temporary};

@@ -19,7 +19,9 @@ class Proximity final : public ScalarSensor {
   double value(const SensorInput& input) const override {
     const Pose sensor = world_from_sensor(input, body_from_sensor_);
     const RayHit hit = input.scene.cast({sensor.position_m, sensor.direction(Eigen::Vector3d::UnitX())}, range_max_m_);
-    return std::min(hit.distance_m, range_max_m_);
+    const double hit_z = sensor.position_m.z() + hit.distance_m * sensor.direction(Eigen::Vector3d::UnitX()).z();
+    const bool under_water = sensor.position_m.z() <= 0 && hit_z <= 0;  // sound does not leave the water
+    return under_water ? std::min(hit.distance_m, range_max_m_) : range_max_m_;
   }
   Pose body_from_sensor_;
   double range_max_m_;

@@ -3,14 +3,35 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "uwsim/core/check.h"
 
 namespace uwsim {
+namespace {
+
+constexpr double kWorldEnd_m = 1e6;
+
+template <typename Items>
+auto& item(Items& items, std::size_t index, const char* what) {
+  if (index < items.size()) return items[index];
+  throw std::out_of_range(std::string(what) + " = " + std::to_string(index) + ": must be below " +
+                          std::to_string(items.size()));
+}
+
+template <typename Specs>
+void require_unique_names(const Specs& specs, const std::string& path) {
+  for (auto a = specs.begin(); a != specs.end(); ++a) {
+    const bool repeats = std::any_of(specs.begin(), a, [&](const auto& b) { return b.name == a->name; });
+    require(!repeats, path, a->name, "must be unique");
+  }
+}
+
+}  // namespace
 
 void SimulationSpec::check() const {
-  require(step_s >= 1e-5 && step_s <= 0.1, "step_s", step_s, "must be in [0.00001, 0.1] s");
+  require(step_s >= 1e-5 && step_s <= 0.02, "step_s", step_s, "must be in [0.00001, 0.02] s");
   require(std::isfinite(mission_time_s) && mission_time_s > 0, "mission_time_s", mission_time_s, "must be positive");
   require(station_world_m.allFinite(), "station.position_m", station_world_m.transpose(), "must be finite");
   require(range_warning_m > 0, "warnings.range_m", range_warning_m, "must be positive");
@@ -24,12 +45,17 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
       step_ns_(static_cast<std::uint64_t>(std::llround(spec.step_s * 1e9))),
       bodies_(world, spec.step_s) {
   world_.water.check();
+  require(scene_ != nullptr, "scene", "none", "must be a RayScene");
 }
 
 std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   for (const Vehicle& other : vehicles_) require(other.name != spec.name, "vehicles.name", spec.name, "must be unique");
+  require(spec.drive.full_wrench_body.allFinite(), "vehicle.full_wrench_body", "non-finite", "must be finite");
+  require_unique_names(spec.sensors, "vehicle.sensors.name");
+  require_unique_names(spec.sonars, "vehicle.sonars.name");
   Vehicle vehicle;
   vehicle.name = spec.name;
+  vehicle.craft = spec.craft;
   vehicle.drive = spec.drive;
   for (const SensorSpec& sensor : spec.sensors) vehicle.sensors.emplace_back(sensor, spec_.seed, spec.name);
   for (const SonarSpec& sonar : spec.sonars) {
@@ -55,7 +81,9 @@ void Simulation::step(std::uint64_t count) {
 void Simulation::step_once(const Fluid& fluid) {
   for (const Vehicle& vehicle : vehicles_) {
     const bool powered = vehicle.released && mission_time_s(vehicle) < spec_.mission_time_s;
-    bodies_.set_wrench(vehicle.body, powered ? vehicle.drive.wrench_body(vehicle.effort) : Vector6d::Zero().eval());
+    // Thrusters push water: as little as the vehicle is in it.
+    const double grip = powered ? vehicle.craft->submerged_fraction(bodies_.state(vehicle.body).world_from_body) : 0.0;
+    bodies_.set_wrench(vehicle.body, grip * vehicle.drive.wrench_body(vehicle.effort));
   }
   bodies_.step(fluid);
   for (Vehicle& vehicle : vehicles_) {
@@ -70,36 +98,47 @@ double Simulation::mission_time_s(const Vehicle& vehicle) const {
   return vehicle.released ? 1e-9 * static_cast<double>((tick_ - vehicle.released_tick) * step_ns_) : 0;
 }
 
-const BodyState& Simulation::state(std::size_t vehicle) const { return bodies_.state(vehicles_.at(vehicle).body); }
+const Vehicle& Simulation::vehicle(std::size_t index) const { return item(vehicles_, index, "vehicle"); }
+Vehicle& Simulation::changeable(std::size_t index) { return item(vehicles_, index, "vehicle"); }
 
-void Simulation::set_state(std::size_t vehicle, const BodyState& state) {
+const BodyState& Simulation::state(std::size_t index) const { return bodies_.state(vehicle(index).body); }
+
+void Simulation::set_state(std::size_t index, const BodyState& state) {
+  Vehicle& moved = changeable(index);
+  const std::string path = "vehicle '" + moved.name + "'";
+  const Eigen::Vector3d& position = state.world_from_body.position_m;
   require(state.world_from_body.position_m.allFinite() && state.world_from_body.orientation.coeffs().allFinite() &&
               state.velocity_body.allFinite(),
-          "vehicle '" + vehicles_.at(vehicle).name + "' state", "non-finite", "must be finite");
-  bodies_.set_state(vehicles_.at(vehicle).body, state);
+          path + " state", "non-finite", "must be finite");
+  require(position.cwiseAbs().maxCoeff() <= kWorldEnd_m, path + " position_m", position.transpose(),
+          "must be within 1000 km of the origin");
+  const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
+  require(!(position.z() <= bed_m), path + " position_m", position.transpose(), "must be above the ground");
+  bodies_.set_state(moved.body, state);
+  moved.touching = false;
 }
 
 void Simulation::release(std::size_t index) {
-  Vehicle& vehicle = vehicles_.at(index);
-  if (vehicle.released) return;
-  vehicle.released = true;
-  vehicle.released_tick = tick_;
-  bodies_.hold(vehicle.body, false);
+  Vehicle& docked = changeable(index);
+  if (docked.released) return;
+  docked.released = true;
+  docked.released_tick = tick_;
+  bodies_.hold(docked.body, false);
 }
 
-void Simulation::set_effort(std::size_t vehicle, const Vector6d& effort) {
+void Simulation::set_effort(std::size_t index, const Vector6d& effort) {
   static constexpr std::array<const char*, 6> kAxes = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
   for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
     const double value = effort(static_cast<Eigen::Index>(axis));
     require(std::abs(value) <= 1, std::string("effort.") + kAxes[axis], value, "must be in [-1, 1]");
   }
-  vehicles_.at(vehicle).effort = effort;
+  changeable(index).effort = effort;
 }
 
 Telemetry Simulation::telemetry(std::size_t index) const {
-  const Vehicle& vehicle = vehicles_.at(index);
-  const BodyState& state = bodies_.state(vehicle.body);
-  const Vector6d& acceleration = bodies_.acceleration_body(vehicle.body);
+  const Vehicle& shown = vehicle(index);
+  const BodyState& state = bodies_.state(shown.body);
+  const Vector6d& acceleration = bodies_.acceleration_body(shown.body);
   const Eigen::Vector3d& position = state.world_from_body.position_m;
   Telemetry t;
   t.time_s = time_s();
@@ -112,30 +151,30 @@ Telemetry Simulation::telemetry(std::size_t index) const {
   t.distance_to_station_m = (position - spec_.station_world_m).norm();
   t.distance_to_seabed_m =
       scene_->cast({position, -Eigen::Vector3d::UnitZ()}, std::numeric_limits<float>::max()).distance_m;
-  t.mission_time_s = mission_time_s(vehicle);
+  t.mission_time_s = mission_time_s(shown);
   t.battery_percent = 100 * std::clamp(1 - t.mission_time_s / spec_.mission_time_s, 0.0, 1.0);
   t.range_warning = t.distance_to_station_m > spec_.range_warning_m;
   t.proximity_warning = t.distance_to_seabed_m < spec_.proximity_warning_m;
-  t.collision_warning = bodies_.in_contact(vehicle.body);
+  t.collision_warning = bodies_.in_contact(shown.body);
   return t;
 }
 
 std::vector<double> Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) const {
-  const Vehicle& vehicle = vehicles_.at(index);
-  const SensorInput input{bodies_.state(vehicle.body), bodies_.acceleration_body(vehicle.body), *scene_, world_.water};
-  return vehicle.sensors.at(sensor).read(input, tick_, with_noise);
+  const Vehicle& reader = vehicle(index);
+  const SensorInput input{bodies_.state(reader.body), bodies_.acceleration_body(reader.body), *scene_, world_.water};
+  return item(reader.sensors, sensor, "sensor").read(input, tick_, with_noise);
 }
 
-void Simulation::aim(std::size_t vehicle, std::size_t sonar, double elevation_rad) {
-  vehicles_.at(vehicle).sonars.at(sonar).aim(elevation_rad);
+void Simulation::aim(std::size_t index, std::size_t sonar, double elevation_rad) {
+  item(changeable(index).sonars, sonar, "sonar").aim(elevation_rad);
 }
 
-MultibeamPing Simulation::ping(std::size_t vehicle, std::size_t sonar) const {
-  return vehicles_.at(vehicle).sonars.at(sonar).ping(*scene_, world_.water, state(vehicle).world_from_body);
+MultibeamPing Simulation::ping(std::size_t index, std::size_t sonar) const {
+  return item(vehicle(index).sonars, sonar, "sonar").ping(*scene_, world_.water, state(index).world_from_body);
 }
 
-Pose Simulation::world_from_sonar(std::size_t vehicle, std::size_t sonar) const {
-  return state(vehicle).world_from_body * vehicles_.at(vehicle).sonars.at(sonar).body_from_sonar();
+Pose Simulation::world_from_sonar(std::size_t index, std::size_t sonar) const {
+  return state(index).world_from_body * item(vehicle(index).sonars, sonar, "sonar").body_from_sonar();
 }
 
 }  // namespace uwsim

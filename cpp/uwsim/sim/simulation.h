@@ -38,16 +38,18 @@ class Simulation {
   const SimulationSpec& spec() const { return spec_; }
 
   const BodyState& state(std::size_t vehicle) const;
+  /// Puts the vehicle somewhere at once. Throws InvalidValue when not finite, absurdly far away or under the ground.
   void set_state(std::size_t vehicle, const BodyState& state);
   /// Leaves the station; does nothing when already free.
   void release(std::size_t vehicle);
-  bool released(std::size_t vehicle) const { return vehicles_.at(vehicle).released; }
+  bool released(std::size_t index) const { return vehicle(index).released; }
   /// Surge, sway, heave, roll, pitch, yaw in [-1, 1], held until the next call. Throws InvalidValue beyond.
   void set_effort(std::size_t vehicle, const Vector6d& effort);
-  const Vector6d& effort(std::size_t vehicle) const { return vehicles_.at(vehicle).effort; }
-  std::uint64_t collisions(std::size_t vehicle) const { return vehicles_.at(vehicle).collisions; }
+  const Vector6d& effort(std::size_t index) const { return vehicle(index).effort; }
+  std::uint64_t collisions(std::size_t index) const { return vehicle(index).collisions; }
 
-  const Vehicle& vehicle(std::size_t vehicle) const { return vehicles_.at(vehicle); }
+  /// Throws std::out_of_range, as all that take an index.
+  const Vehicle& vehicle(std::size_t index) const;
   Telemetry telemetry(std::size_t vehicle) const;
   std::vector<double> read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true) const;
   void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
@@ -55,6 +57,7 @@ class Simulation {
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
 
  private:
+  Vehicle& changeable(std::size_t index);
   double mission_time_s(const Vehicle& vehicle) const;
   void step_once(const Fluid& fluid);
 

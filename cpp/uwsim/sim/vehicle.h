@@ -38,6 +38,7 @@ struct VehicleSpec {
 struct Vehicle {
   std::string name;
   std::size_t body = 0;  ///< in the RigidBodyWorld
+  std::shared_ptr<const Craft> craft;
   EffortDrive drive;
   Vector6d effort = Vector6d::Zero();
   std::vector<NoisySensor> sensors;

@@ -13,6 +13,7 @@ namespace {
 constexpr char kSeparator = 'a';
 /// A float32 in G7 takes 13 letters with its separator; other writers may spend more digits, but not without end.
 constexpr std::size_t kLettersMax = 32;
+constexpr std::size_t kBeamsMax = 1'000'000;
 
 /// Appends a number that is not negative as C# does. C's %.7g has the same rules but for a capital E and for ties,
 /// which it rounds to even: one step of a double up is far below the seventh digit and turns a tie away from zero.
@@ -49,7 +50,8 @@ float parse_range(std::string_view text, std::size_t beam) {
 }  // namespace
 
 std::string encode_depth_string(std::span<const float> ranges_m, double range_max_m) {
-  require(range_max_m > 0 && std::isfinite(range_max_m), "sonar.range_max_m", range_max_m, "must be positive");
+  require(range_max_m > 0 && range_max_m <= std::numeric_limits<float>::max(), "sonar.range_max_m", range_max_m,
+          "must be positive and fit a float32");
   std::string text;
   text.reserve(9 * ranges_m.size());
   for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
@@ -66,6 +68,8 @@ std::string encode_depth_string(std::span<const float> ranges_m, double range_ma
 }
 
 std::vector<float> decode_depth_string(std::string_view text, std::size_t beams, double range_limit_m) {
+  require(range_limit_m > 0, "sonar.range_limit_m", range_limit_m, "must be positive");
+  require(beams <= kBeamsMax, "sonar.beams", beams, "must be at most 1000000");
   require(
       text.size() <= beams * kLettersMax, "depth_string.size", text.size(),
       "must be at most " + std::to_string(beams * kLettersMax) + " letters for " + std::to_string(beams) + " beams");

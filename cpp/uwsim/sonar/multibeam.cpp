@@ -60,7 +60,9 @@ MultibeamPing Multibeam::ping(const RayScene& scene, const Water& water, const P
                      std::vector<Label>(n, kNothing),  std::vector<std::uint8_t>(n, 0)};
   for (std::size_t k = 0; k < n; ++k) {
     const RayHit& hit = hits[k];
-    if (!(hit.distance_m < model_.range_max_m)) continue;
+    const double hit_z = rays[k].origin_world_m.z() + hit.distance_m * rays[k].direction_world.z();
+    const bool under_water = z <= 0 && hit_z <= 0;
+    if (!under_water || !(hit.distance_m < model_.range_max_m)) continue;
     const double cosine = std::min(1.0, std::abs(hit.normal_world.cast<double>().dot(rays[k].direction_world)));
     ping.ranges_m[k] = static_cast<float>(hit.distance_m);
     for (int axis = 0; axis < 3; ++axis) {

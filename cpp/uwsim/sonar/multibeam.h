@@ -10,7 +10,8 @@
 
 namespace uwsim {
 
-/// One ping, a value a beam. Angles about the sonar frame's +z, positive to port, as in sensor_msgs/LaserScan.
+/// One ping, a value a beam. Sound does not leave the water: what lies above z = 0 gives no echo, nor does a dry head.
+/// Angles about the sonar frame's +z, positive to port, as in sensor_msgs/LaserScan.
 struct MultibeamPing {
   std::vector<float> ranges_m;        ///< infinity where there is no echo
   std::vector<float> points_sonar_m;  ///< beams x 3, row-major; NaN where there is no echo

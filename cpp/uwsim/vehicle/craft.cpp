@@ -50,14 +50,24 @@ void CraftParameters::check() const {
   require(inertia_kg_m2.allFinite() && principal(0) > 0 && principal(0) + principal(1) >= principal(2) * (1 - 1e-9),
           "vehicle.inertia_kg_m2", principal.transpose(),
           "principal moments must be positive and obey the triangle inequality");
-  for (const auto& [name, m] : {std::pair{"added_mass", &added_mass},
-                                {"linear_damping", &linear_damping},
-                                {"quadratic_damping", &quadratic_damping}}) {
+  require(inertia_kg_m2.isApprox(inertia_kg_m2.transpose(), 1e-9), "vehicle.inertia_kg_m2", "asymmetric",
+          "must be symmetric");
+  for (const auto& [name, m] : {std::pair{"added_mass", &added_mass}, {"linear_damping", &linear_damping}}) {
     const std::string path = std::string("vehicle.") + name;
     require(m->allFinite(), path, "non-finite", "must be finite");
     const double low = smallest_eigenvalue(*m);
     require(low >= -1e-9 * m->cwiseAbs().maxCoeff(), path, low,
             "must be positive semi-definite (smallest eigenvalue shown)");
+  }
+  require(quadratic_damping.allFinite(), "vehicle.quadratic_damping", "non-finite", "must be finite");
+  for (int i = 0; i < 6; ++i) {
+    // v^T D (|v| v) >= 0 for every v, by Young's inequality a b^2 <= a^3 / 3 + 2 b^3 / 3 on each cross term.
+    double cross = 0;
+    for (int j = 0; j < 6; ++j) {
+      if (j != i) cross += std::abs(quadratic_damping(i, j)) / 3 + 2 * std::abs(quadratic_damping(j, i)) / 3;
+    }
+    require(quadratic_damping(i, i) >= cross, "vehicle.quadratic_damping[" + std::to_string(i) + "]",
+            quadratic_damping(i, i), "must not be negative nor less than its cross terms: drag takes energy away");
   }
   require(added_mass.isApprox(added_mass.transpose(), 1e-9) || added_mass.isZero(), "vehicle.added_mass", "asymmetric",
           "must be symmetric");

@@ -14,6 +14,7 @@ Heightfield::Heightfield(std::vector<float> heights_m, std::size_t nx, std::size
     : heights_m_(std::move(heights_m)), nx_(nx), ny_(ny), spacing_m_(spacing_m), origin_m_(origin_m) {
   require(nx >= 2 && ny >= 2, "terrain.heights_m.shape", std::to_string(ny) + " x " + std::to_string(nx),
           "must be at least 2 x 2");
+  require(heights_m_.size() == nx * ny, "terrain.heights_m.size", heights_m_.size(), "must be nx * ny");
   require(std::isfinite(spacing_m) && spacing_m > 0, "terrain.spacing_m", spacing_m, "must be positive");
   require(origin_m.allFinite(), "terrain.origin_m", origin_m.transpose(), "must be finite");
   require(nx * ny <= 100'000'000, "terrain.heights_m.size", nx * ny, "must be at most 100 million");

@@ -14,6 +14,7 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kPacket = 16;
+constexpr double kFarthestOrigin_m = 1e15;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Corners = std::array<Eigen::Vector3d, 3>;
 
@@ -26,7 +27,7 @@ Eigen::Vector3d middle_of(const World& world) {
                                 : world.solids().front()->mesh_world.vertices_m.front();
 }
 
-/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
 Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
   const auto& [a, b, c] = triangle;
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -35,26 +36,37 @@ Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& tri
   if (d3 >= 0 && d4 <= d3) return b;
   if (d6 >= 0 && d5 <= d6) return c;
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
+  const double along_bc = (d4 - d3) + (d5 - d6);
+  if (va <= 0 && d4 >= d3 && d5 >= d6 && along_bc > 0) return b + (d4 - d3) / along_bc * (c - b);
+  const double whole = va + vb + vc;
+  return whole > 0 ? Eigen::Vector3d(a + (vb * ab + vc * ac) / whole) : a;
 }
 
 }  // namespace
 
+using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
+using Scene = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
+using Geometry = std::unique_ptr<RTCGeometryTy, decltype(&rtcReleaseGeometry)>;
+
 struct RayScene::Impl {
   World world;
   Eigen::Vector3d middle_world_m;  // float coordinates are relative to this
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  Device device_owner;
+  Scene scene_owner;
+  RTCDevice device;
+  RTCScene scene;
 
-  explicit Impl(const World& source) : world(source), middle_world_m(middle_of(source)) {
-    device = rtcNewDevice("verbose=0");
-    require(device != nullptr, "embree", static_cast<int>(rtcGetDeviceError(nullptr)), "no device");
-    scene = rtcNewScene(device);
+  explicit Impl(const World& source)
+      : world(source),
+        middle_world_m(middle_of(source)),
+        device_owner(rtcNewDevice("verbose=0"), &rtcReleaseDevice),
+        scene_owner(rtcNewScene(device_owner.get()), &rtcReleaseScene),
+        device(device_owner.get()),
+        scene(scene_owner.get()) {
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // without it, rays through shared edges leak
     if (world.terrain())
       attach(world.terrain()->nx() * world.terrain()->ny(), world.terrain()->triangle_count(), kTerrain);
@@ -63,14 +75,19 @@ struct RayScene::Impl {
       attach(mesh.vertices_m.size(), mesh.triangles.size(), static_cast<Label>(kTerrain + 1 + k));
     }
     rtcCommitScene(scene);
+    require_built();
   }
 
-  ~Impl() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
+  /// Embree does not throw: it would go on with a world that has holes.
+  void require_built() const {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_NONE) return;
+    std::size_t triangles = world.terrain() ? world.terrain()->triangle_count() : 0;
+    for (const auto& solid : world.solids()) triangles += solid->mesh_world.triangles.size();
+    require(
+        false, "world.triangles", triangles,
+        error == RTC_ERROR_OUT_OF_MEMORY ? "not enough memory to build their tree" : "Embree cannot build their tree");
   }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
 
   Eigen::Vector3d vertex(Label label, std::size_t index) const {
     return label == kTerrain ? world.terrain()->vertex(index)
@@ -89,11 +106,13 @@ struct RayScene::Impl {
 
   /// Embree's geometry id is the label.
   void attach(std::size_t vertex_count, std::size_t triangle_count, Label label) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const Geometry owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE), &rtcReleaseGeometry);
+    RTCGeometry geometry = owner.get();
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), vertex_count));
     auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangle_count));
+    require_built();
     for (std::size_t k = 0; k < vertex_count; ++k) {
       Eigen::Map<Eigen::Vector3f>(vertices + 3 * k) = (vertex(label, k) - middle_world_m).cast<float>();
     }
@@ -103,7 +122,6 @@ struct RayScene::Impl {
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene, geometry, label);
-    rtcReleaseGeometry(geometry);
   }
 
   /// Embree's float distance errs by up to 1e-2 m far from the origin; its choice of triangle is good.
@@ -127,9 +145,12 @@ struct RayScene::Impl {
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
       const std::size_t count = std::min(kPacket, rays.size() - first);
       for (std::size_t lane = 0; lane < kPacket; ++lane) {
-        valid[lane] = lane < count ? -1 : 0;
         const Ray& ray = rays[first + std::min(lane, count - 1)];
-        const Eigen::Vector3f origin = (ray.origin_world_m - middle_world_m).cast<float>();
+        const Eigen::Vector3d from_middle = ray.origin_world_m - middle_world_m;
+        // Past what a float holds, Embree ends the process; nothing is there to be met either.
+        const bool sane = from_middle.cwiseAbs().maxCoeff() < kFarthestOrigin_m && ray.direction_world.allFinite();
+        valid[lane] = lane < count && sane ? -1 : 0;
+        const Eigen::Vector3f origin = from_middle.cast<float>();
         packet.ray.org_x[lane] = origin.x();
         packet.ray.org_y[lane] = origin.y();
         packet.ray.org_z[lane] = origin.z();
@@ -162,7 +183,7 @@ struct RayScene::Impl {
     auto* query = static_cast<Query*>(args->userPtr);
     const Corners t = query->scene->corners(static_cast<Label>(args->geomID), args->primID);
     const double distance = (closest_on_triangle(query->point_world_m, t) - query->point_world_m).norm();
-    if (distance >= query->distance_m) return false;
+    if (!(distance < query->distance_m)) return false;
     query->distance_m = distance;
     // The search radius stays a hair wider than the double result, so that float rounding hides no nearer triangle.
     args->query->radius = static_cast<float>(distance * (1 + 1e-5) + 1e-4);
