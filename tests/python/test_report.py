@@ -91,7 +91,8 @@ def test_the_report_is_well_formed_and_shows_every_figure_and_picture(world, rec
     for value in (record.scenario_name, str(record.seed), record.stopped_because, "octovis map.bt"):
         assert value in shown
     assert "physics 8.0 s 13 %" in shown
-    assert "mission and the rest 22.1 s" in shown
+    assert "map (beside the rest) 32.0 s" in shown, "two threads: the map has one of its own"
+    assert "mission and the rest 54.1 s" in shown
 
     assert len(pictures) == 4
     embedded = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
