@@ -9,7 +9,10 @@ void bind_core(pybind11::module_&) {
     try {
       if (p) std::rethrow_exception(p);
     } catch (const FileError& error) {
-      PyErr_SetString(PyExc_OSError, error.what());
+      // A path may be of any bytes; Python's own convention carries them.
+      const pybind11::object message =
+          pybind11::reinterpret_steal<pybind11::object>(PyUnicode_DecodeFSDefault(error.what()));
+      PyErr_SetObject(PyExc_OSError, message.ptr());
     }
   });
 }

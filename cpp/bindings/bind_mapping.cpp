@@ -1,4 +1,7 @@
+#include <pybind11/stl/filesystem.h>
+
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <span>
 #include <tuple>
@@ -135,9 +138,9 @@ void bind_occupancy_map(py::module_& m) {
            py::arg("resolution_m"), py::arg("origin_world_m"))
       .def_static(
           "read",
-          [](const std::string& path, const py::object& origin_world_m) {
+          [](const std::filesystem::path& path, const py::object& origin_world_m) {
             const Eigen::Vector3d origin = as_vector3(origin_world_m, "map.origin_world_m");
-            return released([&] { return OccupancyMap::read(path, origin); });
+            return released([&] { return OccupancyMap::read(path.string(), origin); });
           },
           py::arg("path"), py::arg("origin_world_m"),
           "A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of\n"
@@ -192,9 +195,9 @@ void bind_occupancy_map(py::module_& m) {
           py::arg("format"), "The bytes of a 'bt' or 'ot' file. Releases the GIL.")
       .def(
           "write",
-          [](const OccupancyMap& map, const std::string& path, const std::string& format) {
+          [](const OccupancyMap& map, const std::filesystem::path& path, const std::string& format) {
             const MapFormat wanted = format_named(format);
-            released([&] { map.write(path, wanted); });
+            released([&] { map.write(path.string(), wanted); });
           },
           py::arg("path"), py::arg("format"), "Atomically. Raises OSError. Releases the GIL.");
 }

@@ -218,6 +218,9 @@ void bind_sim(py::module_& m) {
       .def("step", &OwnedSimulation::step, py::arg("count") = 1, "Fixed steps; releases the GIL, answers Ctrl-C.")
       .def_property_readonly("time_ns",
                              [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.time_ns(); }); })
+      .def_property_readonly(
+          "version", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.version(); }); },
+          "Changes whenever something may look different: time, a place, an aim.")
       .def_property_readonly("tick", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.tick(); }); })
       .def(
           "state", [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.state(v); }); },

@@ -6,6 +6,7 @@ from __future__ import annotations
 import collections.abc
 import numpy
 import numpy.typing
+import os
 import typing
 
 __all__: list[str] = [
@@ -345,7 +346,7 @@ class OccupancyMap:
     octomap::OcTree of the system's OctoMap, about an origin in the world.
     """
     @staticmethod
-    def read(path: str, origin_world_m: typing.Any) -> OccupancyMap:
+    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any) -> OccupancyMap:
         """
         A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of
         OctoMap's. Releases the GIL.
@@ -383,7 +384,7 @@ class OccupancyMap:
         """
         The bytes of a 'bt' or 'ot' file. Releases the GIL.
         """
-    def write(self, path: str, format: str) -> None:
+    def write(self, path: os.PathLike[str] | str | bytes, format: str) -> None:
         """
         Atomically. Raises OSError. Releases the GIL.
         """
@@ -667,6 +668,11 @@ class Simulation:
     def tick(self) -> int: ...
     @property
     def time_ns(self) -> int: ...
+    @property
+    def version(self) -> int:
+        """
+        Changes whenever something may look different: time, a place, an aim.
+        """
 
 def absorption_db_km(
     frequency_hz: typing.SupportsFloat | typing.SupportsIndex,

@@ -6,8 +6,9 @@ import os
 import runpy
 import signal
 import sys
+import warnings
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -19,7 +20,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-FAILED, INTERRUPTED = 1, 130  # exit codes; 2 is typer's own for wrong options
+# Exit codes; 2 is typer's own for wrong options.
+FAILED, STUCK, INTERRUPTED = 1, 3, 130
 
 ScenarioName = Annotated[str, typer.Argument(help="A packaged scenario's name, or the path of a YAML file.")]
 Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.")]
@@ -41,7 +43,7 @@ def survey(
     """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far."""
     from uwsim.survey.command import run_survey
 
-    stopped_early = run_survey(
+    record = run_survey(
         scenario,
         out,
         seed=seed,
@@ -50,33 +52,42 @@ def survey(
         voxel_m=voxel,
         threads=threads,
     )
-    if stopped_early:
+    if record.interrupted:
         raise typer.Exit(INTERRUPTED)
+    if record.stopped_because.startswith("stuck"):
+        raise typer.Exit(STUCK)
 
 
 @app.command()
 def scenario(
-    name: Annotated[
-        str | None, typer.Argument(help="A scenario to check and describe; all are listed without.")
-    ] = None,
+    name: Annotated[str | None, typer.Argument(help="A scenario to check; without one, all packaged ones.")] = None,
 ) -> None:
-    """List the packaged scenarios, or check one and say what is in it."""
+    """List the packaged scenarios, or check one whole, world and vehicles too, and say what is in it."""
     from uwsim.scenario import load, packaged_scenarios
+    from uwsim.simulator import Simulator
 
     for known in packaged_scenarios() if name is None else [name]:
         checked = load(known)
+        if name is not None:
+            Simulator(checked)
         sonars = ", ".join(f"{v.name} with sonar model {v.sonar.model}" for v in checked.vehicles)
         typer.echo(f"{checked.name}: {' '.join(checked.description.split())}")
         typer.echo(f"  vehicles: {sonars}; obstacles: {len(checked.obstacles)}; seed {checked.seed}")
 
 
-@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
-def bench(context: typer.Context, name: Annotated[str, typer.Argument(help="Which benchmark: survey.")]) -> None:
-    """Measure: prints medians and where the time goes. `uwsim bench survey --help` lists a benchmark's options."""
+# Options, --help among them, are the benchmark's own.
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []})
+def bench(
+    context: typer.Context, name: Annotated[str, typer.Argument(help="Which benchmark; none lists them.")] = ""
+) -> None:
+    """Measure: medians, and where the time goes. `uwsim bench survey --help` lists that benchmark's options."""
     folder = _bench_folder()
-    known = sorted(path.stem for path in folder.glob("*.py"))
-    if name not in known:
-        raise ValueError(f"benchmark '{name}': unknown; there are: {', '.join(known)}")
+    known = ", ".join(sorted(path.stem for path in folder.glob("*.py")))
+    if name in ("", "--help"):
+        typer.echo(f"benchmarks: {known}; uwsim bench NAME --help lists the options of one")
+        return
+    if name not in known.split(", "):
+        raise ValueError(f"benchmark '{name}': unknown; there are: {known}")
     sys.argv = [f"uwsim bench {name}", *context.args]
     runpy.run_path(str(folder / f"{name}.py"), run_name="__main__")
 
@@ -89,15 +100,28 @@ def _bench_folder() -> Path:
 
 def main() -> NoReturn:
     """Entry point: a user's mistake is one line on stderr and a non-zero exit, not a traceback."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _quit)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # a terminal that knows only ASCII
+    warnings.showwarning = _show_warning
     try:
         app()
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, MemoryError) as error:
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
         typer.echo(f"uwsim: error: {error}", err=True)
         sys.exit(FAILED)
-    except KeyboardInterrupt:
-        typer.echo("uwsim: interrupted", err=True)
-        sys.exit(INTERRUPTED)
     sys.exit(0)
+
+
+def _quit(number: int, frame: object) -> NoReturn:
+    """At once: an exception in the middle of an import may be swallowed there, or leave it half done."""
+    os.write(2, b"uwsim: interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """A user's scenario may call for a warning; what libraries tell programmers does not."""
+    if issubclass(category, UserWarning):
+        typer.echo(f"uwsim: warning: {message}", err=True)

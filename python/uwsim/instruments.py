@@ -39,11 +39,15 @@ class Sonar:
         self._index = index
         self.name: str = spec.name
         self.model = _core.multibeam_model(spec.model)
+        self._last: tuple[int, _core.Ping] | None = None
 
     def aim(self, elevation_rad: float) -> None:
         """Turn the head: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2."""
         self._simulation.aim(self._vehicle, self._index, elevation_rad)
 
     def ping(self) -> _core.Ping:
-        """One ping from where the vehicle is now; see _core.Ping for its arrays."""
-        return self._simulation.ping(self._vehicle, self._index)
+        """One ping from where the vehicle is now; see _core.Ping for its arrays. At one time it is always the same."""
+        version = self._simulation.version
+        if self._last is None or self._last[0] != version:
+            self._last = version, self._simulation.ping(self._vehicle, self._index)
+        return self._last[1]

@@ -111,7 +111,7 @@ class OccupancyMap:
         The map stays as it is, so that this may be done in the middle of a survey. The file is replaced whole or not
         at all: on OSError an older one is still there. Raises ValueError on another suffix.
         """
-        target = os.fspath(path)
+        target = os.fsdecode(path)
         suffix = Path(target).suffix
         if suffix not in (".bt", ".ot"):
             raise ValueError(f"map path '{target}': must end in .bt or .ot")

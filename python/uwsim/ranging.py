@@ -73,6 +73,8 @@ def decode_depth_string(text: str, model: int = 2) -> NDArray[np.float32]:
     the text is exactly the model's number of plain decimals, each followed by "a".
     """
     variant = _variant(model)
+    if not isinstance(text, str):
+        raise ValueError(f"text is {type(text).__name__}: must be a str")
     return _core.decode_depth_string(text, variant.beams, variant.range_limit_m)
 
 
@@ -134,15 +136,23 @@ def remove_box(points_m: ArrayLike, box_min_m: ArrayLike, box_max_m: ArrayLike) 
 
 
 def _variant(model: int) -> _core.MultibeamModel:
-    if isinstance(model, int | np.integer) and model in MODELS:
+    if isinstance(model, int | np.integer) and not isinstance(model, bool) and model in MODELS:
         return MODELS[int(model)]
     raise ValueError(f"sonar.model = {model!r}: must be one of {', '.join(map(str, MODELS))}")
 
 
 def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.float32]:
     ranges = np.asarray(ranges_m)
-    if ranges.dtype.kind not in "fiu":
-        raise ValueError(f"ranges_m.dtype = {ranges.dtype}: must be real numbers")
+    taken = ranges.dtype in (np.float32, np.float64) or (
+        not isinstance(ranges_m, np.ndarray) and ranges.dtype.kind in "iu"
+    )
+    if not taken:
+        raise ValueError(f"ranges_m.dtype = {ranges.dtype}: must be float32, float64 or a sequence of numbers")
     if ranges.shape != (variant.beams,):
         raise ValueError(f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number}")
+    far = np.isfinite(ranges) & (ranges > variant.range_max_m)
+    if far.any():
+        beam = int(np.argmax(far))
+        rule = f"must be in [0, {variant.range_max_m:g}] m, or inf for a beam without echo"
+        raise ValueError(f"ranges_m[{beam}] = {ranges[beam]} m: {rule}")
     return np.ascontiguousarray(ranges, dtype=np.float32)

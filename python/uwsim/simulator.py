@@ -101,10 +101,10 @@ class Simulator:
 
 def _checked_threads(threads: int | None) -> int:
     if threads is None:
-        return os.cpu_count() or 1
-    if not 1 <= threads <= 1024:
-        raise ValueError(f"threads = {threads}: must be in [1, 1024]")
-    return threads
+        return len(os.sched_getaffinity(0))
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
+        raise ValueError(f"threads = {threads!r}: must be a whole number in [1, 1024]")
+    return int(threads)
 
 
 def _simulation_spec(scenario: Scenario) -> _core.SimulationSpec:

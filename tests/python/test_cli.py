@@ -51,19 +51,22 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
     scenario = tmp_path / "wide.yaml"
     scenario.write_text(text)
     process = subprocess.Popen(
-        [*UWSIM, "survey", str(scenario), "--out", str(tmp_path)],
+        [*UWSIM, "survey", str(scenario), "--out", str(tmp_path / "out")],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     )
-    time.sleep(3.0)  # it takes ten times as long to its end
+    while not (tmp_path / "out").exists():  # made when the flight begins
+        assert process.poll() is None
+        time.sleep(0.05)
+    time.sleep(1.0)  # it takes ten times as long to its end
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=90)
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
     assert "interrupted" in output
-    assert len(OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()) > 0
-    assert (tmp_path / "report.html").is_file()
+    assert len(OccupancyMap.read(tmp_path / "out" / "map.bt").occupied_voxels()) > 0
+    assert (tmp_path / "out" / "report.html").is_file()
 
 
 @pytest.mark.parametrize(
@@ -73,7 +76,7 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
         (["survey", "no/such.yaml"], "no such file"),
         (["survey", "pool", "--sonar-model", "7"], "sonar.model"),
         (["survey", "pool", "--mission-time", "-5"], "mission_time_s"),
-        (["survey", "pool", "--voxel", "0"], "map.resolution_m = 0"),
+        (["survey", "pool", "--voxel", "0"], "voxel_m = 0"),
         (["survey", "pool", "--threads", "0"], "threads"),
         (["survey", "pool", "--seed", "-1"], "seed"),
         (["bench", "surveyy"], "unknown"),
@@ -106,6 +109,38 @@ def test_a_mistake_in_the_yaml_is_named_with_its_line(old: str, new: str, expect
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("after_s", [0.05, 0.2, 0.4, 0.6, 0.8])
+def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True
+    )
+    time.sleep(after_s)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode in (130, -signal.SIGINT), "the latter before Python is up"
+    assert process.returncode < 0 or "Traceback" not in errors
+
+
+def test_a_reader_that_goes_away_does_not_cost_the_report(tmp_path: Path) -> None:
+    command = f"{sys.executable} -c 'from uwsim.cli import main; main()' survey pool --out {tmp_path} --mission-time 5"
+    subprocess.run(f"{command} | true", shell=True, timeout=120, check=True)
+    assert {"map.bt", "report.html"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_a_vehicle_that_diverges_in_flight_leaves_the_map_so_far(tmp_path: Path) -> None:
+    vehicle = (assets_folder() / "vehicles" / "rov.yaml").read_text()
+    start = vehicle.index("linear_damping:")
+    end = vehicle.index("\n", start)
+    (tmp_path / "stiff.yaml").write_text(
+        vehicle[:start] + "linear_damping: [1.0e6, 1.0e6, 1.0e6, 1.0e6, 1.0e6, 1.0e6]" + vehicle[end:]
+    )
+    scenario = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace("model: rov", "model: stiff.yaml")
+    (tmp_path / "stiff_pool.yaml").write_text(scenario)
+    line = refused(uwsim("survey", str(tmp_path / "stiff_pool.yaml"), "--out", str(tmp_path / "out")))
+    assert "diverged" in line
+    assert (tmp_path / "out" / "map.bt").is_file()
+
+
 def test_an_output_folder_that_cannot_be_written_is_refused_before_anything_is_flown(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     assert "cannot write there" in refused(uwsim("survey", "pool", "--out", str(tmp_path / "file")))
@@ -122,10 +157,29 @@ def test_a_full_disk_is_one_line_and_leaves_no_half_file(tmp_path: Path) -> None
     assert not any(tmp_path.iterdir())
 
 
+def test_a_disk_that_is_full_after_the_map_says_so_and_shows_the_table(tmp_path: Path) -> None:
+    def small_files_only() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+    result = uwsim("survey", "pool", "--out", str(tmp_path), "--mission-time", "5", preexec_fn=small_files_only)
+    assert "is complete" in refused(result)
+    assert "coverage" in result.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["map.bt"]
+
+
 def test_scenarios_are_listed_and_described() -> None:
     listed = uwsim("scenario")
     assert listed.returncode == 0
     assert all(f"{name}:" in listed.stdout for name in ("lake", "valley", "pool"))
+    assert "pool:" in uwsim("scenario", "pool").stdout
+
+
+def test_a_benchmarks_own_options_are_listed() -> None:
+    assert "survey" in uwsim("bench").stdout
+    shown = uwsim("bench", "survey", "--help").stdout
+    assert "--runs" in shown
+    assert "uwsim bench survey" in shown
 
 
 def test_the_bench_prints_where_the_time_goes(tmp_path: Path) -> None:

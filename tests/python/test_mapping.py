@@ -1,7 +1,6 @@
 """Maps and their files, read back by OctoMap's own tools and by a reader of the .bt format written for this test."""
 
 import re
-import shutil
 import subprocess
 import sys
 import threading
@@ -9,11 +8,11 @@ import threading
 import numpy as np
 import pytest
 
-from uwsim import ranging
+from uwsim import Simulator, ranging
 from uwsim.mapping import OccupancyMap
+from uwsim.survey.fly import fly_survey
 
 TILT_RAD = np.radians(35)
-OCTOMAP_TOOLS = ("bt2vrml", "compare_octrees", "convert_octree")
 
 
 def floor_ranges_m(altitude_m=8.0):
@@ -90,9 +89,13 @@ def test_file_holds_the_voxels_of_the_map():
     assert (len(occupied), len(free)) == (statistics.occupied_voxels, statistics.free_voxels)
 
 
-@pytest.mark.skipif(not all(map(shutil.which, OCTOMAP_TOOLS)), reason="needs octomap-tools")
-def test_octomap_tools_find_the_same_voxels(tmp_path):
-    occupancy_map = surveyed()
+def flown():
+    return fly_survey(Simulator("pool", mission_time_s=30.0))[0]
+
+
+@pytest.mark.parametrize("make_map", [surveyed, flown])
+def test_octomap_tools_find_the_same_voxels(make_map, tmp_path):
+    occupancy_map = make_map()
     for suffix in ("bt", "ot"):
         occupancy_map.write(tmp_path / f"map.{suffix}")
 
@@ -196,6 +199,7 @@ def test_full_disk_leaves_the_old_map(tmp_path):
     script = """
 import resource, sys
 from uwsim.mapping import OccupancyMap
+from uwsim.survey.fly import fly_survey
 occupancy_map = OccupancyMap(0.1)
 occupancy_map.insert_scan([[30, y, -9] for y in range(-20, 20)], [0, 0, 0])
 resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))

@@ -1,5 +1,6 @@
 """A mesh is the same solid in the same place whatever file it comes from; hulls are closed or refused."""
 
+import sys
 import warnings
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from uwsim.scenario import ScenarioError, closed_mesh, load_mesh
+from uwsim.scenario import RepairWarning, ScenarioError, closed_mesh, load_mesh
 
 LOW, HIGH = np.array([9.0, 18.0, 27.0]), np.array([10.0, 20.0, 30.0])  # metres, z up
 
@@ -117,6 +118,56 @@ def test_comments_in_any_encoding_do_not_matter(tmp_path: Path) -> None:
     assert len(load_mesh(path)[1]) == 12
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8"])
+def test_an_ascii_stl_may_have_any_name(encoding: str, tmp_path: Path) -> None:
+    text = trimesh.exchange.stl.export_stl_ascii(solid()).replace("solid", "solid Körper", 1)
+    path = tmp_path / "a.stl"
+    path.write_bytes(text.encode(encoding))
+    np.testing.assert_allclose(np.ptp(load_mesh(path)[0], axis=0), HIGH - LOW)
+    path.write_bytes(text.encode(encoding)[:-300])
+    with pytest.raises(ScenarioError, match="not a readable stl file: breaks off before its endsolid"):
+        load_mesh(path)
+
+
+def test_a_corrupt_stl_says_what_is_wrong_with_it(tmp_path: Path) -> None:
+    path = write(tmp_path, "stl")
+    path.write_bytes(path.read_bytes()[:-50])
+    with pytest.raises(ScenarioError, match="its 634 bytes are not the 684 of the 12 triangles it announces"):
+        load_mesh(path)
+
+
+def test_a_reader_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "assimp_py", None)
+    with pytest.raises(ScenarioError, match="needs the Python package 'assimp_py', which cannot be imported"):
+        load_mesh(write(tmp_path, "fbx"))
+
+
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        ("f 0 1 2", "line 5: a face names vertex 0, but an OBJ file's count from 1"),
+        ("f 1 2 3\n f 1//1 2//1 00//1", "line 6: a face names vertex 0"),
+        ("f 1 1 2\nf 2 3 3", "none of its 2 triangles has an area"),
+        ("f 1 2 4", "none of its 1 triangles has an area"),
+    ],
+)
+def test_faces_without_a_vertex_or_an_area_are_refused(faces: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    path.write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 10 0 0\n{faces}\n")
+    with pytest.raises(ScenarioError, match=message):
+        load_mesh(path)
+
+
+def test_a_mesh_in_the_wrong_unit_is_refused(tmp_path: Path) -> None:
+    mesh = solid().apply_scale(1e5)
+    mesh.export(tmp_path / "a.ply")
+    with pytest.raises(ScenarioError, match=r"reaches 3e\+06 m from its origin at scale 1, must be at most 100000 m"):
+        load_mesh(tmp_path / "a.ply")
+    assert load_mesh(tmp_path / "a.ply", scale=1e-5)[0].max() == pytest.approx(30.0)
+    solid().apply_scale(1e-6).export(tmp_path / "small.ply")  # small is not flat
+    assert len(load_mesh(tmp_path / "small.ply")[1]) == 12
+
+
 @pytest.mark.parametrize("kind", ["stl", "ply", "obj", "glb", "fbx", "dae", "xyz"])
 @pytest.mark.parametrize("content", [b"", b"hello world", bytes(range(256)) * 4], ids=["empty", "text", "bytes"])
 def test_malformed_files_are_refused_in_one_line(
@@ -162,13 +213,13 @@ def volume(vertices: np.ndarray, triangles: np.ndarray) -> float:
 
 def test_holes_and_winding_are_mended_with_a_warning() -> None:
     box = solid()
-    with pytest.warns(UserWarning, match="repaired: filled holes with 1 triangles"):
+    with pytest.warns(RepairWarning, match="repaired: filled holes with 1 triangles"):
         assert volume(*closed_mesh(box.vertices, box.faces[1:])) == pytest.approx(6.0)
     turned = box.faces.copy()
     turned[[2, 7]] = turned[[2, 7], ::-1]
-    with pytest.warns(UserWarning, match="made the winding consistent"):
+    with pytest.warns(RepairWarning, match="made the winding consistent"):
         assert volume(*closed_mesh(box.vertices, turned)) == pytest.approx(6.0)
-    with pytest.warns(UserWarning, match="turned inside-out parts outward"):
+    with pytest.warns(RepairWarning, match="turned inside-out parts outward"):
         assert volume(*closed_mesh(box.vertices, box.faces[:, ::-1])) == pytest.approx(6.0)
 
 
@@ -180,7 +231,7 @@ def test_a_cavity_stays_a_cavity_and_an_inverted_neighbour_does_not() -> None:
     assert volume(*closed_mesh(shell.vertices, shell.faces)) == pytest.approx(8 - 0.125)
     inner.apply_translation([5, 0, 0])
     pair = trimesh.util.concatenate([outer, inner])
-    with pytest.warns(UserWarning, match="turned inside-out parts outward"):
+    with pytest.warns(RepairWarning, match="turned inside-out parts outward"):
         assert volume(*closed_mesh(pair.vertices, pair.faces)) == pytest.approx(8 + 0.125)
 
 

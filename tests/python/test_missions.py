@@ -9,7 +9,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.control.autopilot import Autopilot, wrap_angle
-from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan
+from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lanes import lawn_mower_lanes
 from uwsim.missions.lookout import Lookout
 
@@ -139,7 +139,7 @@ PLAN = LawnMowerPlan(area_m=SQUARE, altitude_m=2.0, line_spacing_m=2.0, speed_m_
 def test_a_mission_flies_a_vehicle_that_only_has_the_public_names_and_ends_by_itself() -> None:
     vehicle = ScriptedVehicle()
     mission = AdaptiveLawnMower(vehicle, vehicle, PLAN)
-    assert mission.run() == "the area is covered"
+    assert mission.run() == COVERED
     assert mission.progress == pytest.approx(1.0)
     assert vehicle.effort == {}, "efforts are let go at the end"
 
@@ -159,6 +159,27 @@ def test_something_near_to_port_at_a_turn_ends_the_mission() -> None:
 def test_an_empty_battery_ends_the_mission() -> None:
     vehicle = ScriptedVehicle(battery_percent=0.0)
     assert AdaptiveLawnMower(vehicle, vehicle, PLAN).run() == "the battery is used up"
+
+
+def test_a_vehicle_that_does_not_turn_ends_the_mission() -> None:
+    class Unturning(ScriptedVehicle):
+        def wait(self, duration_s: float) -> None:
+            yaw_rad = self.yaw_rad
+            super().wait(duration_s)
+            if self.time_s > 20.0:
+                self.yaw_rad = yaw_rad
+
+    vehicle = Unturning()
+    assert "stuck" in AdaptiveLawnMower(vehicle, vehicle, PLAN).run()
+
+
+def test_a_vehicle_without_the_sensors_it_steers_by_is_refused() -> None:
+    class Blind(ScriptedVehicle):
+        sensors = {}  # noqa: RUF012
+
+    vehicle = Blind()
+    with pytest.raises(ValueError, match="no sensor 'altitude'"):
+        AdaptiveLawnMower(vehicle, vehicle, PLAN)
 
 
 def test_a_vehicle_that_does_not_move_ends_the_mission() -> None:

@@ -2,11 +2,14 @@
 
 import base64
 import dataclasses
+import errno
+import os
 import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from PIL import Image
 from rich.console import Console
 
 from uwsim import _core
@@ -121,6 +124,28 @@ def test_a_survey_without_pings_says_so(world, record, tmp_path):
     assert nothing.real_time_factor == 0.0
 
 
+def test_pictures_of_an_earlier_survey_do_not_stay_beside_the_report(world, record, tmp_path):
+    survey(world, record, tmp_path)
+    (tmp_path / "notes.txt").write_text("not ours")
+    nothing = dataclasses.replace(record, ping_count=0, path_world_m=NO_VOXELS, sample_ping=None)
+    _, pictures, _ = survey(world, nothing, tmp_path, NO_VOXELS)
+    names = {picture.path.name for picture in pictures} | {"report.html", "notes.txt"}
+    assert {path.name for path in tmp_path.iterdir()} == names
+
+
+@pytest.mark.parametrize("size_m", [1e-4, 1e-9])
+def test_an_area_of_no_size_has_pictures_too(world, record, tmp_path, size_m):
+    speck = dataclasses.replace(
+        record, area_world_m=np.array([[3.0, 2.0]]) + size_m * np.array([[0, 0], [1, 0], [0, 1]])
+    )
+    score = score_map(world, NO_VOXELS, 0.5, speck.path_world_m, speck.area_world_m, 15.0)
+    for record_of in (speck, dataclasses.replace(speck, path_world_m=NO_VOXELS)):
+        for picture in draw_pictures(tmp_path, world, record_of, score, np.array([[3.25, 2.25, -19.75]])):
+            width, height = Image.open(picture.path).size
+            assert 100 < width < 4000
+            assert 100 < height < 4000
+
+
 def test_one_ping_and_one_voxel_are_enough(world, record, tmp_path):
     short = dataclasses.replace(record, ping_count=1, path_world_m=record.path_world_m[:1])
     _, pictures, page = survey(world, short, tmp_path, np.array([[0.25, 0.25, -19.75]]))
@@ -147,6 +172,43 @@ def test_the_table_holds_the_same_figures(world, record, tmp_path):
         assert re.search(f"{re.escape(name)} .* {re.escape(value)} ", shown)
 
 
+@pytest.mark.parametrize("columns", [40, 60])
+def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(world, record, tmp_path, columns):
+    score = survey(world, record, tmp_path)[0]
+    console = Console(width=columns, record=True, file=(tmp_path / "terminal").open("w"))
+    console.print(summary_table(record, score, 98765))
+    shown = console.export_text()
+    assert max(len(line) for line in shown.splitlines()) <= columns
+    for _, value in key_figures(record, score, 98765):
+        assert value in shown
+
+
+@pytest.mark.parametrize(
+    ("record_change", "score_change", "warning"),
+    [
+        ({}, {}, None),
+        ({}, {"coverage": 0.95}, None),
+        ({}, {"coverage": 0.9499}, "coverage is 94.9 % of"),
+        ({"collision_count": 1}, {}, "The vehicle collided once."),
+        ({"collision_count": 1200}, {}, "The vehicle collided 1,200 times."),
+        ({"ended_early": True}, {}, "The mission ended early (the <proximity> sensor read less than 7 m)"),
+    ],
+)
+def test_table_and_report_warn_of_what_is_not_good(world, record, tmp_path, record_change, score_change, warning):
+    score = dataclasses.replace(survey(world, record, tmp_path)[0], **score_change)
+    record = dataclasses.replace(record, **record_change)
+    write_report(tmp_path / "report.html", record, score, 98765, [])
+    console = Console(width=200, record=True, file=(tmp_path / "terminal").open("w"))
+    console.print(summary_table(record, score, 98765))
+    page, table = (tmp_path / "report.html").read_text(encoding="utf-8"), console.export_text()
+    if warning is None:
+        assert 'class="warning"' not in page
+        assert "warning" not in table
+    else:
+        assert warning in texts(page)
+        assert f"warning: {warning}" in table or f"warning: The map is incomplete: {warning}" in table
+
+
 def test_coverage_is_not_rounded_up_to_all(world, record):
     voxels = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0).visible_centres_m
     score = score_map(world, voxels, 0.5, record.path_world_m, AREA, 15.0)
@@ -157,8 +219,22 @@ def test_coverage_is_not_rounded_up_to_all(world, record):
 def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path):
     target = tmp_path / "report.html"
     target.mkdir()
-    with pytest.raises(OSError, match=r"report\.html"):
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: Is a directory$"):
         write_atomically(target, b"new")
     assert list(tmp_path.iterdir()) == [target]
-    with pytest.raises(OSError, match="nowhere"):
-        write_atomically(tmp_path / "nowhere" / "report.html", b"new")
+    nowhere = tmp_path / "nowhere" / "report.html"
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(nowhere))}': cannot be written: No such file or directory$"):
+        write_atomically(nowhere, b"new")
+
+
+def test_a_full_disk_is_told_of_the_file_that_was_wanted(tmp_path, monkeypatch):
+    def full(_descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    target = tmp_path / "report.html"
+    target.write_bytes(b"old")
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: No space left on device$"):
+        write_atomically(target, b"new")
+    assert list(tmp_path.iterdir()) == [target]
+    assert target.read_bytes() == b"old"

@@ -1,13 +1,17 @@
 """A scenario file says what it means or is refused in one line that says where and why."""
 
+import pickle
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from uwsim.scenario import Scenario, ScenarioError, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.polygon import area, narrowest_width
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
 ROV = (assets_folder() / "vehicles" / "rov.yaml").read_text()
@@ -77,7 +81,18 @@ def test_unknown_names_list_what_there_is() -> None:
         ("[4, -4], [4, 4]", "[4, 4], [4, -4]", "survey.area_m: the edges that start at its corners 0 and 2 meet"),
         ("name: pool", "name: pool\nname: lake", 'duplicate key "name"'),
         ("mission_time_s: 600", "mission_time_s: [600", "not valid YAML"),
-        ("mission_time_s: 600", "mission_time_s: !!python/name:os.system x", "neither text, number"),
+        ("mission_time_s: 600", "mission_time_s: 2001-01-01", "neither text, number"),
+        ("mission_time_s: 600", "mission_time_s: 2001-99-01", "not valid YAML: not a number or date"),
+        ("mission_time_s: 600", "mission_time_s: 0x_", "not valid YAML: not a number or date"),
+        ("mission_time_s: 600", "mission_time_s: !!omap [a: 1]", "tags are not supported: remove '!!omap'"),
+        ("name: pool", "name: !!python/object/apply:os.system [x]", "tags are not supported: remove '!!python/obj"),
+        ("mission_time_s: 600", "seed: " + "9" * 4000, "seed = a number of about 4000 digits: must be in [0, 9"),
+        ("mission_time_s: 600", "seed: " + "9" * 5000, "not valid YAML: not a number or date that can be read: '999"),
+        (
+            "mission_time_s: 600",
+            "mission_time_s: " + "9" * 4000,
+            "mission_time_s = a number of about 4000 digits s: must",
+        ),
     ],
 )
 def test_a_mistake_is_told_with_line_key_value_unit_and_rule(
@@ -87,6 +102,7 @@ def test_a_mistake_is_told_with_line_key_value_unit_and_rule(
     told = refusal(tmp_path / "pool.yaml", text)
     number, told = told.split(": ", 1)
     assert told.startswith(message)
+    assert len(told) < 200
     culprit = message.split(" ")[0].strip(":").split(".")[-1].split("[")[0]
     if culprit.endswith("_m") or culprit in ("sonr", "kind", "model", "start"):
         assert culprit in text.splitlines()[int(number) - 1]
@@ -147,6 +163,36 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
         load(5)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("area_m", "rule"),
+    [
+        (
+            [[0, 0], [0.0001, 0], [0, 0.0001]],
+            r"is 7\.07e-05 m across where it is narrowest: must be at least 2 voxels, 1 m",
+        ),
+        ([[0, 0], [8, 8], [8, 8.6]], r"is 0\.4\d* m across"),
+        ([[5, 5], [6.5, 5], [6.5, 6.5], [5, 6.5]], r"covers 2\.25 m2: must be at least 10 voxels, 2\.5 m2"),
+    ],
+)
+def test_a_survey_without_extent_is_refused(area_m: list[list[float]], rule: str, tmp_path: Path) -> None:
+    start = POOL.index("area_m: ")
+    end = POOL.index("\n", start)
+    told = refusal(tmp_path / "pool.yaml", f"{POOL[:start]}area_m: {area_m}{POOL[end:]}")
+    assert re.fullmatch(rf"\d+: survey\.area_m: {rule}.*", told)
+
+
+@given(turn_deg=st.floats(-180, 180), length=st.floats(1, 100), width=st.floats(0.01, 1), far=st.floats(-1e4, 1e4))
+def test_area_and_width_do_not_depend_on_where_a_polygon_lies(
+    turn_deg: float, length: float, width: float, far: float
+) -> None:
+    c, s = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+    corners = np.array([[0, 0], [length, 0], [length, width], [length / 2, width / 2], [0, width]])  # a notch within
+    moved = [(float(x), float(y)) for x, y in corners @ [[c, s], [-s, c]] + far]
+    assert narrowest_width(moved) == pytest.approx(width, abs=1e-9)
+    assert area(moved) == pytest.approx(0.75 * length * width, abs=1e-7)
+    assert area(moved[::-1]) == pytest.approx(area(moved), abs=1e-9)
+
+
 @given(
     line=st.integers(0, len(POOL.splitlines()) - 1),
     edit=st.sampled_from(["drop", "double", "null", "list", "text", "huge", "typo", "indent"]),
@@ -185,3 +231,28 @@ def test_changes_are_checked_and_leave_the_original() -> None:
         pool.with_changes(sonar_model=7)
     with pytest.raises(ScenarioError, match=r"^mission_time_s = 0 s: "):
         pool.with_changes(mission_time_s=0)
+
+
+def test_numbers_from_numpy_are_taken_and_booleans_are_not() -> None:
+    pool = load("pool")
+    changed = pool.with_changes(seed=np.int64(5), mission_time_s=np.float32(60), sonar_model=np.int64(3))  # type: ignore[arg-type]
+    assert changed == pool.with_changes(seed=5, mission_time_s=60.0, sonar_model=3)
+    assert (type(changed.seed), type(changed.mission_time_s)) == (int, float)
+    assert pool.with_changes(mission_time_s=np.int32(60)).mission_time_s == 60.0  # type: ignore[arg-type]
+    for wrong in (True, np.bool_(True)):
+        with pytest.raises(ScenarioError, match=r"^seed = true: must be a whole number$"):
+            pool.with_changes(seed=wrong)  # type: ignore[arg-type]
+        with pytest.raises(ScenarioError, match=r"^mission_time_s = true: must be a number$"):
+            pool.with_changes(mission_time_s=wrong)  # type: ignore[arg-type]
+    with pytest.raises(ScenarioError, match=r"^seed = a number of about 5000 digits: must be in"):
+        pool.with_changes(seed=10**5000)
+
+
+def test_a_scenario_knows_its_file_as_long_as_it_is_what_the_file_says() -> None:
+    pool = load("pool")
+    line = f"pool.yaml:{line_of(POOL, 'station:')}: "
+    assert pool.origin.where("station", "nothing") == line
+    assert pool.with_changes(seed=3).origin.where("station") == line
+    assert pickle.loads(pickle.dumps(pool)).origin.where("station") == line
+    assert pool.model_copy(update={"seed": 3}).origin.where("station") == ""
+    assert Scenario.model_validate(dict(pool)) == pool

@@ -1,16 +1,29 @@
 """The packaged places hold what they promise, and the world that is built is theirs."""
 
+import os
+import warnings
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 from matplotlib.path import Path as Polygon
 
-from uwsim.scenario import ScenarioError, Terrain, build_terrain, build_world, load, load_vehicle, rigid_body
+from uwsim.scenario import (
+    RepairWarning,
+    ScenarioError,
+    Terrain,
+    build_terrain,
+    build_world,
+    load,
+    load_vehicle,
+    rigid_body,
+)
 from uwsim.scenario import start_pose as start
 from uwsim.scenario.meshes import load_mesh
 from uwsim.scenario.obstacles import obstacle_mesh
+from uwsim.scenario.paths import assets_folder
 from uwsim.scenario.vehicles import vehicle_hull
 
 
@@ -100,6 +113,61 @@ def test_starts_below_the_bed_or_beside_the_terrain_are_refused() -> None:
         moved((0, 0, -4))
     with pytest.raises(ScenarioError, match=r"vehicles\[0\] starts at \(11, 0\) m: outside the terrain"):
         moved((11, 0, 0))
+
+
+FAR_GATE = "{kind: gate, name: far, position_m: [0, 50], width_m: 2, height_m: 1}"
+
+
+@pytest.mark.parametrize(
+    ("given", "instead", "culprit", "message"),
+    [
+        ("[4, 4]", "[400, 4]", "[400, 4]", "survey.area_m[2] = (400, 4) m: outside the terrain"),
+        ("start: station", "start: {position_m: [0, 0, -9]}", "start: {", "vehicles[0] starts at (0, 0, -9) m: must"),
+        ("start: station", "start: {position_m: [0, 50, -1]}", "start: {", "vehicles[0] starts at (0, 50) m: outside"),
+        ("obstacles:", f"obstacles:\n  - {FAR_GATE}", "name: far", "obstacle 'far': (0, 49) m lies outside the"),
+        ("bed_depth_m: 5", "bed_depth_m: 0", "terrain:", "terrain: its lowest point is at z = "),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_the_world_is_told_with_file_and_line(
+    given: str, instead: str, culprit: str, message: str, tmp_path: Path
+) -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace(given, instead, 1)
+    text = text.replace("hill_height_m", "# hill_height_m")
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    with pytest.raises(ScenarioError) as caught:
+        build_world(load(path))
+    line = text[: text.index(culprit)].count("\n") + 1
+    assert str(caught.value).startswith(f"{path}:{line}: {message}")
+
+
+def test_a_hull_is_read_once_until_its_file_changes(tmp_path: Path) -> None:
+    def write(size_m: float) -> None:
+        mesh = trimesh.creation.box((size_m, 1, 1))
+        trimesh.Trimesh(mesh.vertices, mesh.faces[1:], process=False).export(path)
+        os.utime(path, ns=(0, int(size_m)))
+
+    path = tmp_path / "hull.obj"
+    write(1.0)
+    model = load_vehicle("rov").model_copy(update={"mesh": path})
+    with pytest.warns(RepairWarning, match="filled holes"):
+        vertices, triangles = vehicle_hull(model)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert vehicle_hull(model)[0] is vertices
+        assert rigid_body(model, 1000.0).volume_m3 == pytest.approx(1.0)
+    for array in (vertices, triangles):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    write(2.0)
+    with pytest.warns(RepairWarning):
+        assert rigid_body(model, 1000.0).volume_m3 == pytest.approx(2.0)
+    with pytest.warns(RepairWarning):
+        larger, _ = vehicle_hull(model.model_copy(update={"mesh_scale": 3.0}))
+    assert np.ptp(larger[:, 0]) == pytest.approx(6.0)
+    path.unlink()
+    with pytest.raises(ScenarioError, match="no such file"):
+        vehicle_hull(model)
 
 
 def test_the_rov_is_neutral_upright_and_as_fast_as_it_says() -> None:

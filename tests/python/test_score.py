@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from uwsim import _core
+from uwsim.survey import true_surface
 from uwsim.survey.score import MapScore, score_map
 
 VOXEL_M = 0.5
@@ -104,3 +105,22 @@ def test_it_does_not_matter_in_which_direction_the_path_was_flown():
 def test_voxels_of_another_grid_are_refused():
     with pytest.raises(ValueError, match=r"occupied_centres_m = up to 0\.25 m off the grid"):
         score(plane(0.2), [[0.0, 0.0, 0.0]])
+
+
+def test_tiles_do_not_change_the_score(monkeypatch):
+    world = plane(0.2)
+    world.add_solid("wall", *box((-0.1, -3.0, 0.0), (0.1, 3.0, 4.0)))
+    occupied = score(world, []).visible_centres_m[::5]
+    whole = score(world, occupied)
+    monkeypatch.setattr(true_surface, "TILE_VOXELS", 3)
+    tiled = score(world, occupied)
+    assert np.array_equal(tiled.visible_centres_m, whole.visible_centres_m)
+    assert np.array_equal(tiled.covered, whole.covered)
+    assert 0.0 < tiled.coverage < 1.0
+
+
+def test_surface_out_of_reach_of_the_path_does_not_count_towards_the_limit(monkeypatch):
+    monkeypatch.setattr(true_surface, "MAX_VOXELS", 100)
+    assert score(plane(0.2), [], path=np.array([[0.0, 0.0, 1.2]]), range_max_m=1.5).visible_truth_voxels > 0
+    with pytest.raises(ValueError, match=r"must be at most 0\.0001 million"):
+        score(plane(0.2), [])

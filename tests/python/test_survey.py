@@ -9,7 +9,9 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.fly import INTERRUPTED, fly_survey
+from uwsim.missions import COVERED
+from uwsim.survey.fly import fly_survey
+from uwsim.survey.record import INTERRUPTED
 from uwsim.survey.score import score_map
 
 
@@ -21,7 +23,8 @@ def survey_bytes(**options: object) -> bytes:
 def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface() -> None:
     sim = Simulator("pool")
     occupancy, record = fly_survey(sim)
-    assert record.stopped_because == "the area is covered"
+    assert record.stopped_because == COVERED
+    assert not record.ended_early
     assert record.collision_count == 0
     assert record.ping_count == pytest.approx(10 * record.simulated_s, abs=1)
     score = score_map(

@@ -126,6 +126,50 @@ def test_malformed_rasters_are_refused_in_one_line(
     assert capfd.readouterr() == ("", "")
 
 
+def write_degrees(path: Path, south: float) -> Path:
+    return write_asc(path, GRID, 0.01, (-84.0, south))
+
+
+@pytest.mark.parametrize(
+    ("settings", "key", "message"),
+    [
+        ({"centre": [0, 0]}, "centre", r"terrain\.centre = \(0, 0\): outside 'a\.asc', which reaches from \(1000, 2"),
+        ({"centre": [0, 0], "size_m": None}, "centre", r"terrain\.centre = \(0, 0\): outside"),
+        ({"vertical_scale": 1e6}, "vertical_scale", r"terrain\.vertical_scale = 1e\+06: makes heights from -5e\+07 to"),
+        ({"water_level_m": -12000}, "file", r"elevations from 200 to 297 make heights from 12200 .*water_level_m"),
+        ({"crs": "EPSG:4326"}, "crs", r"terrain\.crs: 'a\.asc' is read as degrees, but .* of its middle is 2060"),
+        ({"crs": "EPSG:4978"}, "crs", r"terrain\.crs: that of 'a\.asc' is neither geographic nor projected"),
+    ],
+)  # fmt: skip
+def test_a_wrong_setting_is_told_by_its_own_name(
+    settings: dict[str, object], key: str, message: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(ScenarioError, match=message) as caught:
+        build_terrain(raster(write_asc(tmp_path / "a.asc", GRID), **settings))
+    assert caught.value.at == (key,)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("size_m", [[140, 110], None])
+def test_no_place_has_a_latitude_of_500(size_m: object, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(ScenarioError, match=r"terrain\.centre = \(-83\.9, 500\): outside 'a\.asc'"):
+        build_terrain(raster(write_degrees(tmp_path / "a.asc", 36.0), centre=[-83.9, 500], size_m=size_m))
+    with pytest.raises(ScenarioError, match=r"latitude of its middle is 500\.06: must be between -90 and 90"):
+        build_terrain(raster(write_degrees(tmp_path / "b.asc", 500.0), size_m=size_m))
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("kind", ["complex64", "complex_int16"])
+def test_complex_numbers_are_no_elevations(kind: str, tmp_path: Path) -> None:
+    with rasterio.open(
+        tmp_path / "c.tif", "w", driver="GTiff", count=1, height=12, width=15, dtype=kind,
+        crs="EPSG:32616", transform=from_origin(500_000, 4_000_000, 10, 10),
+    ):  # fmt: skip
+        pass
+    with pytest.raises(ScenarioError, match=r"'c\.tif': holds complex numbers, expected elevations"):
+        build_terrain(raster(tmp_path / "c.tif"))
+
+
 def test_a_raster_must_be_placed_and_large_enough(tmp_path: Path) -> None:
     Image.fromarray(GRID.astype(np.uint8)).save(tmp_path / "plain.tif")
     with pytest.raises(ScenarioError, match="does not say where and how large its cells are"):

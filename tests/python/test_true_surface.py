@@ -1,11 +1,14 @@
 """The true surface's samples leave no gap, and keys are OctoMap's."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from uwsim import _core
-from uwsim.survey.true_surface import inside_polygon, packed, sample_surface, voxel_keys
+from uwsim.survey import true_surface
+from uwsim.survey.true_surface import inside_polygon, packed, sample_surface, surface_tiles, unpacked, voxel_keys
 
 SQUARE = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
 
@@ -42,6 +45,57 @@ def test_keys_are_floors_and_pack_without_collisions_in_order():
     assert voxel_keys(np.array([[-0.01, 0.0, 0.5]]), 0.5).tolist() == [[-1, 0, 1]]
     keys = np.array([[i, j, k] for i in (-32768, -1, 0, 32767) for j in (-32768, 0, 7) for k in (-2, 3)])
     assert np.all(np.diff(packed(keys)) > 0)
+    assert np.array_equal(unpacked(packed(keys)), keys)
+
+
+def vast_floor(half_m=5000.0):
+    world = _core.World()
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half_m
+    world.add_solid("floor", np.column_stack([corners, np.full(4, -3.2)]), np.array([[0, 1, 2], [0, 2, 3]]))
+    return world
+
+
+def test_what_triangles_do_outside_the_polygon_costs_nothing():
+    tracemalloc.start()
+    samples = sample_surface(vast_floor(), 0.5, SQUARE)
+    _, peak_bytes = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak_bytes < 30e6, "whole, the floor has 1.6 billion samples"
+    assert len(samples.voxel_keys) == 40 * 40 / 0.5**2
+    assert np.abs(samples.points_world_m[:, :2]).max() <= 20.0
+
+
+def test_tiles_share_no_voxel_and_together_are_the_whole(monkeypatch):
+    world = _core.World()
+    x, y = np.meshgrid(np.arange(-21.0, 22.0), np.arange(-21.0, 22.0))
+    world.set_terrain((np.sin(x / 3.0) * 2.0 + y / 7.0 - 9.0).astype(np.float32), 1.0, (-21.0, -21.0))
+    world.add_solid("wall", np.array([[-90.0, -70, -30], [90, 80, -30], [3, 2, 40]]), np.array([[0, 1, 2]]))
+    whole = sample_surface(world, 0.3, SQUARE)
+    monkeypatch.setattr(true_surface, "TILE_VOXELS", 17)
+    monkeypatch.setattr(true_surface, "ROWS_AT_ONCE", 100)
+    monkeypatch.setattr(true_surface, "POINTS_AT_ONCE", 100)
+    tiles = list(surface_tiles(world, 0.3, SQUARE))
+    assert len(tiles) > 50
+    assert np.array_equal(
+        np.sort(np.concatenate([packed(tile.voxel_keys) for tile in tiles])), packed(whole.voxel_keys)
+    )
+    assert np.array_equal(sample_surface(world, 0.3, SQUARE).points_world_m, whole.points_world_m)
+
+
+def test_a_box_bounds_the_samples():
+    within = np.array([-2.0, -9.0, -4.0]), np.array([3.0, 1.0, 0.0])
+    points = np.concatenate([tile.points_world_m for tile in surface_tiles(vast_floor(), 0.5, SQUARE, within)])
+    assert points[:, :2].min(axis=0) == pytest.approx(within[0][:2], abs=1.0)
+    assert points[:, :2].max(axis=0) == pytest.approx(within[1][:2], abs=1.0)
+    above = np.array([-2.0, -9.0, -1.0]), np.array([3.0, 1.0, 0.0])
+    assert not list(surface_tiles(vast_floor(), 0.5, SQUARE, above))
+
+
+def test_more_voxels_than_can_be_scored_are_refused_before_any_is_made():
+    with pytest.raises(ValueError, match=r"true surface = about 64 million: must be at most 50 million"):
+        sample_surface(vast_floor(), 0.005, SQUARE)
+    triangle = SQUARE[:3]
+    assert next(surface_tiles(vast_floor(), 0.005, triangle)), "half of it is not too much"
 
 
 def test_a_polygon_and_its_mirror_winding_hold_the_same_points():

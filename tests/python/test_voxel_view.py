@@ -25,6 +25,22 @@ def test_the_box_is_within_the_view():
     assert np.all((pixels >= 0.0) & (pixels <= [view.width, view.height]))
 
 
+@pytest.mark.parametrize("size_m", [(1e-4, 1e-4, 1.5), (1e-4, 500.0, 1e-4), (500.0, 1e-4, 1e-4), (0.0, 0.0, 0.0)])
+def test_the_view_of_a_needle_is_no_needle(size_m):
+    view = view_of_box(np.zeros(3), np.array(size_m), azimuth_rad=-2.0, elevation_rad=0.6, width=100)
+    assert 20 <= view.height <= 200
+    assert (view.window[1] - view.window[0]) / (view.window[3] - view.window[2]) == pytest.approx(
+        view.width / view.height, rel=0.03
+    )
+    pixels = view.project(np.array([np.zeros(3), size_m]))
+    assert np.all((pixels >= 0.0) & (pixels <= [view.width, view.height]))
+
+
+def test_what_is_behind_the_camera_has_no_pixel():
+    view = view_of_box(LOW, HIGH, azimuth_rad=1.0, elevation_rad=0.3, width=200)
+    assert np.isnan(view.project(2.0 * view.eye_world_m[None])).all()
+
+
 @pytest.mark.parametrize(
     ("voxels", "faces"), [([[0, 0, 0]], 6), ([[0, 0, 0], [1, 0, 0]], 10), ([[0, 0, 0], [1, 1, 0]], 12)]
 )

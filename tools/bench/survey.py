@@ -79,4 +79,6 @@ def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench survey")

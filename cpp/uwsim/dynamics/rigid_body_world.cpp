@@ -14,6 +14,7 @@
 namespace uwsim {
 namespace {
 
+constexpr double kAbsurd = 1e7;    // m, m/s and rad/s: no body gets there but by diverging
 constexpr double kSkin_m = 0.005;  // Bullet's convex margin: keeps its distance queries well conditioned
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -210,7 +211,9 @@ struct RigidBodyWorld::Impl {
   }
 
   void accept(Body& body, const BodyState& next) const {
-    if (!next.velocity_body.allFinite() || !next.world_from_body.position_m.allFinite()) {
+    const bool sane = next.velocity_body.cwiseAbs().maxCoeff() < kAbsurd &&
+                      next.world_from_body.position_m.cwiseAbs().maxCoeff() < kAbsurd;  // false for NaN too
+    if (!sane) {
       std::ostringstream last;
       last << "[" << body.state.world_from_body.position_m.transpose() << " m; " << body.state.velocity_body.transpose()
            << " m/s, rad/s]";

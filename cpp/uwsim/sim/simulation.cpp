@@ -12,6 +12,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kWorldEnd_m = 1e6;
+constexpr double kFastest = 1e3;  // m/s and rad/s
 
 template <typename Items>
 auto& item(Items& items, std::size_t index, const char* what) {
@@ -92,6 +93,7 @@ void Simulation::step_once(const Fluid& fluid) {
     vehicle.touching = touches;
   }
   ++tick_;
+  ++version_;
 }
 
 double Simulation::mission_time_s(const Vehicle& vehicle) const {
@@ -112,10 +114,13 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
           path + " state", "non-finite", "must be finite");
   require(position.cwiseAbs().maxCoeff() <= kWorldEnd_m, path + " position_m", position.transpose(),
           "must be within 1000 km of the origin");
+  require(state.velocity_body.cwiseAbs().maxCoeff() <= kFastest, path + " velocity_body",
+          state.velocity_body.transpose(), "must be at most 1000 m/s and rad/s");
   const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
   require(!(position.z() <= bed_m), path + " position_m", position.transpose(), "must be above the ground");
   bodies_.set_state(moved.body, state);
   moved.touching = false;
+  ++version_;
 }
 
 void Simulation::release(std::size_t index) {
@@ -167,6 +172,7 @@ std::vector<double> Simulation::read_sensor(std::size_t index, std::size_t senso
 
 void Simulation::aim(std::size_t index, std::size_t sonar, double elevation_rad) {
   item(changeable(index).sonars, sonar, "sonar").aim(elevation_rad);
+  ++version_;
 }
 
 MultibeamPing Simulation::ping(std::size_t index, std::size_t sonar) const {

@@ -33,6 +33,8 @@ class Simulation {
   /// Throws InvalidValue when a state stops being finite.
   void step(std::uint64_t count = 1);
   std::uint64_t tick() const { return tick_; }
+  /// Changes whenever something may look different: time, a vehicle's place, a sonar's aim.
+  std::uint64_t version() const { return version_; }
   std::uint64_t time_ns() const { return tick_ * step_ns_; }
   double time_s() const { return 1e-9 * static_cast<double>(time_ns()); }
   const SimulationSpec& spec() const { return spec_; }
@@ -66,6 +68,7 @@ class Simulation {
   SimulationSpec spec_;
   std::uint64_t step_ns_;
   std::uint64_t tick_ = 0;
+  std::uint64_t version_ = 0;
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
 };

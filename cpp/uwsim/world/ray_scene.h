@@ -21,8 +21,8 @@ struct RayHit {
 };
 
 /// The world's surfaces as Embree sees them: ROBUST, in float about the world's middle; the distance to the triangle
-/// that Embree names is solved again in double. It holds what is fixed: vehicles collide with each other but do not echo.
-/// Safe to use from several threads at once.
+/// that Embree names is solved again in double. It holds what is fixed: vehicles collide with each other but do not
+/// echo. Safe to use from several threads at once.
 class RayScene {
  public:
   explicit RayScene(const World& world);

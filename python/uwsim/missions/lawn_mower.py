@@ -19,6 +19,7 @@ from uwsim.control.protocols import Clock, PingLike, SurveyVehicle
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lookout import Lookout
 
+COVERED = "all lanes are flown"  # what run() returns when nothing stopped it before
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5
@@ -50,6 +51,9 @@ class AdaptiveLawnMower:
     """Flies a plan with a vehicle and a clock; uwsim.control.protocols says what of them it needs."""
 
     def __init__(self, vehicle: SurveyVehicle, clock: Clock, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
+        for sensor in ("altitude", "proximity_port"):
+            if sensor not in vehicle.sensors:
+                raise ValueError(f"the vehicle has no sensor '{sensor}': the lawn-mower steers by it")
         self.vehicle = vehicle
         self.clock = clock
         self.plan = plan
@@ -65,7 +69,7 @@ class AdaptiveLawnMower:
         return min(1.0, self.flown_m / sum(lane.length_m for lane in self.lanes))
 
     def run(self) -> str:
-        """Fly until the polygon is covered or something else ends the mission; returns what did."""
+        """Fly until the last lane ends (COVERED) or something else ends the mission; returns what did."""
         self.vehicle.sonar.aim(-np.radians(self.plan.tilt_deg))
         try:
             if not self.vehicle.released:
@@ -83,7 +87,7 @@ class AdaptiveLawnMower:
             return str(stop)
         finally:
             self.vehicle.set_effort()
-        return "the area is covered"
+        return COVERED
 
     def _leave_station(self) -> None:
         """Straight ahead and level until clear of the dock."""
@@ -127,7 +131,10 @@ class AdaptiveLawnMower:
         """Turn on the spot, a half turn the way asked for."""
         direction = 1.0 if port else -1.0
         here = self._position()[:2]
+        begun_s = self.clock.time_s
         while abs(left := wrap_angle(heading_rad - self.vehicle.pose.yaw_rad)) > np.radians(5.0):
+            if self.clock.time_s > begun_s + STUCK_AFTER_S:
+                raise StoppedError(f"stuck in a turn, {np.degrees(left):.0f} degrees before its end")
             half_turn_ahead = abs(left) > np.radians(120.0)
             aim = self.vehicle.pose.yaw_rad + direction * np.radians(60.0) if half_turn_ahead else heading_rad
             self._steer(aim, 0.3 * (here - self._position()[:2]))

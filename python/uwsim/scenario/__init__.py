@@ -2,7 +2,7 @@
 
 from uwsim.scenario.build import build_world, start_pose
 from uwsim.scenario.closing import closed_mesh
-from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.errors import RepairWarning, ScenarioError
 from uwsim.scenario.loading import load, packaged_scenarios
 from uwsim.scenario.meshes import load_mesh
 from uwsim.scenario.schema import Scenario, Survey
@@ -11,6 +11,7 @@ from uwsim.scenario.vehicle_model import VehicleModel
 from uwsim.scenario.vehicles import RigidBody, load_vehicle, rigid_body, vehicle_hull
 
 __all__ = [
+    "RepairWarning",
     "RigidBody",
     "Scenario",
     "ScenarioError",

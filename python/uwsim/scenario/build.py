@@ -15,14 +15,18 @@ from uwsim.scenario.terrain import Terrain, build_terrain
 
 def build_world(scenario: Scenario) -> _core.World:
     """Terrain, obstacles and station ("station"), and the water over them. Raises ScenarioError."""
-    terrain = build_terrain(scenario.terrain)
+    place = scenario.origin.place
+    with place("terrain"):
+        terrain = build_terrain(scenario.terrain)
     _require_inside(scenario, terrain)
     world = _core.World()
     world.set_terrain(terrain.heights_m, terrain.spacing_m, terrain.origin_m)
-    for obstacle in scenario.obstacles:
-        world.add_solid(obstacle.name, *obstacle_mesh(obstacle, terrain))
+    for index, obstacle in enumerate(scenario.obstacles):
+        with place("obstacles", index):
+            world.add_solid(obstacle.name, *obstacle_mesh(obstacle, terrain))
     if scenario.station.mesh is not None:
-        world.add_solid("station", *_station_mesh(scenario.station))
+        with place("station", "mesh"):
+            world.add_solid("station", *_station_mesh(scenario.station))
     world.water = _water(scenario, terrain)
     return world
 
@@ -60,15 +64,19 @@ def _water(scenario: Scenario, terrain: Terrain) -> _core.Water:
 
 def _require_inside(scenario: Scenario, terrain: Terrain) -> None:
     """Refuses a dry world, and vehicles and survey corners beside, or vehicles below, the terrain."""
+    place = scenario.origin.place
     if terrain.lowest_m >= 0.0:
-        raise ScenarioError(
-            f"terrain: its lowest point is at z = {terrain.lowest_m:g} m: must be below the water, z = 0"
-        )
+        with place("terrain"):
+            raise ScenarioError(
+                f"terrain: its lowest point is at z = {terrain.lowest_m:g} m: must be below the water, z = 0"
+            )
     for index, vehicle in enumerate(scenario.vehicles):
-        (x, y, z), _ = start_pose(scenario, vehicle)
-        _require_above(terrain, (x, y, z), f"vehicles[{index}] starts at")
-    for corner in scenario.survey.area_m if scenario.survey else ():
-        _require_above(terrain, (*corner, np.inf), "survey.area_m: the corner")
+        point_m, _ = start_pose(scenario, vehicle)
+        with place("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+            _require_above(terrain, point_m, f"vehicles[{index}] starts at")
+    for index, corner in enumerate(scenario.survey.area_m if scenario.survey else ()):
+        with place("survey", "area_m", index):
+            _require_above(terrain, (*corner, np.inf), f"survey.area_m[{index}] =")
 
 
 def _require_above(terrain: Terrain, point_m: tuple[float, float, float], what: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.errors import RepairWarning, ScenarioError
 
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
@@ -20,7 +20,7 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
 
     Every edge is shared by two triangles that run along it in opposite directions, and the volume is positive.
     Parts that overlap are each counted: unite them where the hull is made.
-    Merging what STL writes apart is silent; any other repair issues a UserWarning.
+    Merging what STL writes apart is silent; any other repair issues a RepairWarning.
     """
     mesh = trimesh.Trimesh(vertices_m, np.asarray(triangles, np.int64), process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
@@ -32,7 +32,7 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     if mesh.volume <= 0.0:
         raise ScenarioError(f"mesh '{name}': encloses no volume")
     if done:
-        warnings.warn(f"mesh '{name}': repaired: {', '.join(done)}", UserWarning, stacklevel=2)
+        warnings.warn(f"mesh '{name}': repaired: {', '.join(done)}", RepairWarning, stacklevel=2)
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
 
 

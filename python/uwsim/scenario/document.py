@@ -11,7 +11,7 @@ from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
-from ruamel.yaml.constructor import DuplicateKeyError
+from ruamel.yaml.constructor import ConstructorError, DuplicateKeyError, RoundTripConstructor
 from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning, YAMLError
 
 from uwsim.scenario.errors import ScenarioError
@@ -48,7 +48,10 @@ def read_document(path: Path, name: str) -> Document:
     """Read a YAML mapping. Raises ScenarioError with name and line."""
     text = _read_text(path, name)
     reader = YAML(typ="rt")
+    reader.Constructor = _Constructor
     try:
+        if "!" in text:
+            _refuse_tags(text, name)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ReusedAnchorWarning)  # YAML 1.2 allows it
             root = reader.load(StringIO(text))
@@ -59,7 +62,7 @@ def read_document(path: Path, name: str) -> Document:
     except MarkedYAMLError as error:
         reason = " ".join(str(part) for part in (error.context, error.problem) if part)
         raise ScenarioError(f"{name}:{_line(error)}: not valid YAML: {reason}") from None
-    except (YAMLError, ValueError) as error:
+    except YAMLError as error:
         raise ScenarioError(f"{name}: not valid YAML: {_first_line(error)}") from None
     except RecursionError:
         raise ScenarioError(f"{name}: not valid YAML: nested too deeply") from None
@@ -86,6 +89,29 @@ def _read_text(path: Path, name: str) -> str:
     if "\0" in text:
         raise ScenarioError(f"{name}: a binary file, expected YAML text")
     return text
+
+
+class _Constructor(RoundTripConstructor):
+    """Knows the line of a value that YAML takes for a number or a date and Python does not."""
+
+    def construct_object(self, node: Any, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep=deep)
+        except (ArithmeticError, IndexError, KeyError, ValueError) as error:
+            reason = f"not a number or date that can be read: '{node.value!s:.40}'"
+            raise ConstructorError(problem=reason, problem_mark=node.start_mark) from error
+
+
+def _refuse_tags(text: str, name: str) -> None:
+    for event in YAML(typ="rt").parse(StringIO(text)):
+        tag = getattr(event, "ctag", None)
+        if tag is not None and tag.trval:
+            line = event.start_mark.line + 1
+            raise ScenarioError(f"{name}:{line}: tags are not supported: remove '{_written(tag):.60}'")
+
+
+def _written(tag: Any) -> str:
+    return f"{tag.handle or ''}{tag.suffix or ''}"
 
 
 class _Plain:

@@ -7,12 +7,14 @@ the rule to `messages.py`, which knows the file and the line.
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
@@ -43,24 +45,47 @@ def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> Pyda
 
 @dataclass(frozen=True)
 class InRange:
-    """A number in [low, high]; text and booleans are not numbers. An int-typed field takes whole numbers only."""
+    """A number in [low, high], NumPy's too; text and booleans are not. An int-typed field takes whole numbers only."""
 
     low: float
     high: float
     unit: str = ""
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        number = (
-            core_schema.int_schema(strict=True)
-            if source is int
-            else core_schema.float_schema(strict=True, allow_inf_nan=True)
-        )
-        return core_schema.no_info_after_validator_function(self._check, number)
+        if source is int:
+            plain = core_schema.no_info_before_validator_function(_plain_int, core_schema.int_schema(strict=True))
+        else:
+            number = core_schema.float_schema(strict=True, allow_inf_nan=True)
+            plain = core_schema.no_info_before_validator_function(_plain_float, number)
+        return core_schema.no_info_after_validator_function(self._check, plain)
 
     def _check(self, value: float) -> float:
-        if not (math.isfinite(value) and self.low <= value <= self.high):
+        if not self.low <= value <= self.high:  # NaN neither
             raise broken(f"must be in [{self.low}, {self.high}] {self.unit}".rstrip(), unit=self.unit)
         return value
+
+
+def _plain_int(value: object) -> object:
+    """Turn NumPy's whole numbers into Python's; leave what is none to be refused, booleans too."""
+    if isinstance(value, np.bool_):
+        return bool(value)
+    if isinstance(value, int) or not hasattr(value, "__index__"):
+        return value
+    try:
+        return operator.index(value)
+    except TypeError:  # arrays
+        return value
+
+
+def _plain_float(value: object) -> object:
+    """Likewise; a whole number too large for a float is infinite."""
+    value = _plain_int(value)
+    if isinstance(value, np.floating):
+        return float(value)
+    try:
+        return float(value) if type(value) is int else value
+    except OverflowError:
+        return math.inf
 
 
 def _check_name(name: str) -> str:

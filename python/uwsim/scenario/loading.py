@@ -7,6 +7,7 @@ from pathlib import Path
 from uwsim.scenario.document import read_document
 from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.messages import validated
+from uwsim.scenario.origin import Origin
 from uwsim.scenario.paths import assets_folder, find_yaml, packaged_names
 from uwsim.scenario.schema import Scenario
 
@@ -24,7 +25,8 @@ def load(source: str | Path | Scenario) -> Scenario:
     path = find_yaml(source, "scenarios")
     packaged = assets_folder() in path.parents
     document = read_document(path, path.name if packaged else str(source))
-    return validated(Scenario, document.values, document, folder=path.resolve().parent)
+    scenario = validated(Scenario, document.values, document, folder=path.resolve().parent)
+    return scenario.read_from(Origin(document))
 
 
 def packaged_scenarios() -> list[str]:

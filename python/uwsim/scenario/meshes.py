@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,6 +19,7 @@ Triangles = NDArray[np.uint32]
 MAX_BYTES = 500_000_000
 MAX_TRIANGLES = 5_000_000
 TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
+MAX_REACH_M = 1e5
 Y_UP_SUFFIXES = (".glb", ".gltf")
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -31,7 +33,7 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
     turns into metres. scale: metres for each unit of the others, a further factor for FBX.
     up: which axis of the file becomes z. By default y for glTF, as its specification says; for FBX and Collada what
     the file says of itself; z for all others, so Blender's OBJ export with its default axes needs up="y".
-    Raises ScenarioError if missing, malformed, empty, too large, or not finite.
+    Raises ScenarioError if missing, malformed, empty, flat as a line, too large, or not finite.
     """
     path = Path(path)
     _require_readable(path)
@@ -47,9 +49,13 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
         raise
     except MemoryError:
         raise ScenarioError(f"mesh '{path}': too large to read into memory") from None
+    except ImportError as error:
+        raise ScenarioError(
+            f"mesh '{path}': reading it needs the Python package '{error.name}', which cannot be imported: install it"
+        ) from None
     except Exception as error:  # the readers raise whatever a malformed file makes them stumble over
         raise ScenarioError(f"mesh '{path}': not a readable {suffix[1:] or 'mesh'} file: {_reason(error)}") from None
-    _require_sound(path, vertices, triangles)
+    _require_sound(path, vertices, triangles, scale)
     if up == "y" or (up is None and y_up):
         vertices = vertices @ Z_UP_FROM_Y_UP.T
     return np.ascontiguousarray(vertices * scale), np.ascontiguousarray(triangles, np.uint32)
@@ -73,11 +79,36 @@ def _require_readable(path: Path) -> None:
 def _read_with_trimesh(path: Path, suffix: str) -> tuple[Vertices, NDArray[Any]]:
     if suffix == ".obj":  # its comments and names are in whatever encoding
         text = path.read_bytes().decode("utf-8", errors="replace")
+        _require_indices_from_one(path, text)
         scene = trimesh.load_scene(io.StringIO(text), file_type="obj", process=False, skip_materials=True)
+    elif suffix == ".stl":
+        scene = trimesh.load_scene(io.BytesIO(_sound_stl(path)), file_type="stl", process=False)
     else:
         scene = trimesh.load_scene(path, process=False)
     mesh = scene.to_mesh()
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces)
+
+
+def _require_indices_from_one(path: Path, text: str) -> None:
+    """A face's index 0 means nothing; trimesh takes it for some vertex."""
+    zero = re.search(r"^[ \t]*f[ \t](?:.*[ \t])?[-+]?0+(?=[/\s]|\Z)", text, re.MULTILINE)
+    if zero:
+        line = text.count("\n", 0, zero.end()) + 1
+        raise ScenarioError(f"mesh '{path}': line {line}: a face names vertex 0, but an OBJ file's count from 1")
+
+
+def _sound_stl(path: Path) -> bytes:
+    """Return the file as UTF-8 if it is text; refuse what trimesh would read as no triangles."""
+    data = path.read_bytes()
+    said = int.from_bytes(data[80:84], "little")
+    if len(data) >= 84 and len(data) == 84 + 50 * said:
+        return data
+    if data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
+        size = f", its {len(data)} bytes are not the {84 + 50 * said} of the {said} triangles it announces"
+        raise ValueError(f"neither text that starts with 'solid' nor binary{size if len(data) >= 84 else ''}")
+    if b"endsolid" not in data.lower():
+        raise ValueError("breaks off before its endsolid")
+    return data.decode("utf-8", errors="replace").encode()
 
 
 def _read_with_assimp(path: Path) -> tuple[Vertices, NDArray[Any]]:
@@ -119,7 +150,7 @@ def joined(parts: list[tuple[Vertices, NDArray[Any]]]) -> tuple[Vertices, NDArra
     return np.concatenate([points for points, _ in parts]), np.concatenate(triangles)
 
 
-def _require_sound(path: Path, vertices: Vertices, triangles: NDArray[Any]) -> None:
+def _require_sound(path: Path, vertices: Vertices, triangles: NDArray[Any], scale: float) -> None:
     if len(triangles) == 0:
         raise ScenarioError(f"mesh '{path}': holds no triangles")
     if len(triangles) > MAX_TRIANGLES:
@@ -130,6 +161,17 @@ def _require_sound(path: Path, vertices: Vertices, triangles: NDArray[Any]) -> N
         raise ScenarioError(
             f"mesh '{path}': {np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite"
         )
+    corners = vertices[triangles]
+    reach_m = float(np.abs(corners).max()) * scale
+    if reach_m > MAX_REACH_M:
+        raise ScenarioError(
+            f"mesh '{path}': reaches {reach_m:.3g} m from its origin at scale {scale:g}, must be at most "
+            f"{MAX_REACH_M:g} m: choose a smaller scale"
+        )
+    sides = corners[:, 1:] - corners[:, :1]
+    extent = float(np.ptp(corners, axis=(0, 1)).max())
+    if np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).max() <= 1e-12 * extent**2:
+        raise ScenarioError(f"mesh '{path}': none of its {len(triangles)} triangles has an area")
 
 
 def _reason(error: Exception) -> str:

@@ -113,6 +113,8 @@ def _shown(value: Any, unit: str = "") -> str:
         text = str(value).lower()
     elif isinstance(value, float):
         text = f"{value:.12g}"
+    elif isinstance(value, int) and value.bit_length() > 1000:  # Python writes no more than some 4000 digits
+        text = f"a number of about {value.bit_length() * 0.30103:.0f} digits"
     else:
         text = f"'{value}'" if isinstance(value, str | Path) else str(value)
     text = text if len(text) <= 60 else text[:57] + "..."

@@ -1,8 +1,10 @@
-"""Whether a polygon's outline meets itself."""
+"""Whether a polygon's outline meets itself, and how large and how narrow it is."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+
+import numpy as np
 
 Point = tuple[float, float]
 
@@ -20,6 +22,26 @@ def crossing_edges(corners: Sequence[Point]) -> tuple[int, int] | None:
             elif _meet(*edges[i], *edges[j]):
                 return i, j
     return None
+
+
+def area(corners: Sequence[Point]) -> float:
+    """Of a simple polygon, whichever way it runs round."""
+    x, y = np.asarray(corners, np.float64).T
+    x, y = x - x[0], y - y[0]  # far from the origin the products would cancel
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+
+
+def narrowest_width(corners: Sequence[Point]) -> float:
+    """Distance between the closest two parallel lines that hold the polygon between them.
+
+    One of the lines runs along an edge of the convex hull (Houle and Toussaint 1988), so through two of the corners.
+    """
+    points = np.asarray(corners, np.float64)
+    first, second = np.triu_indices(len(points), 1)
+    along = points[second] - points[first]
+    along = along[along.any(axis=1)]
+    normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    return float(np.ptp(normals @ (points - points[0]).T, axis=1).min())
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.fields import (
@@ -20,7 +21,8 @@ from uwsim.scenario.fields import (
 )
 from uwsim.scenario.messages import validated
 from uwsim.scenario.obstacle_spec import ObstacleSpec
-from uwsim.scenario.polygon import crossing_edges
+from uwsim.scenario.origin import Origin
+from uwsim.scenario.polygon import area, crossing_edges, narrowest_width
 from uwsim.scenario.terrain_spec import TerrainSpec
 from uwsim.scenario.vehicle_model import VehicleModel
 from uwsim.scenario.vehicles import load_vehicle
@@ -29,6 +31,8 @@ Celsius = Annotated[float, InRange(-2, 40, "deg C")]
 MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
 NoseDown = Annotated[float, InRange(-90, 90, "deg")]
 RESERVED_NAMES = ("nothing", "terrain", "station")
+LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 2, 10
+"""Of a survey: anything smaller is no area on the map."""
 
 
 class Water(Model):
@@ -126,6 +130,14 @@ class Survey(Model):
         crossing = crossing_edges(self.area_m)
         if crossing is not None:
             raise broken(f"the edges that start at its corners {crossing[0]} and {crossing[1]} meet", at=("area_m",))
+        width, least = narrowest_width(self.area_m), LEAST_WIDTH_VOXELS * self.voxel_m
+        if width < least:
+            rule = f"is {width:.3g} m across where it is narrowest: must be at least {LEAST_WIDTH_VOXELS} voxels"
+            raise broken(f"{rule}, {least:g} m", at=("area_m",))
+        size, least = area(self.area_m), LEAST_AREA_VOXELS * self.voxel_m**2
+        if size < least:
+            rule = f"covers {size:.3g} m2: must be at least {LEAST_AREA_VOXELS} voxels, {least:g} m2"
+            raise broken(rule, at=("area_m",))
         return self
 
 
@@ -145,6 +157,8 @@ class Scenario(Model):
     warnings: Warnings = Warnings()
     survey: Survey | None = None
 
+    _origin: Origin = PrivateAttr(default=Origin())
+
     @model_validator(mode="after")
     def _names_are_unique(self) -> Scenario:
         taken = set(RESERVED_NAMES)
@@ -154,6 +168,22 @@ class Scenario(Model):
                     raise broken("is taken", at=(kind, index, "name"), value=item.name)
                 taken.add(item.name)
         return self
+
+    @property
+    def origin(self) -> Origin:
+        """The file it was read from, for messages."""
+        return self._origin
+
+    def read_from(self, origin: Origin) -> Self:
+        """Return the same scenario, which knows its file."""
+        copy = super().model_copy()
+        copy._origin = origin
+        return copy
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """As pydantic's; a copy with updates is no longer what the file says."""
+        copy = super().model_copy(update=update, deep=deep)
+        return copy.read_from(Origin()) if update else copy
 
     def with_changes(
         self, *, seed: int | None = None, mission_time_s: float | None = None, sonar_model: int | None = None
@@ -168,4 +198,4 @@ class Scenario(Model):
             data["vehicles"] = [
                 {**dict(vehicle), "sonar": {**dict(vehicle.sonar), "model": sonar_model}} for vehicle in self.vehicles
             ]
-        return validated(Scenario, data)
+        return validated(Scenario, data).read_from(self._origin)

@@ -26,6 +26,8 @@ FloatGrid = NDArray[np.float64]
 Coordinates = TypeVar("Coordinates", float, FloatGrid)
 WGS84 = "EPSG:4326"
 LOCAL = "local"
+MAX_HEIGHT_M = 12_000.0
+"""Above or below the water: as deep as the sea."""
 DEGREE_CELL = 0.1
 """Cells narrower than this, in a file that names no coordinate system and spans less than the globe, are degrees."""
 
@@ -44,6 +46,11 @@ class _Raster:
         """Metres for each unit of a projected system (feet, mostly)."""
         return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
 
+    @property
+    def is_geographic(self) -> bool:
+        """Whether its coordinates are longitude and latitude in degrees."""
+        return self.crs is not None and bool(self.crs.is_geographic)
+
     def pixel_at(self, x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
         """Fractional columns and rows, whole at the cells' centres, of the file's coordinates."""
         columns, rows = _mapped(~self.file_from_pixel, x, y)
@@ -55,6 +62,7 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
     raster = _read(spec)
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
+    _require_centre(raster, centre, spec)
     size = spec.size_m or _largest_size(raster, centre, spec)
     x, y = np.meshgrid(*grid_axes(size, spec.spacing_m))
     columns, rows = raster.pixel_at(
@@ -68,7 +76,41 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
             f"({centre[0]:.6g}, {centre[1]:.6g}) reaches beyond the raster: choose a smaller size_m or another centre"
         )
     elevations = read_off(raster.elevations, rows, columns, spec.interpolation)
-    return (elevations - spec.water_level_m) * spec.vertical_scale
+    return _heights(raster, elevations, spec)
+
+
+def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
+    h, w = raster.elevations.shape
+    column, row = _mapped(~raster.file_from_pixel, *centre)
+    if not (0 <= column <= w and 0 <= row <= h):
+        (x0, y0), (x1, y1) = (_mapped(raster.file_from_pixel, *corner) for corner in ((0.0, h), (w, 0.0)))
+        raise ScenarioError(
+            f"terrain.centre = ({centre[0]:.9g}, {centre[1]:.9g}): outside '{raster.name}', which reaches from "
+            f"({x0:.9g}, {y0:.9g}) to ({x1:.9g}, {y1:.9g}) in its own coordinates",
+            at=("centre",),
+        )
+    if raster.is_geographic and abs(centre[1]) >= 90:
+        raise ScenarioError(
+            f"terrain.crs: '{raster.name}' is read as degrees, but the latitude of its middle is {centre[1]:g}: must "
+            f"be between -90 and 90; say in crs what its coordinates are ({LOCAL} for metres)",
+            at=("crs",) if spec.crs else ("file",),
+        )
+
+
+def _heights(raster: _Raster, elevations: FloatGrid, spec: RasterTerrain) -> FloatGrid:
+    """Elevations above the water, scaled; refuses those that no world has."""
+    above = elevations - spec.water_level_m
+    heights = above * spec.vertical_scale
+    if np.abs(heights).max() <= MAX_HEIGHT_M:
+        return heights
+    makes = f"heights from {heights.min():.6g} to {heights.max():.6g} m: must be within {MAX_HEIGHT_M:g} m of the water"
+    if np.abs(above).max() <= MAX_HEIGHT_M:
+        raise ScenarioError(f"terrain.vertical_scale = {spec.vertical_scale:g}: makes {makes}", at=("vertical_scale",))
+    raise ScenarioError(
+        f"terrain '{raster.name}': elevations from {elevations.min():.6g} to {elevations.max():.6g} make {makes} "
+        "(cells without data that are not marked as such? water_level_m?)",
+        at=("file",),
+    )
 
 
 def _read(spec: RasterTerrain) -> _Raster:
@@ -81,6 +123,8 @@ def _read(spec: RasterTerrain) -> _Raster:
                 raise ScenarioError(f"terrain '{name}': {file.count} bands, expected 1 (choose one with band)")
             if (spec.band or 1) > file.count:
                 raise ScenarioError(f"terrain '{name}': band = {spec.band}: the file has {file.count}")
+            if "complex" in file.dtypes[(spec.band or 1) - 1]:
+                raise ScenarioError(f"terrain '{name}': holds complex numbers, expected elevations", at=("file",))
             if file.width * file.height > 4 * MAX_NODES:
                 raise ScenarioError(
                     f"terrain '{name}': {file.width} x {file.height} cells, must be at most {4 * MAX_NODES}"
@@ -96,8 +140,14 @@ def _read(spec: RasterTerrain) -> _Raster:
         raise ScenarioError(
             f"terrain '{name}': does not say where and how large its cells are (for an image: source: image)"
         )
+    crs = _crs(spec, crs, file_from_pixel)
+    if crs is not None and not (crs.is_geographic or crs.is_projected):
+        raise ScenarioError(
+            f"terrain.crs: that of '{name}' is neither geographic nor projected: say crs: {LOCAL} if it is in metres",
+            at=("crs",) if spec.crs else ("file",),
+        )
     complete = _without_gaps(name, elevations, has_data & np.isfinite(elevations), spec)
-    return _Raster(name, complete, file_from_pixel, _crs(spec, crs, file_from_pixel))
+    return _Raster(name, complete, file_from_pixel, crs)
 
 
 def _opened(path: Path) -> DatasetReader:
@@ -130,7 +180,7 @@ def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS |
         return CRS.from_user_input(spec.crs)
     except (CRSError, ValueError):
         raise ScenarioError(
-            f"terrain.crs = '{spec.crs}': not a coordinate system, such as {WGS84} or {LOCAL}"
+            f"terrain.crs = '{spec.crs}': not a coordinate system, such as {WGS84} or {LOCAL}", at=("crs",)
         ) from None
 
 
@@ -138,7 +188,7 @@ def _file_from_metres(
     raster: _Raster, centre: tuple[float, float], x_m: FloatGrid, y_m: FloatGrid
 ) -> tuple[FloatGrid, FloatGrid]:
     """Return the file's coordinates of points given in real metres east and north of the centre."""
-    if raster.crs is None or not raster.crs.is_geographic:
+    if not raster.is_geographic:
         return centre[0] + x_m / raster.unit_m, centre[1] + y_m / raster.unit_m
     x, y = transform(_metres_about(centre), raster.crs, x_m.ravel(), y_m.ravel())
     return np.reshape(x, x_m.shape), np.reshape(y, x_m.shape)
@@ -151,7 +201,7 @@ def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerr
     columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
     rows = np.concatenate([np.full(65, 0.5), np.full(65, h - 0.5), down, down])
     x, y = _mapped(raster.file_from_pixel, columns, rows)
-    if raster.crs is not None and raster.crs.is_geographic:
+    if raster.is_geographic:
         east, north = (np.asarray(axis) for axis in transform(raster.crs, _metres_about(centre), x, y))
     else:
         east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m

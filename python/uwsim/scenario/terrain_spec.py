@@ -12,6 +12,7 @@ MAX_NODES = 16_000_000
 """4,000 x 4,000 nodes: 64 MB of heights, and some 3 GB of triangles for the rays."""
 
 Spacing = Annotated[float, InRange(0.02, 100, "m")]
+Coordinate = Annotated[float, InRange(-1e9, 1e9)]
 
 
 class Grid(Model):
@@ -89,7 +90,7 @@ class RasterTerrain(Grid):
     water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")]
     horizontal_scale: Factor = 1.0
     vertical_scale: Factor = 1.0
-    centre: tuple[float, float] | None = None
+    centre: tuple[Coordinate, Coordinate] | None = None
     size_m: tuple[Size, Size] | None = None
     interpolation: Literal["cubic", "linear"] = "cubic"
     fill_nodata: bool = False

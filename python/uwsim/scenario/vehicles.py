@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import trimesh
@@ -42,8 +44,24 @@ def load_vehicle(source: str | Path, folder: Path | None = None) -> VehicleModel
 
 
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError."""
-    return closed_mesh(*load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up), name=str(model.mesh))
+    """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError.
+
+    Read and mended once as long as the file stays the same: the arrays are read-only.
+    """
+    file = model.mesh.stat() if model.mesh.is_file() else None
+    stamp = (file.st_mtime_ns, file.st_size) if file else None
+    return _closed_hull(model.mesh, stamp, model.mesh_scale, model.mesh_up)
+
+
+@lru_cache(maxsize=16)
+def _closed_hull(
+    path: Path, stamp: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
+) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """`stamp` changes with the file."""
+    vertices, triangles = closed_mesh(*load_mesh(path, scale=scale, up=up), name=str(path))
+    vertices.flags.writeable = False
+    triangles.flags.writeable = False
+    return vertices, triangles
 
 
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:

@@ -67,7 +67,7 @@ class ScanChain:
             decoded = ranging.decode_depth_string(text, self.model)
         with self.timer.measure("conversion"):
             scan = ranging.to_laser_scan(decoded, self.model, stamp_s)
-            points_sonar = ranging.to_point_cloud(scan)
+            points_sonar = ranging.filter_range(ranging.to_point_cloud(scan), scan.range_min, scan.range_max)
             body_from_sonar = np.linalg.inv(world_from_body) @ world_from_sonar
             points_body = ranging.transform_points(points_sonar, body_from_sonar)
             others = ranging.remove_box(points_body, self.self_box.low_body_m, self.self_box.high_body_m)

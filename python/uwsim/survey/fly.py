@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.control.protocols import Clock, SurveyVehicle
 from uwsim.mapping import OccupancyMap
-from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan
+from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
 from uwsim.simulator import Simulator
 from uwsim.survey.chain import ScanChain, SelfBox
-from uwsim.survey.record import PingSample, SurveyRecord
+from uwsim.survey.record import INTERRUPTED, PingSample, SurveyRecord
 from uwsim.survey.stages import StageTimer
 from uwsim.survey.true_surface import inside_polygon
 
-INTERRUPTED = "interrupted (Ctrl-C)"
 SELF_MARGIN_M = 0.05
 
 
@@ -58,7 +58,7 @@ class PingingClock:
         self._chain = chain
         self._log = log
         self._steps_between_pings = max(1, round(ping_interval_s / sim.step_s))
-        self._steps_to_ping = 0
+        self._steps_to_ping = self._steps_between_pings
         self._on_ping = on_ping
 
     @property
@@ -70,16 +70,16 @@ class PingingClock:
         """Let simulated time pass, pinging whenever it is due."""
         steps = round(duration_s / self._sim.step_s)
         while steps > 0:
-            if self._steps_to_ping == 0:
-                self._ping()
-                self._steps_to_ping = self._steps_between_pings
             now = min(steps, self._steps_to_ping)
             with self._chain.timer.measure("physics"):
                 self._sim.step(now)
             steps -= now
             self._steps_to_ping -= now
+            if self._steps_to_ping == 0:  # at once, so that the mission's own look is this same ping
+                self._ping()
 
     def _ping(self) -> None:
+        self._steps_to_ping = self._steps_between_pings
         rov = self._sim.rov
         with self._chain.timer.measure("rays"):
             ping = rov.sonar.ping()
@@ -92,13 +92,15 @@ def fly_survey(
     sim: Simulator,
     occupancy: OccupancyMap | None = None,
     *,
+    mission: Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission] = AdaptiveLawnMower,
     on_progress: Callable[[float], None] = lambda share: None,
     tamper: Callable[[str], str] | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end, or to Ctrl-C; either way the map of what was seen and the record come back.
 
-    occupancy: the map to fill; by default a new one of the scenario's voxel_m. on_progress: called at every ping with
-    the share flown, 0..1. tamper: stands for the channel between sonar and decoder; gets each string, returns another.
+    occupancy: the map to fill; by default a new one of the scenario's voxel_m. mission: makes the mission to fly.
+    on_progress: called at every ping with the share flown, 0..1. tamper: stands for the channel between sonar and
+    decoder; gets each string, returns another.
     Raises ScenarioError when the scenario has no survey.
     """
     survey = required_survey(sim.scenario)
@@ -109,10 +111,10 @@ def fly_survey(
     with ScanChain(
         occupancy, sim.rov.sonar.model.number, _self_box(sim.scenario), threads=sim.threads, timer=timer, tamper=tamper
     ) as chain:
-        clock = PingingClock(sim, chain, log, 1.0 / survey.ping_rate_hz, lambda: on_progress(mission.progress))
-        mission = AdaptiveLawnMower(sim.rov, clock, _plan(survey))
+        clock = PingingClock(sim, chain, log, 1.0 / survey.ping_rate_hz, lambda: on_progress(flown.progress))
+        flown = mission(sim.rov, clock, _plan(survey))
         try:
-            stopped_because = mission.run()
+            stopped_because = flown.run()
         except KeyboardInterrupt:
             stopped_because = INTERRUPTED
     return occupancy, SurveyRecord(
@@ -133,6 +135,7 @@ def fly_survey(
         range_max_m=sim.rov.sonar.model.range_limit_m,
         sample_ping=log.richest,
         stage_wall_s=timer.wall_s,
+        ended_early=stopped_because != COVERED,
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+INTERRUPTED = "interrupted (Ctrl-C)"
 FloatArray = NDArray[np.floating]
 
 
@@ -50,6 +51,12 @@ class SurveyRecord:
     range_max_m: float
     sample_ping: PingSample | None = None
     stage_wall_s: dict[str, float] = field(default_factory=dict)
+    ended_early: bool = False
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.stopped_because == INTERRUPTED
 
     @property
     def real_time_factor(self) -> float:
