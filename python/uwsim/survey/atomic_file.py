@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
 from pathlib import Path
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write beside the target, flush to disk and rename. Raises OSError, leaving no trace, where that fails."""
+    """Write beside the target, flush to disk and rename.
+
+    Raises OSError, which names the target and leaves no trace, where that fails.
+    """
+    try:
+        _write_and_rename(path, content)
+    except OSError as error:
+        raise OSError(f"'{path}': cannot be written: {error.strerror or error}") from error
+
+
+def _write_and_rename(path: Path, content: bytes) -> None:
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(descriptor, "wb") as file:
@@ -18,5 +29,6 @@ def write_atomically(path: Path, content: bytes) -> None:
             os.fsync(file.fileno())
         Path(name).replace(path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # the first error is the one to tell
+            Path(name).unlink()
         raise

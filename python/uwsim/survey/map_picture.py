@@ -33,13 +33,14 @@ from uwsim.survey.score import MapScore
 from uwsim.survey.true_surface import voxel_keys
 
 WIDTH_IN = 9.6
+MIN_MARGIN_M = 1.0e-3
 
 
 def map_from_above(path: Path, record: SurveyRecord, score: MapScore, occupied_centres_m: NDArray[np.floating]) -> None:
     """Draw the highest occupied voxel of each column, the polygon, the path by ping, and the visible voxels missed."""
     frame = np.concatenate([record.area_world_m, record.path_world_m[:, :2]])
     low, high = frame.min(axis=0), frame.max(axis=0)
-    margin = 0.06 * float((high - low).max())
+    margin = max(0.06 * float((high - low).max()), MIN_MARGIN_M)
     low, high = low - margin, high + margin
     shown = occupied_centres_m[np.all((occupied_centres_m[:, :2] > low) & (occupied_centres_m[:, :2] < high), axis=1)]
     heights = height_range(shown[:, 2])

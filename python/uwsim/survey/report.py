@@ -12,7 +12,7 @@ from uwsim.survey.atomic_file import write_atomically
 from uwsim.survey.pictures import Picture
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.score import MapScore
-from uwsim.survey.table import coverage, distance, key_figures, minutes
+from uwsim.survey.table import coverage, distance, key_figures, minutes, survey_warnings
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -29,7 +29,7 @@ def write_report(
     page = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         record=record,
         highlights=_highlights(record, score),
-        warnings=_warnings(record, score),
+        warnings=survey_warnings(record, score),
         figures=key_figures(record, score, free_voxel_count),
         setup=_setup(record),
         stages=_stages(record),
@@ -46,18 +46,6 @@ def _highlights(record: SurveyRecord, score: MapScore) -> list[tuple[str, str]]:
         (minutes(record.simulated_s), "simulated"),
         (f"{record.real_time_factor:.1f} x", "real time"),
     ]
-
-
-def _warnings(record: SurveyRecord, score: MapScore) -> list[str]:
-    """Return what a reader must know before believing the figures."""
-    warnings = []
-    if record.ping_count == 0:
-        warnings.append("The survey ended before its first ping: there is no path and no echo to show.")
-    if score.occupied_voxels == 0:
-        warnings.append("The map is empty: no voxel is occupied.")
-    if record.collision_count:
-        warnings.append(f"The vehicle collided {record.collision_count:,} times.")
-    return warnings
 
 
 def _setup(record: SurveyRecord) -> list[tuple[str, str]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.survey.true_surface import SurfaceSamples, packed, sample_surface, voxel_centres_m, voxel_keys
+from uwsim.survey.true_surface import SurfaceSamples, packed, surface_tiles, unpacked, voxel_centres_m, voxel_keys
 
 POSE_SPACING_M = 0.25
 VISIBILITY_TOLERANCE_M = 0.01
@@ -20,7 +20,8 @@ class MapScore:
 
     coverage: share in [0, 1] of the visible truth voxels that have an occupied voxel within one; 0 when none was
     visible. Distances are from the centres of the occupied voxels to the nearest point of the true surface, nan for an
-    empty map. visible_centres_m: (v, 3), the truth voxels that could have been seen; covered: (v,), which of them were.
+    empty map. visible_voxels: (v,), the truth voxels that could have been seen, packed keys on the grid of voxels of
+    resolution_m; covered: (v,), which of them were.
     """
 
     coverage: float
@@ -28,7 +29,8 @@ class MapScore:
     distance_mean_m: float
     distance_p95_m: float
     distance_max_m: float
-    visible_centres_m: NDArray[np.float64]
+    resolution_m: float
+    visible_voxels: NDArray[np.int64]
     covered: NDArray[np.bool_]
 
     @property
@@ -37,9 +39,14 @@ class MapScore:
         return len(self.covered)
 
     @property
+    def visible_centres_m(self) -> NDArray[np.float64]:
+        """(v, 3) centres of the truth voxels that could have been seen."""
+        return voxel_centres_m(unpacked(self.visible_voxels), self.resolution_m)
+
+    @property
     def missed_centres_m(self) -> NDArray[np.float64]:
         """(m, 3) centres of the truth voxels that were visible and are not in the map."""
-        return self.visible_centres_m[~self.covered]
+        return voxel_centres_m(unpacked(self.visible_voxels[~self.covered]), self.resolution_m)
 
 
 def score_map(
@@ -60,13 +67,13 @@ def score_map(
     off the surface that runs through it by up to half its diagonal (0.43 m at 0.5 m), about a quarter of its width on
     average: a perfect map does not score zero.
 
-    Raises ValueError when the occupied centres are not those of this grid.
+    Raises ValueError when the occupied centres are not those of this grid, or the true surface within reach of the path
+    has more voxels than true_surface.MAX_VOXELS.
     """
     rays = _core.RayScene(world)
-    samples = sample_surface(world, resolution_m, area_world_m)
-    seen = _seen_voxels(rays, samples, _thinned(path_world_m, POSE_SPACING_M), range_max_m)
-    visible_keys = samples.voxel_keys[seen]
-    covered = _has_neighbour(visible_keys, _grid_keys(occupied_centres_m, resolution_m))
+    occupied = np.unique(packed(_grid_keys(occupied_centres_m, resolution_m)))
+    visible = _visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
+    covered = _has_neighbour(visible, occupied)
     distances = rays.distance_m(np.asarray(occupied_centres_m, np.float64)) if len(occupied_centres_m) else np.empty(0)
     some = len(distances) > 0
     return MapScore(
@@ -75,7 +82,8 @@ def score_map(
         distance_mean_m=float(distances.mean()) if some else float("nan"),
         distance_p95_m=float(np.percentile(distances, 95.0)) if some else float("nan"),
         distance_max_m=float(distances.max()) if some else float("nan"),
-        visible_centres_m=voxel_centres_m(visible_keys, resolution_m),
+        resolution_m=resolution_m,
+        visible_voxels=visible,
         covered=covered,
     )
 
@@ -89,16 +97,36 @@ def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[
     return keys
 
 
-def _has_neighbour(keys: NDArray[np.int64], occupied_keys: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which keys (n, 3) have an occupied key at most one away on every axis: (n,) bool."""
-    found = np.zeros(len(keys), bool)
-    occupied = np.unique(packed(occupied_keys))
+def _visible_voxels(
+    world: _core.World,
+    rays: _core.RayScene,
+    resolution_m: float,
+    path_world_m: NDArray[np.float64],
+    area_world_m: NDArray[np.float64],
+    range_max_m: float,
+) -> NDArray[np.int64]:
+    """Return the packed keys of the truth voxels that some pose of the path saw, sorted."""
+    poses = _thinned(path_world_m, POSE_SPACING_M)
+    if not len(poses):
+        return np.empty(0, np.int64)
+    within = poses.min(axis=0) - range_max_m, poses.max(axis=0) + range_max_m
+    visible = [np.empty(0, np.int64)]
+    for tile in surface_tiles(world, resolution_m, area_world_m, within):
+        low, high = tile.points_world_m.min(axis=0), tile.points_world_m.max(axis=0)
+        near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
+        visible.append(packed(tile.voxel_keys[_seen_voxels(rays, tile, poses[near], range_max_m)]))
+    return np.sort(np.concatenate(visible))
+
+
+def _has_neighbour(voxels: NDArray[np.int64], occupied: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which packed keys (n,) have an occupied one at most one away on every axis: (n,) bool."""
+    found = np.zeros(len(voxels), bool)
     if not len(occupied):
         return found
     steps = np.stack(np.meshgrid(*[np.array([0, -1, 1])] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    for step in steps:
+    for step in packed(steps) - packed(np.zeros((1, 3), np.int64)):
         missing = np.flatnonzero(~found)
-        wanted = packed(keys[missing] + step)
+        wanted = voxels[missing] + step
         at = np.minimum(np.searchsorted(occupied, wanted), len(occupied) - 1)
         found[missing] = occupied[at] == wanted
     return found

@@ -6,9 +6,12 @@ import math
 
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.score import MapScore
+
+GOOD_COVERAGE = 0.95
 
 
 def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> list[tuple[str, str]]:
@@ -31,14 +34,38 @@ def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) ->
 
 
 def summary_table(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> Table:
-    """Return the key figures as a table for the terminal."""
+    """Return the key figures as a table for the terminal, with the warnings under it.
+
+    Where it is too narrow, names fold and values stay whole.
+    """
     title = f"Survey of {escape(record.scenario_name)}, seed {record.seed}, sonar model {record.sonar_model}"
     table = Table(title=title, title_justify="left", show_header=False)
-    table.add_column("figure", style="cyan", no_wrap=True)
-    table.add_column("value", justify="right")
+    table.add_column("figure", style="cyan", overflow="fold")
+    table.add_column("value", justify="right", no_wrap=True)
     for name, value in key_figures(record, score, free_voxel_count):
         table.add_row(name, value)
+    if cautions := survey_warnings(record, score):
+        table.caption = Text("\n".join(f"warning: {caution}" for caution in cautions), style="bold yellow")
+        table.caption_justify = "left"
     return table
+
+
+def survey_warnings(record: SurveyRecord, score: MapScore) -> list[str]:
+    """Return what a reader must know before believing the figures, a sentence each."""
+    warnings = []
+    if record.ping_count == 0:
+        warnings.append("The survey ended before its first ping: there is no path and no echo to show.")
+    elif record.ended_early:
+        warnings.append(f"The mission ended early ({record.stopped_because}): part of the area was not surveyed.")
+    if score.occupied_voxels == 0:
+        warnings.append("The map is empty: no voxel is occupied.")
+    elif score.visible_truth_voxels and score.coverage < GOOD_COVERAGE:
+        least = f"{100.0 * GOOD_COVERAGE:g} %"
+        warnings.append(f"The map is incomplete: coverage is {coverage(score)}, less than {least}.")
+    if record.collision_count:
+        times = "once" if record.collision_count == 1 else f"{record.collision_count:,} times"
+        warnings.append(f"The vehicle collided {times}.")
+    return warnings
 
 
 def minutes(seconds: float) -> str:

@@ -18,6 +18,8 @@ from uwsim.survey.true_surface import packed, voxel_keys
 SUPERSAMPLE = 2
 RAYS_AT_ONCE = 1 << 19
 VIEW_DISTANCE = 2.0
+MIN_ASPECT, MAX_ASPECT = 0.2, 2.0
+MIN_BOX_M = 1.0e-3
 FAR_M = 1.0e4
 SHADOW_LIFT_M = 0.02
 AMBIENT, SUN, SKY = 0.42, 0.50, 0.16
@@ -56,10 +58,10 @@ class PinholeView:
         return np.asarray(directions.reshape(-1, 3), np.float64)
 
     def project(self, points_world_m: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return pixel coordinates (n, 2), column then row, of (n, 3) points in front of the camera."""
+        """Return pixel coordinates (n, 2), column then row, of points (n, 3), nan if not in front of the camera."""
         x0, x1, y0, y1 = self.window
         view = (np.asarray(points_world_m, np.float64) - self.eye_world_m) @ self.world_from_view
-        plane = view[:, :2] / -view[:, 2:]
+        plane = view[:, :2] / np.where(view[:, 2:] < 0.0, -view[:, 2:], np.nan)
         columns = (plane[:, 0] - x0) / (x1 - x0) * self.width
         return np.stack([columns, (y1 - plane[:, 1]) / (y1 - y0) * self.height], axis=1)
 
@@ -69,10 +71,13 @@ def view_of_box(
 ) -> PinholeView:
     """Return the view of an axis-aligned box, `width` pixels wide and as high as it takes.
 
+    The height is kept between MIN_ASPECT and MAX_ASPECT of the width: the view of a needle shows more than the needle.
+
     azimuth_rad: from the box's middle to the camera, counter-clockwise from east. elevation_rad: the camera's, above
     the horizon of the middle.
     """
-    middle = (low_m + high_m) / 2.0
+    middle, half = (low_m + high_m) / 2.0, np.maximum((high_m - low_m) / 2.0, MIN_BOX_M / 2.0)
+    low_m, high_m = middle - half, middle + half
     level = np.array([np.cos(azimuth_rad), np.sin(azimuth_rad), 0.0])
     backward = np.cos(elevation_rad) * level + np.array([0.0, 0.0, np.sin(elevation_rad)])
     right = np.array([-level[1], level[0], 0.0])
@@ -83,7 +88,10 @@ def view_of_box(
     plane = view[:, :2] / (distance_m - view[:, 2:])
     margin = 0.02 * np.ptp(plane[:, 0])
     (x0, y0), (x1, y1) = plane.min(axis=0) - margin, plane.max(axis=0) + margin
-    height = round(width * (y1 - y0) / (x1 - x0))
+    wider = max((y1 - y0) / MAX_ASPECT - (x1 - x0), 0.0) / 2.0
+    higher = max((x1 - x0) * MIN_ASPECT - (y1 - y0), 0.0) / 2.0
+    x0, x1, y0, y1 = x0 - wider, x1 + wider, y0 - higher, y1 + higher
+    height = max(round(width * (y1 - y0) / (x1 - x0)), 1)
     return PinholeView(middle + distance_m * backward, axes, (x0, x1, y0, y1), width, height)
 
 
