@@ -6,11 +6,14 @@
 namespace uwsim::bindings {
 
 void bind_core(pybind11::module_& m);
+void bind_actuators(pybind11::module_& m);
 void bind_acoustics(pybind11::module_& m);
+void bind_water(pybind11::module_& m);
 void bind_world(pybind11::module_& m);
 void bind_vehicle(pybind11::module_& m);
 void bind_sonar(pybind11::module_& m);
 void bind_mapping(pybind11::module_& m);
+void bind_sensors(pybind11::module_& m);
 void bind_sim(pybind11::module_& m);
 
 }  // namespace uwsim::bindings

@@ -1,52 +1,17 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
-#include <pybind11/typing.h>
 
-#include <algorithm>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "arrays.h"
 #include "bind.h"
 #include "convert.h"
-#include "uwsim/sim/simulation.h"
+#include "owned_simulation.h"
+#include "sensor_reading.h"
 
 namespace uwsim::bindings {
 namespace {
-
-constexpr std::uint64_t kStepsBetweenSignals = 2000;
-
-/// A simulation that one call at a time owns; the others wait with the GIL released.
-class OwnedSimulation {
- public:
-  OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
-      : simulation_(world, std::move(scene), spec) {}
-
-  template <typename Call>
-  auto with(Call&& call) {
-    const py::gil_scoped_release unlocked;
-    const std::lock_guard owned(mutex_);
-    return call(simulation_);
-  }
-
-  /// In slices, so that Ctrl-C is answered; nobody else gets in between.
-  void step(std::uint64_t count) {
-    with([&](Simulation& sim) {
-      while (count > 0) {
-        const std::uint64_t slice = std::min(count, kStepsBetweenSignals);
-        sim.step(slice);
-        count -= slice;
-        const py::gil_scoped_acquire locked;
-        if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
-      }
-    });
-  }
-
- private:
-  std::mutex mutex_;
-  Simulation simulation_;
-};
 
 template <typename T>
 py::array read_only(py::array_t<T> array) {
@@ -84,29 +49,14 @@ Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t sonar) {
   return out;
 }
 
-/// A reading as {field: float or (n,) array}.
-py::typing::Dict<py::str, py::object> read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor,
-                                                  bool with_noise) {
-  std::vector<double> values;
-  const Sensor* kind = nullptr;
+SensorReading read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor, bool with_noise) {
+  Sample sample;
+  const SensorKind* kind = nullptr;
   owned.with([&](Simulation& sim) {
-    values = sim.read_sensor(vehicle, sensor, with_noise);
-    kind = &sim.vehicle(vehicle).sensors.at(sensor).sensor();
+    sample = sim.read_sensor(vehicle, sensor, with_noise);
+    kind = &sim.vehicle(vehicle).sensors.at(sensor).kind();
   });
-  py::typing::Dict<py::str, py::object> reading;
-  std::size_t first = 0;
-  for (const Field& field : kind->fields()) {
-    const auto width = static_cast<std::size_t>(field.width);
-    const py::str name(field.name.data(), field.name.size());
-    if (width == 1) {
-      reading[name] = values[first];
-    } else {
-      reading[name] = move_out(std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(first),
-                                                   values.begin() + static_cast<std::ptrdiff_t>(first + width)));
-    }
-    first += width;
-  }
-  return reading;
+  return sensor_reading(*kind, sample);
 }
 
 void bind_specs(py::module_& m) {
@@ -118,18 +68,6 @@ void bind_specs(py::module_& m) {
       .def_readwrite("station_world_m", &SimulationSpec::station_world_m)
       .def_readwrite("range_warning_m", &SimulationSpec::range_warning_m)
       .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m);
-
-  py::class_<SensorSpec>(m, "SensorSpec")
-      .def(py::init([](std::string name, std::string kind, const py::object& position_m,
-                       const py::object& orientation_xyzw, double range_max_m, double noise_std) {
-             return SensorSpec{std::move(name), std::move(kind), as_pose(position_m, orientation_xyzw, "sensor"),
-                               range_max_m, noise_std};
-           }),
-           py::arg("name"), py::arg("kind"), py::arg("position_m"), py::arg("orientation_xyzw"),
-           py::arg("range_max_m") = 0.0, py::arg("noise_std") = 0.0)
-      .def_readonly("name", &SensorSpec::name)
-      .def_readonly("kind", &SensorSpec::kind);
-  m.def("sensor_kinds", &sensor_kinds, "The kinds of sensor that are built in.");
 
   py::class_<SonarSpec>(m, "SonarSpec")
       .def(py::init([](std::string name, int model, const py::object& position_m, const py::object& orientation_xyzw,
@@ -143,7 +81,8 @@ void bind_specs(py::module_& m) {
 
   py::enum_<CollisionShape>(m, "CollisionShape")
       .value("HULL", CollisionShape::kHull)
-      .value("BOX", CollisionShape::kBox);
+      .value("BOX", CollisionShape::kBox)
+      .value("PIECES", CollisionShape::kPieces);
 
   py::class_<VehicleSpec>(m, "VehicleSpec")
       .def(py::init<>())
@@ -151,11 +90,17 @@ void bind_specs(py::module_& m) {
       .def_property(
           "craft", [](const VehicleSpec& v) { return std::const_pointer_cast<Craft>(v.craft); },
           [](VehicleSpec& v, std::shared_ptr<Craft> craft) { v.craft = std::move(craft); })
-      .def_property(
-          "full_wrench_body", [](const VehicleSpec& v) { return v.drive.full_wrench_body; },
-          [](VehicleSpec& v, const Vector6d& wrench) { v.drive.full_wrench_body = wrench; },
-          "(6,) force and torque at full effort [N, N m]")
+      .def_readwrite("actuators", &VehicleSpec::actuators)
       .def_readwrite("shape", &VehicleSpec::shape)
+      .def(
+          "set_collision_pieces",
+          [](VehicleSpec& v, const std::vector<py::array>& pieces_body_m) {
+            v.shape = CollisionShape::kPieces;
+            v.collision_pieces_body_m.clear();
+            for (const py::array& piece : pieces_body_m)
+              v.collision_pieces_body_m.push_back(as_points(piece, "pieces_body_m"));
+          },
+          py::arg("pieces_body_m"), "Each (n, 3): the corners of a convex piece, body frame; the shape becomes PIECES.")
       .def_readwrite("friction", &VehicleSpec::friction)
       .def_readwrite("restitution", &VehicleSpec::restitution)
       .def(
@@ -205,7 +150,10 @@ void bind_results(py::module_& m) {
 void bind_sim(py::module_& m) {
   bind_specs(m);
   bind_results(m);
-  py::class_<OwnedSimulation>(m, "Simulation", "A world with vehicles, advanced by fixed steps; vehicles by index.")
+  py::class_<OwnedSimulation> simulation(m, "Simulation",
+                                         "A world with vehicles, advanced by fixed steps; vehicles by index.");
+  bind_commands(simulation);
+  simulation
       .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
            py::arg("scene").none(false), py::arg("spec"))
       .def(
@@ -239,18 +187,6 @@ void bind_sim(py::module_& m) {
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.released(v); }); },
           py::arg("vehicle"))
       .def(
-          "set_effort",
-          [](OwnedSimulation& o, std::size_t v, const Vector6d& effort) {
-            o.with([&](Simulation& s) { s.set_effort(v, effort); });
-          },
-          py::arg("vehicle"), py::arg("effort"), "(6,) surge sway heave roll pitch yaw in [-1, 1]. Raises ValueError.")
-      .def(
-          "effort",
-          [](OwnedSimulation& o, std::size_t v) {
-            return o.with([&](Simulation& s) { return Vector6d(s.effort(v)); });
-          },
-          py::arg("vehicle"))
-      .def(
           "collisions",
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.collisions(v); }); },
           py::arg("vehicle"), "How often it came to touch something.")
@@ -259,7 +195,7 @@ void bind_sim(py::module_& m) {
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
           py::arg("vehicle"))
       .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
-           "{field: float or (n,) float64}; repeated at one time it is the same sample.")
+           "Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.")
       .def(
           "aim",
           [](OwnedSimulation& o, std::size_t v, std::size_t sonar, double elevation_rad) {

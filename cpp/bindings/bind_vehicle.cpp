@@ -2,11 +2,13 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <optional>
 
 #include "arrays.h"
 #include "bind.h"
 #include "convert.h"
 #include "uwsim/vehicle/craft.h"
+#include "uwsim/world/water.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -32,12 +34,6 @@ void bind_vehicle(py::module_& m) {
       .def_property_readonly(
           "world_from_body", [](const BodyState& s) { return s.world_from_body.matrix(); }, "(4, 4)")
       .def_readonly("velocity_body", &BodyState::velocity_body, "(6,) [m/s, rad/s]");
-
-  py::class_<Fluid>(m, "Fluid", "The water around a vehicle, for its force models.")
-      .def(py::init<>())
-      .def_readwrite("density_kg_m3", &Fluid::density_kg_m3)
-      .def_readwrite("gravity_m_s2", &Fluid::gravity_m_s2)
-      .def_readwrite("current_world_m_s", &Fluid::current_world_m_s);
 
   py::class_<SolidProperties>(m, "SolidProperties")
       .def_readonly("volume_m3", &SolidProperties::volume_m3)
@@ -75,15 +71,18 @@ void bind_vehicle(py::module_& m) {
            "vertices_body_m: (n, 3); triangles: (m, 3), closed and winding outward. Raises ValueError.")
       .def(
           "acceleration_body",
-          [](const Craft& craft, const BodyState& state, const Vector6d& tau_body, const Fluid& fluid) {
-            return craft.acceleration_body(state, tau_body, fluid);
+          [](const Craft& craft, const BodyState& state, const Vector6d& tau_body, const Water& water, double time_s) {
+            return craft.acceleration_body(state, tau_body, water, time_s);
           },
-          py::arg("state"), py::arg("tau_body"), py::arg("fluid"),
+          py::arg("state"), py::arg("tau_body"), py::arg("water"), py::arg("time_s") = 0.0,
           "nu' (6,) under the actuators' wrench tau_body (6,).")
       .def(
           "submerged_fraction",
-          [](const Craft& craft, const BodyState& state) { return craft.submerged_fraction(state.world_from_body); },
-          py::arg("state"), "0 dry .. 1 fully under water")
+          [](const Craft& craft, const BodyState& state, const std::optional<Water>& water, double time_s) {
+            return craft.submerged_fraction(state.world_from_body, water ? *water : Water(), time_s);
+          },
+          py::arg("state"), py::arg("water") = py::none(), py::arg("time_s") = 0.0,
+          "0 dry .. 1 fully under water; without water, under z = 0.")
       .def("kinetic_energy_j", &Craft::kinetic_energy_j, py::arg("state"), "Of the body and the still water around it.")
       .def_property_readonly(
           "volume_m3", [](const Craft& craft) { return craft.hull().solid().volume_m3; }, "Displaced when submerged.");

@@ -142,26 +142,9 @@ SurfaceMesh surface_mesh(const World& world) {
                         move_out(std::move(triangles), {triangle_rows, 3}), move_out(std::move(labels)));
 }
 
-void bind_water(py::module_& m) {
-  py::class_<Water>(m, "Water", "Still water with its surface at z = 0; temperature linear down to bottom_depth_m.")
-      .def(py::init<>())
-      .def_readwrite("density_kg_m3", &Water::density_kg_m3)
-      .def_readwrite("gravity_m_s2", &Water::gravity_m_s2)
-      .def_readwrite("atmospheric_pressure_pa", &Water::atmospheric_pressure_pa)
-      .def_readwrite("surface_temperature_deg_c", &Water::surface_temperature_deg_c)
-      .def_readwrite("bottom_temperature_deg_c", &Water::bottom_temperature_deg_c)
-      .def_readwrite("bottom_depth_m", &Water::bottom_depth_m)
-      .def_readwrite("salinity_psu", &Water::salinity_psu)
-      .def_readwrite("current_world_m_s", &Water::current_world_m_s)
-      .def("check", &Water::check, "Raises ValueError that names the field, its value, unit and rule.")
-      .def("pressure_pa", &Water::pressure_pa, py::arg("z_world_m"), "Absolute pressure, p_atm + rho g d.")
-      .def("temperature_deg_c", &Water::temperature_deg_c, py::arg("z_world_m"));
-}
-
 }  // namespace
 
 void bind_world(py::module_& m) {
-  bind_water(m);
   py::class_<World, std::shared_ptr<World>>(m, "World",
                                             "The one world that feeds physics and rays. ENU, z up, water at z = 0.")
       .def(py::init<>())

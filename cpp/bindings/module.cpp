@@ -7,9 +7,12 @@ PYBIND11_MODULE(_core, m) {
   using namespace uwsim::bindings;
   bind_core(m);
   bind_acoustics(m);
+  bind_water(m);
   bind_world(m);
   bind_vehicle(m);
+  bind_actuators(m);
   bind_sonar(m);
   bind_mapping(m);
+  bind_sensors(m);
   bind_sim(m);
 }

@@ -10,24 +10,34 @@ import os
 import typing
 
 __all__: list[str] = [
+    "ActuatorsSpec",
     "BodyState",
     "CollisionShape",
     "Craft",
     "CraftParameters",
-    "Fluid",
+    "Current",
+    "FinParameters",
     "MultibeamModel",
+    "NoiseSpec",
     "OccupancyMap",
     "Ping",
     "RayHits",
     "RayScene",
+    "SensorKind",
+    "SensorParameter",
+    "SensorReading",
     "SensorSpec",
     "Simulation",
     "SimulationSpec",
     "SolidProperties",
     "SonarSpec",
     "Telemetry",
+    "ThrustCurve",
+    "ThrusterParameters",
     "VehicleSpec",
     "Water",
+    "WaterProfile",
+    "Waves",
     "World",
     "absorption_db_km",
     "decode_depth_string",
@@ -36,26 +46,158 @@ __all__: list[str] = [
     "multibeam_model",
     "remove_box",
     "scan_to_points",
+    "sea_water_density_kg_m3",
+    "sensor_kind",
     "sensor_kinds",
     "solid_properties",
     "sound_speed_m_s",
     "transform_points",
 ]
 
+class Waves:
+    """
+    Linear waves on water of one depth, stretched to their own surface (Airy; Wheeler 1970).
+    """
+    @staticmethod
+    def airy(
+        amplitude_m: typing.SupportsFloat | typing.SupportsIndex,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+        heading_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        phase_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        depth_m: typing.SupportsFloat | typing.SupportsIndex = ...,
+        gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
+    ) -> Waves:
+        """
+        One wave that runs towards heading_rad (from east, counter-clockwise). Raises ValueError.
+        """
+    @staticmethod
+    def jonswap(
+        significant_height_m: typing.SupportsFloat | typing.SupportsIndex,
+        peak_period_s: typing.SupportsFloat | typing.SupportsIndex,
+        peak_enhancement: typing.SupportsFloat | typing.SupportsIndex = 3.3,
+        heading_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        spreading_exponent: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        component_count: typing.SupportsInt | typing.SupportsIndex = 64,
+        seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        depth_m: typing.SupportsFloat | typing.SupportsIndex = ...,
+        gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
+    ) -> Waves:
+        """
+        A sea of component_count waves. Raises ValueError.
+        """
+    @property
+    def bound_m(self) -> float:
+        """
+        No crest is higher, no trough deeper.
+        """
+    @property
+    def depth_m(self) -> float: ...
+    @property
+    def significant_height_m(self) -> float:
+        """
+        4 sqrt(m0)
+        """
+
+class Current:
+    """
+    A current: a function of place and time. All raise ValueError.
+    """
+    @staticmethod
+    def gridded(x_m: typing.Any, y_m: typing.Any, z_m: typing.Any, velocity_m_s: typing.Any) -> Current:
+        """
+        A steady field, velocity_m_s (nz, ny, nx, 3) on rising axes: trilinear, held beyond its edges.
+        """
+    @staticmethod
+    def gusty(
+        sigma_m_s: typing.Any,
+        correlation_time_s: typing.SupportsFloat | typing.SupportsIndex,
+        seed: typing.SupportsInt | typing.SupportsIndex = 0,
+    ) -> Current:
+        """
+        Gauss-Markov, of standard deviation sigma_m_s (3,) about no mean.
+        """
+    @staticmethod
+    def layered(depth_m: typing.Any, velocity_m_s: typing.Any) -> Current:
+        """
+        depth_m: (n,) rising; velocity_m_s: (n, 3). Linear between.
+        """
+    @staticmethod
+    def tidal(
+        amplitude_m_s: typing.Any,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+        phase_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> Current:
+        """
+        amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).
+        """
+    def velocity_m_s(
+        self, point_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,)
+        """
+
+class WaterProfile:
+    """
+    Temperature, salinity, density and sound speed, linear in depth between levels.
+    """
+    def __init__(
+        self,
+        depth_m: typing.Any,
+        temperature_deg_c: typing.Any,
+        salinity_psu: typing.Any,
+        density_kg_m3: typing.Any,
+        sound_speed_m_s: typing.Any = None,
+    ) -> None:
+        """
+        Each (n,), depths rising; without sound_speed_m_s it follows from the others. Raises ValueError.
+        """
+
 class Water:
     """
-    Still water with its surface at z = 0; temperature linear down to bottom_depth_m.
+    The water: still, even and with one steady current, unless waves, a profile or currents are set.
     """
     def __init__(self) -> None: ...
+    def add_current(self, current: Current) -> None:
+        """
+        Adds to current_world_m_s and to those added before.
+        """
     def check(self) -> None:
         """
         Raises ValueError that names the field, its value, unit and rule.
         """
+    def density_at_kg_m3(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        At rest.
+        """
+    def pressure_at_pa(
+        self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (n, 3) -> (n,) absolute, under the waves of the moment.
+        """
     def pressure_pa(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Absolute pressure, p_atm + rho g d.
+        Absolute, of the water at rest: p_atm + the integral of rho g.
+        """
+    def salinity_at_psu(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    def sound_speed_m_s(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        As the profile gives it, else by temperature, salinity and depth (Mackenzie 1981).
+        """
+    def surface_height_m(
+        self, xy_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (n, 2) -> (n,)
         """
     def temperature_deg_c(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    def velocity_m_s(
+        self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (n, 3) -> (n, 3), current and waves together.
+        """
     @property
     def atmospheric_pressure_pa(self) -> float: ...
     @atmospheric_pressure_pa.setter
@@ -81,6 +223,13 @@ class Water:
     @gravity_m_s2.setter
     def gravity_m_s2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def profile(self) -> WaterProfile | None:
+        """
+        None: one density and salinity, temperature linear down to bottom_depth_m
+        """
+    @profile.setter
+    def profile(self, arg1: WaterProfile | None) -> None: ...
+    @property
     def salinity_psu(self) -> float: ...
     @salinity_psu.setter
     def salinity_psu(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -88,6 +237,13 @@ class Water:
     def surface_temperature_deg_c(self) -> float: ...
     @surface_temperature_deg_c.setter
     def surface_temperature_deg_c(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def waves(self) -> Waves | None:
+        """
+        None: still
+        """
+    @waves.setter
+    def waves(self, arg1: Waves | None) -> None: ...
 
 class World:
     """
@@ -197,24 +353,6 @@ class BodyState:
         (4, 4)
         """
 
-class Fluid:
-    """
-    The water around a vehicle, for its force models.
-    """
-    def __init__(self) -> None: ...
-    @property
-    def current_world_m_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-    @current_world_m_s.setter
-    def current_world_m_s(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
-    @property
-    def density_kg_m3(self) -> float: ...
-    @density_kg_m3.setter
-    def density_kg_m3(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def gravity_m_s2(self) -> float: ...
-    @gravity_m_s2.setter
-    def gravity_m_s2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
 class SolidProperties:
     @property
     def centroid_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -288,7 +426,8 @@ class Craft:
         self,
         state: BodyState,
         tau_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
-        fluid: Fluid,
+        water: Water,
+        time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
         nu' (6,) under the actuators' wrench tau_body (6,).
@@ -297,15 +436,185 @@ class Craft:
         """
         Of the body and the still water around it.
         """
-    def submerged_fraction(self, state: BodyState) -> float:
+    def submerged_fraction(
+        self, state: BodyState, water: Water | None = None, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> float:
         """
-        0 dry .. 1 fully under water
+        0 dry .. 1 fully under water; without water, under z = 0.
         """
     @property
     def volume_m3(self) -> float:
         """
         Displaced when submerged.
         """
+
+class ThrustCurve:
+    """
+    Thrust in still water against a command in [-1, 1], linear between points.
+    """
+    def __init__(
+        self,
+        commands: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        thrusts_n: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        path: str = "thrust_curve",
+    ) -> None:
+        """
+        Raises ValueError unless commands increase, thrusts never fall and command 0 gives 0 N.
+        """
+    def command(self, thrust_n: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        A command that gives this thrust.
+        """
+    def thrust_n(self, command: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    @property
+    def highest_n(self) -> float: ...
+    @property
+    def lowest_n(self) -> float: ...
+
+class ThrusterParameters:
+    """
+    A propeller with its motor, body frame.
+    """
+    def __init__(self, name: str, position_body_m: typing.Any, axis_body: typing.Any, curve: ThrustCurve) -> None: ...
+    @property
+    def axis_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) unit, where a positive thrust pushes
+        """
+    @property
+    def bollard_coefficient(self) -> float:
+        """
+        K_T at rest
+        """
+    @bollard_coefficient.setter
+    def bollard_coefficient(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def curve(self) -> ThrustCurve: ...
+    @property
+    def diameter_m(self) -> float: ...
+    @diameter_m.setter
+    def diameter_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def position_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) [m], hub
+        """
+    @property
+    def spin(self) -> int:
+        """
+        1 right-handed about the axis, -1 left-handed
+        """
+    @spin.setter
+    def spin(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def time_constant_s(self) -> float:
+        """
+        of the thrust; 0 follows at once
+        """
+    @time_constant_s.setter
+    def time_constant_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def torque_per_thrust_m(self) -> float:
+        """
+        k_q [m]
+        """
+    @torque_per_thrust_m.setter
+    def torque_per_thrust_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def zero_thrust_advance_ratio(self) -> float:
+        """
+        inf: no loss
+        """
+    @zero_thrust_advance_ratio.setter
+    def zero_thrust_advance_ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class FinParameters:
+    """
+    A lifting surface, body frame.
+    """
+
+    stalls: bool
+    def __init__(
+        self,
+        name: str,
+        position_body_m: typing.Any,
+        span_body: typing.Any,
+        area_m2: typing.SupportsFloat | typing.SupportsIndex,
+        aspect_ratio: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def lift_slope(self) -> float:
+        """
+        dC_L / d alpha at no lift [1/rad].
+        """
+    @property
+    def area_m2(self) -> float: ...
+    @property
+    def aspect_ratio(self) -> float: ...
+    @property
+    def deflection_max_rad(self) -> float:
+        """
+        0: fixed
+        """
+    @deflection_max_rad.setter
+    def deflection_max_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def efficiency(self) -> float:
+        """
+        Oswald's
+        """
+    @efficiency.setter
+    def efficiency(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def parasitic_drag(self) -> float: ...
+    @parasitic_drag.setter
+    def parasitic_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def position_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) [m], centre of pressure
+        """
+    @property
+    def rate_max_rad_s(self) -> float: ...
+    @rate_max_rad_s.setter
+    def rate_max_rad_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def span_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) unit; a deflection turns about it, right-handed
+        """
+    @property
+    def stall_angle_rad(self) -> float: ...
+    @stall_angle_rad.setter
+    def stall_angle_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def stall_sharpness_rad(self) -> float: ...
+    @stall_sharpness_rad.setter
+    def stall_sharpness_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class ActuatorsSpec:
+    """
+    What drives and steers a vehicle.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def fins(self) -> list[FinParameters]: ...
+    @fins.setter
+    def fins(self, arg0: collections.abc.Sequence[FinParameters]) -> None: ...
+    @property
+    def full_wrench_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        (6,) force and torque straight along and about the axes at full effort [N, N m]
+        """
+    @full_wrench_body.setter
+    def full_wrench_body(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> None: ...
+    @property
+    def thrusters(self) -> list[ThrusterParameters]: ...
+    @thrusters.setter
+    def thrusters(self, arg0: collections.abc.Sequence[ThrusterParameters]) -> None: ...
 
 class MultibeamModel:
     """
@@ -393,6 +702,118 @@ class OccupancyMap:
     @property
     def resolution_m(self) -> float: ...
 
+class SensorParameter:
+    """
+    A figure that a kind of sensor takes.
+    """
+    @property
+    def by_default(self) -> float:
+        """
+        of each value; NaN: must be given
+        """
+    @property
+    def high(self) -> float: ...
+    @property
+    def low(self) -> float: ...
+    @property
+    def meaning(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def width(self) -> int:
+        """
+        how many values it has
+        """
+
+class SensorKind:
+    """
+    A kind of sensor.
+    """
+    @property
+    def channels(self) -> dict[str, tuple[int, str]]:
+        """
+        {name: (width, unit)} of what noise acts on
+        """
+    @property
+    def fields(self) -> dict[str, tuple[int, str]]:
+        """
+        {name: (width, unit)} of a reading
+        """
+    @property
+    def meaning(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def parameters(self) -> dict[str, SensorParameter]:
+        """
+        {name: SensorParameter}
+        """
+
+class NoiseSpec:
+    """
+    Errors of one channel of a sensor, in its unit u: std, density (white: a sample's, and per root hertz), turn_on_std, bias_std with bias_time_s (Gauss-Markov), walk (u per root second), quantum, limits. 0: none.
+    """
+    def __init__(
+        self,
+        *,
+        std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        density: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        turn_on_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        bias_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        bias_time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        walk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        quantum: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        limit_low: typing.SupportsFloat | typing.SupportsIndex = ...,
+        limit_high: typing.SupportsFloat | typing.SupportsIndex = ...,
+    ) -> None: ...
+
+class SensorSpec:
+    def __init__(
+        self,
+        name: str,
+        kind: str,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        *,
+        parameters: collections.abc.Mapping[
+            str, collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
+        ] = {},
+        noise: collections.abc.Mapping[str, NoiseSpec] = {},
+        rate_hz: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        latency_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        drop_out: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None:
+        """
+        parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Checked when a vehicle takes it.
+        """
+    @property
+    def drop_out(self) -> float: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def latency_s(self) -> float: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def rate_hz(self) -> float: ...
+
+class SensorReading:
+    """
+    One sample of a sensor.
+    """
+    @property
+    def stamp_ns(self) -> int:
+        """
+        when it was taken
+        """
+    @property
+    def valid(self) -> bool: ...
+    @property
+    def values(self) -> dict[str, typing.Any]:
+        """
+        {field: float or (n,) float64}
+        """
+
 class SimulationSpec:
     def __init__(self) -> None: ...
     @property
@@ -420,21 +841,6 @@ class SimulationSpec:
     @step_s.setter
     def step_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
 
-class SensorSpec:
-    def __init__(
-        self,
-        name: str,
-        kind: str,
-        position_m: typing.Any,
-        orientation_xyzw: typing.Any,
-        range_max_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        noise_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-    ) -> None: ...
-    @property
-    def kind(self) -> str: ...
-    @property
-    def name(self) -> str: ...
-
 class SonarSpec:
     def __init__(
         self,
@@ -456,10 +862,13 @@ class CollisionShape:
       HULL
 
       BOX
+
+      PIECES
     """
 
     BOX: typing.ClassVar[CollisionShape]
     HULL: typing.ClassVar[CollisionShape]
+    PIECES: typing.ClassVar[CollisionShape]
     __members__: typing.ClassVar[dict[str, CollisionShape]]
     @typing.overload
     def __eq__(self, other: CollisionShape) -> bool: ...
@@ -483,23 +892,21 @@ class CollisionShape:
     def value(self) -> int: ...
 
 class VehicleSpec:
+    actuators: ActuatorsSpec
     craft: Craft
     docked: bool
     name: str
     shape: CollisionShape
     def __init__(self) -> None: ...
+    def set_collision_pieces(self, pieces_body_m: collections.abc.Sequence[numpy.ndarray]) -> None:
+        """
+        Each (n, 3): the corners of a convex piece, body frame; the shape becomes PIECES.
+        """
     def set_start(self, position_m: typing.Any, orientation_xyzw: typing.Any) -> None: ...
     @property
     def friction(self) -> float: ...
     @friction.setter
     def friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def full_wrench_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
-        """
-        (6,) force and torque at full effort [N, N m]
-        """
-    @full_wrench_body.setter
-    def full_wrench_body(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> None: ...
     @property
     def restitution(self) -> float: ...
     @restitution.setter
@@ -632,9 +1039,25 @@ class Simulation:
         """
         How often it came to touch something.
         """
+    def controllable(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> typing.Annotated[list[bool], "FixedSize(6)"]:
+        """
+        Whether an effort does something, surge to yaw.
+        """
     def effort(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
+    def fin_angles_rad(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
+        """
+        (name, deflection now [rad]) pairs of those that move.
+        """
+    def full_wrench_body(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> typing.Annotated[list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]], "FixedSize(2)"]:
+        """
+        Two (6,): the largest wrench about each axis alone, ahead and astern, magnitudes [N, N m].
+        """
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping: ...
@@ -643,9 +1066,9 @@ class Simulation:
         vehicle: typing.SupportsInt | typing.SupportsIndex,
         sensor: typing.SupportsInt | typing.SupportsIndex,
         with_noise: bool = True,
-    ) -> dict[str, typing.Any]:
+    ) -> SensorReading:
         """
-        {field: float or (n,) float64}; repeated at one time it is the same sample.
+        Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
@@ -657,13 +1080,45 @@ class Simulation:
         """
         (6,) surge sway heave roll pitch yaw in [-1, 1]. Raises ValueError.
         """
+    def set_fins(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        angles_rad: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
+    ) -> None:
+        """
+        (name, deflection) pairs; unnamed ones centre. Raises ValueError.
+        """
     def set_state(self, vehicle: typing.SupportsInt | typing.SupportsIndex, state: BodyState) -> None: ...
+    def set_thrusters(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        commands: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
+    ) -> None:
+        """
+        (name, command in [-1, 1]) pairs; unnamed ones stop. Raises ValueError.
+        """
+    def set_wrench(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        wrench_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+    ) -> None:
+        """
+        (6,) [N, N m]; beyond the thrusters it keeps its direction.
+        """
     def state(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
         Fixed steps; releases the GIL, answers Ctrl-C.
         """
     def telemetry(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> Telemetry: ...
+    def thruster_commands(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
+        """
+        (name, command) pairs.
+        """
+    def thrusts_n(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
+        """
+        (name, still-water thrust now [N]) pairs.
+        """
     @property
     def tick(self) -> int: ...
     @property
@@ -735,6 +1190,19 @@ def scan_to_points(
     """
     A LaserScan's points in its own frame (x forward, y left), (n, 3) float32, beams in order; as in laser_geometry
     only range_min <= range < range_max counts. ranges_m: (beams,) float32. Raises ValueError. Releases the GIL.
+    """
+
+def sea_water_density_kg_m3(
+    temperature_deg_c: typing.SupportsFloat | typing.SupportsIndex,
+    salinity_psu: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    At atmospheric pressure, by EOS-80 (UNESCO 44, 1983).
+    """
+
+def sensor_kind(name: str) -> SensorKind:
+    """
+    Raises ValueError with the names there are.
     """
 
 def sensor_kinds() -> list[str]:

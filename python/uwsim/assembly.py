@@ -7,7 +7,9 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario import Scenario, VehicleModel, rigid_body, start_pose, vehicle_hull
+from uwsim.scenario.collision_shapes import vehicle_pieces
 from uwsim.scenario.schema import Vehicle
+from uwsim.scenario.water import surface_density_kg_m3
 
 LEVEL_XYZW = (0.0, 0.0, 0.0, 1.0)
 SHAPES = {"hull": _core.CollisionShape.HULL, "box": _core.CollisionShape.BOX}
@@ -18,27 +20,30 @@ def vehicle_spec(scenario: Scenario, vehicle: Vehicle) -> _core.VehicleSpec:
     model = vehicle.model
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
-    spec.craft = _craft(model, scenario.water.density_kg_m3)
-    spec.full_wrench_body = np.array([*model.max_force_n, *model.max_torque_nm])
-    spec.shape = SHAPES[model.collision]
+    spec.craft = _craft(model, surface_density_kg_m3(scenario.water))
+    spec.actuators = _actuators(model)
+    if model.collision_pieces is not None:
+        spec.set_collision_pieces(vehicle_pieces(model))
+    else:
+        spec.shape = SHAPES[model.collision]
     spec.friction = model.friction
     spec.restitution = model.restitution
     position_m, yaw_rad = start_pose(scenario, vehicle)
     spec.set_start(position_m, Rotation.from_euler("z", yaw_rad).as_quat())
     spec.docked = vehicle.start is None
-    spec.sensors = [
-        _core.SensorSpec(
-            name,
-            sensor.kind,
-            sensor.position_m,
-            Rotation.from_euler("ZYX", sensor.yaw_pitch_roll_deg, degrees=True).as_quat(),
-            sensor.range_max_m or 0.0,
-            sensor.noise_std,
-        )
-        for name, sensor in model.sensors.items()
-    ]
-    up_rad = -np.radians(vehicle.sonar.tilt_deg)
-    spec.sonars = [_core.SonarSpec("sonar", vehicle.sonar.model, model.sonar.position_m, LEVEL_XYZW, up_rad)]
+    spec.sensors = [sensor.core_spec(name) for name, sensor in model.sensors.items()]
+    if model.sonar is not None:
+        up_rad = -np.radians(vehicle.sonar.tilt_deg)
+        spec.sonars = [_core.SonarSpec("sonar", vehicle.sonar.model, model.sonar.position_m, LEVEL_XYZW, up_rad)]
+    return spec
+
+
+def _actuators(model: VehicleModel) -> _core.ActuatorsSpec:
+    spec = _core.ActuatorsSpec()
+    if model.max_force_n is not None and model.max_torque_nm is not None:
+        spec.full_wrench_body = np.array([*model.max_force_n, *model.max_torque_nm])
+    spec.thrusters = [thruster.core_spec(name) for name, thruster in model.thrusters.items()]
+    spec.fins = [fin.core_spec(name) for name, fin in model.fins.items()]
     return spec
 
 
@@ -48,8 +53,7 @@ def _craft(model: VehicleModel, water_density_kg_m3: float) -> _core.Craft:
     parameters.mass_kg = body.mass_kg
     parameters.centre_of_mass_body_m = body.centre_of_mass_m
     parameters.inertia_kg_m2 = np.diag(body.inertia_kg_m2)
-    parameters.linear_damping = np.diag(model.linear_damping)
-    parameters.quadratic_damping = np.diag(model.quadratic_damping)
-    if model.added_mass is not None:
-        parameters.added_mass = np.diag(model.added_mass)
+    parameters.added_mass = model.matrix("added_mass")
+    parameters.linear_damping = model.matrix("linear_damping")
+    parameters.quadratic_damping = model.matrix("quadratic_damping")
     return _core.Craft(parameters, *vehicle_hull(model))

@@ -75,6 +75,43 @@ def scenario(
         typer.echo(f"  vehicles: {sonars}; obstacles: {len(checked.obstacles)}; seed {checked.seed}")
 
 
+@app.command()
+def validate(
+    suites: Annotated[list[str] | None, typer.Argument(help="Which: dynamics; all without.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,
+) -> None:
+    """Compare what runs with closed forms and published data: expected, got, error. Exits with 1 on a miss."""
+    from uwsim.validate import SUITES, run_suite
+    from uwsim.validate.report import show
+
+    missed = False
+    for suite in suites or SUITES:
+        checks = run_suite(suite, out)
+        show(checks, suite)
+        missed = missed or not all(check.passed for check in checks)
+    if missed:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def decompose(
+    mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.")],
+    out: Annotated[Path | None, typer.Option(help="Where to write; MESH.pieces.obj beside it by default.")] = None,
+    threshold: Annotated[float, typer.Option(help="Hollows that may stay, relative to the mesh's size.")] = 0.1,
+    max_pieces: Annotated[int, typer.Option(min=1, help="How many pieces at most.")] = 24,
+) -> None:
+    """Cut a vehicle's hull into convex pieces for `collision: pieces`. Takes ten seconds to minutes; needs CoACD."""
+    from uwsim.scenario import closed_mesh, load_mesh
+    from uwsim.scenario.collision_shapes import decompose as decompose_mesh
+    from uwsim.scenario.collision_shapes import write_pieces
+
+    vertices, triangles = closed_mesh(*load_mesh(mesh), name=str(mesh))
+    pieces = decompose_mesh(vertices, triangles, threshold=threshold, max_pieces=max_pieces)
+    target = out or mesh.with_suffix(".pieces.obj")
+    write_pieces(pieces, target, made_from=mesh.name)
+    typer.echo(f"{target}: {len(pieces)} convex pieces")
+
+
 # Options, --help among them, are the benchmark's own.
 @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []})
 def bench(

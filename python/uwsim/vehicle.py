@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from uwsim import _core
 from uwsim.instruments import Sensor, Sonar
 
 Vector = NDArray[np.float64]
+AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,22 +37,33 @@ class Velocity:
     angular_body_rad_s: Vector
 
 
+@dataclass(frozen=True)
+class Thruster:
+    """How a thruster stands: its command in [-1, 1] and its still-water thrust now, which follows with a lag."""
+
+    command: float
+    thrust_n: float
+
+
 class Vehicle:
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: by name, such as "imu" or "depth". sonars: by name; sonar: the first.
+    Commands are held until the next; one that raises ValueError changes nothing.
     """
 
     def __init__(self, simulation: _core.Simulation, index: int, spec: _core.VehicleSpec) -> None:
         self._simulation = simulation
         self._index = index
         self.name: str = spec.name
-        self.sensors = {s.name: Sensor(simulation, index, k, s.name, s.kind) for k, s in enumerate(spec.sensors)}
+        self.sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
         self.sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
 
     @property
     def sonar(self) -> Sonar:
-        """The first of the sonars."""
+        """The first of the sonars. Raises ValueError when there is none."""
+        if not self.sonars:
+            raise ValueError(f"vehicle '{self.name}': carries no sonar")
         return next(iter(self.sonars.values()))
 
     def release(self) -> None:
@@ -74,14 +86,61 @@ class Vehicle:
     ) -> None:
         """Efforts in [-1, 1] along and about the body axes (REP 103: forward, left, up), held until the next call.
 
-        Raises ValueError beyond, or when not finite.
+        Full effort of one axis alone is the largest wrench about it that the vehicle gives, or its fins' largest
+        deflection; several that are too much together are scaled down together. Axes that are not `controllable` do
+        nothing. Raises ValueError beyond, or when not finite.
         """
         self._simulation.set_effort(self._index, np.array([surge, sway, heave, roll, pitch, yaw], np.float64))
 
     @property
     def effort(self) -> Vector:
-        """(6,) surge, sway, heave, roll, pitch, yaw as last set."""
+        """(6,) surge, sway, heave, roll, pitch, yaw as last set; zero after a wrench or thrusters' commands."""
         return self._simulation.effort(self._index)
+
+    @property
+    def controllable(self) -> frozenset[str]:
+        """The axes about which an effort does something, of surge, sway, heave, roll, pitch, yaw."""
+        driven = self._simulation.controllable(self._index)
+        return frozenset(axis for axis, is_driven in zip(AXES, driven, strict=True) if is_driven)
+
+    @property
+    def full_wrench_body(self) -> tuple[Vector, Vector]:
+        """The largest wrenches in still water about one axis alone, ahead and astern: (6,) magnitudes, N and N m."""
+        ahead, astern = self._simulation.full_wrench_body(self._index)
+        return ahead, astern
+
+    def set_wrench(
+        self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
+    ) -> None:
+        """Force (3,) and torque (3,) of the thrusters in still water, in body axes about the origin; fins stay.
+
+        One beyond the thrusters keeps its direction and is as large as they give. Raises ValueError.
+        """
+        parts = [np.asarray(part, np.float64) for part in (force_body_n, torque_body_nm)]
+        for name, part in zip(("force_body_n", "torque_body_nm"), parts, strict=True):
+            if part.shape != (3,):
+                raise ValueError(f"{name}.shape = {part.shape}: expected (3,)")
+        self._simulation.set_wrench(self._index, np.concatenate(parts))
+
+    def set_thrusters(self, commands: Mapping[str, float]) -> None:
+        """Commands in [-1, 1] by name; unnamed thrusters stop; fins stay. Raises ValueError."""
+        self._simulation.set_thrusters(self._index, [(str(name), float(value)) for name, value in commands.items()])
+
+    @property
+    def thrusters(self) -> dict[str, Thruster]:
+        """How each thruster stands, by name."""
+        commands = self._simulation.thruster_commands(self._index)
+        thrusts = self._simulation.thrusts_n(self._index)
+        return {name: Thruster(value, thrust) for (name, value), (_, thrust) in zip(commands, thrusts, strict=True)}
+
+    def set_fins(self, angles_rad: Mapping[str, float]) -> None:
+        """Deflections by name, right-handed about each fin's span; unnamed fins centre; thrusters stay. ValueError."""
+        self._simulation.set_fins(self._index, [(str(name), float(value)) for name, value in angles_rad.items()])
+
+    @property
+    def fins(self) -> dict[str, float]:
+        """The fins' deflections now, rad, by name; they follow `set_fins` at their rate."""
+        return dict(self._simulation.fin_angles_rad(self._index))
 
     @property
     def pose(self) -> Pose:

@@ -1,166 +1,314 @@
-// Laws of contact that hold for the whole simulation, whatever finds and solves the contacts.
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "meshes.h"
-#include "uwsim/core/check.h"
-#include "uwsim/sim/simulation.h"
+#include "uwsim/dynamics/rigid_body_world.h"
 
+// Laws of contact, through the shipped world: shapes, search, solver and motion together.
 namespace uwsim {
 namespace {
 
-constexpr double kRestGap_m = 0.01;
+constexpr double kStep_s = 0.005;
 
-struct Block {
-  double density_kg_m3 = 2500;
-  double friction = 0.5;
-  double restitution = 0.1;
-  CollisionShape shape = CollisionShape::kHull;
-  Eigen::Vector3d mesh_shift_m = Eigen::Vector3d::Zero();
-};
-
-/// A 1.2 x 0.8 x 0.6 m box without drag.
-VehicleSpec block_at(const Eigen::Vector3d& position_m, const Block& block = {}) {
-  TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  for (auto& v : mesh.vertices_m) v += block.mesh_shift_m;
-  const SolidProperties solid = solid_properties(mesh);
+CraftParameters box_parameters(double density_kg_m3) {
+  const SolidProperties solid = solid_properties(testing::box(1.2, 0.8, 0.6));
   CraftParameters p;
-  p.mass_kg = block.density_kg_m3 * solid.volume_m3;
-  p.centre_of_mass_body_m = solid.centroid_m;
-  p.inertia_kg_m2 = block.density_kg_m3 * solid.inertia_per_density_m5;
-  VehicleSpec spec;
-  spec.name = "block";
-  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
-  spec.start_world_from_body.position_m = position_m;
-  spec.friction = block.friction;
-  spec.restitution = block.restitution;
-  spec.shape = block.shape;
-  spec.drive.full_wrench_body.setConstant(1000);
-  return spec;
+  p.mass_kg = density_kg_m3 * solid.volume_m3;
+  p.inertia_kg_m2 = density_kg_m3 * solid.inertia_per_density_m5;
+  return p;
 }
 
-/// A flat bed at z = -10; with a slab on it, 0.5 m thick and cut into 0.5 m squares, if asked for.
-World flat_world(bool slab = false) {
+std::shared_ptr<const Craft> box_craft(const CraftParameters& p) {
+  return std::make_shared<const Craft>(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+}
+
+World terrain_world(double (*height_m)(double x_m, double y_m), double spacing_m = 0.5) {
+  constexpr int kNodes = 121;
+  const double edge = -0.5 * (kNodes - 1) * spacing_m;
+  std::vector<float> heights;
+  for (int j = 0; j < kNodes; ++j) {
+    for (int i = 0; i < kNodes; ++i)
+      heights.push_back(static_cast<float>(height_m(edge + i * spacing_m, edge + j * spacing_m)));
+  }
   World world;
-  world.set_terrain(Heightfield(std::vector<float>(81 * 81, -10), 81, 81, 0.5, {-20, -20}));
-  if (!slab) return world;
-  TriangleMesh mesh;
-  constexpr std::uint32_t n = 61;
-  for (std::uint32_t j = 0; j < n; ++j) {
-    for (std::uint32_t i = 0; i < n; ++i) mesh.vertices_m.emplace_back(0.5 * i - 15, 0.5 * j - 15, -9.5);
-  }
-  for (std::uint32_t j = 0; j + 1 < n; ++j) {
-    for (std::uint32_t i = 0; i + 1 < n; ++i) {
-      const std::uint32_t a = j * n + i;
-      mesh.triangles.push_back({a, a + 1, a + n});
-      mesh.triangles.push_back({a + 1, a + n + 1, a + n});
-    }
-  }
-  world.add_solid("slab", mesh);
+  world.set_terrain(Heightfield(heights, kNodes, kNodes, spacing_m, {edge, edge}));
   return world;
 }
 
-Simulation simulation(const World& world, const VehicleSpec& vehicle, double step_s = 0.005) {
-  SimulationSpec spec;
-  spec.step_s = step_s;
-  Simulation sim(world, std::make_shared<const RayScene>(world), spec);
-  sim.add_vehicle(vehicle);
-  return sim;
+double flat(double, double) { return -10; }
+double gentle(double x, double) { return -10 + 0.25 * x; }
+double rough(double x, double y) { return -10 + 0.3 * std::sin(1.3 * x) * std::cos(0.9 * y) + 0.1 * std::sin(4 * y); }
+
+World solid_world(TriangleMesh mesh, const Pose& pose) {
+  for (auto& v : mesh.vertices_m) v = pose.point(v);
+  World world;
+  world.add_solid("solid", std::move(mesh));
+  return world;
 }
 
-Vector6d surge(double effort) {
-  Vector6d efforts = Vector6d::Zero();
-  efforts(0) = effort;
-  return efforts;
+BodyState at(double x, double y, double z) {
+  BodyState state;
+  state.world_from_body.position_m = {x, y, z};
+  return state;
 }
 
-TEST(ContactLaws, AFrictionlessBodyKeepsItsSpeedOverAFlatBed) {
-  const Block slippery{.friction = 0, .restitution = 0};
-  Simulation sim = simulation(flat_world(), block_at({-8.1, 0.3, -9.69}, slippery));
-  sim.step(200);
-  BodyState state = sim.state(0);
-  state.velocity_body << 1, 0, 0, 0, 0, 0;
-  sim.set_state(0, state);
-  sim.step(1600);
-  EXPECT_NEAR(sim.telemetry(0).speed_m_s, 1, 0.01);
+double mechanical_energy(const Craft& craft, const BodyState& state) {
+  const double weight = (craft.parameters().mass_kg - 1000 * craft.hull().solid().volume_m3) * 9.80665;
+  return craft.kinetic_energy_j(state) + weight * state.world_from_body.position_m.z();
 }
 
-TEST(ContactLaws, FrictionIsMuTimesTheLoadInEveryDirection) {
-  const double mu = 0.5;
-  const double load_n = 1.2 * 0.8 * 0.6 * (1100 - 1000) * 9.80665;
-  for (const double yaw : {0.0, 0.4, 0.785}) {
-    for (const double share : {0.9, 1.15}) {
-      VehicleSpec block = block_at({0, 0, -9.69}, {.density_kg_m3 = 1100, .friction = mu, .restitution = 0});
-      block.start_world_from_body.orientation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
-      Simulation sim = simulation(flat_world(), block);
-      sim.step(200);
-      const Eigen::Vector3d start = sim.state(0).world_from_body.position_m;
-      sim.set_effort(0, surge(share * mu * load_n / 1000));
-      sim.step(1000);
-      const double moved_m = (sim.state(0).world_from_body.position_m - start).norm();
-      if (share < 1) {
-        EXPECT_LT(moved_m, 0.01) << "holds at yaw " << yaw;
-      } else {
-        EXPECT_GT(moved_m, 0.1) << "slides at yaw " << yaw;
+struct Rest {
+  double rms_speed = 0;
+  double drift_m = 0;
+  BodyState end;
+};
+
+/// Lets a body settle for `settle` steps, then watches it for 400 steps.
+Rest rest(const World& world, std::shared_ptr<const Craft> craft, const BodyState& start, int settle) {
+  RigidBodyWorld bodies(world, kStep_s);
+  bodies.add_body({"body", std::move(craft), CollisionShape::kHull, 0.6, 0.1}, start);
+  for (int k = 0; k < settle; ++k) bodies.step(EvenWater{}, 0);
+  const Eigen::Vector3d place = bodies.state(0).world_from_body.position_m;
+  double sum = 0;
+  for (int k = 0; k < 400; ++k) {
+    bodies.step(EvenWater{}, 0);
+    sum += bodies.state(0).velocity_body.squaredNorm();
+  }
+  return {std::sqrt(sum / 400), (bodies.state(0).world_from_body.position_m - place).norm(), bodies.state(0)};
+}
+
+CraftParameters sinking_box(double added_mass) {
+  CraftParameters p = box_parameters(2000);
+  p.added_mass.diagonal() << added_mass, added_mass, added_mass, added_mass / 10, added_mass / 6, added_mass / 5;
+  p.linear_damping.diagonal() << 50, 50, 50, 20, 20, 20;
+  return p;
+}
+
+TEST(Contact, ABodyRestsWithoutJitterWithinAMillimetreOfTheBed) {
+  for (const double added : {0.0, 11520.0}) {  // none and ten times the rigid mass
+    const Rest on_flat = rest(terrain_world(flat), box_craft(sinking_box(added)), at(0.1, 0.2, -9.5), 2000);
+    EXPECT_LT(on_flat.rms_speed, 1e-4) << added;
+    EXPECT_NEAR(on_flat.end.world_from_body.position_m.z(), -10 + 0.3 + 0.5 * kRestGap_m, 0.6 * kRestGap_m);
+  }
+}
+
+TEST(Contact, ABodyRestsWithoutJitterOnASlopeAndOnRoughGround) {
+  BodyState start = at(0, 0, -9.6);
+  start.world_from_body.orientation = Eigen::AngleAxisd(-std::atan(0.25), Eigen::Vector3d::UnitY());
+  const Rest on_slope = rest(terrain_world(gentle), box_craft(sinking_box(500)), start, 2000);
+  EXPECT_LT(on_slope.rms_speed, 1e-3);
+  EXPECT_LT(on_slope.drift_m, 1e-3);
+  const Rest on_rough = rest(terrain_world(rough), box_craft(sinking_box(500)), at(0.4, 0.3, -9), 4000);
+  EXPECT_LT(on_rough.rms_speed, 1e-3);
+  EXPECT_LT(on_rough.drift_m, 1e-3);
+}
+
+TEST(Contact, ABodyRestsOnASolidsMesh) {
+  Pose pose;
+  pose.position_m = {0, 0, -12};
+  const Rest on_box = rest(solid_world(testing::box(3, 3, 1), pose), box_craft(sinking_box(500)), at(0, 0, -11), 2000);
+  EXPECT_LT(on_box.rms_speed, 1e-4);
+  EXPECT_NEAR(on_box.end.world_from_body.position_m.z(), -11.5 + 0.3, 1.2 * kRestGap_m);
+}
+
+TEST(Contact, TheImpulseIsThatOfTheFullMassMatrixThroughTheWholeStep) {
+  CraftParameters p = box_parameters(1000);
+  p.added_mass.diagonal() << 300, 2000, 4000, 150, 250, 500;
+  const auto craft = box_craft(p);
+  Matrix6d mass = p.added_mass;
+  mass.topLeftCorner<3, 3>() += p.mass_kg * Eigen::Matrix3d::Identity();
+  mass.bottomRightCorner<3, 3>() += p.inertia_kg_m2;
+  for (const double wall_yaw : {0.0, 0.3}) {  // square on and oblique: a corner meets the wall
+    for (const double restitution : {0.0, 0.5, 1.0}) {
+      Pose pose;
+      pose.position_m = {3, 0, -30};
+      pose.orientation = Eigen::AngleAxisd(wall_yaw, Eigen::Vector3d::UnitZ());
+      RigidBodyWorld bodies(solid_world(testing::box(0.4, 40, 40), pose), kStep_s);
+      BodyState state = at(0, 0, -30);
+      state.world_from_body.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d(0, 1, 0));  // an edge, not a face
+      state.velocity_body << state.world_from_body.orientation.conjugate() * Eigen::Vector3d(1.0, 0, 0), 0, 0, 0;
+      bodies.add_body({"body", craft, CollisionShape::kHull, 0, restitution}, state);
+      BodyState before = state;
+      while (!bodies.in_contact(0) && bodies.state(0).world_from_body.position_m.x() < 4) {
+        before = bodies.state(0);
+        bodies.step(EvenWater{}, 0);
+      }
+      ASSERT_TRUE(bodies.in_contact(0));
+      const Eigen::Matrix3d turn = before.world_from_body.rotation();
+      const Eigen::Vector3d normal = turn.transpose() * pose.direction(-Eigen::Vector3d::UnitX());
+      // The corner or the edge's middle that goes deepest.
+      Eigen::Vector3d corner = Eigen::Vector3d(0.6, wall_yaw == 0 ? 0 : (wall_yaw > 0 ? 0.4 : -0.4), 0);
+      corner.z() = 0.3 * (normal.z() > 0 ? -1 : 1);
+      Vector6d j;
+      j << normal, corner.cross(normal);
+      const double approach = j.dot(before.velocity_body);
+      const double response = j.dot(mass.ldlt().solve(j));
+      const double expected = -(1 + restitution) * approach / response;
+      const Vector6d got = mass * (bodies.state(0).velocity_body - before.velocity_body);
+      EXPECT_NEAR(got.head<3>().dot(normal), expected, 0.01 * expected) << wall_yaw << " " << restitution;
+    }
+  }
+}
+
+TEST(Contact, EnergyNeverGrows) {
+  CraftParameters p = box_parameters(1500);
+  p.added_mass.diagonal() << 300, 3000, 8000, 100, 250, 400;
+  const auto craft = box_craft(p);
+  for (const double restitution : {0.0, 0.5}) {
+    for (const double friction : {0.0, 0.8}) {
+      RigidBodyWorld bodies(terrain_world(rough), kStep_s);
+      BodyState state = at(0.3, -0.2, -8);
+      state.velocity_body << 1.5, 0.4, -1, 0.6, -0.5, 0.8;
+      bodies.add_body({"body", craft, CollisionShape::kHull, friction, restitution}, state);
+      double energy = mechanical_energy(*craft, state);
+      const double scale = craft->kinetic_energy_j(state);
+      for (int k = 0; k < 3000; ++k) {
+        bodies.step(EvenWater{}, 0);
+        const double now = mechanical_energy(*craft, bodies.state(0));
+        ASSERT_LT(now, energy + 2e-3 * scale) << "step " << k << " e " << restitution << " mu " << friction;
+        energy = std::min(energy, now);
       }
     }
   }
 }
 
-TEST(ContactLaws, ABodyComesToRestWhateverTheStepAndTheShape) {
-  for (const double step_s : {0.005, 0.01, 0.02}) {
-    for (const CollisionShape shape : {CollisionShape::kHull, CollisionShape::kBox}) {
-      const Block block{.shape = shape, .mesh_shift_m = {0.1, 0, 0.25}};
-      Simulation sim = simulation(flat_world(), block_at({0, 0, -9.5}, block), step_s);
-      sim.step(static_cast<std::uint64_t>(15 / step_s));
-      EXPECT_LT(sim.telemetry(0).speed_m_s, 1e-3) << step_s;
-      EXPECT_NEAR(sim.state(0).world_from_body.position_m.z() - 0.05, -10, kRestGap_m) << "lowest point of the mesh";
+TEST(Contact, NothingTunnels) {
+  CraftParameters p = box_parameters(1000);
+  p.added_mass.diagonal() << 100, 100, 100, 10, 10, 10;
+  const auto craft = box_craft(p);
+  for (const double speed : {1.6, 5.0, 12.0}) {
+    Pose pose;
+    pose.position_m = {5, 0, -20};
+    RigidBodyWorld bodies(solid_world(testing::box(0.004, 6, 6), pose), kStep_s);
+    BodyState state = at(0, 0, -20);
+    state.velocity_body(0) = speed;
+    bodies.add_body({"body", craft, CollisionShape::kHull, 0, 0}, state);
+    for (int k = 0; k < 2000; ++k) {
+      bodies.step(EvenWater{}, 0);
+      ASSERT_LT(bodies.state(0).world_from_body.position_m.x(), 5 - 0.002 - 0.6) << speed << " step " << k;
+    }
+
+    RigidBodyWorld over_ground(terrain_world(rough), kStep_s);
+    BodyState diving = at(0, 0, -6);
+    diving.world_from_body.orientation = Eigen::AngleAxisd(0.9, Eigen::Vector3d(0.3, 1, 0).normalized());
+    diving.velocity_body(0) = speed;
+    over_ground.add_body({"body", craft, CollisionShape::kHull, 0.5, 0.1}, diving);
+    for (int k = 0; k < 2000; ++k) {
+      over_ground.step(EvenWater{}, 0);
+      const Eigen::Vector3d& place = over_ground.state(0).world_from_body.position_m;
+      if (place.head<2>().cwiseAbs().maxCoeff() > 28) break;
+      ASSERT_GT(place.z(), rough(place.x(), place.y()) + 0.2) << speed << " step " << k;
     }
   }
 }
 
-TEST(ContactLaws, WhatFollowsAStateDependsOnTheStateAlone) {
-  BodyState start;
-  start.world_from_body.position_m = {0.2, -0.1, -9.695};
-  start.velocity_body << 0.3, 0, -0.2, 0, 0.1, 0;
-  std::vector<BodyState> ends;
-  for (const int before : {0, 100}) {
-    Simulation sim = simulation(flat_world(), block_at({1, 1, -9.69}));
-    sim.step(static_cast<std::uint64_t>(before));
-    sim.set_state(0, start);
-    EXPECT_FALSE(sim.telemetry(0).collision_warning);
-    EXPECT_LT(sim.telemetry(0).acceleration_m_s2, 0.1);
-    sim.step(200);
-    ends.push_back(sim.state(0));
+TEST(Contact, ABodyPlacedInsideTheGroundIsPushedOutGently) {
+  for (const double depth_m : {0.2, 3.0}) {
+    const auto craft = box_craft(sinking_box(500));
+    RigidBodyWorld bodies(terrain_world(rough), kStep_s);
+    bodies.add_body({"body", craft, CollisionShape::kHull, 0.6, 0.1}, at(0.4, 0.3, rough(0.4, 0.3) - depth_m));
+    double fastest = 0;
+    for (int k = 0; k < 1500; ++k) {
+      bodies.step(EvenWater{}, 0);
+      fastest = std::max(fastest, bodies.state(0).velocity_body.norm());
+    }
+    const Eigen::Vector3d& place = bodies.state(0).world_from_body.position_m;
+    EXPECT_GT(place.z(), rough(place.x(), place.y()) + 0.2);
+    EXPECT_LT(fastest, 1.5);
   }
-  EXPECT_EQ(ends[0].world_from_body.position_m, ends[1].world_from_body.position_m);
-  EXPECT_EQ(ends[0].velocity_body, ends[1].velocity_body);
 }
 
-TEST(ContactLaws, ThrustersPushWaterNotAir) {
-  VehicleSpec block = block_at({0, 0, 20});
-  Simulation sim = simulation(flat_world(), block);
-  sim.set_effort(0, surge(1));
-  sim.step(100);
-  EXPECT_EQ(sim.state(0).velocity_body(0), 0);
-}
-
-TEST(ContactLaws, APlaceUnderTheGroundOrBeyondTheWorldIsRefused) {
-  Simulation sim = simulation(flat_world(), block_at({0, 0, -5}));
-  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, -10.2), Eigen::Vector3d(0, 0, 2e18)}) {
-    BodyState state;
-    state.world_from_body.position_m = place;
-    EXPECT_THROW(sim.set_state(0, state), InvalidValue);
+TEST(Contact, ABodySlidesOverTheEdgesBetweenTrianglesOfAFlatPlace) {
+  CraftParameters p = box_parameters(2000);
+  const auto craft = box_craft(p);
+  TriangleMesh tiles;
+  for (std::uint32_t j = 0; j < 61; ++j) {
+    for (std::uint32_t i = 0; i < 61; ++i) {
+      tiles.vertices_m.emplace_back(-15 + 0.5 * i, -15 + 0.5 * j, -10);
+      const std::uint32_t k = 61 * j + i;
+      if (i == 60 || j == 60) continue;
+      tiles.triangles.push_back({k, k + 1, k + 61});
+      tiles.triangles.push_back({k + 1, k + 62, k + 61});
+    }
   }
-  EXPECT_THROW(sim.state(1), std::out_of_range);
+  for (const World& world : {terrain_world(flat), solid_world(tiles, Pose{})}) {
+    RigidBodyWorld bodies(world, kStep_s);
+    BodyState state = at(-3, -2, -10 + 0.3005);
+    state.velocity_body << 1.0, 0.7, 0, 0, 0, 0;
+    bodies.add_body({"body", craft, CollisionShape::kHull, 0, 0}, state);
+    for (int k = 0; k < 1000; ++k) bodies.step(EvenWater{}, 0);
+    EXPECT_LT((bodies.state(0).velocity_body - state.velocity_body).norm(), 1e-3);
+  }
 }
 
-TEST(ContactLaws, MaterialsThatMakeNoSenseAreRefused) {
-  for (const Block& bad :
-       {Block{.friction = -1}, Block{.friction = NAN}, Block{.restitution = 5}, Block{.restitution = NAN}}) {
-    EXPECT_THROW(simulation(flat_world(), block_at({0, 0, -5}, bad)), InvalidValue);
+TEST(Contact, TheSameStateHasTheSameFuture) {
+  const auto craft = box_craft(sinking_box(500));
+  const World world = terrain_world(rough);
+  const BodySpec spec{"body", craft, CollisionShape::kHull, 0.6, 0.1};
+  RigidBodyWorld bodies(world, kStep_s), other(world, kStep_s);
+  bodies.add_body(spec, at(0.4, 0.3, -9.2));
+  other.add_body(spec, at(7, 5, -9.4));
+  for (int k = 0; k < 150; ++k) {
+    bodies.step(EvenWater{}, 0);
+    other.step(EvenWater{}, 0);
+  }
+  other.set_state(0, bodies.state(0));  // teleported, with a past of its own
+  for (int k = 0; k < 500; ++k) {
+    bodies.step(EvenWater{}, 0);
+    other.step(EvenWater{}, 0);
+    ASSERT_EQ(bodies.state(0).velocity_body, other.state(0).velocity_body) << "step " << k;
+  }
+}
+
+TEST(Contact, PiecesLeaveTheHollowsThatAHullFills) {
+  // A portal of three boxes straddles a post that its convex hull would hit.
+  const auto moved = [](TriangleMesh mesh, const Eigen::Vector3d& by) {
+    for (auto& v : mesh.vertices_m) v += by;
+    return mesh.vertices_m;
+  };
+  const std::vector<ConvexPiece> portal = {moved(testing::box(0.4, 0.1, 0.6), {0, 0.35, 0}),
+                                           moved(testing::box(0.4, 0.1, 0.6), {0, -0.35, 0}),
+                                           moved(testing::box(0.4, 0.8, 0.1), {0, 0, 0.25})};
+  Pose pose;
+  pose.position_m = {3, 0, -20};
+  const World world = solid_world(testing::box(0.2, 0.3, 0.2), pose);
+  const auto passes = [&](CollisionShape shape) {
+    RigidBodyWorld bodies(world, kStep_s);
+    BodyState state = at(0, 0, -20);
+    state.velocity_body(0) = 1;
+    BodySpec spec{"body", box_craft(box_parameters(1000)), shape, 0, 0};
+    spec.collision_pieces_body_m = portal;
+    bodies.add_body(spec, state);
+    for (int k = 0; k < 1200; ++k) bodies.step(EvenWater{}, 0);
+    return bodies.state(0).world_from_body.position_m.x() > 4;
+  };
+  EXPECT_TRUE(passes(CollisionShape::kPieces));
+  EXPECT_FALSE(passes(CollisionShape::kHull));
+}
+
+TEST(Contact, ABodyWithTenTimesItsMassAddedIsStableWhenItIsHit) {
+  CraftParameters light = box_parameters(1000), heavy = box_parameters(1000);
+  light.added_mass.diagonal() << 100, 100, 100, 10, 10, 10;
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    heavy.added_mass.setZero();
+    heavy.added_mass(axis, axis) = 10 * (axis < 3 ? heavy.mass_kg : heavy.inertia_kg_m2(axis - 3, axis - 3));
+    const auto hit = box_craft(heavy), hitting = box_craft(light);
+    RigidBodyWorld bodies(World{}, kStep_s);
+    BodyState coming = at(-2.5, 0.25, -30.2);
+    coming.velocity_body << 1.5, 0, 0, 0, 0, 0.2;
+    bodies.add_body({"hit", hit, CollisionShape::kHull, 0.3, 0.2}, at(0, 0, -30));
+    bodies.add_body({"hitting", hitting, CollisionShape::kHull, 0.3, 0.2}, coming);
+    const double start = hitting->kinetic_energy_j(coming);
+    bool touched = false;
+    for (int k = 0; k < 2000; ++k) {
+      bodies.step(EvenWater{}, 0);
+      touched |= bodies.in_contact(0);
+      const double now = hit->kinetic_energy_j(bodies.state(0)) + hitting->kinetic_energy_j(bodies.state(1));
+      ASSERT_LT(now, start * (1 + 2e-3)) << "axis " << axis << " step " << k;
+    }
+    EXPECT_TRUE(touched);
   }
 }
 

@@ -11,7 +11,7 @@ ContactBody heavy_sideways(const Vector6d& velocity) {
   mass.diagonal() << 100, 1000, 500, 5, 20, 30;
   mass(1, 5) = mass(5, 1) = 40;  // centre of mass ahead of the origin
   ContactBody body;
-  body.velocity_body = body.arriving_velocity_body = velocity;
+  body.velocity_body = body.start_velocity_body = velocity;
   body.inverse_mass = mass.inverse();
   return body;
 }

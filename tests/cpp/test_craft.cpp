@@ -26,13 +26,13 @@ BodyState deep(const Eigen::Quaterniond& orientation = Eigen::Quaterniond::Ident
 
 TEST(Craft, ANeutralBodyFeelsNothingAndAHeavyOneFallsAsArchimedesSays) {
   CraftParameters p = neutral_box();
-  const Fluid fluid;
+  const EvenWater fluid;
   EXPECT_LT(
-      Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))).acceleration_body(deep(), Vector6d::Zero(), fluid).norm(),
+      Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))).acceleration_body(deep(), Vector6d::Zero(), fluid, 0).norm(),
       1e-12);
   p.mass_kg *= 2;
   const Craft heavy(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  EXPECT_NEAR(heavy.acceleration_body(deep(), Vector6d::Zero(), fluid)(2), -fluid.gravity_m_s2 / 2, 1e-9);
+  EXPECT_NEAR(heavy.acceleration_body(deep(), Vector6d::Zero(), fluid, 0)(2), -fluid.gravity_m_s2 / 2, 1e-9);
 }
 
 TEST(Craft, ASphereReleasedFromRestCarriesHalfItsDisplacedMass) {
@@ -43,7 +43,8 @@ TEST(Craft, ASphereReleasedFromRestCarriesHalfItsDisplacedMass) {
   p.inertia_kg_m2 = 3000 * solid.inertia_per_density_m5;
   p.added_mass.topLeftCorner<3, 3>() = 500 * solid.volume_m3 * Eigen::Matrix3d::Identity();
   const double expected = -9.80665 * (3000.0 - 1000.0) / (3000.0 + 500.0);
-  EXPECT_NEAR(Craft(p, BuoyantHull(mesh)).acceleration_body(deep(), Vector6d::Zero(), Fluid{})(2), expected, 1e-9);
+  EXPECT_NEAR(Craft(p, BuoyantHull(mesh)).acceleration_body(deep(), Vector6d::Zero(), EvenWater{}, 0)(2), expected,
+              1e-9);
 }
 
 TEST(Craft, ALowCentreOfMassRightsTheBody) {
@@ -52,7 +53,7 @@ TEST(Craft, ALowCentreOfMassRightsTheBody) {
   const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
   const double roll = 0.2;
   const Vector6d a = craft.acceleration_body(
-      deep(Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))), Vector6d::Zero(), Fluid{});
+      deep(Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))), Vector6d::Zero(), EvenWater{}, 0);
   EXPECT_NEAR(a(3), -p.mass_kg * 9.80665 * 0.1 * std::sin(roll) / p.inertia_kg_m2(0, 0), 1e-9);
 }
 
@@ -61,13 +62,13 @@ TEST(Craft, DragIsOfTheVelocityRelativeToTheCurrent) {
   p.linear_damping.diagonal() << 10, 20, 30, 1, 2, 3;
   p.quadratic_damping.diagonal() << 100, 200, 300, 10, 20, 30;
   const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  Fluid fluid;
+  EvenWater fluid;
   fluid.current_world_m_s = {0.5, 0, 0};
   BodyState state = deep();
   state.velocity_body(0) = 0.5;
-  EXPECT_LT(craft.acceleration_body(state, Vector6d::Zero(), fluid).norm(), 1e-12) << "drifting with the water";
+  EXPECT_LT(craft.acceleration_body(state, Vector6d::Zero(), fluid, 0).norm(), 1e-12) << "drifting with the water";
   state.velocity_body(0) = 1.5;
-  EXPECT_NEAR(craft.acceleration_body(state, Vector6d::Zero(), fluid)(0), -(10 + 100) / p.mass_kg, 1e-9);
+  EXPECT_NEAR(craft.acceleration_body(state, Vector6d::Zero(), fluid, 0)(0), -(10 + 100) / p.mass_kg, 1e-9);
 }
 
 TEST(Craft, DryItFallsFreelyWithNeitherDragNorAddedMass) {
@@ -78,7 +79,21 @@ TEST(Craft, DryItFallsFreelyWithNeitherDragNorAddedMass) {
   BodyState state = deep();
   state.world_from_body.position_m.z() = 5;
   state.velocity_body(2) = -3;
-  EXPECT_NEAR(craft.acceleration_body(state, Vector6d::Zero(), Fluid{})(2), -9.80665, 1e-9);
+  EXPECT_NEAR(craft.acceleration_body(state, Vector6d::Zero(), EvenWater{}, 0)(2), -9.80665, 1e-9);
+}
+
+TEST(Craft, HalfWetItCarriesHalfItsAddedMassAndDrag) {
+  CraftParameters p = neutral_box();
+  p.mass_kg *= 0.5;
+  p.added_mass(0, 0) = 400;
+  p.linear_damping(0, 0) = 60;
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState state;
+  state.velocity_body(0) = 1;
+  Vector6d tau = Vector6d::Zero();
+  tau(0) = 100;
+  EXPECT_NEAR(craft.acceleration_body(state, tau, EvenWater{}, 0)(0), (100 - 30) / (p.mass_kg + 200), 1e-9);
+  EXPECT_NEAR(craft.acceleration_body(state, tau, EvenWater{}, 0)(2), 0, 1e-9) << "it floats";
 }
 
 TEST(Craft, CoefficientsThatMakeNoSenseAreRefusedByName) {

@@ -20,8 +20,9 @@ CraftParameters neutral_box() {
   return p;
 }
 
-BodyState run(const Craft& craft, BodyState state, const Vector6d& tau, const Fluid& fluid, double seconds) {
-  for (int k = 0; k < std::lround(seconds / kStep_s); ++k) state = advance(craft, state, {.body = tau}, fluid, kStep_s);
+BodyState run(const Craft& craft, BodyState state, const Vector6d& tau, const WaterField& water, double seconds) {
+  for (int k = 0; k < std::lround(seconds / kStep_s); ++k)
+    state = advance(craft, state, {.body = tau}, water, 0, kStep_s);
   return state;
 }
 
@@ -39,7 +40,7 @@ TEST(Motion, ATumblingBodyInInviscidWaterKeepsItsEnergyAndMomentum) {
   };
   const double energy = craft.kinetic_energy_j(state);
   const Eigen::Vector3d momentum = momentum_world(state);
-  const BodyState end = run(craft, state, Vector6d::Zero(), Fluid{}, 100);
+  const BodyState end = run(craft, state, Vector6d::Zero(), EvenWater{}, 100);
   EXPECT_NEAR(craft.kinetic_energy_j(end), energy, 1e-6 * energy);
   EXPECT_LT((momentum_world(end) - momentum).norm(), 1e-6 * momentum.norm());
   EXPECT_NEAR(end.world_from_body.orientation.norm(), 1, 1e-12);
@@ -54,7 +55,7 @@ TEST(Motion, TerminalSpeedIsWhereDragEqualsThrust) {
   state.world_from_body.position_m.z() = -10;
   Vector6d tau = Vector6d::Zero();
   tau(0) = 360;
-  EXPECT_NEAR(run(craft, state, tau, Fluid{}, 60).velocity_body(0), std::sqrt(360.0 / 250), 1e-6);
+  EXPECT_NEAR(run(craft, state, tau, EvenWater{}, 60).velocity_body(0), std::sqrt(360.0 / 250), 1e-6);
 }
 
 TEST(Motion, ADenserBodyWithTenTimesItsMassAddedFallsStably) {
@@ -66,7 +67,7 @@ TEST(Motion, ADenserBodyWithTenTimesItsMassAddedFallsStably) {
   BodyState state;
   state.world_from_body.position_m.z() = -10;
   const double weight = (p.mass_kg - 576) * 9.80665;
-  EXPECT_NEAR(run(craft, state, Vector6d::Zero(), Fluid{}, 200).velocity_body(2), -std::sqrt(weight / 500), 1e-3);
+  EXPECT_NEAR(run(craft, state, Vector6d::Zero(), EvenWater{}, 200).velocity_body(2), -std::sqrt(weight / 500), 1e-3);
 }
 
 TEST(Motion, ItConvergesWithTheFourthPowerOfTheStep) {
@@ -78,12 +79,28 @@ TEST(Motion, ItConvergesWithTheFourthPowerOfTheStep) {
   start.velocity_body << 1, 0.3, -0.2, 0.8, -0.5, 0.4;
   const auto end_with = [&](int steps) {
     BodyState state = start;
-    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, Fluid{}, 4.0 / steps);
+    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, 4.0 / steps);
     return state.world_from_body.position_m;
   };
   const Eigen::Vector3d exact = end_with(6400);
   const double coarse = (end_with(100) - exact).norm(), fine = (end_with(200) - exact).norm();
   EXPECT_GT(std::log2(coarse / fine), 3.5);
+}
+
+TEST(Motion, AChaoticTumbleIsFollowedForFiveSecondsAndConvergesWithTheStep) {
+  const Craft craft(neutral_box(), BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState start;
+  start.world_from_body.position_m.z() = -500;
+  start.velocity_body << 0.8, -0.6, 0.5, 1.2, 0.9, -1.0;
+  const auto end_with = [&](int steps) {
+    BodyState state = start;
+    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, 5.0 / steps);
+    return state.world_from_body.orientation;
+  };
+  const Eigen::Quaterniond exact = end_with(16'000);
+  const double at_default = end_with(1000).angularDistance(exact), at_half = end_with(2000).angularDistance(exact);
+  EXPECT_LT(at_default, 1e-3);
+  EXPECT_LT(at_half, at_default / 8);
 }
 
 }  // namespace

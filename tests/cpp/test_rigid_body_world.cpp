@@ -45,7 +45,7 @@ BodyState at(double x, double y, double z) {
 TEST(RigidBodyWorld, ABodyFloatsWhereItDisplacesItsMass) {
   RigidBodyWorld bodies(flat_world(-20), kStep_s);
   bodies.add_body({"raft", box_craft(400, 100, 500), CollisionShape::kHull, 0.5, 0.1}, at(0, 0, -1));
-  for (int k = 0; k < 20'000; ++k) bodies.step(Fluid{});
+  for (int k = 0; k < 20'000; ++k) bodies.step(EvenWater{}, 0);
   EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), 0.3 - 0.4 * 0.6, 2e-3);
 }
 
@@ -53,7 +53,7 @@ TEST(RigidBodyWorld, AHeavyBodyComesToRestOnTheBedAndStaysThere) {
   for (const double added : {0.0, 5000.0}) {
     RigidBodyWorld bodies(flat_world(-5), kStep_s);
     bodies.add_body({"anchor", box_craft(2500, added), CollisionShape::kHull, 0.5, 0.1}, at(0.3, 0.2, -3));
-    for (int k = 0; k < 4000; ++k) bodies.step(Fluid{});
+    for (int k = 0; k < 4000; ++k) bodies.step(EvenWater{}, 0);
     EXPECT_TRUE(bodies.in_contact(0));
     EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), -5 + 0.3, kSkin_m);
     EXPECT_LT(bodies.state(0).velocity_body.norm(), 0.02);
@@ -67,7 +67,7 @@ TEST(RigidBodyWorld, FrictionHoldsABodyOnASlopeThatIsLessSteepThanItsAngle) {
     BodyState state = at(0, 0, -10 + 0.35);
     state.world_from_body.orientation = Eigen::AngleAxisd(-std::atan(slope), Eigen::Vector3d::UnitY());
     bodies.add_body({"block", box_craft(3000, 0, 0), CollisionShape::kHull, friction, 0}, state);
-    for (int k = 0; k < 1000; ++k) bodies.step(Fluid{});
+    for (int k = 0; k < 1000; ++k) bodies.step(EvenWater{}, 0);
     return std::abs(bodies.state(0).world_from_body.position_m.x());
   };
   EXPECT_LT(slid(0.6), 0.05);
@@ -96,7 +96,7 @@ TEST(RigidBodyWorld, EnergyNeverGrowsWhenABodyHitsAWallAtAnAngle) {
   double energy = craft->kinetic_energy_j(state);
   bool touched = false;
   for (int k = 0; k < 1000; ++k) {
-    bodies.step(Fluid{});
+    bodies.step(EvenWater{}, 0);
     touched |= bodies.in_contact(0);
     const double now = craft->kinetic_energy_j(bodies.state(0));
     ASSERT_LT(now, energy * (1 + 1e-3)) << "step " << k;
@@ -110,7 +110,7 @@ TEST(RigidBodyWorld, ABodyStopsAtTheSurfaceThatARayMeets) {
   const RayScene scene(world);
   RigidBodyWorld bodies(world, kStep_s);
   bodies.add_body({"anchor", box_craft(2500), CollisionShape::kHull, 0.9, 0}, at(2.3, -1.7, -4));
-  for (int k = 0; k < 4000; ++k) bodies.step(Fluid{});
+  for (int k = 0; k < 4000; ++k) bodies.step(EvenWater{}, 0);
   const Pose pose = bodies.state(0).world_from_body;
   const Eigen::Vector3d down = pose.direction(-Eigen::Vector3d::UnitZ());
   EXPECT_NEAR(scene.cast({pose.position_m, down}, 10).distance_m, 0.3, 2 * kSkin_m);
@@ -125,7 +125,7 @@ TEST(RigidBodyWorld, AFastBodyDoesNotPassThroughAGateBar) {
   BodyState state = at(0, 0, -10);
   state.velocity_body(0) = 4;
   bodies.add_body({"rov", box_craft(1000, 0, 0), CollisionShape::kHull, 0.5, 0}, state);
-  for (int k = 0; k < 1000; ++k) bodies.step(Fluid{});
+  for (int k = 0; k < 1000; ++k) bodies.step(EvenWater{}, 0);
   EXPECT_LT(bodies.state(0).world_from_body.position_m.x(), 5);
 }
 
@@ -139,7 +139,7 @@ TEST(RigidBodyWorld, TwoBodiesThatCollideKeepTheirMomentumAndPart) {
   bodies.add_body({"right", craft, CollisionShape::kHull, 0.5, 0.3}, right);
   bool touched = false;
   for (int k = 0; k < 2000; ++k) {
-    bodies.step(Fluid{});
+    bodies.step(EvenWater{}, 0);
     touched |= bodies.in_contact(0) && bodies.in_contact(1);
   }
   EXPECT_TRUE(touched);
@@ -155,7 +155,7 @@ TEST(RigidBodyWorld, AHeldBodyNeitherMovesNorCollides) {
   RigidBodyWorld bodies(flat_world(-5), kStep_s);
   bodies.add_body({"rov", box_craft(3000), CollisionShape::kHull, 0.5, 0.1}, at(0, 0, -4.9));
   bodies.hold(0, true);
-  for (int k = 0; k < 100; ++k) bodies.step(Fluid{});
+  for (int k = 0; k < 100; ++k) bodies.step(EvenWater{}, 0);
   EXPECT_EQ(bodies.state(0).world_from_body.position_m, Eigen::Vector3d(0, 0, -4.9));
   EXPECT_FALSE(bodies.in_contact(0));
 }

@@ -1,73 +1,207 @@
-#include "uwsim/sensors/sensor.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
-#include "meshes.h"
-#include "uwsim/core/check.h"
+#include "sensor_bench.h"
+#include "uwsim/acoustics/sea_water.h"
 
 namespace uwsim {
 namespace {
 
-class Sensors : public ::testing::Test {
- protected:
-  Sensors() {
-    world.set_terrain(Heightfield(std::vector<float>(4, -20), 2, 2, 200.0, {-100, -100}));
-    TriangleMesh wall = testing::box(1, 1, 40);
-    for (auto& v : wall.vertices_m) v += Eigen::Vector3d(0, 6, -20);
-    world.add_solid("wall to port", wall);
-    scene.emplace(world);
-    state.world_from_body.position_m = {0, 0, -12};
-  }
+constexpr double kPi = std::numbers::pi;
+using Sensors = SensorBench;
 
-  std::vector<double> read(const SensorSpec& spec, std::uint64_t tick = 0) const {
-    return NoisySensor(spec, 7, "rov").read({state, acceleration, *scene, world.water}, tick);
-  }
+Eigen::Quaterniond turn(double yaw, double pitch = 0, double roll = 0) {
+  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+}
 
-  World world;
-  std::optional<RayScene> scene;
-  BodyState state;
-  Vector6d acceleration = Vector6d::Zero();
-};
+const Pose kPort{{0, 0.5, 0}, turn(kPi / 2)};
 
-const Pose kPort{{0, 0.5, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()))};
+TEST_F(Sensors, PressureAndDepthFollowTheWater) {
+  const Pose lower{{0, 0, -0.5}, Eigen::Quaterniond::Identity()};
+  EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 1000 * 9.80665 * 12, 1e-6);
+  EXPECT_NEAR(truth(sensor_spec("depth", {}, lower)).values[0], 12.5, 1e-12);
+  EXPECT_NEAR(truth(sensor_spec("depth", {{"density_kg_m3", {1025}}})).values[0], 12 / 1.025, 1e-12)
+      << "a sensor set for the sea reads too little in a lake";
+  EXPECT_NEAR(truth(sensor_spec("temperature")).values[0], world.water.temperature_deg_c(-12), 1e-12);
+  moment.state.world_from_body.position_m.z() = 3;
+  EXPECT_EQ(truth(sensor_spec("depth")).values[0], 0) << "in air";
+  EXPECT_EQ(truth(sensor_spec("pressure")).values[0], 101325);
+}
 
-TEST_F(Sensors, ScalarsFollowTheWaterAndTheScene) {
-  EXPECT_NEAR(read({"depth", "depth", Pose{{0, 0, -0.5}, Eigen::Quaterniond::Identity()}})[0], 12.5, 1e-12);
-  EXPECT_NEAR(read({"pressure", "pressure", {}})[0], 101325 + 1000 * 9.80665 * 12, 1e-6);
-  EXPECT_NEAR(read({"temperature", "temperature", {}})[0], 15 - 9 * 12.0 / 40, 1e-12);
-  EXPECT_NEAR(read({"altitude", "altitude", {}})[0], 8, 1e-9);
-  EXPECT_TRUE(std::isinf(read({"altitude", "altitude", {}, 5})[0]));
-  EXPECT_NEAR(read({"port", "proximity", kPort, 10})[0], 5, 1e-9);
-  EXPECT_EQ(read({"port", "proximity", kPort, 3})[0], 3) << "its range where nothing is nearer, as published";
+TEST_F(Sensors, PressureIntegratesAStratifiedProfileAndDepthErrsByIt) {
+  const std::vector<WaterLevel> levels = {{.depth_m = 0, .temperature_deg_c = 20, .density_kg_m3 = 998},
+                                          {.depth_m = 10, .temperature_deg_c = 5, .density_kg_m3 = 1008}};
+  world.water.profile = std::make_shared<const WaterProfile>(levels);
+  const double column_kg_m2 = 998 * 10 + 10 * 10 / 2 + 1008 * 2;  // of 12 m
+  EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 9.80665 * column_kg_m2, 1e-6);
+  EXPECT_NEAR(truth(sensor_spec("depth")).values[0], column_kg_m2 / 998, 1e-9) << "nominal: the surface's";
+  EXPECT_NEAR(truth(sensor_spec("temperature")).values[0], 5, 1e-12);
+}
+
+TEST_F(Sensors, AltitudeIsInvalidOutOfReachAndProximityReadsItsRange) {
+  EXPECT_NEAR(truth(sensor_spec("altitude")).values[0], 8, 1e-9);
+  EXPECT_TRUE(truth(sensor_spec("altitude")).valid);
+  const Sample far = truth(sensor_spec("altitude", {{"range_max_m", {5}}}));
+  EXPECT_TRUE(std::isinf(far.values[0]) && !far.valid);
+  const Sample near = truth(sensor_spec("altitude", {{"range_min_m", {9}}}));
+  EXPECT_TRUE(near.values[0] == 9 && !near.valid);
+  EXPECT_NEAR(truth(sensor_spec("proximity", {{"range_max_m", {10}}}, kPort)).values[0], 5, 1e-9);
+  EXPECT_EQ(truth(sensor_spec("proximity", {{"range_max_m", {3}}}, kPort)).values[0], 3) << "as published";
 }
 
 TEST_F(Sensors, AnImuAtRestFeelsGravityAndATurningOneItsCentripetalForce) {
-  auto still = read({"imu", "imu", {}});
+  const auto still = truth(sensor_spec("imu")).values;
   EXPECT_NEAR(still[5], 9.80665, 1e-12);
-  state.velocity_body(5) = 2;  // yaw
-  const auto turning = read({"imu", "imu", Pose{{0.3, 0, 0}, Eigen::Quaterniond::Identity()}});
+  moment.state.velocity_body(5) = 2;  // yaw
+  const Pose ahead{{0.3, 0, 0}, Eigen::Quaterniond::Identity()};
+  const auto turning = truth(sensor_spec("imu", {}, ahead)).values;
   EXPECT_NEAR(turning[2], 2, 1e-12);
   EXPECT_NEAR(turning[3], -4 * 0.3, 1e-12);
-  state.velocity_body << 1, 0, 0, 0, 0, 2;  // going round a circle at steady speed: v omega to port
-  EXPECT_NEAR(read({"imu", "imu", {}})[4], 2, 1e-12);
+  EXPECT_NEAR(truth(sensor_spec("velocity", {}, ahead)).values[1], 0.6, 1e-12);
+  moment.state.velocity_body << 1, 0, 0, 0, 0, 2;  // going round a circle at steady speed: v omega to port
+  EXPECT_NEAR(truth(sensor_spec("imu")).values[4], 2, 1e-12);
+  EXPECT_NEAR(truth(sensor_spec("acceleration")).values[1], 2, 1e-12);
+  EXPECT_NEAR(truth(sensor_spec("acceleration")).values[2], 0, 1e-12) << "gravity is an IMU's matter";
 }
 
-TEST_F(Sensors, NoiseHasItsSpreadAndRepeatsAtOneTick) {
-  const SensorSpec spec{"depth", "depth", {}, 0, 0.05};
-  EXPECT_EQ(read(spec, 3), read(spec, 3));
-  double squares = 0;
-  constexpr int n = 20'000;
-  for (std::uint64_t tick = 0; tick < n; ++tick) squares += std::pow(read(spec, tick)[0] - 12, 2);
-  EXPECT_NEAR(std::sqrt(squares / n), 0.05, 0.05 * 5 / std::sqrt(2.0 * n));
+TEST_F(Sensors, AFallingImuFeelsNothingInAnyAttitudeAndTellsItsOrientation) {
+  moment.state.world_from_body.orientation = turn(1, 0.4, -2);
+  const Eigen::Vector3d down = moment.state.world_from_body.orientation.conjugate() * Eigen::Vector3d(0, 0, -9.80665);
+  moment.acceleration_body.head<3>() = down;
+  const auto reading = truth(sensor_spec("imu", {}, {Eigen::Vector3d::Zero(), turn(0.3, 0.2)})).values;
+  EXPECT_LT(Eigen::Vector3d::Map(&reading[3]).norm(), 1e-12);
+  const Eigen::Quaterniond told(Eigen::Vector4d::Map(&reading[6]));
+  EXPECT_LT(told.angularDistance(turn(1, 0.4, -2) * turn(0.3, 0.2)), 1e-7);
 }
 
-TEST_F(Sensors, UnknownKindsAndNegativeNoiseAreRefused) {
-  EXPECT_THROW(read({"x", "sonnar", {}}), InvalidValue);
-  EXPECT_THROW(read({"x", "depth", {}, 0, -1}), InvalidValue);
-  EXPECT_THROW(read({"x", "proximity", {}, 0}), InvalidValue);
+TEST_F(Sensors, ADvlKnowsItsVelocityOverFlatAndSlopedBottomInAnyAttitude) {
+  World slope;
+  slope.set_terrain(Heightfield(std::vector<float>{-40, 40, -60, 20}, 2, 2, 400.0, {-200, -200}));
+  const RayScene over_slope(slope), &flat = *scene;
+  moment.state.velocity_body << 1.2, -0.4, 0.3, 0.1, -0.2, 0.5;
+  const Pose mount{{0.3, -0.1, -0.2}, turn(0.7, 0.1)};
+  const Eigen::Vector3d over_ground =
+      mount.orientation.conjugate() *
+      (Eigen::Vector3d(1.2, -0.4, 0.3) + Eigen::Vector3d(0.1, -0.2, 0.5).cross(mount.position_m));
+  NoisySensor dvl = sensor(sensor_spec("dvl", {{"range_max_m", {1000}}}, mount));
+  moment.state.world_from_body.position_m = {-20, 5, -3};
+  for (const double roll : {0.0, 0.3, -0.45}) {
+    for (const double yaw : {0.0, 1.0, 4.0}) {
+      moment.state.world_from_body.orientation = turn(yaw, 0.2 * yaw - 0.3, roll);
+      for (const RayScene* bottom : {&flat, &over_slope}) {
+        const Sample sample = dvl.read_true(moment, {*bottom, world.water, station_world_m});
+        ASSERT_TRUE(sample.valid);
+        EXPECT_LT((Eigen::Vector3d::Map(sample.values.data()) - over_ground).norm(), 1e-12);
+      }
+    }
+  }
+}
+
+TEST_F(Sensors, DvlBeamsSlantByThirtyDegreesAndLockIsLostBelowThree) {
+  const auto level = truth(sensor_spec("dvl")).values;
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(level[3 + static_cast<std::size_t>(k)], 8 / std::cos(kPi / 6), 1e-9);
+  moment.state.velocity_body(0) = 1;
+  const auto ahead = truth(sensor_spec("dvl")).values;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double azimuth = kPi / 4 + kPi / 2 * static_cast<double>(k);
+    EXPECT_NEAR(ahead[7 + k], std::sin(kPi / 6) * std::cos(azimuth), 1e-12) << "b . v";
+  }
+  EXPECT_FALSE(truth(sensor_spec("dvl", {{"range_min_m", {10}}})).valid) << "too near";
+  const double reach = 8 / std::cos(kPi / 6);
+  EXPECT_TRUE(truth(sensor_spec("dvl", {{"range_max_m", {reach + 1e-3}}})).valid);
+  const Sample lost = truth(sensor_spec("dvl", {{"range_max_m", {reach - 1e-3}}}));
+  EXPECT_FALSE(lost.valid);
+  EXPECT_EQ(lost.values[0], 0);
+  EXPECT_EQ(lost.values[11], 0) << "bottom_lock";
+  // Rolled with one beam abeam: three beams are left, and tell the velocity still.
+  moment.state.world_from_body.orientation = turn(0, 0, -65 * kPi / 180);
+  const Sample three = truth(sensor_spec("dvl", {{"beam_azimuth_deg", {0}}}));
+  EXPECT_TRUE(three.valid);
+  EXPECT_EQ(std::count_if(&three.values[3], &three.values[7], [](double r) { return std::isfinite(r); }), 3);
+  EXPECT_NEAR(three.values[0], 1, 1e-12);
+  // At an azimuth of 45 degrees two beams are abeam, and two left within 40 m.
+  EXPECT_FALSE(truth(sensor_spec("dvl", {{"range_max_m", {40}}})).valid);
+}
+
+TEST_F(Sensors, AUsblFixIsThePositionFromTheStationWithinRange) {
+  station_world_m = {-30, 10, -1};
+  const auto fix = truth(sensor_spec("usbl")).values;
+  const Eigen::Vector3d line = Eigen::Vector3d(0, 0, -12) - station_world_m;
+  EXPECT_LT((Eigen::Vector3d::Map(fix.data()) - line).norm(), 1e-12);
+  EXPECT_NEAR(fix[3], line.norm(), 1e-12);
+  EXPECT_NEAR(fix[4], std::atan2(line.y(), line.x()), 1e-12);
+  EXPECT_NEAR(fix[5], std::asin(line.z() / line.norm()), 1e-12);
+  EXPECT_FALSE(truth(sensor_spec("usbl", {{"range_max_m", {line.norm() - 0.01}}})).valid);
+}
+
+TEST_F(Sensors, UsblErrorsLieAlongTheLineOfSightAndAcrossIt) {
+  station_world_m = {-30, 10, -1};
+  SensorSpec spec = sensor_spec("usbl");
+  spec.noise["range"].std = 0.1;
+  spec.noise["bearing"].std = 0.01;
+  NoisySensor usbl = sensor(spec);
+  const Eigen::Vector3d line = Eigen::Vector3d(0, 0, -12) - station_world_m, sight = line.normalized();
+  const Eigen::Vector3d level = Eigen::Vector3d::UnitZ().cross(sight).normalized();
+  double along = 0, sideways = 0, upwards = 0;
+  constexpr int kFixes = 20'000;
+  for (int k = 0; k < kFixes; ++k) {
+    usbl.keep(moment);
+    Moment later = moment;
+    later.tick += 40;  // 0.2 s: longer than the sound travels
+    const Sample fix = usbl.read(later, around());
+    ASSERT_EQ(fix.stamp_ns, moment.tick * kStepNs);
+    const Eigen::Vector3d error = Eigen::Vector3d::Map(fix.values.data()) - line;
+    along += std::pow(error.dot(sight), 2);
+    sideways += std::pow(error.dot(level), 2);
+    upwards += std::pow(error.dot(sight.cross(level)), 2);
+    ++moment.tick;
+  }
+  EXPECT_NEAR(std::sqrt(along / kFixes), 0.1, 0.003);
+  EXPECT_NEAR(std::sqrt(sideways / kFixes), line.norm() * 0.01, line.norm() * 0.01 * 0.03);
+  EXPECT_NEAR(std::sqrt(upwards / kFixes), line.norm() * 0.01, line.norm() * 0.01 * 0.03);
+}
+
+TEST_F(Sensors, ACompassTellsItsHeadingFromMagneticNorth) {
+  for (const double yaw : {0.0, 1.0, 2.5, -2.0}) {
+    moment.state.world_from_body.orientation = turn(yaw, 0.3, -0.6);
+    const double north = std::fmod(kPi / 2 - yaw + 4 * kPi, 2 * kPi);
+    EXPECT_NEAR(truth(sensor_spec("compass")).values[0], north, 1e-12);
+    const double magnetic = truth(sensor_spec("compass", {{"declination_deg", {10}}})).values[0];
+    EXPECT_NEAR(std::remainder(magnetic - (north - 10 * kPi / 180), 2 * kPi), 0, 1e-12);
+  }
+  // Hard iron to starboard of a level vehicle heading north: the field seems to point east of the bow.
+  moment.state.world_from_body.orientation = turn(kPi / 2);
+  const double deflected = truth(sensor_spec("compass", {{"hard_iron_ut", {0, -5, 0}}})).values[0];
+  EXPECT_NEAR(std::remainder(deflected + std::atan2(5, 50 * std::cos(kPi / 3)), 2 * kPi), 0, 1e-12);
+}
+
+TEST_F(Sensors, ContactIsOneWhileTouching) {
+  EXPECT_EQ(truth(sensor_spec("contact")).values[0], 0);
+  moment.touching = true;
+  EXPECT_EQ(truth(sensor_spec("contact")).values[0], 1);
+}
+
+TEST_F(Sensors, WhatDoesNotFitIsRefusedByName) {
+  const auto message = [&](const SensorSpec& spec) {
+    try {
+      sensor(spec);
+    } catch (const InvalidValue& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(message(sensor_spec("dvl", {{"range_max_m", {-1}}})),
+            "sensors.dvl.range_max_m = -1 m: must be in [0.1, 1000] m");
+  EXPECT_EQ(message(sensor_spec("proximity")), "sensors.proximity.range_max_m = missing: must be given");
+  EXPECT_NE(message(sensor_spec("sonnar")).find("must be one of imu, velocity"), std::string::npos);
+  EXPECT_NE(message(sensor_spec("depth", {{"range_max_m", {1}}})).find("must be one of density_kg_m3"),
+            std::string::npos);
+  SensorSpec spec = sensor_spec("depth");
+  spec.noise["depth"].std = -1;
+  EXPECT_NE(message(spec).find("sensors.depth.depth.std = -1"), std::string::npos);
+  spec.noise = {{"pressure", {}}};
+  EXPECT_NE(message(spec).find("must be one of depth"), std::string::npos);
+  spec.noise = {};
+  spec.drop_out = 1;
+  EXPECT_NE(message(spec).find("sensors.depth.drop_out = 1"), std::string::npos);
 }
 
 }  // namespace

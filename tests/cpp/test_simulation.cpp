@@ -26,7 +26,7 @@ VehicleSpec neutral_vehicle(bool docked) {
   VehicleSpec spec;
   spec.name = "rov";
   spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
-  spec.drive.full_wrench_body.setConstant(250);
+  spec.actuators.full_wrench_body.setConstant(250);
   spec.start_world_from_body.position_m = {0, 0, -8};
   spec.docked = docked;
   return spec;
@@ -41,7 +41,7 @@ TEST(Simulation, ADockedVehicleStaysUntilItIsReleased) {
   sim.add_vehicle(neutral_vehicle(true));
   Vector6d ahead = Vector6d::Zero();
   ahead(0) = 1;
-  sim.set_effort(0, ahead);
+  sim.actuators(0).set_effort(ahead);
   sim.step(200);
   EXPECT_EQ(sim.state(0).world_from_body.position_m.x(), 0);
   EXPECT_EQ(sim.telemetry(0).mission_time_s, 0);
@@ -57,7 +57,7 @@ TEST(Simulation, EachEffortMovesItsOwnAxisThePositiveWay) {
     sim.add_vehicle(neutral_vehicle(false));
     Vector6d effort = Vector6d::Zero();
     effort(axis) = 0.2;
-    sim.set_effort(0, effort);
+    sim.actuators(0).set_effort(effort);
     sim.step(100);
     EXPECT_GT(sim.state(0).velocity_body(axis), 0.01);
     Vector6d others = sim.state(0).velocity_body;
@@ -73,7 +73,7 @@ TEST(Simulation, ThrustersStopWhenTheBatteryIsUsedUp) {
   sim.add_vehicle(neutral_vehicle(false));
   Vector6d ahead = Vector6d::Zero();
   ahead(0) = 1;
-  sim.set_effort(0, ahead);
+  sim.actuators(0).set_effort(ahead);
   sim.step(200);
   EXPECT_NEAR(sim.telemetry(0).battery_percent, 50, 1e-9);
   sim.step(200);
@@ -82,6 +82,24 @@ TEST(Simulation, ThrustersStopWhenTheBatteryIsUsedUp) {
   sim.step(400);
   const double mass_kg = 1000 * 1.2 * 0.8 * 0.6, drag = 250, coasting_s = 2;
   EXPECT_NEAR(sim.telemetry(0).speed_m_s, speed / (1 + drag * speed * coasting_s / mass_kg), 1e-6);
+}
+
+TEST(Simulation, APropellerSpinsDownWhenTheBatteryIsUsedUp) {
+  SimulationSpec spec;
+  spec.mission_time_s = 1;
+  VehicleSpec vehicle = neutral_vehicle(false);
+  vehicle.actuators = {};
+  vehicle.actuators.thrusters.resize(1);
+  vehicle.actuators.thrusters[0].time_constant_s = 0.5;
+  vehicle.actuators.thrusters[0].curve = ThrustCurve({-1, 1}, {-100, 100});
+  Simulation sim = simulation(flat_world(), spec);
+  sim.add_vehicle(vehicle);
+  sim.actuators(0).set_thrusters({{"", 1}});
+  sim.step(200);
+  const double full = 100 * (1 - std::exp(-2));
+  EXPECT_NEAR(sim.actuators(0).thrusters()[0].thrust_n(), full, 1e-9);
+  sim.step(100);
+  EXPECT_NEAR(sim.actuators(0).thrusters()[0].thrust_n(), full * std::exp(-1), 1e-9);
 }
 
 TEST(Simulation, ThePanelAgreesWithGeometryAndWarnsAtItsThresholds) {
@@ -112,8 +130,8 @@ TEST(Simulation, ThePanelAgreesWithGeometryAndWarnsAtItsThresholds) {
 TEST(Simulation, EffortsBeyondOneAndWhatIsNotFiniteStayOutside) {
   Simulation sim = simulation(flat_world());
   sim.add_vehicle(neutral_vehicle(false));
-  EXPECT_THROW(sim.set_effort(0, Vector6d::Constant(1.01)), InvalidValue);
-  EXPECT_THROW(sim.set_effort(0, Vector6d::Constant(NAN)), InvalidValue);
+  EXPECT_THROW(sim.actuators(0).set_effort(Vector6d::Constant(1.01)), InvalidValue);
+  EXPECT_THROW(sim.actuators(0).set_effort(Vector6d::Constant(NAN)), InvalidValue);
   BodyState state;
   state.velocity_body(3) = INFINITY;
   EXPECT_THROW(sim.set_state(0, state), InvalidValue);

@@ -32,7 +32,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
     "Embree": (r"embree\d*/", r"cpp/uwsim/world/ray_scene\.cpp"),
-    "Bullet": (r"bt\w+\.h|Bullet\w*/|LinearMath/", r"cpp/uwsim/dynamics/rigid_body_world\.cpp"),
+    "Bullet": (r"bt\w+\.h|Bullet\w*/|LinearMath/", r"cpp/uwsim/dynamics/(convex_meeting|solid_triangles)\.cpp"),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/occupancy_map\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),

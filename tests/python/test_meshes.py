@@ -243,3 +243,37 @@ def test_what_cannot_be_closed_is_refused() -> None:
     flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     with pytest.raises(ScenarioError, match="mesh 'mesh'"):
         closed_mesh(flat.vertices, flat.faces)
+
+
+def test_parts_that_overlap_are_united_with_a_warning() -> None:
+    body = trimesh.creation.box((2, 2, 2))
+    tower = trimesh.creation.box((1, 1, 2))
+    tower.apply_translation([0, 0, 1])  # half of it inside the body
+    buried = trimesh.creation.icosphere(2, radius=0.2)
+    hull = trimesh.util.concatenate([body, tower, buried])
+    with pytest.warns(UserWarning, match="united 3 parts that overlapped"):
+        assert volume(*closed_mesh(hull.vertices, hull.faces)) == pytest.approx(8 + 1)
+
+
+def test_parts_that_only_touch_or_stand_apart_stay_as_they_are() -> None:
+    box, neighbour = trimesh.creation.box((2, 2, 2)), trimesh.creation.box((1, 1, 1))
+    for shift in (1.5, 4.0):
+        pair = trimesh.util.concatenate([box, neighbour.copy().apply_translation([shift, 0, 0])])
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            _, triangles = closed_mesh(pair.vertices, pair.faces)
+        assert len(triangles) == 24
+
+
+def test_a_skin_that_crosses_itself_is_refused() -> None:
+    sphere = trimesh.creation.icosphere(3)
+    closed_mesh(sphere.vertices, sphere.faces)
+    vertices = sphere.vertices.copy()
+    vertices[vertices[:, 2] > 0.95] += [0.05, 0.02, -2.5]  # the pole is pushed in and out through the bottom
+    with pytest.raises(ScenarioError, match=r"mesh 'hull': crosses itself \(\d+ edges"):
+        closed_mesh(vertices, sphere.faces, name="hull")
+
+
+def test_an_empty_mesh_is_refused() -> None:
+    with pytest.raises(ScenarioError, match="mesh 'hull': has no triangles"):
+        closed_mesh(np.zeros((0, 3)), np.zeros((0, 3)), name="hull")

@@ -9,7 +9,8 @@ namespace {
 constexpr int kSweeps = 20;
 constexpr double kBounceThreshold_m_s = 0.05;  // slower hits do not bounce, so that bodies come to rest
 constexpr double kSlop_m = 1e-3;
-constexpr double kOverlapShare = 0.2;  // of the overlap beyond the slop, removed each step
+constexpr double kOverlapShare = 0.2;   // of the overlap beyond the slop, removed each step
+constexpr double kFastestPush_m_s = 2;  // deep overlaps are left at this speed
 
 /// The six-vector J with J nu = velocity of the contact point along `direction_world`.
 Vector6d point_direction(const ContactBody& body, const Eigen::Vector3d& point_world_m,
@@ -58,7 +59,8 @@ void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact
     };
     const double gap = std::max(0.0, contact.gap_m);
     const bool arrives = along_normal(&ContactBody::velocity_body) * step_s + gap < 0;
-    const double arriving = along_normal(&ContactBody::arriving_velocity_body);
+    const double arriving =
+        along_normal(&ContactBody::start_velocity_body);  // gravity's share of a step must not bounce
     const bool bounces = arrives && arriving < -kBounceThreshold_m_s;
     normal.target = bounces ? -contact.restitution * arriving : -gap / step_s;
   }
@@ -100,23 +102,38 @@ void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<co
   }
 }
 
+/// Wanted of a contact's push: a share of the overlap there is, and all of what this step would add: impulses act
+/// through the step, so a body that is stopped still goes on at the mean of its old and its new speed.
+double ContactSolver::wanted_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
+                                      double step_s) {
+  const auto mean_speed = [](const ContactBody& body, const Vector6d& direction) {
+    return 0.5 * direction.dot(body.start_velocity_body + body.velocity_body);
+  };
+  double speed_m_s = mean_speed(bodies[static_cast<std::size_t>(normal.a)], normal.direction_a);
+  if (normal.b != kFixedBody) speed_m_s += mean_speed(bodies[static_cast<std::size_t>(normal.b)], normal.direction_b);
+  const double added_m = -std::max(0.0, contact.gap_m) - speed_m_s * step_s;
+  const double present_m = std::max(0.0, -contact.gap_m - kSlop_m);
+  return std::max(0.0, added_m) / step_s + std::min(kOverlapShare * present_m / step_s, kFastestPush_m_s);
+}
+
 void ContactSolver::solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
-  const bool any = std::ranges::any_of(contacts, [](const Contact& c) { return c.gap_m < -kSlop_m; });
+  bool any = false;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    Row& row = rows_[3 * k];
+    row.target = wanted_push_m_s(bodies, contacts[k], row, step_s);
+    any = any || row.target > 0;
+  }
   if (!any) return;
-  for (Row& row : rows_) row.impulse = 0;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const double overlap = -contacts[k].gap_m - kSlop_m;
-      if (overlap <= 0) continue;
       Row& row = rows_[3 * k];
+      if (row.target <= 0) continue;
       double speed = row.direction_a.dot(bodies[static_cast<std::size_t>(row.a)].push_body);
       if (row.b != kFixedBody) speed += row.direction_b.dot(bodies[static_cast<std::size_t>(row.b)].push_body);
-      const double target = kOverlapShare * overlap / step_s;
-      const double impulse = std::max(0.0, row.impulse + (target - speed) / row.inverse_effective_mass);
-      bodies[static_cast<std::size_t>(row.a)].push_body += (impulse - row.impulse) * row.response_a;
-      if (row.b != kFixedBody)
-        bodies[static_cast<std::size_t>(row.b)].push_body += (impulse - row.impulse) * row.response_b;
-      row.impulse = impulse;
+      const double push = std::max(0.0, row.push + (row.target - speed) / row.inverse_effective_mass);
+      bodies[static_cast<std::size_t>(row.a)].push_body += (push - row.push) * row.response_a;
+      if (row.b != kFixedBody) bodies[static_cast<std::size_t>(row.b)].push_body += (push - row.push) * row.response_b;
+      row.push = push;
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -14,9 +15,9 @@ inline constexpr int kFixedBody = -1;
 struct Contact {
   int a = 0;
   int b = kFixedBody;
-  Eigen::Vector3d point_world_m;
-  Eigen::Vector3d normal_world;  ///< unit, from b towards a
-  double gap_m = 0;              ///< negative where they overlap
+  Eigen::Vector3d point_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_world = Eigen::Vector3d::UnitZ();  ///< unit, from b towards a
+  double gap_m = 0;                                         ///< negative where they overlap
   double friction = 0;
   double restitution = 0;
 };
@@ -26,9 +27,8 @@ struct ContactBody {
   Pose world_from_body;
   Vector6d velocity_body =
       Vector6d::Zero();  ///< that free motion would end the step with; changed to what contacts allow
-  Matrix6d inverse_mass = Matrix6d::Zero();  ///< full (M_RB + M_A)^-1
-  /// At the start of the step: what bounces. Gravity's share of this step must not.
-  Vector6d arriving_velocity_body = Vector6d::Zero();
+  Vector6d start_velocity_body = Vector6d::Zero();  ///< that it starts the step with
+  Matrix6d inverse_mass = Matrix6d::Zero();         ///< full (M_RB + M_A)^-1
   /// What the contacts gave it, about its origin [N s, N m s].
   Vector6d impulse_body = Vector6d::Zero();
   /// Velocity for this step's pose only: pushes overlaps apart without adding energy (split impulse).
@@ -42,6 +42,8 @@ class ContactSolver {
  public:
   /// Changes velocity_body, impulse_body and push_body of `bodies`.
   void solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
+  /// What the last solve() gave `contact` along its normal [N s].
+  double normal_impulse(std::size_t contact) const { return rows_[3 * contact].impulse; }
 
  private:
   /// One direction of one contact: impulse along it changes the velocities of a and b by `response`.
@@ -49,13 +51,16 @@ class ContactSolver {
     Vector6d direction_a, direction_b;
     Vector6d response_a, response_b;
     double inverse_effective_mass;
-    double target;  // wanted velocity along the row
+    double target;  // wanted velocity along the row, then wanted push
     double impulse;
+    double push;  // of the relaxation of overlaps
     int a, b;
   };
 
   Row make_row(std::span<const ContactBody> bodies, const Contact& contact,
                const Eigen::Vector3d& direction_world) const;
+  static double wanted_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
+                                double step_s);
   void solve_velocities(std::span<ContactBody> bodies, std::span<const Contact> contacts);
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 

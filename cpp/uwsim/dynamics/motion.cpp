@@ -9,14 +9,14 @@ struct Rate {
   Vector6d velocity;
 };
 
-Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const Fluid& fluid) {
+Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s) {
   const Eigen::Quaterniond& q = state.world_from_body.orientation;
   Vector6d tau_body = loads.body;
   tau_body.head<3>() += q.conjugate() * loads.world.head<3>();
   tau_body.tail<3>() += q.conjugate() * loads.world.tail<3>();
   const Eigen::Vector3d w = state.angular_body_rad_s();
   const Eigen::Quaterniond spin = q * Eigen::Quaterniond(0, w.x(), w.y(), w.z());
-  return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), craft.acceleration_body(state, tau_body, fluid)};
+  return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), craft.acceleration_body(state, tau_body, water, time_s)};
 }
 
 BodyState moved(const BodyState& state, const Rate& rate, double time_s) {
@@ -41,11 +41,13 @@ Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_
   return moved;
 }
 
-BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const Fluid& fluid, double step_s) {
-  const Rate k1 = rate_of(craft, state, loads, fluid);
-  const Rate k2 = rate_of(craft, moved(state, k1, step_s / 2), loads, fluid);
-  const Rate k3 = rate_of(craft, moved(state, k2, step_s / 2), loads, fluid);
-  const Rate k4 = rate_of(craft, moved(state, k3, step_s), loads, fluid);
+BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
+                  double time_s, double step_s) {
+  const double middle_s = time_s + step_s / 2;
+  const Rate k1 = rate_of(craft, state, loads, water, time_s);
+  const Rate k2 = rate_of(craft, moved(state, k1, step_s / 2), loads, water, middle_s);
+  const Rate k3 = rate_of(craft, moved(state, k2, step_s / 2), loads, water, middle_s);
+  const Rate k4 = rate_of(craft, moved(state, k3, step_s), loads, water, time_s + step_s);
   const Rate mean = {(k1.position + 2 * k2.position + 2 * k3.position + k4.position) / 6,
                      (k1.quaternion + 2 * k2.quaternion + 2 * k3.quaternion + k4.quaternion) / 6,
                      (k1.velocity + 2 * k2.velocity + 2 * k3.velocity + k4.velocity) / 6};

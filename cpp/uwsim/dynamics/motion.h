@@ -15,7 +15,8 @@ struct Loads {
   Vector6d world = Vector6d::Zero();  ///< keeps its direction in the world: its contacts
 };
 
-/// One step by classical Runge-Kutta of fourth order, pose and velocity together.
-BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const Fluid& fluid, double step_s);
+/// One step from `time_s` by classical Runge-Kutta of fourth order, pose and velocity together.
+BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
+                  double time_s, double step_s);
 
 }  // namespace uwsim

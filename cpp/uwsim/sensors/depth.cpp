@@ -1,23 +1,39 @@
-#include "uwsim/sensors/kinds.h"
-#include "uwsim/sensors/scalar_sensor.h"
+#include "uwsim/sensors/mounted.h"
 
 namespace uwsim {
 namespace {
 
-/// Depth under the mean water surface, positive down [m].
-class Depth final : public ScalarSensor {
+/// Depth as real depth sensors infer it: gauge pressure (zeroed at the surface) / (nominal density x gravity), positive
+/// down, 0 in air. In stratified water it therefore errs, and under waves it swings with the pressure.
+class Depth final : public Mounted {
  public:
-  explicit Depth(const SensorSpec& spec) : ScalarSensor("depth_m"), body_from_sensor_(spec.body_from_sensor) {}
+  explicit Depth(const SensorSpec& spec) : Mounted(spec), density_kg_m3_(spec.number("density_kg_m3")) {}
+
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    const Water& water = input.around.water;
+    const double weight_n_m3 = water.gravity() * (density_kg_m3_ > 0 ? density_kg_m3_ : water.density_at(0));
+    const double gauge_pa = water.gauge_pressure_at(world_from_sensor(input).position_m, input.time_s);
+    raw[0] = weight_n_m3 > 0 ? gauge_pa / weight_n_m3 : 0;
+  }
 
  private:
-  double value(const SensorInput& input) const override {
-    return Water::depth_m(world_from_sensor(input, body_from_sensor_).position_m.z());
-  }
-  Pose body_from_sensor_;
+  double density_kg_m3_;
 };
+
+constexpr Field kFields[] = {{"depth_m", 1, "m"}};
+constexpr Channel kChannels[] = {{"depth", 1, "m"}};
+constexpr Parameter kParameters[] = {
+    {"density_kg_m3", 1, 0, 0, 1300, "kg/m3", "nominal density; 0: the water's own at the surface"}};
 
 }  // namespace
 
-std::unique_ptr<Sensor> make_depth(const SensorSpec& spec) { return std::make_unique<Depth>(spec); }
+extern const SensorKind kDepth;
+constinit const SensorKind kDepth = {"depth",
+                                     "depth below the surface inferred from pressure with a nominal density",
+                                     kFields,
+                                     kChannels,
+                                     0,
+                                     kParameters,
+                                     make_sensor<Depth>};
 
 }  // namespace uwsim

@@ -1,44 +1,51 @@
-#include "uwsim/sensors/kinds.h"
+#include "uwsim/sensors/mounted.h"
 
 namespace uwsim {
 namespace {
 
-/// Angular velocity and specific force (what accelerometers feel: f = a - g) in the sensor's frame, and the sensor's
+/// Angular velocity and specific force (what accelerometers feel: f = a - g) in the sensor's axes, and the sensor's
 /// orientation in the world, as in sensor_msgs/Imu. Groves 2013, "Principles of GNSS, Inertial...", ch. 4.
-class Imu final : public Sensor {
+/// An orientation error is a small turn about the sensor's axes.
+class Imu final : public Mounted {
  public:
-  explicit Imu(const SensorSpec& spec) : body_from_sensor_(spec.body_from_sensor) {}
+  explicit Imu(const SensorSpec& spec) : Mounted(spec) {}
 
-  std::span<const Field> fields() const override {
-    static constexpr std::array<Field, 3> kFields = {
-        {{"angular_velocity_rad_s", 3}, {"linear_acceleration_m_s2", 3}, {"orientation_xyzw", 4}}};
-    return kFields;
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    const Eigen::Quaterniond& attitude = input.moment.state.world_from_body.orientation;
+    const Eigen::Vector3d gravity(0, 0, -input.around.water.gravity());
+    Eigen::Map<Eigen::Matrix<double, 13, 1>> out(raw.data());
+    out.segment<3>(0) = sensor_axes(input.moment.state.angular_body_rad_s());
+    out.segment<3>(3) = sensor_axes(acceleration_body_m_s2(input) - attitude.conjugate() * gravity);
+    out.segment<3>(6).setZero();
+    out.segment<4>(9) = (attitude * body_from_sensor_.orientation).normalized().coeffs();
   }
 
-  std::size_t noisy_values() const override { return 6; }  // rates and forces; the orientation stays a unit quaternion
-
-  void measure(const SensorInput& input, std::span<double> out) const override {
-    const Eigen::Vector3d w = input.state.angular_body_rad_s();
-    const Eigen::Vector3d rate = input.acceleration_body.tail<3>();
-    const Eigen::Vector3d arm = body_from_sensor_.position_m;
-    const Eigen::Quaterniond& attitude = input.state.world_from_body.orientation;
-    const Eigen::Vector3d gravity(0, 0, -input.water.gravity_m_s2);
-    // From the rate of body-frame velocity to inertial acceleration, then to the sensor's place.
-    const Eigen::Vector3d at_origin = input.acceleration_body.head<3>() + w.cross(input.state.linear_body_m_s());
-    const Eigen::Vector3d at_sensor = at_origin + rate.cross(arm) + w.cross(w.cross(arm));
-    const Eigen::Quaterniond sensor_from_body = body_from_sensor_.orientation.conjugate();
-    Eigen::Map<Eigen::VectorXd> reading(out.data(), 10);
-    reading.segment<3>(0) = sensor_from_body * w;
-    reading.segment<3>(3) = sensor_from_body * (at_sensor - attitude.conjugate() * gravity);
-    reading.segment<4>(6) = (attitude * body_from_sensor_.orientation).coeffs();
+  bool report(std::span<const double> raw, std::span<double> reading) const override {
+    std::copy(raw.begin(), raw.begin() + 6, reading.begin());
+    const Eigen::Vector3d error = Eigen::Vector3d::Map(&raw[6]);
+    Eigen::Quaterniond orientation(Eigen::Vector4d::Map(&raw[9]));
+    if (const double angle = error.norm(); angle > 0) {
+      orientation = (orientation * Eigen::Quaterniond(Eigen::AngleAxisd(angle, error / angle))).normalized();
+    }
+    Eigen::Vector4d::Map(&reading[6]) = orientation.coeffs();
+    return true;
   }
-
- private:
-  Pose body_from_sensor_;
 };
+
+constexpr Field kFields[] = {
+    {"angular_velocity_rad_s", 3, "rad/s"}, {"linear_acceleration_m_s2", 3, "m/s2"}, {"orientation_xyzw", 4, "1"}};
+constexpr Channel kChannels[] = {
+    {"angular_velocity", 3, "rad/s"}, {"linear_acceleration", 3, "m/s2"}, {"orientation", 3, "rad"}};
 
 }  // namespace
 
-std::unique_ptr<Sensor> make_imu(const SensorSpec& spec) { return std::make_unique<Imu>(spec); }
+extern const SensorKind kImu;
+constinit const SensorKind kImu = {"imu",
+                                   "angular velocity, specific force (sensor axes) and orientation (world from sensor)",
+                                   kFields,
+                                   kChannels,
+                                   4,
+                                   {},
+                                   make_sensor<Imu>};
 
 }  // namespace uwsim

@@ -1,23 +1,25 @@
-#include "uwsim/sensors/kinds.h"
-#include "uwsim/sensors/scalar_sensor.h"
+#include "uwsim/sensors/mounted.h"
 
 namespace uwsim {
 namespace {
 
-/// Absolute pressure [Pa].
-class Pressure final : public ScalarSensor {
+/// Absolute pressure: the atmosphere's and the water's own, with its density profile and its waves.
+class Pressure final : public Mounted {
  public:
-  explicit Pressure(const SensorSpec& spec) : ScalarSensor("pressure_pa"), body_from_sensor_(spec.body_from_sensor) {}
+  explicit Pressure(const SensorSpec& spec) : Mounted(spec) {}
 
- private:
-  double value(const SensorInput& input) const override {
-    return input.water.pressure_pa(world_from_sensor(input, body_from_sensor_).position_m.z());
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    raw[0] = input.around.water.pressure_pa(world_from_sensor(input).position_m, input.time_s);
   }
-  Pose body_from_sensor_;
 };
+
+constexpr Field kFields[] = {{"pressure_pa", 1, "Pa"}};
+constexpr Channel kChannels[] = {{"pressure", 1, "Pa"}};
 
 }  // namespace
 
-std::unique_ptr<Sensor> make_pressure(const SensorSpec& spec) { return std::make_unique<Pressure>(spec); }
+extern const SensorKind kPressure;
+constinit const SensorKind kPressure = {"pressure", "absolute pressure",  kFields, kChannels, 0,
+                                        {},         make_sensor<Pressure>};
 
 }  // namespace uwsim

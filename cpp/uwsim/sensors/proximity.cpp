@@ -1,34 +1,50 @@
-#include <algorithm>
+#include <limits>
 
-#include "uwsim/core/check.h"
-#include "uwsim/sensors/kinds.h"
-#include "uwsim/sensors/scalar_sensor.h"
+#include "uwsim/sensors/mounted.h"
 
 namespace uwsim {
 namespace {
 
-/// Distance along the sensor's x axis to the nearest thing [m]; its range where nothing is nearer, as published.
-class Proximity final : public ScalarSensor {
+/// Distance along the sensor's x axis to the nearest thing; its range where nothing is nearer, as published.
+class Proximity final : public Mounted {
  public:
   explicit Proximity(const SensorSpec& spec)
-      : ScalarSensor("range_m"), body_from_sensor_(spec.body_from_sensor), range_max_m_(spec.range_max_m) {
-    require(range_max_m_ > 0, "sensors." + spec.name + ".range_max_m", range_max_m_, "must be positive");
+      : Mounted(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {}
+
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    const Pose sensor = world_from_sensor(input);
+    const Ray ahead{sensor.position_m, sensor.direction(Eigen::Vector3d::UnitX())};
+    const double distance_m = input.around.scene.cast(ahead, range_max_m_).distance_m;
+    // Sound does not leave the water.
+    const bool under_water =
+        ahead.origin_world_m.z() <= 0 && (ahead.origin_world_m + distance_m * ahead.direction_world).z() <= 0;
+    raw[0] = under_water ? distance_m : range_max_m_;
+  }
+
+  bool report(std::span<const double> raw, std::span<double> reading) const override {
+    reading[0] = std::clamp(raw[0], range_min_m_, range_max_m_);
+    return true;
   }
 
  private:
-  double value(const SensorInput& input) const override {
-    const Pose sensor = world_from_sensor(input, body_from_sensor_);
-    const RayHit hit = input.scene.cast({sensor.position_m, sensor.direction(Eigen::Vector3d::UnitX())}, range_max_m_);
-    const double hit_z = sensor.position_m.z() + hit.distance_m * sensor.direction(Eigen::Vector3d::UnitX()).z();
-    const bool under_water = sensor.position_m.z() <= 0 && hit_z <= 0;  // sound does not leave the water
-    return under_water ? std::min(hit.distance_m, range_max_m_) : range_max_m_;
-  }
-  Pose body_from_sensor_;
-  double range_max_m_;
+  double range_min_m_, range_max_m_;
 };
+
+constexpr Field kFields[] = {{"range_m", 1, "m"}};
+constexpr Channel kChannels[] = {{"range", 1, "m"}};
+constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
+constexpr Parameter kParameters[] = {{"range_min_m", 1, 0, 0, 1000, "m", "what is nearer reads as this"},
+                                     {"range_max_m", 1, kRequired, 0.1, 1000, "m", "what is farther reads as this"}};
 
 }  // namespace
 
-std::unique_ptr<Sensor> make_proximity(const SensorSpec& spec) { return std::make_unique<Proximity>(spec); }
+extern const SensorKind kProximity;
+constinit const SensorKind kProximity = {"proximity",
+                                         "distance along the sensor's x; its range where nothing is nearer",
+                                         kFields,
+                                         kChannels,
+                                         0,
+                                         kParameters,
+                                         make_sensor<Proximity>};
 
 }  // namespace uwsim

@@ -1,24 +1,25 @@
-#include "uwsim/sensors/kinds.h"
-#include "uwsim/sensors/scalar_sensor.h"
+#include "uwsim/sensors/mounted.h"
 
 namespace uwsim {
 namespace {
 
-/// Water temperature [deg C].
-class Temperature final : public ScalarSensor {
+/// Water temperature where the sensor is.
+class Temperature final : public Mounted {
  public:
-  explicit Temperature(const SensorSpec& spec)
-      : ScalarSensor("temperature_deg_c"), body_from_sensor_(spec.body_from_sensor) {}
+  explicit Temperature(const SensorSpec& spec) : Mounted(spec) {}
 
- private:
-  double value(const SensorInput& input) const override {
-    return input.water.temperature_deg_c(world_from_sensor(input, body_from_sensor_).position_m.z());
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    raw[0] = input.around.water.temperature_deg_c(world_from_sensor(input).position_m.z());
   }
-  Pose body_from_sensor_;
 };
+
+constexpr Field kFields[] = {{"temperature_deg_c", 1, "deg C"}};
+constexpr Channel kChannels[] = {{"temperature", 1, "deg C"}};
 
 }  // namespace
 
-std::unique_ptr<Sensor> make_temperature(const SensorSpec& spec) { return std::make_unique<Temperature>(spec); }
+extern const SensorKind kTemperature;
+constinit const SensorKind kTemperature = {"temperature",           "water temperature", kFields, kChannels, 0, {},
+                                           make_sensor<Temperature>};
 
 }  // namespace uwsim

@@ -51,14 +51,13 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
 
 std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   for (const Vehicle& other : vehicles_) require(other.name != spec.name, "vehicles.name", spec.name, "must be unique");
-  require(spec.drive.full_wrench_body.allFinite(), "vehicle.full_wrench_body", "non-finite", "must be finite");
   require_unique_names(spec.sensors, "vehicle.sensors.name");
   require_unique_names(spec.sonars, "vehicle.sonars.name");
   Vehicle vehicle;
   vehicle.name = spec.name;
   vehicle.craft = spec.craft;
-  vehicle.drive = spec.drive;
-  for (const SensorSpec& sensor : spec.sensors) vehicle.sensors.emplace_back(sensor, spec_.seed, spec.name);
+  vehicle.actuators = Actuators(spec.actuators);
+  vehicle.sensors = SensorRack(spec.sensors, spec_.seed, spec.name, step_ns_);
   for (const SonarSpec& sonar : spec.sonars) {
     vehicle.sonars.emplace_back(em2040(sonar.model), sonar.body_from_mount);
     vehicle.sonars.back().aim(sonar.elevation_rad);
@@ -66,7 +65,8 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   }
   BodyState state;
   state.world_from_body = spec.start_world_from_body;
-  vehicle.body = bodies_.add_body({spec.name, spec.craft, spec.shape, spec.friction, spec.restitution}, state);
+  vehicle.body = bodies_.add_body(
+      {spec.name, spec.craft, spec.shape, spec.friction, spec.restitution, spec.collision_pieces_body_m}, state);
   bodies_.hold(vehicle.body, spec.docked);
   vehicle.released = !spec.docked;
   vehicle.released_tick = tick_;
@@ -75,18 +75,15 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
 }
 
 void Simulation::step(std::uint64_t count) {
-  const Fluid fluid{world_.water.density_kg_m3, world_.water.gravity_m_s2, world_.water.current_world_m_s};
-  for (std::uint64_t k = 0; k < count; ++k) step_once(fluid);
+  for (std::uint64_t k = 0; k < count; ++k) step_once();
 }
 
-void Simulation::step_once(const Fluid& fluid) {
-  for (const Vehicle& vehicle : vehicles_) {
-    const bool powered = vehicle.released && mission_time_s(vehicle) < spec_.mission_time_s;
-    // Thrusters push water: as little as the vehicle is in it.
-    const double grip = powered ? vehicle.craft->submerged_fraction(bodies_.state(vehicle.body).world_from_body) : 0.0;
-    bodies_.set_wrench(vehicle.body, grip * vehicle.drive.wrench_body(vehicle.effort));
+void Simulation::step_once() {
+  for (Vehicle& vehicle : vehicles_) {
+    if (vehicle.sensors.due(tick_)) vehicle.sensors.keep(moment(vehicle));
   }
-  bodies_.step(fluid);
+  for (Vehicle& vehicle : vehicles_) drive(vehicle);
+  bodies_.step(world_.water, time_s());
   for (Vehicle& vehicle : vehicles_) {
     const bool touches = bodies_.in_contact(vehicle.body);
     if (touches && !vehicle.touching) ++vehicle.collisions;
@@ -94,6 +91,18 @@ void Simulation::step_once(const Fluid& fluid) {
   }
   ++tick_;
   ++version_;
+}
+
+void Simulation::drive(Vehicle& vehicle) {
+  const bool powered = vehicle.released && mission_time_s(vehicle) < spec_.mission_time_s;
+  vehicle.actuators.advance(spec_.step_s, powered);
+  if (!vehicle.released) return;  // held: nothing moves it
+  const BodyState& state = bodies_.state(vehicle.body);
+  const Actuators& actuators = vehicle.actuators;
+  const double submerged = actuators.drives_straight()
+                               ? vehicle.craft->submerged_fraction(state.world_from_body, world_.water, time_s())
+                               : 1;
+  bodies_.set_wrench(vehicle.body, actuators.wrench_body(state, world_.water, time_s(), submerged));
 }
 
 double Simulation::mission_time_s(const Vehicle& vehicle) const {
@@ -131,15 +140,6 @@ void Simulation::release(std::size_t index) {
   bodies_.hold(docked.body, false);
 }
 
-void Simulation::set_effort(std::size_t index, const Vector6d& effort) {
-  static constexpr std::array<const char*, 6> kAxes = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
-  for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
-    const double value = effort(static_cast<Eigen::Index>(axis));
-    require(std::abs(value) <= 1, std::string("effort.") + kAxes[axis], value, "must be in [-1, 1]");
-  }
-  changeable(index).effort = effort;
-}
-
 Telemetry Simulation::telemetry(std::size_t index) const {
   const Vehicle& shown = vehicle(index);
   const BodyState& state = bodies_.state(shown.body);
@@ -151,7 +151,7 @@ Telemetry Simulation::telemetry(std::size_t index) const {
   t.angular_speed_rad_s = state.angular_body_rad_s().norm();
   t.acceleration_m_s2 = (acceleration.head<3>() + state.angular_body_rad_s().cross(state.linear_body_m_s())).norm();
   t.temperature_deg_c = world_.water.temperature_deg_c(position.z());
-  t.pressure_pa = world_.water.pressure_pa(position.z());
+  t.pressure_pa = world_.water.pressure_pa(position, time_s());
   t.depth_m = Water::depth_m(position.z());
   t.distance_to_station_m = (position - spec_.station_world_m).norm();
   t.distance_to_seabed_m =
@@ -164,10 +164,16 @@ Telemetry Simulation::telemetry(std::size_t index) const {
   return t;
 }
 
-std::vector<double> Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) const {
-  const Vehicle& reader = vehicle(index);
-  const SensorInput input{bodies_.state(reader.body), bodies_.acceleration_body(reader.body), *scene_, world_.water};
-  return item(reader.sensors, sensor, "sensor").read(input, tick_, with_noise);
+Moment Simulation::moment(const Vehicle& vehicle) const {
+  return {tick_, bodies_.state(vehicle.body), bodies_.acceleration_body(vehicle.body),
+          bodies_.in_contact(vehicle.body)};
+}
+
+const Sample& Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) {
+  Vehicle& reader = changeable(index);
+  const Surroundings around{*scene_, world_.water, spec_.station_world_m};
+  NoisySensor& instrument = reader.sensors.at(sensor);
+  return with_noise ? instrument.read(moment(reader), around) : instrument.read_true(moment(reader), around);
 }
 
 void Simulation::aim(std::size_t index, std::size_t sonar, double elevation_rad) {

@@ -45,15 +45,16 @@ class Simulation {
   /// Leaves the station; does nothing when already free.
   void release(std::size_t vehicle);
   bool released(std::size_t index) const { return vehicle(index).released; }
-  /// Surge, sway, heave, roll, pitch, yaw in [-1, 1], held until the next call. Throws InvalidValue beyond.
-  void set_effort(std::size_t vehicle, const Vector6d& effort);
-  const Vector6d& effort(std::size_t index) const { return vehicle(index).effort; }
+  /// The vehicle's thrusters and fins, to command and to look at.
+  Actuators& actuators(std::size_t index) { return changeable(index).actuators; }
+  const Actuators& actuators(std::size_t index) const { return vehicle(index).actuators; }
   std::uint64_t collisions(std::size_t index) const { return vehicle(index).collisions; }
 
   /// Throws std::out_of_range, as all that take an index.
   const Vehicle& vehicle(std::size_t index) const;
   Telemetry telemetry(std::size_t vehicle) const;
-  std::vector<double> read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true) const;
+  /// Holds until the next read of this sensor. Without noise: the present, without rate, delay and drop-outs.
+  const Sample& read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true);
   void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
   MultibeamPing ping(std::size_t vehicle, std::size_t sonar) const;
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
@@ -61,7 +62,9 @@ class Simulation {
  private:
   Vehicle& changeable(std::size_t index);
   double mission_time_s(const Vehicle& vehicle) const;
-  void step_once(const Fluid& fluid);
+  Moment moment(const Vehicle& vehicle) const;
+  void step_once();
+  void drive(Vehicle& vehicle);
 
   World world_;
   std::shared_ptr<const RayScene> scene_;

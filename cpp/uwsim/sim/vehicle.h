@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "uwsim/dynamics/rigid_body_world.h"
-#include "uwsim/sensors/sensor.h"
+#include "uwsim/sensors/sensor_rack.h"
 #include "uwsim/sonar/multibeam.h"
+#include "uwsim/vehicle/actuators.h"
 #include "uwsim/vehicle/craft.h"
-#include "uwsim/vehicle/effort_drive.h"
 
 namespace uwsim {
 
@@ -24,8 +24,9 @@ struct SonarSpec {
 struct VehicleSpec {
   std::string name;
   std::shared_ptr<const Craft> craft;
-  EffortDrive drive;
+  ActuatorsSpec actuators;
   CollisionShape shape = CollisionShape::kHull;
+  std::vector<ConvexPiece> collision_pieces_body_m;  ///< of CollisionShape::kPieces
   double friction = 0.5;
   double restitution = 0.1;
   Pose start_world_from_body;
@@ -39,9 +40,8 @@ struct Vehicle {
   std::string name;
   std::size_t body = 0;  ///< in the RigidBodyWorld
   std::shared_ptr<const Craft> craft;
-  EffortDrive drive;
-  Vector6d effort = Vector6d::Zero();
-  std::vector<NoisySensor> sensors;
+  Actuators actuators;
+  SensorRack sensors;
   std::vector<Multibeam> sonars;
   std::vector<std::string> sonar_names;
   std::uint64_t released_tick = 0;  ///< meaningful once released

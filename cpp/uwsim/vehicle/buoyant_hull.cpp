@@ -1,77 +1,187 @@
 #include "uwsim/vehicle/buoyant_hull.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace uwsim {
 namespace {
 
-/// Sums signed tetrahedra from the origin, which must lie on the water surface.
-struct TetrahedronSum {
-  double volume = 0;
-  Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();
+constexpr double kEdgePerRadius = 0.25;
 
-  void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-    const double det = a.dot(b.cross(c));
-    volume += det / 6;
-    first_moment += det / 24 * (a + b + c);
-  }
-};
-
-/// The point where the edge from `wet` (z < 0) to `dry` (z >= 0) pierces the surface.
-Eigen::Vector3d pierce(const Eigen::Vector3d& wet, const Eigen::Vector3d& dry) {
-  Eigen::Vector3d p = wet + wet.z() / (wet.z() - dry.z()) * (dry - wet);
-  p.z() = 0;
-  return p;
-}
-
-/// Adds the part of the triangle that lies under z = 0.
-void add_wet_part(TetrahedronSum& sum, std::array<Eigen::Vector3d, 3> t) {
-  const auto wet = std::count_if(t.begin(), t.end(), [](const Eigen::Vector3d& v) { return v.z() < 0; });
-  if (wet == 0) return;
-  if (wet == 3) return sum.add(t[0], t[1], t[2]);
-  // Turn the triangle, keeping its winding, so that the vertex that differs from the other two comes first.
-  const bool lone_is_wet = wet == 1;
-  while ((t[0].z() < 0) != lone_is_wet || (t[1].z() < 0) == lone_is_wet) std::rotate(t.begin(), t.begin() + 1, t.end());
-  if (lone_is_wet) return sum.add(t[0], pierce(t[0], t[1]), pierce(t[0], t[2]));
-  const Eigen::Vector3d p = pierce(t[1], t[0]);
-  sum.add(p, t[1], t[2]);
-  sum.add(p, t[2], pierce(t[2], t[0]));
+/// 0 at x <= 0, 1 at x >= 1, with flat ends.
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
 }
 
 }  // namespace
 
+/// A pose with what is asked of it most: the world's up in the body frame and the height of the hull's middle.
+struct BuoyantHull::Placed {
+  const Eigen::Vector3d& position_world_m;
+  const Eigen::Matrix3d& world_from_body;
+  Eigen::Vector3d up_body;
+  double middle_z_m;
+  double reach_z_m;  // nothing of the hull is farther above or below its middle
+
+  Placed(const BuoyantHull& hull, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
+      : position_world_m(position),
+        world_from_body(rotation),
+        up_body(rotation.row(2)),
+        middle_z_m(position.z() + up_body.dot(hull.middle_body_m_)),
+        reach_z_m(std::min(hull.radius_m_, up_body.cwiseAbs().dot(hull.half_size_m_))) {}
+};
+
 BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_body)) {
   require_closed(mesh_body_, "hull");
   solid_ = solid_properties(mesh_body_);
+  const Eigen::Matrix3d& inertia = solid_.inertia_per_density_m5;
+  second_moment_body_m5_ = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
   Eigen::Vector3d low = mesh_body_.vertices_m.front(), high = low;
   for (const Eigen::Vector3d& v : mesh_body_.vertices_m) {
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }
   middle_body_m_ = 0.5 * (low + high);
-  for (const Eigen::Vector3d& v : mesh_body_.vertices_m) radius_m_ = std::max(radius_m_, (v - middle_body_m_).norm());
-}
-
-Displacement BuoyantHull::displacement(const Pose& world_from_body) const {
-  const double middle_z = world_from_body.point(middle_body_m_).z();
-  if (middle_z + radius_m_ <= 0) return {solid_.volume_m3, world_from_body.point(solid_.centroid_m)};
-  if (middle_z - radius_m_ >= 0) return {0, world_from_body.position_m};
-  return cut_at_surface(world_from_body);
-}
-
-Displacement BuoyantHull::cut_at_surface(const Pose& world_from_body) const {
-  const Eigen::Matrix3d rotation = world_from_body.rotation();
-  const Eigen::Vector3d on_surface(world_from_body.position_m.x(), world_from_body.position_m.y(), 0);
-  const Eigen::Vector3d shift = world_from_body.position_m - on_surface;
-  TetrahedronSum sum;
-  for (const Triangle& t : mesh_body_.triangles) {
-    add_wet_part(sum, {rotation * mesh_body_.vertices_m[t[0]] + shift, rotation * mesh_body_.vertices_m[t[1]] + shift,
-                       rotation * mesh_body_.vertices_m[t[2]] + shift});
+  half_size_m_ = 0.5 * (high - low);
+  TriangleMesh centred = mesh_body_;
+  for (Eigen::Vector3d& v : centred.vertices_m) {
+    v -= middle_body_m_;
+    radius_m_ = std::max(radius_m_, v.norm());
   }
-  if (sum.volume <= 0) return {0, world_from_body.position_m};
-  return {sum.volume, on_surface + sum.first_moment / sum.volume};
+  volume_ = CutVolume(centred);
+  surface_ = PressedSurface(mesh_body_, kEdgePerRadius * radius_m_);
+}
+
+VolumeMoments BuoyantHull::moments_below(const Placed& at, double level_m, bool with_second) const {
+  if (at.middle_z_m + at.reach_z_m <= level_m) return volume_.whole();
+  if (at.middle_z_m - at.reach_z_m >= level_m) return {};
+  return volume_.below(at.up_body, level_m - at.middle_z_m, with_second);
+}
+
+Displacement BuoyantHull::displacement(const Pose& world_from_body, double level_m) const {
+  const Eigen::Matrix3d rotation = world_from_body.rotation();
+  const VolumeMoments wet = moments_below({*this, world_from_body.position_m, rotation}, level_m, false);
+  if (wet.volume_m3 <= 0) return {0, world_from_body.position_m};
+  return {wet.volume_m3, world_from_body.position_m + rotation * (middle_body_m_ + wet.first_m4 / wet.volume_m3)};
+}
+
+double BuoyantHull::level_m(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  if (water.wave_bound_m() == 0) return 0;
+  const Eigen::Vector3d middle = world_from_body.point(middle_body_m_);
+  return water.surface_height_at(middle.x(), middle.y(), time_s);
+}
+
+Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
+                               const WaterField& water, double time_s) const {
+  const Placed at(*this, position_world_m, world_from_body);
+  const double bound_m = water.wave_bound_m();
+  if (bound_m == 0) return resting(at, water, 0);
+  if (at.middle_z_m + 2 * radius_m_ <= -bound_m) return below_waves(at, water, time_s);
+  const Eigen::Vector3d middle = position_world_m + world_from_body * middle_body_m_;
+  const SurfaceSpan span = water.surface_span_at(middle.x(), middle.y(), radius_m_, time_s);
+  if (at.middle_z_m - at.reach_z_m >= span.high_m) return {};
+  const double cover_m = span.low_m - (at.middle_z_m + at.reach_z_m);
+  const double deep = smooth_step(cover_m / radius_m_);
+  if (deep == 1) return below_waves(at, water, time_s);
+  Buoyancy cut = under_waves(at, water, time_s);
+  if (deep == 0) return cut;
+  const Buoyancy below = below_waves(at, water, time_s);
+  cut.force_body_n += deep * (below.force_body_n - cut.force_body_n);
+  cut.moment_body_nm += deep * (below.moment_body_nm - cut.moment_body_nm);
+  return cut;
+}
+
+/// Flat surface at `surface_m` [m], density as at rest.
+Buoyancy BuoyantHull::resting(const Placed& at, const WaterField& water, double surface_m) const {
+  const double top_m = at.middle_z_m + at.reach_z_m;
+  const DensityLayer layer = water.density_layer_at(std::min(top_m, surface_m));
+  const bool in_one_layer = at.middle_z_m - at.reach_z_m >= layer.low_m;
+  if (!in_one_layer || (layer.gradient_kg_m4 != 0 && top_m > surface_m)) {
+    return layered(at, water, surface_m, moments_below(at, surface_m, true));
+  }
+  Buoyancy wet;
+  if (top_m <= surface_m) {
+    wet.volume_m3 = solid_.volume_m3;
+    wet.centre_body_m = solid_.centroid_m;
+  } else {
+    const VolumeMoments part = moments_below(at, surface_m, false);
+    if (part.volume_m3 <= 0) return {};
+    wet.volume_m3 = part.volume_m3;
+    wet.centre_body_m = middle_body_m_ + part.first_m4 / part.volume_m3;
+  }
+  const double centre_z_m = at.position_world_m.z() + at.up_body.dot(wet.centre_body_m);
+  const double gravity = water.gravity();
+  wet.force_body_n = layer.at(centre_z_m) * gravity * wet.volume_m3 * at.up_body;
+  wet.moment_body_nm = wet.centre_body_m.cross(wet.force_body_n);
+  if (layer.gradient_kg_m4 != 0) {  // the denser side pulls the centre of the displaced mass towards it
+    const Eigen::Vector3d shift = second_moment_body_m5_ * at.up_body;
+    wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(at.up_body);
+  }
+  return wet;
+}
+
+/// Through several layers: the top layer's law over all that is wet, then at each boundary what the next one changes.
+Buoyancy BuoyantHull::layered(const Placed& at, const WaterField& water, double surface_m,
+                              const VolumeMoments& wet) const {
+  if (wet.volume_m3 <= 0) return {};
+  double mass_kg = 0;
+  Eigen::Vector3d mass_moment_kg_m = Eigen::Vector3d::Zero();  // about the hull's middle
+  const auto add = [&](const VolumeMoments& part, double density_at_middle, double gradient) {
+    mass_kg += density_at_middle * part.volume_m3 + gradient * at.up_body.dot(part.first_m4);
+    mass_moment_kg_m += density_at_middle * part.first_m4 + gradient * (part.second_m5 * at.up_body);
+  };
+  const double bottom_m = at.middle_z_m - at.reach_z_m;
+  DensityLayer layer = water.density_layer_at(std::min(at.middle_z_m + at.reach_z_m, surface_m));
+  add(wet, layer.at(at.middle_z_m), layer.gradient_kg_m4);
+  while (layer.low_m > bottom_m) {
+    const DensityLayer next =
+        water.density_layer_at(std::nextafter(layer.low_m, -std::numeric_limits<double>::infinity()));
+    add(moments_below(at, layer.low_m, true), next.at(at.middle_z_m) - layer.at(at.middle_z_m),
+        next.gradient_kg_m4 - layer.gradient_kg_m4);
+    layer = next;
+  }
+  const Eigen::Vector3d weight_per_kg = water.gravity() * at.up_body;
+  Buoyancy sum;
+  sum.volume_m3 = wet.volume_m3;
+  sum.centre_body_m = middle_body_m_ + wet.first_m4 / wet.volume_m3;
+  sum.force_body_n = mass_kg * weight_per_kg;
+  sum.moment_body_nm = middle_body_m_.cross(sum.force_body_n) + mass_moment_kg_m.cross(weight_per_kg);
+  return sum;
+}
+
+Buoyancy BuoyantHull::under_waves(const Placed& at, const WaterField& water, double time_s) const {
+  const PressedSurface::Load load = surface_.load(at.position_world_m, at.world_from_body, water, time_s);
+  const Eigen::Vector3d middle = at.position_world_m + at.world_from_body * middle_body_m_;
+  const double level_m = water.surface_height_at(middle.x(), middle.y(), time_s);
+  const VolumeMoments wet = moments_below(at, level_m, false);
+  Buoyancy sum;
+  sum.volume_m3 = std::max(0.0, wet.volume_m3);
+  sum.centre_body_m =
+      wet.volume_m3 > 0 ? Eigen::Vector3d(middle_body_m_ + wet.first_m4 / wet.volume_m3) : middle_body_m_;
+  sum.force_body_n = load.force_body_n;
+  sum.moment_body_nm = load.moment_body_nm;
+  return sum;
+}
+
+/// Wholly under water: at rest, with the layers where the waves have moved them, and what the waves add.
+Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s) const {
+  const Eigen::Vector3d centroid = at.position_world_m + at.world_from_body * solid_.centroid_m;
+  double head_m = 0;
+  water.pressure_heads({&centroid, 1}, time_s, {&head_m, 1});
+  Eigen::Vector3d unmoved = at.position_world_m;
+  unmoved.z() -= centroid.z() + head_m;
+  Buoyancy sum = resting({*this, unmoved, at.world_from_body}, water, std::numeric_limits<double>::infinity());
+  const Eigen::Matrix3d second = at.world_from_body * second_moment_body_m5_ * at.world_from_body.transpose();
+  const WaveLoad load = water.wave_load(centroid, solid_.volume_m3, second, time_s);
+  const double density = water.density_at(-head_m);
+  const Eigen::Vector3d force = density * (at.world_from_body.transpose() * load.force);
+  sum.force_body_n += force;
+  sum.moment_body_nm += solid_.centroid_m.cross(force) + density * (at.world_from_body.transpose() * load.moment);
+  return sum;
 }
 
 }  // namespace uwsim

@@ -85,12 +85,16 @@ Matrix6d Craft::inverse_mass_at(double submerged) const {
   return (rigid_mass_ + submerged * parameters_.added_mass).llt().solve(Matrix6d::Identity());
 }
 
-double Craft::submerged_fraction(const Pose& world_from_body) const {
-  return std::clamp(hull_.displacement(world_from_body).volume_m3 / hull_.solid().volume_m3, 0.0, 1.0);
+double Craft::submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  return fraction(hull_.displacement(world_from_body, hull_.level_m(world_from_body, water, time_s)).volume_m3);
 }
 
-Matrix6d Craft::inverse_mass(const Pose& world_from_body) const {
-  return inverse_mass_at(submerged_fraction(world_from_body));
+double Craft::fraction(double wet_volume_m3) const {
+  return std::clamp(wet_volume_m3 / hull_.solid().volume_m3, 0.0, 1.0);
+}
+
+Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  return inverse_mass_at(submerged_fraction(world_from_body, water, time_s));
 }
 
 Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
@@ -98,39 +102,48 @@ Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
            parameters_.quadratic_damping * relative_velocity.cwiseAbs().cwiseProduct(relative_velocity));
 }
 
-Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const Fluid& fluid) const {
+Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
+                                  double time_s) const {
   const Pose& pose = state.world_from_body;
-  const Displacement wet = hull_.displacement(pose);
-  const double submerged = std::clamp(wet.volume_m3 / hull_.solid().volume_m3, 0.0, 1.0);
-  const Eigen::Matrix3d body_from_world = pose.rotation().transpose();
-  const Eigen::Vector3d up_body = body_from_world.col(2);
+  const Eigen::Matrix3d world_from_body = pose.rotation();
+  const Buoyancy lift = hull_.buoyancy(pose.position_m, world_from_body, water, time_s);
+  const double submerged = fraction(lift.volume_m3);
 
-  const Eigen::Vector3d weight = -parameters_.mass_kg * fluid.gravity_m_s2 * up_body;
-  const Eigen::Vector3d lift = fluid.density_kg_m3 * fluid.gravity_m_s2 * wet.volume_m3 * up_body;
-  const Eigen::Vector3d lift_arm = body_from_world * (wet.centroid_world_m - pose.position_m);
+  const Eigen::Vector3d weight = -parameters_.mass_kg * water.gravity() * world_from_body.row(2).transpose();
   Vector6d tau = tau_body;
-  tau.head<3>() += weight + lift;
-  tau.tail<3>() += parameters_.centre_of_mass_body_m.cross(weight) + lift_arm.cross(lift);
-
-  const Vector6d& nu = state.velocity_body;
-  const Eigen::Vector3d current = body_from_world * fluid.current_world_m_s;
-  Vector6d relative = nu;
-  relative.head<3>() -= current;
-  Vector6d current_rate = Vector6d::Zero();  // a steady current seen from a turning body
-  current_rate.head<3>() = -nu.tail<3>().cross(current);
-
-  tau -= coriolis(rigid_mass_ * nu, nu);
+  tau.head<3>() += weight + lift.force_body_n;
+  tau.tail<3>() += parameters_.centre_of_mass_body_m.cross(weight) + lift.moment_body_nm;
+  tau -= coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
   if (submerged > 0) {
-    const Matrix6d& added = parameters_.added_mass;
-    tau += submerged * (damping_body(relative) - coriolis(added * relative, relative) + added * current_rate);
+    const Eigen::Vector3d centre = pose.position_m + world_from_body * lift.centre_body_m;
+    tau += flow_force_body(state.velocity_body, water.flow_at(centre, time_s), world_from_body, lift, submerged,
+                           water.density_at(centre.z()));
   }
   if (submerged == 1) return inverse_mass_under_ * tau;
   return (rigid_mass_ + submerged * parameters_.added_mass).llt().solve(tau);
 }
 
+/// What depends on the motion of the body in the water, and of the water.
+Vector6d Craft::flow_force_body(const Vector6d& velocity, const WaterFlow& flow, const Eigen::Matrix3d& world_from_body,
+                                const Buoyancy& lift, double submerged, double density_kg_m3) const {
+  const Eigen::Vector3d stream = world_from_body.transpose() * flow.velocity_m_s;
+  const Eigen::Vector3d driven = world_from_body.transpose() * flow.current_acceleration_m_s2;
+  const Eigen::Vector3d orbiting = world_from_body.transpose() * flow.wave_acceleration_m_s2;
+  Vector6d relative = velocity, stream_rate = Vector6d::Zero();
+  relative.head<3>() -= stream;
+  stream_rate.head<3>() = driven + orbiting - velocity.tail<3>().cross(stream);
+
+  const Matrix6d& added = parameters_.added_mass;
+  Vector6d force = submerged * (damping_body(relative) - coriolis(added * relative, relative) + added * stream_rate);
+  const Eigen::Vector3d pushed = density_kg_m3 * lift.volume_m3 * driven;
+  force.head<3>() += pushed;
+  force.tail<3>() += lift.centre_body_m.cross(pushed);
+  return force;
+}
+
 double Craft::kinetic_energy_j(const BodyState& state) const {
-  const Matrix6d mass = rigid_mass_ + submerged_fraction(state.world_from_body) * parameters_.added_mass;
-  return 0.5 * state.velocity_body.dot(mass * state.velocity_body);
+  const double submerged = fraction(hull_.displacement(state.world_from_body).volume_m3);
+  return 0.5 * state.velocity_body.dot((rigid_mass_ + submerged * parameters_.added_mass) * state.velocity_body);
 }
 
 }  // namespace uwsim

@@ -11,6 +11,7 @@ from uwsim.scenario.meshes import Triangles, Vertices, load_mesh
 from uwsim.scenario.obstacles import obstacle_mesh
 from uwsim.scenario.schema import Scenario, Station, Vehicle
 from uwsim.scenario.terrain import Terrain, build_terrain
+from uwsim.scenario.water import build_water
 
 
 def build_world(scenario: Scenario) -> _core.World:
@@ -27,7 +28,7 @@ def build_world(scenario: Scenario) -> _core.World:
     if scenario.station.mesh is not None:
         with place("station", "mesh"):
             world.add_solid("station", *_station_mesh(scenario.station))
-    world.water = _water(scenario, terrain)
+    world.water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
     return world
 
 
@@ -48,18 +49,6 @@ def _station_mesh(station: Station) -> tuple[Vertices, Triangles]:
     assert station.mesh is not None
     vertices, triangles = load_mesh(station.mesh)
     return _world_from_station(station).apply(vertices) + np.asarray(station.position_m), triangles
-
-
-def _water(scenario: Scenario, terrain: Terrain) -> _core.Water:
-    given = scenario.water
-    water = _core.Water()
-    water.density_kg_m3 = given.density_kg_m3
-    water.surface_temperature_deg_c = given.surface_temperature_deg_c
-    water.bottom_temperature_deg_c = given.bottom_temperature_deg_c
-    water.bottom_depth_m = -terrain.lowest_m
-    water.salinity_psu = given.salinity_psu
-    water.current_world_m_s = given.current_world_m_s
-    return water
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain) -> None:

@@ -10,6 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from uwsim.scenario.errors import RepairWarning, ScenarioError
+from uwsim.scenario.uniting import crossings, united
 
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
@@ -19,9 +20,11 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     """Return the same surface closed and winding outward, equal vertices merged. Raises ScenarioError if it cannot be.
 
     Every edge is shared by two triangles that run along it in opposite directions, and the volume is positive.
-    Parts that overlap are each counted: unite them where the hull is made.
+    Closed parts that overlap are united. What crosses itself otherwise is refused: its inside is not defined.
     Merging what STL writes apart is silent; any other repair issues a RepairWarning.
     """
+    if not len(triangles):
+        raise ScenarioError(f"mesh '{name}': has no triangles")
     mesh = trimesh.Trimesh(vertices_m, np.asarray(triangles, np.int64), process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
@@ -31,9 +34,29 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
         raise ScenarioError(f"mesh '{name}': is not closed ({_defects(mesh)}): close it in the program it is from")
     if mesh.volume <= 0.0:
         raise ScenarioError(f"mesh '{name}': encloses no volume")
+    mesh = _simple(mesh, name, done)
     if done:
         warnings.warn(f"mesh '{name}': repaired: {', '.join(done)}", RepairWarning, stacklevel=2)
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
+
+
+def _simple(mesh: trimesh.Trimesh, name: str, done: list[str]) -> trimesh.Trimesh:
+    """Unites parts that overlap, and says so in `done`; refuses what crosses itself still."""
+    whole = None
+    try:
+        whole = united(mesh)
+    except ValueError as error:
+        raise ScenarioError(f"mesh '{name}': its parts overlap and cannot be united: {error}") from None
+    if whole is not None:
+        mesh, count = whole
+        done.append(f"united {count} parts that overlapped")
+    pierced = crossings(mesh.vertices, mesh.faces)
+    if pierced:
+        raise ScenarioError(
+            f"mesh '{name}': crosses itself ({pierced} edges pierce its triangles): make it one outer skin "
+            "(in Blender: a Remesh modifier)"
+        )
+    return mesh
 
 
 def _repair(mesh: trimesh.Trimesh) -> list[str]:

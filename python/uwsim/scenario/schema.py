@@ -26,23 +26,12 @@ from uwsim.scenario.polygon import area, crossing_edges, narrowest_width
 from uwsim.scenario.terrain_spec import TerrainSpec
 from uwsim.scenario.vehicle_model import VehicleModel
 from uwsim.scenario.vehicles import load_vehicle
+from uwsim.scenario.water_spec import Water
 
-Celsius = Annotated[float, InRange(-2, 40, "deg C")]
-MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
 NoseDown = Annotated[float, InRange(-90, 90, "deg")]
 RESERVED_NAMES = ("nothing", "terrain", "station")
 LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 2, 10
 """Of a survey: anything smaller is no area on the map."""
-
-
-class Water(Model):
-    """Still or evenly flowing water. Its temperature is linear from the surface to the terrain's deepest point."""
-
-    density_kg_m3: Annotated[float, InRange(900, 1100, "kg/m3")] = 1000.0
-    surface_temperature_deg_c: Celsius = 15.0
-    bottom_temperature_deg_c: Celsius = 6.0
-    salinity_psu: Annotated[float, InRange(0, 45, "psu")] = 0.0
-    current_world_m_s: tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond] = (0.0, 0.0, 0.0)
 
 
 class Station(Model):
@@ -167,6 +156,14 @@ class Scenario(Model):
                 if item.name in taken:
                     raise broken("is taken", at=(kind, index, "name"), value=item.name)
                 taken.add(item.name)
+        return self
+
+    @model_validator(mode="after")
+    def _one_at_a_time_is_docked(self) -> Scenario:
+        docked = [index for index, vehicle in enumerate(self.vehicles) if vehicle.start is None]
+        if len(docked) > 1:
+            rule = "the dock holds one vehicle; give this one a position_m"
+            raise broken(rule, at=("vehicles", docked[1], "start"), value="station")
         return self
 
     @property

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
-from uwsim import _core
-from uwsim.scenario.fields import AssetFile, Factor, InRange, Model, Name, Point3, YawPitchRoll, broken
-from uwsim.scenario.paths import did_you_mean
+from uwsim.scenario.actuator_spec import FinMount, ThrusterMount
+from uwsim.scenario.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
+from uwsim.scenario.sensor_spec import Sensors
 
 Force = Annotated[float, InRange(0, 1e6, "N")]
 Torque = Annotated[float, InRange(0, 1e6, "N m")]
@@ -19,6 +21,9 @@ AboutLinear = Annotated[float, InRange(0, 1e6, "N m s/rad")]
 AlongQuadratic = Annotated[float, InRange(0, 1e6, "N s2/m2")]
 AboutQuadratic = Annotated[float, InRange(0, 1e6, "N m s2/rad2")]
 Inertia = Annotated[float, InRange(1e-6, 1e6, "kg m2")]
+Entry = Annotated[float, InRange(-1e6, 1e6)]
+Row = tuple[Entry, Entry, Entry, Entry, Entry, Entry]
+Matrix = tuple[Row, Row, Row, Row, Row, Row]
 
 
 class SonarMount(Model):
@@ -27,37 +32,22 @@ class SonarMount(Model):
     position_m: Point3
 
 
-def _check_kind(kind: str) -> str:
-    known = _core.sensor_kinds()
-    if kind not in known:
-        raise broken(f"must be one of {', '.join(known)}{did_you_mean(kind, known)}")
-    return kind
-
-
-class SensorMount(Model):
-    """A sensor of one of the core's kinds. Rays are cast along the sensor's x: yaw 90 looks to port.
-
-    range_max_m: of the kinds that look along a ray. noise_std: white, on every component, in the sensor's own unit.
-    """
-
-    kind: Annotated[str, AfterValidator(_check_kind)]
-    position_m: Point3 = (0.0, 0.0, 0.0)
-    yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
-    range_max_m: Annotated[float, InRange(0.1, 1000, "m")] | None = None
-    noise_std: Annotated[float, InRange(0, 1e6)] = 0.0
-
-
 class VehicleModel(Model):
-    """A rigid vehicle with forces and torques along and about its axes.
+    """A rigid vehicle with thrusters and fins, or with forces and torques straight along and about its axes.
 
     mesh: the hull, closed and winding outward: buoyancy acts on its triangles, it collides, and it gives what is not
     given: the volume always, the inertia (as of a solid of even density) where inertia_kg_m2 is left out.
     Exactly one of mass_kg, density_kg_m3 (of the hull's volume) and `buoyancy: neutral` (the mass of the water that
     the whole hull displaces in the scenario's water).
+    volume_m3, centre_of_buoyancy_m: published figures to which the mesh, which comes near them, is scaled and moved.
+    collision: as its convex hull, as the box round it, or as the convex pieces of the file collision_pieces, which
+    `uwsim decompose` makes of the mesh.
     Six-vectors are surge, sway, heave, roll, pitch, yaw; magnitudes, all positive.
     linear_damping, quadratic_damping: force or torque opposing v and v|v|. added_mass: diagonal, none by default.
+    Each of the three may be a full matrix instead, about the origin, of rows: added_mass_matrix and so on.
     inertia_kg_m2: principal moments about the centre of mass along the body's axes.
-    max_force_n, max_torque_nm: at full effort along and about x, y, z. sensors: by name.
+    max_force_n, max_torque_nm: at full effort along and about x, y, z, of a vehicle without thrusters.
+    thrusters, fins, sensors: by name. sonar: where the multibeam is, if there is one.
     """
 
     name: Name
@@ -65,27 +55,45 @@ class VehicleModel(Model):
     mesh: AssetFile
     mesh_scale: Factor = 1.0
     mesh_up: Literal["y", "z"] | None = None
-    collision: Literal["hull", "box"] = "hull"
+    collision: Literal["hull", "box", "pieces"] = "hull"
+    collision_pieces: AssetFile | None = None
 
     mass_kg: Annotated[float, InRange(0.01, 1e6, "kg")] | None = None
     density_kg_m3: Annotated[float, InRange(1, 20_000, "kg/m3")] | None = None
     buoyancy: Literal["neutral"] | None = None
+    volume_m3: Annotated[float, InRange(1e-6, 1e5, "m3")] | None = None
+    centre_of_buoyancy_m: Point3 | None = None
     centre_of_mass_m: Point3
     inertia_kg_m2: tuple[Inertia, Inertia, Inertia] | None = None
 
     added_mass: tuple[AlongMass, AlongMass, AlongMass, AboutMass, AboutMass, AboutMass] | None = None
-    linear_damping: tuple[AlongLinear, AlongLinear, AlongLinear, AboutLinear, AboutLinear, AboutLinear]
-    quadratic_damping: tuple[
-        AlongQuadratic, AlongQuadratic, AlongQuadratic, AboutQuadratic, AboutQuadratic, AboutQuadratic
-    ]
-    max_force_n: tuple[Force, Force, Force]
-    max_torque_nm: tuple[Torque, Torque, Torque]
+    added_mass_matrix: Matrix | None = None
+    linear_damping: tuple[AlongLinear, AlongLinear, AlongLinear, AboutLinear, AboutLinear, AboutLinear] | None = None
+    linear_damping_matrix: Matrix | None = None
+    quadratic_damping: (
+        tuple[AlongQuadratic, AlongQuadratic, AlongQuadratic, AboutQuadratic, AboutQuadratic, AboutQuadratic] | None
+    ) = None
+    quadratic_damping_matrix: Matrix | None = None
 
+    max_force_n: tuple[Force, Force, Force] | None = None
+    max_torque_nm: tuple[Torque, Torque, Torque] | None = None
+    thrusters: dict[Name, ThrusterMount] = Field(default_factory=dict)
+    fins: dict[Name, FinMount] = Field(default_factory=dict)
+
+    # Coulomb's coefficient, a pair's is the product's root; share of the approach speed, a pair's is the larger.
     friction: Annotated[float, InRange(0, 2)] = 0.5
     restitution: Annotated[float, InRange(0, 1)] = 0.1
 
-    sonar: SonarMount
-    sensors: dict[Name, SensorMount] = Field(default_factory=dict)
+    sonar: SonarMount | None = None
+    sensors: Sensors = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _has_its_pieces(self) -> VehicleModel:
+        if self.collision == "pieces" and self.collision_pieces is None:
+            raise broken("missing: make it with `uwsim decompose` from the mesh", at=("collision_pieces",))
+        if self.collision != "pieces" and self.collision_pieces is not None:
+            raise broken("is only for `collision: pieces`", at=("collision_pieces",))
+        return self
 
     @model_validator(mode="after")
     def _has_one_mass(self) -> VehicleModel:
@@ -98,3 +106,29 @@ class VehicleModel(Model):
                 rule = "the largest must not exceed the sum of the two others, as for any body"
                 raise broken(rule, at=("inertia_kg_m2",), value=list(self.inertia_kg_m2), unit="kg m2")
         return self
+
+    @model_validator(mode="after")
+    def _has_each_coefficient_once(self) -> VehicleModel:
+        for key, is_needed in (("added_mass", False), ("linear_damping", True), ("quadratic_damping", True)):
+            diagonal, matrix = getattr(self, key), getattr(self, key + "_matrix")
+            if diagonal is not None and matrix is not None:
+                raise broken(f"must not be given beside {key}", at=(key + "_matrix",))
+            if is_needed and diagonal is None and matrix is None:
+                raise broken("missing", at=(key,))
+        return self
+
+    @model_validator(mode="after")
+    def _is_driven_one_way(self) -> VehicleModel:
+        for key in ("max_force_n", "max_torque_nm"):
+            if self.thrusters and getattr(self, key) is not None:
+                raise broken("must not be given for a vehicle with thrusters", at=(key,))
+            if not self.thrusters and getattr(self, key) is None:
+                raise broken("missing", at=(key,))
+        return self
+
+    def matrix(self, key: Literal["added_mass", "linear_damping", "quadratic_damping"]) -> NDArray[np.float64]:
+        """(6, 6), whichever way it was given; zero where it was not."""
+        full, diagonal = getattr(self, key + "_matrix"), getattr(self, key)
+        if full is not None:
+            return np.array(full, np.float64)
+        return np.diag(np.zeros(6) if diagonal is None else np.array(diagonal, np.float64))

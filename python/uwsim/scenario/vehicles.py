@@ -13,10 +13,14 @@ from numpy.typing import NDArray
 
 from uwsim.scenario.closing import closed_mesh
 from uwsim.scenario.document import read_document
+from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.meshes import load_mesh
 from uwsim.scenario.messages import validated
 from uwsim.scenario.paths import assets_folder, find_yaml
 from uwsim.scenario.vehicle_model import VehicleModel
+
+VOLUME_SCALE = 0.1
+"""Of lengths, by which a mesh may be scaled to a published volume: more makes it another vehicle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +50,24 @@ def load_vehicle(source: str | Path, folder: Path | None = None) -> VehicleModel
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError.
 
-    Read and mended once as long as the file stays the same: the arrays are read-only.
+    Scaled evenly to the model's volume and moved to its centre of buoyancy, where it gives them.
     """
+    name = str(model.mesh)
     file = model.mesh.stat() if model.mesh.is_file() else None
     stamp = (file.st_mtime_ns, file.st_size) if file else None
-    return _closed_hull(model.mesh, stamp, model.mesh_scale, model.mesh_up)
+    vertices, triangles = _closed_hull(model.mesh, stamp, model.mesh_scale, model.mesh_up)
+    if model.volume_m3 is None and model.centre_of_buoyancy_m is None:
+        return vertices, triangles
+    hull = trimesh.Trimesh(vertices, triangles, process=False)
+    middle = np.asarray(hull.center_mass, np.float64)
+    factor = 1.0 if model.volume_m3 is None else float(np.cbrt(model.volume_m3 / hull.volume))
+    if not 1 - VOLUME_SCALE <= factor <= 1 + VOLUME_SCALE:
+        raise ScenarioError(
+            f"mesh '{name}': encloses {hull.volume:.4g} m3, volume_m3 = {model.volume_m3:.4g} m3: "
+            f"lengths would scale by {factor:.3g}, must be within {VOLUME_SCALE:.0%}; mend the mesh or set mesh_scale"
+        )
+    there = middle if model.centre_of_buoyancy_m is None else np.asarray(model.centre_of_buoyancy_m)
+    return (vertices - middle) * factor + there, triangles
 
 
 @lru_cache(maxsize=16)

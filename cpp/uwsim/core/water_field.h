@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <span>
+
+namespace uwsim {
+
+/// How the water moves at a place and time, world frame.
+struct WaterFlow {
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();               ///< current and waves together
+  Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();     ///< local rate, driven by `gauge_pressure_at`
+  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();  ///< local rate, driven from outside
+};
+
+/// A layer in which density is linear in height: rho(z) = density_kg_m3 + gradient_kg_m4 (z - reference_m).
+struct DensityLayer {
+  double low_m = -std::numeric_limits<double>::infinity();
+  double high_m = std::numeric_limits<double>::infinity();
+  double reference_m = 0;
+  double density_kg_m3 = 1000;
+  double gradient_kg_m4 = 0;
+
+  double at(double z_world_m) const { return density_kg_m3 + gradient_kg_m4 * (z_world_m - reference_m); }
+};
+
+/// Heights that bound the surface somewhere [m].
+struct SurfaceSpan {
+  double low_m = 0;
+  double high_m = 0;
+};
+
+/// What waves do to a wholly submerged volume, per unit of density: force [N / (kg/m3)] and moment about its centroid.
+struct WaveLoad {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+};
+
+/// The water as its force models see it: density, pressure, surface and motion at a place (world ENU, mean surface at
+/// z = 0) and a time. Pure functions of their arguments, free of allocation.
+class WaterField {
+ public:
+  virtual ~WaterField() = default;
+
+  /// Surface flat at z = 0 and density uniform: closed forms serve.
+  virtual bool calm_and_even() const = 0;
+  virtual double gravity() const = 0;                     ///< [m/s^2]
+  virtual double density_at(double z_world_m) const = 0;  ///< at rest [kg/m^3]
+  virtual DensityLayer density_layer_at(double z_world_m) const = 0;
+  /// No surface is farther than this from z = 0 [m]; 0 where it is flat.
+  virtual double wave_bound_m() const = 0;
+  /// Bounds of the surface within `radius_m` of a point: what is below low_m is wet, what is above high_m is dry.
+  virtual SurfaceSpan surface_span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const = 0;
+  virtual double surface_height_at(double x_world_m, double y_world_m, double time_s) const = 0;  ///< [m]
+  /// Above the atmosphere's, 0 above the surface [Pa].
+  virtual double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
+  /// Gauge pressure of water at rest under z = 0: the integral of rho g from z up to 0, negative above [Pa].
+  virtual double still_pressure_at(double z_world_m) const = 0;
+  /// Height of still water [m] whose pressure each point feels, so that gauge pressure = still_pressure_at(-head);
+  /// negative above the surface, by how far the point is above it.
+  virtual void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
+                              std::span<double> heads_m) const = 0;
+  /// `second_moment_m5` is the integral of d d^T over the volume, d from its centroid, world frame.
+  virtual WaveLoad wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3,
+                             const Eigen::Matrix3d& second_moment_m5, double time_s) const = 0;
+  virtual WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
+};
+
+/// Water of one density with a flat surface at z = 0 and one steady current.
+class EvenWater : public WaterField {
+ public:
+  double density_kg_m3 = 1000;
+  double gravity_m_s2 = 9.80665;  ///< standard gravity (CGPM 1901)
+  Eigen::Vector3d current_world_m_s = Eigen::Vector3d::Zero();
+
+  bool calm_and_even() const override { return true; }
+  double gravity() const override { return gravity_m_s2; }
+  double density_at(double) const override { return density_kg_m3; }
+  DensityLayer density_layer_at(double) const override { return {.density_kg_m3 = density_kg_m3}; }
+  double wave_bound_m() const override { return 0; }
+  SurfaceSpan surface_span_at(double, double, double, double) const override { return {}; }
+  double surface_height_at(double, double, double) const override { return 0; }
+  double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double) const override {
+    return point_world_m.z() < 0 ? still_pressure_at(point_world_m.z()) : 0;
+  }
+  double still_pressure_at(double z_world_m) const override { return -density_kg_m3 * gravity_m_s2 * z_world_m; }
+  void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double,
+                      std::span<double> heads_m) const override {
+    for (std::size_t k = 0; k < points_world_m.size(); ++k) heads_m[k] = -points_world_m[k].z();
+  }
+  WaveLoad wave_load(const Eigen::Vector3d&, double, const Eigen::Matrix3d&, double) const override { return {}; }
+  WaterFlow flow_at(const Eigen::Vector3d&, double) const override { return {.velocity_m_s = current_world_m_s}; }
+};
+
+}  // namespace uwsim

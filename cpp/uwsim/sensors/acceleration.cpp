@@ -1,0 +1,31 @@
+#include "uwsim/sensors/mounted.h"
+
+namespace uwsim {
+namespace {
+
+/// Inertial acceleration of the sensor (free of gravity, unlike an IMU's) and its angular acceleration, in its axes.
+class Acceleration final : public Mounted {
+ public:
+  explicit Acceleration(const SensorSpec& spec) : Mounted(spec) {}
+
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    Eigen::Vector3d::Map(&raw[0]) = sensor_axes(acceleration_body_m_s2(input));
+    Eigen::Vector3d::Map(&raw[3]) = sensor_axes(input.moment.acceleration_body.tail<3>());
+  }
+};
+
+constexpr Field kFields[] = {{"linear_acceleration_m_s2", 3, "m/s2"}, {"angular_acceleration_rad_s2", 3, "rad/s2"}};
+constexpr Channel kChannels[] = {{"linear_acceleration", 3, "m/s2"}, {"angular_acceleration", 3, "rad/s2"}};
+
+}  // namespace
+
+extern const SensorKind kAcceleration;
+constinit const SensorKind kAcceleration = {"acceleration",
+                                            "acceleration without gravity and angular acceleration, sensor axes",
+                                            kFields,
+                                            kChannels,
+                                            0,
+                                            {},
+                                            make_sensor<Acceleration>};
+
+}  // namespace uwsim

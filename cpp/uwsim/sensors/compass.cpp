@@ -1,0 +1,62 @@
+#include <cmath>
+#include <numbers>
+
+#include "uwsim/sensors/mounted.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+/// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The earth's field (strength,
+/// inclination below the horizon, declination east of the world's north, +y) is taken in sensor axes, the vehicle's own
+/// field ("hard iron") added, and levelled with the true roll and pitch; heading = atan2 of the levelled components.
+/// Hard iron h thus turns it by about h_across / (B cos I). Groves 2013, "Principles of GNSS, Inertial...", ch. 6.1.
+class Compass final : public Mounted {
+ public:
+  explicit Compass(const SensorSpec& spec) : Mounted(spec), hard_iron_ut_(spec.vector3("hard_iron_ut")) {
+    const double declination = spec.number("declination_deg") * kRadPerDeg;
+    const double inclination = spec.number("inclination_deg") * kRadPerDeg;
+    field_world_ut_ = spec.number("field_ut") * Eigen::Vector3d(std::sin(declination) * std::cos(inclination),
+                                                                std::cos(declination) * std::cos(inclination),
+                                                                -std::sin(inclination));
+  }
+
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    const Pose sensor = world_from_sensor(input);
+    const Eigen::Vector3d ahead = sensor.direction(Eigen::Vector3d::UnitX());
+    const Eigen::Vector3d measured_world_ut = field_world_ut_ + sensor.direction(hard_iron_ut_);
+    // From where the sensor points, horizontally, counter-clockwise to where the field does.
+    raw[0] = std::atan2(ahead.x() * measured_world_ut.y() - ahead.y() * measured_world_ut.x(),
+                        ahead.x() * measured_world_ut.x() + ahead.y() * measured_world_ut.y());
+  }
+
+  bool report(std::span<const double> raw, std::span<double> reading) const override {
+    const double turned = std::fmod(raw[0], kTurn);
+    const double heading = turned < 0 ? turned + kTurn : turned;
+    reading[0] = heading < kTurn ? heading : 0;
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d hard_iron_ut_;
+  Eigen::Vector3d field_world_ut_;
+};
+
+constexpr Field kFields[] = {{"heading_rad", 1, "rad"}};
+constexpr Channel kChannels[] = {{"heading", 1, "rad"}};
+constexpr Parameter kParameters[] = {
+    {"hard_iron_ut", 3, 0, -1000, 1000, "uT", "the vehicle's own field, sensor axes"},
+    {"declination_deg", 1, 0, -180, 180, "deg", "magnetic north east of true north"},
+    {"inclination_deg", 1, 60, -89, 89, "deg", "of the field below the horizon (assumed: middle latitudes)"},
+    {"field_ut", 1, 50, 1, 100, "uT", "the earth's field (IGRF: 25 to 65 uT)"}};
+
+}  // namespace
+
+extern const SensorKind kCompass;
+constinit const SensorKind kCompass = {
+    "compass",           "magnetic heading, clockwise from magnetic north", kFields, kChannels, 0, kParameters,
+    make_sensor<Compass>};
+
+}  // namespace uwsim

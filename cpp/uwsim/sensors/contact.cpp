@@ -1,0 +1,21 @@
+#include "uwsim/sensors/sensor.h"
+
+namespace uwsim {
+namespace {
+
+/// 1 while the vehicle touches anything, else 0.
+class Contact final : public Sensor {
+ public:
+  explicit Contact(const SensorSpec&) {}
+  void observe(const SensorInput& input, std::span<double> raw) const override { raw[0] = input.moment.touching; }
+};
+
+constexpr Field kFields[] = {{"touching", 1, "1"}};
+
+}  // namespace
+
+extern const SensorKind kContact;
+constinit const SensorKind kContact = {
+    "contact", "1 while the vehicle touches anything, else 0", kFields, {}, 1, {}, make_sensor<Contact>};
+
+}  // namespace uwsim

@@ -1,0 +1,98 @@
+#include "uwsim/sensors/noisy_sensor.h"
+
+#include <cmath>
+#include <string>
+
+#include "uwsim/core/check.h"
+#include "uwsim/sensors/sensor_kinds.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kMaxHeldSamples = 1e5;
+
+/// As many as may be under way, the one that has arrived, and one more for rounding.
+std::size_t held_samples(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
+  const double held = (spec.latency_s + sensor.longest_travel_time_s()) / clock.period_s() + 3;
+  require(held <= kMaxHeldSamples, "sensors." + spec.name + ".latency_s", spec.latency_s,
+          "must not be longer than 100000 samples take");
+  return static_cast<std::size_t>(held);
+}
+
+std::string stream_name(std::string_view vehicle, const SensorSpec& spec) {
+  return std::string(vehicle) + "/" + spec.name;
+}
+
+}  // namespace
+
+NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string_view vehicle, std::uint64_t step_ns)
+    : kind_(&sensor_kind(spec.kind, "sensors." + spec.name + ".kind")),
+      spec_(completed(spec, *kind_)),
+      sensor_(kind_->make(spec_)),
+      clock_(spec.rate_hz, step_ns),
+      noise_(*kind_, spec_, seed, stream_name(vehicle, spec), clock_.period_s()),
+      drop_out_(seed, stream_name(vehicle, spec) + "/drop_out"),
+      history_(held_samples(spec_, *sensor_, clock_)),
+      raw_(kind_->raw_width()) {
+  sample_.values.resize(kind_->reading_width());
+  const bool present_only =
+      clock_.every_step() && spec_.latency_s == 0 && spec_.drop_out == 0 && sensor_->longest_travel_time_s() == 0;
+  if (!present_only) next_due_ = 0;
+}
+
+void NoisySensor::keep(const Moment& moment) {
+  if (clock_.samples_at(moment.tick)) history_.push(moment, dropped(moment.tick));
+  next_due_ = clock_.tick_of(clock_.sample_at(moment.tick) + 1);
+}
+
+bool NoisySensor::dropped(std::uint64_t tick) const {
+  return spec_.drop_out > 0 && drop_out_.uniform(clock_.sample_at(tick)) < spec_.drop_out;
+}
+
+SensorInput NoisySensor::input(const Moment& moment, const Surroundings& around) const {
+  return {moment, around, 1e-9 * static_cast<double>(clock_.time_ns(moment.tick))};
+}
+
+bool NoisySensor::arrived(const SampleHistory::Entry& entry, const Moment& now, const Surroundings& around) const {
+  const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(entry.moment, around));
+  return clock_.time_ns(entry.moment.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
+         clock_.time_ns(now.tick);
+}
+
+void NoisySensor::measure(const Moment& moment, const Surroundings& around, bool with_noise) {
+  sensor_->observe(input(moment, around), raw_);
+  if (with_noise) noise_.apply(clock_.sample_at(moment.tick), raw_);
+  measured_valid_ = sensor_->report(raw_, sample_.values);
+  sample_.stamp_ns = clock_.time_ns(moment.tick);
+  sample_.valid = measured_valid_;
+  measured_tick_ = kNever;
+}
+
+const Sample& NoisySensor::read_true(const Moment& now, const Surroundings& around) {
+  measure(now, around, false);
+  return sample_;
+}
+
+const Sample& NoisySensor::read(const Moment& now, const Surroundings& around) {
+  bool newest_dropped = false, found = false;
+  const auto take = [&](const SampleHistory::Entry& entry, bool kept) {
+    if (!arrived(entry, now, around)) return false;
+    newest_dropped |= entry.dropped;
+    if (entry.dropped) return false;
+    if (!kept || measured_tick_ != entry.moment.tick) measure(entry.moment, around, true);
+    if (kept) measured_tick_ = entry.moment.tick;
+    sample_.valid = measured_valid_ && !newest_dropped;
+    return found = true;
+  };
+  const bool taken_now = clock_.samples_at(now.tick) && take({now, dropped(now.tick)}, false);
+  if (!taken_now) {
+    history_.visit_back([&](const SampleHistory::Entry& entry) { return take(entry, true); });
+  }
+  if (!found) {
+    measure(now, around, true);
+    sample_.valid = false;
+  }
+  return sample_;
+}
+
+}  // namespace uwsim

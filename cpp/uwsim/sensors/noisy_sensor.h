@@ -1,0 +1,63 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "uwsim/sensors/noise.h"
+#include "uwsim/sensors/sample_clock.h"
+#include "uwsim/sensors/sample_history.h"
+#include "uwsim/sensors/sensor.h"
+
+namespace uwsim {
+
+struct Sample {
+  std::vector<double> values;  ///< the kind's fields, one after the other
+  std::uint64_t stamp_ns = 0;  ///< when it was taken
+  bool valid = false;
+};
+
+/// A sensor with its errors, rate, delay and drop-outs. A read gives the newest sample that has arrived, with the stamp
+/// of when it was taken. Where that one was dropped: the last that came through, marked invalid; before the first
+/// has arrived: the present one, marked invalid. Samples depend on seed, names and time alone, not on what is read.
+class NoisySensor {
+ public:
+  static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
+
+  /// Throws InvalidValue for an unknown kind, parameter or channel, or a value out of range.
+  NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string_view vehicle, std::uint64_t step_ns);
+
+  const SensorSpec& spec() const { return spec_; }
+  const SensorKind& kind() const { return *kind_; }
+
+  /// The next step whose end must be shown to keep(); kNever for a sensor that only looks at the present.
+  std::uint64_t next_due() const { return next_due_; }
+  void keep(const Moment& moment);
+
+  /// The reference holds until the next read.
+  const Sample& read(const Moment& now, const Surroundings& around);
+  /// The present without errors, rate, delay and drop-outs.
+  const Sample& read_true(const Moment& now, const Surroundings& around);
+
+ private:
+  bool dropped(std::uint64_t tick) const;
+  bool arrived(const SampleHistory::Entry& entry, const Moment& now, const Surroundings& around) const;
+  void measure(const Moment& moment, const Surroundings& around, bool with_noise);
+  SensorInput input(const Moment& moment, const Surroundings& around) const;
+
+  const SensorKind* kind_;
+  SensorSpec spec_;
+  std::unique_ptr<Sensor> sensor_;
+  SampleClock clock_;
+  Noise noise_;
+  RandomStream drop_out_;
+  std::uint64_t next_due_ = kNever;
+  SampleHistory history_;
+  std::vector<double> raw_;
+  Sample sample_;
+  std::uint64_t measured_tick_ = kNever;  ///< of the kept moment that sample_ was made of
+  bool measured_valid_ = false;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "uwsim/sensors/sensor.h"
+
+namespace uwsim {
+
+/// The vehicle at a sensor's last sampling times, in a ring of fixed size. Of what left the ring, the newest that was
+/// not dropped stays known, so that a reader always finds what last came through.
+class SampleHistory {
+ public:
+  struct Entry {
+    Moment moment;
+    bool dropped = false;
+  };
+
+  explicit SampleHistory(std::size_t capacity) : ring_(capacity) {}
+
+  void push(const Moment& moment, bool dropped) {
+    Entry& oldest = ring_[pushed_ % ring_.size()];
+    if (pushed_ >= ring_.size() && !oldest.dropped) last_evicted_ = oldest;
+    oldest = {moment, dropped};
+    ++pushed_;
+  }
+
+  /// Newest first; of what left the ring, only the last that was not dropped.
+  template <typename Visit>
+  void visit_back(Visit&& stop_at) const {
+    const std::size_t held = std::min(pushed_, ring_.size());
+    for (std::size_t age = 1; age <= held; ++age) {
+      if (stop_at(ring_[(pushed_ - age) % ring_.size()])) return;
+    }
+    if (last_evicted_) stop_at(*last_evicted_);
+  }
+
+ private:
+  std::vector<Entry> ring_;
+  std::size_t pushed_ = 0;
+  std::optional<Entry> last_evicted_;
+};
+
+}  // namespace uwsim

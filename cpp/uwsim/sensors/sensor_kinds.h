@@ -1,0 +1,19 @@
+#pragma once
+
+#include <span>
+
+#include "uwsim/sensors/sensor.h"
+
+namespace uwsim {
+
+/// The kinds that are built in, one file each in this folder.
+std::span<const SensorKind* const> sensor_kinds();
+
+/// Throws InvalidValue with the names there are; `path` is what the message calls the key.
+const SensorKind& sensor_kind(std::string_view name, const std::string& path = "kind");
+
+/// The spec with every parameter of its kind. Throws InvalidValue for an unknown parameter or channel, or a value out
+/// of range.
+SensorSpec completed(SensorSpec spec, const SensorKind& kind);
+
+}  // namespace uwsim

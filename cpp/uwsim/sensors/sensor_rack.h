@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "uwsim/core/check.h"
+#include "uwsim/sensors/noisy_sensor.h"
+
+namespace uwsim {
+
+/// The sensors of one vehicle, and when the next of them takes a sample.
+class SensorRack {
+ public:
+  SensorRack() = default;
+  SensorRack(const std::vector<SensorSpec>& specs, std::uint64_t seed, std::string_view vehicle,
+             std::uint64_t step_ns) {
+    for (const SensorSpec& spec : specs) {
+      for (const NoisySensor& other : sensors_) {
+        require(other.spec().name != spec.name, "sensors.name", spec.name, "must be unique");
+      }
+      sensors_.emplace_back(spec, seed, vehicle, step_ns);
+      next_due_ = std::min(next_due_, sensors_.back().next_due());
+    }
+  }
+
+  std::size_t size() const { return sensors_.size(); }
+  NoisySensor& at(std::size_t index) { return sensors_.at(index); }
+  const NoisySensor& at(std::size_t index) const { return sensors_.at(index); }
+
+  /// Whether keep() must be shown the end of step `tick` before the next step. Most steps cost this comparison.
+  bool due(std::uint64_t tick) const { return tick >= next_due_; }
+  /// Frees and takes no memory.
+  void keep(const Moment& moment) {
+    next_due_ = NoisySensor::kNever;
+    for (NoisySensor& sensor : sensors_) {
+      if (moment.tick >= sensor.next_due()) sensor.keep(moment);
+      next_due_ = std::min(next_due_, sensor.next_due());
+    }
+  }
+
+ private:
+  std::vector<NoisySensor> sensors_;
+  std::uint64_t next_due_ = NoisySensor::kNever;
+};
+
+}  // namespace uwsim

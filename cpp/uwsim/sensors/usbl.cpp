@@ -1,0 +1,87 @@
+#include <cmath>
+
+#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/sensors/mounted.h"
+
+namespace uwsim {
+namespace {
+
+/// Acoustic position fix by an ultra-short baseline at the station. The vehicle pings at a sample's time; the station
+/// takes range and direction and sends the fix back, so that the vehicle has it a travel time both ways, 2 R / c,
+/// later. Range error: along the line of sight; bearing error: two small angles across it, so that the fix errs R x
+/// angle. c: Mackenzie's at the mean of both depths, along a straight ray; what stands in between does not shadow it.
+/// Out of range: no fix, range 0, invalid.
+class Usbl final : public Mounted {
+ public:
+  explicit Usbl(const SensorSpec& spec) : Mounted(spec), range_max_m_(spec.number("range_max_m")) {}
+
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    const Eigen::Vector3d line = from_station(input);
+    raw[0] = line.norm();
+    raw[1] = raw[2] = 0;
+    Eigen::Vector3d::Map(&raw[3]) = raw[0] > 0 ? (line / raw[0]).eval() : -Eigen::Vector3d::UnitZ().eval();
+    raw[6] = raw[0] <= range_max_m_;
+  }
+
+  bool report(std::span<const double> raw, std::span<double> reading) const override {
+    const bool heard = raw[6] > 0;
+    const Eigen::Vector3d sight = Eigen::Vector3d::Map(&raw[3]);
+    const Eigen::Vector3d across =
+        (std::hypot(sight.x(), sight.y()) > 1e-9 ? Eigen::Vector3d(-sight.y(), sight.x(), 0).normalized()
+                                                 : Eigen::Vector3d::UnitY().eval());
+    const Eigen::Vector3d seen =
+        (sight + std::tan(raw[1]) * across + std::tan(raw[2]) * sight.cross(across)).normalized();
+    Eigen::Vector3d::Map(&reading[0]) = heard ? (raw[0] * seen).eval() : Eigen::Vector3d::Zero().eval();
+    reading[3] = heard ? raw[0] : 0;
+    reading[4] = heard ? std::atan2(seen.y(), seen.x()) : 0;
+    reading[5] = heard ? std::asin(std::clamp(seen.z(), -1.0, 1.0)) : 0;
+    return heard;
+  }
+
+  double travel_time_s(const SensorInput& input) const override {
+    const Eigen::Vector3d line = from_station(input);
+    const double station_z = input.around.station_world_m.z();
+    double slowness_s_m = 0;  // mean over the depths passed through, which a straight ray passes evenly
+    for (int part = 0; part < kParts; ++part) {
+      slowness_s_m += 1 / sound_speed(input.around.water, station_z + line.z() * (part + 0.5) / kParts) / kParts;
+    }
+    return 2 * std::min(line.norm(), range_max_m_) * slowness_s_m;
+  }
+
+  double longest_travel_time_s() const override { return 2 * range_max_m_ / kSlowestSound_m_s; }
+
+ private:
+  static constexpr int kParts = 8;
+  static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
+
+  /// What the water's profile gives, else Mackenzie's.
+  static double sound_speed(const Water& water, double z_world_m) {
+    const double z = std::min(z_world_m, 0.0), given_m_s = water.given_sound_speed_m_s(z);
+    return given_m_s > 0 ? given_m_s : sound_speed_m_s(water.temperature_deg_c(z), water.salinity_at_psu(z), -z);
+  }
+
+  Eigen::Vector3d from_station(const SensorInput& input) const {
+    return world_from_sensor(input).position_m - input.around.station_world_m;
+  }
+
+  double range_max_m_;
+};
+
+constexpr Field kFields[] = {
+    {"position_m", 3, "m"}, {"range_m", 1, "m"}, {"azimuth_rad", 1, "rad"}, {"elevation_rad", 1, "rad"}};
+constexpr Channel kChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}};
+constexpr Parameter kParameters[] = {{"range_max_m", 1, 1000, 1, 10000, "m", "from the station; farther is no fix"}};
+
+}  // namespace
+
+extern const SensorKind kUsbl;
+constinit const SensorKind kUsbl = {
+    "usbl",
+    "position from the station (world axes), range, azimuth from east to north, elevation (up is positive)",
+    kFields,
+    kChannels,
+    4,
+    kParameters,
+    make_sensor<Usbl>};
+
+}  // namespace uwsim

@@ -1,0 +1,27 @@
+#include "uwsim/sensors/mounted.h"
+
+namespace uwsim {
+namespace {
+
+/// How the sensor moves over ground and turns, in its own axes: odometry as the truth tells it, with errors.
+class Velocity final : public Mounted {
+ public:
+  explicit Velocity(const SensorSpec& spec) : Mounted(spec) {}
+
+  void observe(const SensorInput& input, std::span<double> raw) const override {
+    Eigen::Vector3d::Map(&raw[0]) = sensor_axes(velocity_body_m_s(input));
+    Eigen::Vector3d::Map(&raw[3]) = sensor_axes(input.moment.state.angular_body_rad_s());
+  }
+};
+
+constexpr Field kFields[] = {{"linear_velocity_m_s", 3, "m/s"}, {"angular_velocity_rad_s", 3, "rad/s"}};
+constexpr Channel kChannels[] = {{"linear_velocity", 3, "m/s"}, {"angular_velocity", 3, "rad/s"}};
+
+}  // namespace
+
+extern const SensorKind kVelocity;
+constinit const SensorKind kVelocity = {
+    "velocity",           "velocity over ground and angular velocity, sensor axes", kFields, kChannels, 0, {},
+    make_sensor<Velocity>};
+
+}  // namespace uwsim

@@ -1,0 +1,220 @@
+#include "uwsim/vehicle/actuators.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr std::array<const char*, 6> kAxes = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
+
+template <typename Part>
+void require_unique_names(const std::vector<Part>& parts, const char* path) {
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    for (std::size_t other = 0; other < k; ++other) {
+      require(parts[k].name != parts[other].name, path, parts[k].name, "names must be unique");
+    }
+  }
+}
+
+/// (n,) of values by name, 0 where none is given; `most` is each part's limit, 0 of one that takes no command.
+template <typename Part, typename Most>
+std::vector<double> by_part(const std::vector<Part>& parts, const Actuators::Named& given, const char* path, Most most,
+                            const char* unit) {
+  std::vector<double> values(parts.size(), 0);
+  for (const auto& [name, value] : given) {
+    const auto part = std::find_if(parts.begin(), parts.end(),
+                                   [&](const Part& p) { return p.parameters().name == name && most(p) > 0; });
+    if (part == parts.end()) {
+      std::string known;
+      for (const Part& p : parts) known += most(p) > 0 ? (known.empty() ? "" : ", ") + p.parameters().name : "";
+      require(false, path, "'" + name + "'", known.empty() ? "the vehicle has none" : "must be one of " + known);
+    }
+    const double limit = most(*part);
+    if (!(std::abs(value) <= limit)) {
+      std::ostringstream shown, rule;
+      shown << value << unit;
+      rule << "must be in [-" << limit << ", " << limit << "]" << unit;
+      require(false, path + ("." + name), shown.str(), rule.str());
+    }
+    values[static_cast<std::size_t>(part - parts.begin())] = value;
+  }
+  return values;
+}
+
+}  // namespace
+
+void ActuatorsSpec::check() const {
+  require(full_wrench_body.allFinite() && full_wrench_body.minCoeff() >= 0, "full_wrench_body",
+          full_wrench_body.transpose(), "must not be negative");
+  require(thrusters.empty() || full_wrench_body.isZero(0), "full_wrench_body", full_wrench_body.transpose(),
+          "must be zero for a vehicle with thrusters");
+  require_unique_names(thrusters, "thrusters");
+  require_unique_names(fins, "fins");
+}
+
+Actuators::Actuators(const ActuatorsSpec& spec) {
+  spec.check();
+  full_straight_ = spec.full_wrench_body;
+  straight_ = !full_straight_.isZero(0);
+  for (const ThrusterParameters& parameters : spec.thrusters) thrusters_.emplace_back(parameters);
+  for (const FinParameters& parameters : spec.fins) fins_.emplace_back(parameters);
+
+  const auto n = static_cast<Eigen::Index>(thrusters_.size());
+  Eigen::Matrix<double, 6, Eigen::Dynamic> columns(6, n);
+  Eigen::VectorXd lowest(n), highest(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Thruster& thruster = thrusters_[static_cast<std::size_t>(k)];
+    columns.col(k) = thruster.column();
+    lowest(k) = thruster.parameters().curve.lowest_n();
+    highest(k) = thruster.parameters().curve.highest_n();
+    reach_m_ = std::max(reach_m_, thruster.parameters().position_body_m.norm() + thruster.parameters().diameter_m);
+  }
+  allocation_ = Allocation(columns, lowest, highest);
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    for (const int side : {0, 1}) {
+      const Vector6d unit = (side == 0 ? 1.0 : -1.0) * Vector6d::Unit(axis);
+      full_[static_cast<std::size_t>(side)](axis) = full_straight_(axis) + allocation_.reach(unit);
+    }
+  }
+  prepare_fins();
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    controllable_[axis] = full_[0](k) > 0 || full_[1](k) > 0 || !fin_angles_rad_.col(k).isZero(0);
+  }
+}
+
+/// Fins turn the vehicle: each of roll, pitch and yaw takes the deflections of least effort that give a torque about it
+/// alone, in flow from ahead, the largest of them at its limit.
+void Actuators::prepare_fins() {
+  const auto n = static_cast<Eigen::Index>(fins_.size());
+  fin_angles_rad_.setZero(n, 6);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> torques(6, n);
+  Eigen::VectorXd most(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Fin& fin = fins_[static_cast<std::size_t>(k)];
+    most(k) = fin.parameters().deflection_max_rad;
+    torques.col(k) = most(k) * fin.column();
+    reach_m_ = std::max(reach_m_, fin.parameters().position_body_m.norm() +
+                                      std::sqrt(fin.parameters().area_m2 * fin.parameters().aspect_ratio));
+  }
+  torques.topRows<3>().setZero();
+  const std::array<bool, 6> turned = independent_axes(torques);
+  std::vector<Eigen::Index> axes;
+  for (Eigen::Index axis = 3; axis < 6; ++axis) {
+    if (turned[static_cast<std::size_t>(axis)]) axes.push_back(axis);
+  }
+  if (axes.empty()) return;
+  Eigen::MatrixXd chosen(axes.size(), n);
+  for (std::size_t k = 0; k < axes.size(); ++k) chosen.row(static_cast<Eigen::Index>(k)) = torques.row(axes[k]);
+  const Eigen::MatrixXd shares = chosen.completeOrthogonalDecomposition().pseudoInverse();
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    const Eigen::VectorXd share = shares.col(static_cast<Eigen::Index>(k));
+    fin_angles_rad_.col(axes[k]) = share.cwiseProduct(most) / share.cwiseAbs().maxCoeff();
+  }
+}
+
+void Actuators::set_effort(const Vector6d& effort) {
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    require(std::abs(effort(axis)) <= 1, std::string("effort.") + kAxes[static_cast<std::size_t>(axis)], effort(axis),
+            "must be in [-1, 1]");
+  }
+  effort_ = effort;
+  straight_wrench_ = effort.cwiseProduct(full_straight_);
+  if (!thrusters_.empty()) {
+    Vector6d wrench;
+    for (Eigen::Index axis = 0; axis < 6; ++axis) wrench(axis) = effort(axis) * full_[effort(axis) < 0](axis);
+    share_out(wrench);
+  }
+  deflect(effort);
+}
+
+void Actuators::set_wrench(const Vector6d& wrench_body) {
+  require(wrench_body.allFinite(), "wrench_body", wrench_body.transpose(), "must be finite");
+  effort_.setZero();
+  double most = 1;
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    if (full_straight_(axis) > 0 && wrench_body(axis) != 0) {
+      most = std::min(most, full_straight_(axis) / std::abs(wrench_body(axis)));
+    }
+  }
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    straight_wrench_(axis) = full_straight_(axis) > 0 ? most * wrench_body(axis) : 0;
+  }
+  if (!thrusters_.empty()) share_out(wrench_body);
+}
+
+void Actuators::share_out(const Vector6d& wrench_body) {
+  const Eigen::VectorXd thrusts = allocation_.thrusts_n(wrench_body);
+  for (std::size_t k = 0; k < thrusters_.size(); ++k) {
+    const double command = thrusters_[k].parameters().curve.command(thrusts(static_cast<Eigen::Index>(k)));
+    thrusters_[k].set_command(command);
+  }
+}
+
+void Actuators::deflect(const Vector6d& effort) {
+  const Eigen::VectorXd angles = fin_angles_rad_ * effort;
+  double excess = 1;
+  for (std::size_t k = 0; k < fins_.size(); ++k) {
+    const double most = fins_[k].parameters().deflection_max_rad;
+    if (most > 0) excess = std::max(excess, std::abs(angles(static_cast<Eigen::Index>(k))) / most);
+  }
+  for (std::size_t k = 0; k < fins_.size(); ++k) fins_[k].set_command(angles(static_cast<Eigen::Index>(k)) / excess);
+}
+
+void Actuators::set_thrusters(const Named& commands) {
+  const std::vector<double> values = by_part(
+      thrusters_, commands, "thrusters", [](const Thruster&) { return 1.0; }, "");
+  for (std::size_t k = 0; k < thrusters_.size(); ++k) thrusters_[k].set_command(values[k]);
+  effort_.setZero();
+  straight_wrench_.setZero();
+}
+
+void Actuators::set_fins(const Named& angles_rad) {
+  const std::vector<double> values = by_part(
+      fins_, angles_rad, "fins", [](const Fin& fin) { return fin.parameters().deflection_max_rad; }, " rad");
+  for (std::size_t k = 0; k < fins_.size(); ++k) fins_[k].set_command(values[k]);
+}
+
+void Actuators::advance(double step_s, bool powered) {
+  powered_ = powered;
+  for (Thruster& thruster : thrusters_) thruster.advance(step_s, powered);
+  if (!powered) return;
+  for (Fin& fin : fins_) fin.advance(step_s);
+}
+
+/// Height of the water's surface over the origin; infinite when everything is far below it.
+double Actuators::surface_above(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  const Eigen::Vector3d& at = world_from_body.position_m;
+  if (at.z() + reach_m_ < -water.wave_bound_m()) return std::numeric_limits<double>::infinity();
+  return water.surface_height_at(at.x(), at.y(), time_s) - at.z();
+}
+
+Vector6d Actuators::wrench_body(const BodyState& state, const WaterField& water, double time_s,
+                                double submerged) const {
+  Vector6d tau = powered_ ? (submerged * straight_wrench_).eval() : Vector6d::Zero().eval();
+  if (thrusters_.empty() && fins_.empty()) return tau;
+  const Pose& pose = state.world_from_body;
+  const double surface = surface_above(pose, water, time_s);
+  const double density = water.density_at(pose.position_m.z());
+  Vector6d through_water = state.velocity_body;
+  through_water.head<3>() -= pose.orientation.conjugate() * water.flow_at(pose.position_m, time_s).velocity_m_s;
+  const Eigen::Vector3d up = pose.rotation().row(2).transpose();  // body frame
+  for (const Thruster& thruster : thrusters_) {
+    const ThrusterParameters& p = thruster.parameters();
+    const double share = thruster.submerged_share(surface - up.dot(p.position_body_m), up.dot(p.axis_body));
+    if (share > 0) thruster.add_wrench(through_water, density, share, tau);
+  }
+  for (const Fin& fin : fins_) {
+    const FinParameters& p = fin.parameters();
+    const double share = fin.submerged_share(surface - up.dot(p.position_body_m), up.dot(p.span_body));
+    if (share > 0) fin.add_wrench(through_water, density, share, tau);
+  }
+  return tau;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,104 @@
+#include "uwsim/vehicle/allocation.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <utility>
+
+#include "uwsim/vehicle/active_set.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kDependent = 1e-6;  // of a row's own length, what may remain of it beside the others
+constexpr std::array<Eigen::Index, 6> kOrder = {0, 1, 2, 5, 3, 4};
+
+/// (x; -x), row by row.
+Eigen::MatrixXd both_signs(const Eigen::MatrixXd& x) {
+  Eigen::MatrixXd both(2 * x.rows(), x.cols());
+  both << x, -x;
+  return both;
+}
+
+}  // namespace
+
+std::array<bool, 6> independent_axes(const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns) {
+  std::array<bool, 6> driven{};
+  std::vector<Eigen::VectorXd> basis;
+  const double longest = columns.size() == 0 ? 0 : columns.cwiseAbs().maxCoeff();
+  for (const Eigen::Index axis : kOrder) {
+    Eigen::VectorXd row = columns.row(axis).transpose();
+    const double length = row.norm();
+    for (const Eigen::VectorXd& other : basis) row -= other.dot(row) * other;
+    if (length <= 1e-9 * longest || row.norm() <= kDependent * length) continue;
+    basis.push_back(row.normalized());
+    driven[static_cast<std::size_t>(axis)] = true;
+  }
+  return driven;
+}
+
+Allocation::Allocation(Eigen::Matrix<double, 6, Eigen::Dynamic> columns, const Eigen::VectorXd& lowest_n,
+                       const Eigen::VectorXd& highest_n)
+    : limit_n_(highest_n.cwiseMax(-lowest_n)) {
+  for (Eigen::Index k = 0; k < limit_n_.size(); ++k) {
+    if (limit_n_(k) == 0) limit_n_(k) = 1;  // a dead thruster: its bounds are zero
+  }
+  columns *= limit_n_.asDiagonal();
+  driven_ = independent_axes(columns);
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
+    if (driven_[static_cast<std::size_t>(axis)]) axes_.push_back(axis);
+  }
+  const Eigen::Index n = columns.cols(), rank = static_cast<Eigen::Index>(axes_.size());
+  bounds_.resize(2 * n);
+  bounds_ << highest_n.cwiseQuotient(limit_n_), (-lowest_n).cwiseQuotient(limit_n_);
+  inverse_ = Eigen::MatrixXd::Zero(n, rank);
+  if (rank == 0) return;
+  Eigen::MatrixXd transposed(n, rank);
+  for (Eigen::Index k = 0; k < rank; ++k) transposed.col(k) = columns.row(axes_[static_cast<std::size_t>(k)]);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(transposed);
+  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd r = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>();
+  inverse_ =
+      q.leftCols(rank) * r.transpose().triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(rank, rank));
+  idle_ = q.rightCols(n - rank);
+}
+
+/// The largest multiple of a wrench within the limits, and the idle thrusts that make room for it.
+struct Allocation::Best {
+  double multiple = 0;
+  Eigen::VectorXd idle;
+};
+
+Allocation::Best Allocation::best(const Eigen::VectorXd& least) const {
+  const double size = least.cwiseAbs().maxCoeff();
+  Eigen::MatrixXd moves(least.size(), 1 + idle_.cols());
+  moves << least / size, idle_;
+  const Eigen::VectorXd start = Eigen::VectorXd::Zero(moves.cols());
+  const Eigen::VectorXd x =
+      minimise_in_polytope(0, Eigen::VectorXd::Unit(moves.cols(), 0), both_signs(moves), bounds_, start);
+  return {x(0) / size, x.tail(idle_.cols())};
+}
+
+Eigen::VectorXd Allocation::least_effort(const Vector6d& wrench_body) const {
+  Eigen::VectorXd wanted(axes_.size());
+  for (std::size_t k = 0; k < axes_.size(); ++k) wanted(static_cast<Eigen::Index>(k)) = wrench_body(axes_[k]);
+  return inverse_ * wanted;
+}
+
+double Allocation::reach(const Vector6d& wrench_body) const {
+  const Eigen::VectorXd least = least_effort(wrench_body);
+  return least.size() == 0 || least.isZero(0) ? 0 : best(least).multiple;
+}
+
+Eigen::VectorXd Allocation::thrusts_n(const Vector6d& wrench_body) const {
+  const Eigen::VectorXd least = least_effort(wrench_body);
+  if (((both_signs(least) - bounds_).array() <= 0).all()) return least.cwiseProduct(limit_n_);
+  const Best limit = best(least);
+  if (limit.multiple <= 1) return (limit.multiple * least + idle_ * limit.idle).cwiseProduct(limit_n_);
+  const Eigen::VectorXd inside = limit.idle / limit.multiple;  // feasible, for the polytope is convex and holds 0
+  const Eigen::VectorXd room = bounds_ - both_signs(least);
+  const Eigen::VectorXd rest =
+      minimise_in_polytope(1, Eigen::VectorXd::Zero(idle_.cols()), both_signs(idle_), room, inside);
+  return (least + idle_ * rest).cwiseProduct(limit_n_);
+}
+
+}  // namespace uwsim

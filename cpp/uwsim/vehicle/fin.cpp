@@ -1,0 +1,93 @@
+#include "uwsim/vehicle/fin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+
+void FinParameters::check() const {
+  const std::string path = "fins." + name;
+  const auto require_positive = [&](double value, const char* field) {
+    require(std::isfinite(value) && value > 0, path + field, value, "must be positive");
+  };
+  require(position_body_m.allFinite(), path + ".position_m", position_body_m.transpose(), "must be finite");
+  require(std::abs(span_body.norm() - 1) < 1e-6 && std::abs(span_body.x()) < 1e-6, path + ".span",
+          span_body.transpose(), "must be a unit vector across x");
+  require_positive(area_m2, ".area_m2");
+  require_positive(aspect_ratio, ".aspect_ratio");
+  require_positive(efficiency, ".efficiency");
+  require_positive(stall_angle_rad, ".stall_angle_deg");
+  require_positive(stall_sharpness_rad, ".stall_sharpness_deg");
+  require_positive(rate_max_rad_s, ".rate_max_deg_s");
+  require(std::isfinite(parasitic_drag) && parasitic_drag >= 0, path + ".parasitic_drag", parasitic_drag,
+          "must be 0 or more");
+  require(deflection_max_rad >= 0 && deflection_max_rad <= std::numbers::pi / 2, path + ".deflection_max_deg",
+          deflection_max_rad, "must be in [0, pi/2] rad");
+}
+
+double FinParameters::lift_slope() const {
+  return std::numbers::pi * aspect_ratio / (1 + std::sqrt(1 + aspect_ratio * aspect_ratio / 4));
+}
+
+Fin::Fin(FinParameters parameters) : parameters_(std::move(parameters)) {
+  parameters_.check();
+  lift_slope_ = parameters_.lift_slope();
+  induced_drag_ = 1 / (std::numbers::pi * parameters_.efficiency * parameters_.aspect_ratio);
+  half_span_m_ = 0.5 * std::sqrt(parameters_.area_m2 * parameters_.aspect_ratio);
+}
+
+Vector6d Fin::column() const {
+  const Eigen::Vector3d force =
+      -lift_slope_ * parameters_.area_m2 * Eigen::Vector3d::UnitX().cross(parameters_.span_body);
+  Vector6d column;
+  column << force, parameters_.position_body_m.cross(force);
+  return column;
+}
+
+void Fin::advance(double step_s) {
+  const double most = parameters_.rate_max_rad_s * step_s;
+  angle_rad_ += std::clamp(command_rad_ - angle_rad_, -most, most);
+}
+
+Fin::Coefficients Fin::coefficients(double attack_rad) const {
+  const double s = std::sin(attack_rad), c = std::cos(attack_rad);
+  Coefficients attached{.lift = lift_slope_ * s * c};
+  attached.drag = parameters_.parasitic_drag + induced_drag_ * attached.lift * attached.lift;
+  if (!parameters_.stalls) return attached;
+  // From behind, the angle that counts is the one between chord and flow.
+  const double angle = std::asin(std::min(1.0, std::abs(s)));
+  const double stalled = 1 / (1 + std::exp((parameters_.stall_angle_rad - angle) / parameters_.stall_sharpness_rad));
+  const double plate_lift = 2 * s * std::abs(s) * c, plate_drag = parameters_.parasitic_drag + 2 * std::abs(s * s * s);
+  return {attached.lift + stalled * (plate_lift - attached.lift),
+          attached.drag + stalled * (plate_drag - attached.drag)};
+}
+
+void Fin::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const {
+  const Eigen::Vector3d& span = parameters_.span_body;
+  const Eigen::Vector3d there = through_water.head<3>() + through_water.tail<3>().cross(parameters_.position_body_m);
+  const Eigen::Vector3d across = there - there.dot(span) * span;
+  const double speed = across.norm();
+  if (speed < 1e-9) return;
+  const Eigen::Vector3d way = across / speed, lift_way = way.cross(span);
+  const Eigen::Vector3d ahead = Eigen::Vector3d::UnitX();
+  // Of the flow against the hull's axis; a deflection takes as much from it as it turns the chord.
+  const double drift = std::atan2(-way.dot(ahead.cross(span)), way.dot(ahead));
+  const Coefficients c = coefficients(drift - angle_rad_);
+  const double pressure_area = 0.5 * density_kg_m3 * speed * speed * parameters_.area_m2 * submerged;
+  const Eigen::Vector3d force = pressure_area * (c.lift * lift_way - c.drag * way);
+  tau_body.head<3>() += force;
+  tau_body.tail<3>() += parameters_.position_body_m.cross(force);
+}
+
+double Fin::submerged_share(double height_m, double span_up) const {
+  const double reach = half_span_m_ * std::abs(span_up);
+  if (height_m >= reach) return 1;
+  if (height_m <= -reach) return 0;
+  return 0.5 * (1 + height_m / reach);
+}
+
+}  // namespace uwsim

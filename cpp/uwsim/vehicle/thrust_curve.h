@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace uwsim {
+
+/// Thrust in still water against a command in [-1, 1], measured: linear between the table's points, constant beyond its
+/// ends. A dead band is a flat stretch of zero thrust about command 0.
+class ThrustCurve {
+ public:
+  /// thrust = command [N].
+  ThrustCurve() : ThrustCurve({-1, 1}, {-1, 1}) {}
+  /// Throws InvalidValue unless commands increase within [-1, 1], thrusts [N] never fall, and command 0 gives 0 N.
+  ThrustCurve(std::vector<double> commands, std::vector<double> thrusts_n, std::string_view path = "thrust_curve");
+
+  double thrust_n(double command) const;
+  /// A command that gives this thrust, 0 for 0 N; the table's end for a thrust beyond it.
+  double command(double thrust_n) const;
+  double lowest_n() const { return thrusts_n_.front(); }
+  double highest_n() const { return thrusts_n_.back(); }
+
+ private:
+  std::vector<double> commands_;
+  std::vector<double> thrusts_n_;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,185 @@
+#include "uwsim/world/current.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/random.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kFastest_m_s = 10;
+
+void check_velocities(const std::vector<Eigen::Vector3d>& velocities, const std::string& path) {
+  for (const Eigen::Vector3d& v : velocities) {
+    require(v.allFinite() && v.norm() <= kFastest_m_s, path, v.transpose(), "m/s: must be finite and at most 10 m/s");
+  }
+}
+
+void check_rising(const std::vector<double>& axis, const std::string& path) {
+  require(!axis.empty(), path, 0, "must have at least one value");
+  for (std::size_t k = 0; k < axis.size(); ++k) {
+    require(std::isfinite(axis[k]) && (k == 0 || axis[k] > axis[k - 1]), path, axis[k], "m: must be finite and rising");
+  }
+}
+
+/// Between which two of the rising values, and how far from the first to the second; clamped to the ends.
+struct Between {
+  std::size_t first = 0, second = 0;
+  double fraction = 0;
+
+  Between(const std::vector<double>& axis, double value) {
+    const auto next = static_cast<std::size_t>(std::upper_bound(axis.begin(), axis.end(), value) - axis.begin());
+    first = next == 0 ? 0 : next - 1;
+    second = std::min(next, axis.size() - 1);
+    if (first != second) fraction = (value - axis[first]) / (axis[second] - axis[first]);
+  }
+};
+
+class LayeredCurrent : public Current {
+ public:
+  LayeredCurrent(std::vector<double> depths_m, std::vector<Eigen::Vector3d> velocity_m_s)
+      : depths_m_(std::move(depths_m)), velocity_m_s_(std::move(velocity_m_s)) {}
+  CurrentSample at(const Eigen::Vector3d& p, double) const override {
+    const Between b(depths_m_, -p.z());
+    return {.velocity_m_s = velocity_m_s_[b.first] + b.fraction * (velocity_m_s_[b.second] - velocity_m_s_[b.first])};
+  }
+
+ private:
+  std::vector<double> depths_m_;
+  std::vector<Eigen::Vector3d> velocity_m_s_;
+};
+
+class TidalCurrent : public Current {
+ public:
+  TidalCurrent(const Eigen::Vector3d& amplitude_m_s, double period_s, double phase_rad)
+      : amplitude_m_s_(amplitude_m_s), omega_rad_s_(2 * std::numbers::pi / period_s), phase_rad_(phase_rad) {}
+  CurrentSample at(const Eigen::Vector3d&, double time_s) const override {
+    const double phase = omega_rad_s_ * time_s + phase_rad_;
+    return {std::sin(phase) * amplitude_m_s_, omega_rad_s_ * std::cos(phase) * amplitude_m_s_};
+  }
+
+ private:
+  Eigen::Vector3d amplitude_m_s_;
+  double omega_rad_s_, phase_rad_;
+};
+
+class GustyCurrent : public Current {
+ public:
+  GustyCurrent(const Eigen::Vector3d& sigma_m_s, double correlation_time_s, std::uint64_t seed)
+      : sigma_m_s_(sigma_m_s),
+        block_s_(kBlock * correlation_time_s),
+        draws_{RandomStream(seed, "water/gusts/x"), RandomStream(seed, "water/gusts/y"),
+               RandomStream(seed, "water/gusts/z")} {
+    for (int level = 0; level < kLevels; ++level) {
+      const double half = kBlock * std::pow(0.5, level + 1);  // in correlation times
+      share_[static_cast<std::size_t>(level)] = 0.5 / std::cosh(half);
+      spread_[static_cast<std::size_t>(level)] = std::sqrt(std::tanh(half));
+    }
+  }
+  CurrentSample at(const Eigen::Vector3d&, double time_s) const override {
+    CurrentSample sample;
+    const double blocks = std::floor(time_s / block_s_);
+    const double fraction = std::clamp(time_s / block_s_ - blocks, 0.0, 1.0);
+    const auto block = static_cast<std::uint64_t>(static_cast<std::int64_t>(blocks));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (sigma_m_s_(axis) == 0) continue;
+      const auto [value, slope] = walk(draws_[static_cast<std::size_t>(axis)], block, fraction);
+      sample.velocity_m_s(axis) = sigma_m_s_(axis) * value;
+      sample.rate_m_s2(axis) = sigma_m_s_(axis) * slope / block_s_;
+    }
+    return sample;
+  }
+
+ private:
+  static constexpr int kLevels = 9;
+  static constexpr double kBlock = 16;  // correlation times
+
+  /// Value and slope (per block) at a fraction of a block, of unit variance. Index 0 of a tick draws the block's start;
+  /// the middles are numbered as in a binary heap.
+  std::pair<double, double> walk(const RandomStream& draw, std::uint64_t block, double fraction) const {
+    double left = draw.normal(block, 0), right = draw.normal(block + 1, 0);
+    double width = 1;
+    std::uint32_t node = 1;
+    for (std::size_t level = 0; level < kLevels; ++level) {
+      const double middle = share_[level] * (left + right) + spread_[level] * draw.normal(block, node);
+      width /= 2;
+      const bool upper = fraction >= width;
+      (upper ? left : right) = middle;
+      if (upper) fraction -= width;
+      node = 2 * node + (upper ? 1 : 0);
+    }
+    const double slope = (right - left) / width;
+    return {left + slope * fraction, slope};
+  }
+
+  Eigen::Vector3d sigma_m_s_;
+  double block_s_;
+  std::array<RandomStream, 3> draws_;
+  std::array<double, kLevels> share_, spread_;
+};
+
+class GriddedCurrent : public Current {
+ public:
+  explicit GriddedCurrent(CurrentGrid grid) : grid_(std::move(grid)) {}
+  CurrentSample at(const Eigen::Vector3d& p, double) const override {
+    const Between x(grid_.x_m, p.x()), y(grid_.y_m, p.y()), z(grid_.z_m, p.z());
+    const auto row = [&](std::size_t j, std::size_t k) -> Eigen::Vector3d {
+      const Eigen::Vector3d* v = &grid_.velocity_m_s[(k * grid_.y_m.size() + j) * grid_.x_m.size()];
+      return v[x.first] + x.fraction * (v[x.second] - v[x.first]);
+    };
+    const auto sheet = [&](std::size_t k) -> Eigen::Vector3d {
+      const Eigen::Vector3d near = row(y.first, k);
+      return near + y.fraction * (row(y.second, k) - near);
+    };
+    const Eigen::Vector3d low = sheet(z.first);
+    return {.velocity_m_s = low + z.fraction * (sheet(z.second) - low)};
+  }
+
+ private:
+  CurrentGrid grid_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Current> layered_current(std::vector<double> depths_m,
+                                               std::vector<Eigen::Vector3d> velocity_m_s) {
+  check_rising(depths_m, "water.current.depth_m");
+  check_velocities(velocity_m_s, "water.current.velocity_m_s");
+  require(depths_m.size() == velocity_m_s.size(), "water.current.velocity_m_s", velocity_m_s.size(),
+          "must have one velocity a depth");
+  return std::make_shared<LayeredCurrent>(std::move(depths_m), std::move(velocity_m_s));
+}
+
+std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_s, double period_s, double phase_rad) {
+  check_velocities({amplitude_m_s}, "water.current.amplitude_m_s");
+  require(period_s >= 60 && period_s <= 1e7, "water.current.period_s", period_s, "must be in [60, 1e7] s");
+  require(std::isfinite(phase_rad), "water.current.phase_rad", phase_rad, "must be finite");
+  return std::make_shared<TidalCurrent>(amplitude_m_s, period_s, phase_rad);
+}
+
+std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
+                                             std::uint64_t seed) {
+  check_velocities({sigma_m_s}, "water.current.sigma_m_s");
+  require(sigma_m_s.minCoeff() >= 0, "water.current.sigma_m_s", sigma_m_s.transpose(), "m/s: must not be negative");
+  require(correlation_time_s >= 0.1 && correlation_time_s <= 1e6, "water.current.correlation_time_s",
+          correlation_time_s, "must be in [0.1, 1e6] s");
+  return std::make_shared<GustyCurrent>(sigma_m_s, correlation_time_s, seed);
+}
+
+std::shared_ptr<const Current> gridded_current(CurrentGrid grid) {
+  check_rising(grid.x_m, "water.current.x_m");
+  check_rising(grid.y_m, "water.current.y_m");
+  check_rising(grid.z_m, "water.current.z_m");
+  check_velocities(grid.velocity_m_s, "water.current.velocity_m_s");
+  require(grid.velocity_m_s.size() == grid.x_m.size() * grid.y_m.size() * grid.z_m.size(), "water.current.velocity_m_s",
+          grid.velocity_m_s.size(), "must have one velocity a grid point");
+  return std::make_shared<GriddedCurrent>(std::move(grid));
+}
+
+}  // namespace uwsim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace uwsim {
+
+/// Velocity of a current at a place and time, and its local rate of change, world frame.
+struct CurrentSample {
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_m_s2 = Eigen::Vector3d::Zero();
+};
+
+/// A current: a pure function of place and time. The water's flow is the sum of its currents.
+class Current {
+ public:
+  virtual ~Current() = default;
+  virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
+};
+
+/// Steady, linear in depth between levels, constant above the first and below the last. All throw InvalidValue, naming
+/// water.current.
+std::shared_ptr<const Current> layered_current(std::vector<double> depths_m, std::vector<Eigen::Vector3d> velocity_m_s);
+
+/// amplitude sin(2 pi t / period + phase): rectilinear, as in a channel.
+std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_s, double period_s, double phase_rad);
+
+/// Gauss-Markov gusts about no mean: each world axis an Ornstein-Uhlenbeck process of standard deviation sigma and
+/// autocorrelation exp(-|dt| / correlation_time), drawn at knots every 1/32 of that time and linear between them.
+/// The knots are an exact process, found by halving: knots 16 correlation times apart are drawn apart (e^-16 is left of
+/// their correlation), each middle from its two sides by the bridge's law. So a value at a time is a function of seed
+/// and time alone, in ten draws, however it was stepped to.
+std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
+                                             std::uint64_t seed);
+
+/// A steady field on a grid, trilinear between its points and held constant beyond its edges.
+struct CurrentGrid {
+  std::vector<double> x_m, y_m, z_m;          ///< rising; z up
+  std::vector<Eigen::Vector3d> velocity_m_s;  ///< at (x[i], y[j], z[k]) under (k * ny + j) * nx + i
+};
+std::shared_ptr<const Current> gridded_current(CurrentGrid grid);
+
+}  // namespace uwsim

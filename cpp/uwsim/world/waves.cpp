@@ -1,0 +1,177 @@
+#include "uwsim/world/waves.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kFeltDepth = 25;  // in 1 / k: below it less than 2e-11 of a wave is left
+
+}  // namespace
+
+double wave_number_rad_m(double omega, double depth_m, double gravity_m_s2) {
+  const double deep = omega * omega / gravity_m_s2;
+  if (!std::isfinite(depth_m)) return deep;
+  double kh = deep * depth_m;
+  kh = kh < 1 ? std::sqrt(kh) : kh;
+  for (int k = 0; k < 50; ++k) {  // Newton on kh tanh(kh) = omega^2 h / g: monotone and convex from here
+    const double t = std::tanh(kh);
+    const double step = (kh * t - deep * depth_m) / (t + kh * (1 - t * t));
+    kh -= step;
+    if (std::abs(step) < 1e-15 * kh) break;
+  }
+  return kh / depth_m;
+}
+
+Waves::Waves(std::span<const WaveComponent> components, double depth_m, double gravity_m_s2)
+    : depth_m_(depth_m), gravity_m_s2_(gravity_m_s2) {
+  require(!components.empty() && components.size() <= kMost, "water.surface.components", components.size(),
+          "must be 1 to 512 components");
+  require(depth_m > 0.1, "water.surface.depth_m", depth_m, "must be more than 0.1 m");
+  require(gravity_m_s2 > 0, "water.gravity_m_s2", gravity_m_s2, "must be positive where there are waves");
+  for (const WaveComponent& c : components) {
+    require(c.amplitude_m >= 0 && c.amplitude_m <= 20, "water.surface.amplitude_m", c.amplitude_m,
+            "must be in [0, 20] m");
+    require(c.angular_frequency_rad_s >= 0.05 && c.angular_frequency_rad_s <= 50,
+            "water.surface.angular_frequency_rad_s", c.angular_frequency_rad_s, "must be in [0.05, 50] rad/s");
+    require(std::isfinite(c.heading_rad) && std::isfinite(c.phase_rad), "water.surface.heading_rad", c.heading_rad,
+            "must be finite");
+    const double k = wave_number_rad_m(c.angular_frequency_rad_s, depth_m, gravity_m_s2);
+    require(c.amplitude_m * k <= 0.45, "water.surface.amplitude_m", c.amplitude_m,
+            "m: steeper than a wave can be: amplitude times wave number must be at most 0.44");
+    require(c.amplitude_m < 0.5 * depth_m, "water.surface.amplitude_m", c.amplitude_m,
+            "m: must be less than half the depth of the water");
+    waves_.push_back({c.amplitude_m, c.angular_frequency_rad_s, k, k * std::cos(c.heading_rad),
+                      k * std::sin(c.heading_rad), c.phase_rad, 1 / (1 + std::exp(-2 * k * depth_m)),
+                      1 / std::tanh(k * depth_m)});
+    bound_m_ += c.amplitude_m;
+    slope_ += c.amplitude_m * k;
+    for (std::size_t n = 0; n < moments_.size(); ++n) moments_[n] += c.amplitude_m * std::pow(k, n);
+  }
+  std::stable_sort(waves_.begin(), waves_.end(),
+                   [](const Wave& a, const Wave& b) { return a.number_rad_m < b.number_rad_m; });
+  require(bound_m_ < depth_m, "water.surface", bound_m_, "m of waves' heights together: must be less than the depth");
+}
+
+double Waves::significant_height_m() const {
+  double variance = 0;
+  for (const Wave& w : waves_) variance += 0.5 * w.amplitude_m * w.amplitude_m;
+  return 4 * std::sqrt(variance);
+}
+
+std::vector<WaveComponent> Waves::components() const {
+  std::vector<WaveComponent> out;
+  for (const Wave& w : waves_) {
+    out.push_back({w.amplitude_m, w.omega_rad_s, std::atan2(w.number_y_rad_m, w.number_x_rad_m), w.phase_rad});
+  }
+  return out;
+}
+
+std::size_t Waves::felt_at(double z_m) const {
+  const double cover_m = -z_m - 2 * bound_m_;
+  if (cover_m <= 0) return waves_.size();
+  const double limit = kFeltDepth / cover_m;
+  const auto end =
+      std::partition_point(waves_.begin(), waves_.end(), [limit](const Wave& w) { return w.number_rad_m < limit; });
+  return static_cast<std::size_t>(end - waves_.begin());
+}
+
+/// Fills the crests of the first `count` waves and returns their height together.
+double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const {
+  double height = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Wave& w = waves_[k];
+    const double phase = w.number_x_rad_m * x + w.number_y_rad_m * y - w.omega_rad_s * time_s + w.phase_rad;
+    crests[k] = {w.amplitude_m * std::cos(phase), w.amplitude_m * std::sin(phase)};
+    height += crests[k].cosine;
+  }
+  return height;
+}
+
+/// Wheeler: the height at which linear theory is asked, 0 at the surface and above.
+double Waves::unstretched(double z_m, double height_m) const {
+  const double z = std::min(z_m - height_m, 0.0);
+  return std::isfinite(depth_m_) ? std::max(z * depth_m_ / (depth_m_ + height_m), -depth_m_) : z;
+}
+
+double Waves::height_at(double x, double y, double time_s) const {
+  std::array<Crest, kMost> crests;
+  return crests_at(x, y, time_s, waves_.size(), crests.data());
+}
+
+SurfaceSpan Waves::span_at(double x, double y, double radius_m, double time_s) const {
+  const double height = height_at(x, y, time_s), reach = slope_ * radius_m;
+  return {std::max(-bound_m_, height - reach), std::min(bound_m_, height + reach)};
+}
+
+double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
+  const std::size_t count = felt_at(p.z());
+  if (count == 0) return -p.z();
+  std::array<Crest, kMost> crests;
+  const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
+  if (p.z() >= height) return height - p.z();
+  const double z = unstretched(p.z(), height);
+  double head = -p.z();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Wave& w = waves_[k];
+    double decay = w.deep * std::exp(w.number_rad_m * z);
+    if (w.deep < 1) decay += w.deep * std::exp(-w.number_rad_m * (z + 2 * depth_m_));
+    head += crests[k].cosine * decay;
+  }
+  return head;
+}
+
+void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
+  const std::size_t count = felt_at(p.z());
+  if (count == 0) return;
+  std::array<Crest, kMost> crests;
+  const double z = unstretched(p.z(), crests_at(p.x(), p.y(), time_s, count, crests.data()));
+  for (std::size_t k = 0; k < count; ++k) {
+    const Wave& w = waves_[k];
+    const double up = w.deep * std::exp(w.number_rad_m * z);
+    const double down = w.deep < 1 ? w.deep * std::exp(-w.number_rad_m * (z + 2 * depth_m_)) : 0;
+    const double along = w.omega_rad_s * w.shallow * (up + down) / w.number_rad_m;  // along / k, towards the heading
+    const double rise = w.omega_rad_s * w.shallow * (up - down);
+    const double c = crests[k].cosine, s = crests[k].sine;
+    flow.velocity_m_s += Eigen::Vector3d(along * c * w.number_x_rad_m, along * c * w.number_y_rad_m, rise * s);
+    flow.wave_acceleration_m_s2 +=
+        w.omega_rad_s * Eigen::Vector3d(along * s * w.number_x_rad_m, along * s * w.number_y_rad_m, -rise * c);
+  }
+}
+
+/// Each wave is eta exp(kappa . r) with kappa = (i k_x, i k_y, +-k): over a volume about c its pressure's gradient sums
+/// to kappa (V + kappa^T C kappa / 2), its moment to (C kappa) x kappa, C the second moment of the volume.
+WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Matrix3d& second, double time_s) const {
+  WaveLoad sum;
+  const std::size_t count = felt_at(c.z());
+  if (count == 0) return sum;
+  std::array<Crest, kMost> crests;
+  const double z = unstretched(c.z(), crests_at(c.x(), c.y(), time_s, count, crests.data()));
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d h = second.col(2);
+  for (std::size_t j = 0; j < count; ++j) {
+    const Wave& w = waves_[j];
+    const Eigen::Vector3d across(w.number_x_rad_m, w.number_y_rad_m, 0);
+    const double k = w.number_rad_m;
+    const Eigen::Vector3d g = second * across;
+    for (const double sign : {1.0, -1.0}) {
+      if (sign < 0 && w.deep == 1) break;
+      const double share = w.deep * (sign > 0 ? std::exp(k * z) : std::exp(-k * (z + 2 * depth_m_)));
+      const double a = share * crests[j].cosine, b = share * crests[j].sine;
+      const double real = volume_m3 + 0.5 * (k * k * h.z() - across.dot(g)), imaginary = sign * k * across.dot(h);
+      const double p = a * real - b * imaginary, q = a * imaginary + b * real;
+      sum.force += gravity_m_s2_ * (q * across - sign * k * p * up);
+      sum.moment -= gravity_m_s2_ *
+                    (a * (k * k * h.cross(up) - g.cross(across)) - b * sign * k * (g.cross(up) + h.cross(across)));
+    }
+  }
+  return sum;
+}
+
+}  // namespace uwsim

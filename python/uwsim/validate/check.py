@@ -1,0 +1,47 @@
+"""One figure that is compared: what it should be, what it is, and how far apart they may be."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class Check:
+    """A comparison. error and tolerance are relative to a scale that the maker chose; see relative() and along()."""
+
+    group: str
+    name: str
+    expected: float
+    got: float
+    error: float
+    tolerance: float
+    unit: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is a number within the tolerance."""
+        return math.isfinite(self.error) and self.error <= self.tolerance
+
+
+def relative(group: str, name: str, expected: float, got: float, tolerance: float, unit: str = "") -> Check:
+    """Compare one figure with its expected value, which must not be zero; the error is relative to it."""
+    return Check(group, name, expected, got, abs(got - expected) / abs(expected), tolerance, unit)
+
+
+def within(group: str, name: str, expected: float, got: float, scale: float, tolerance: float, unit: str = "") -> Check:
+    """Compare one figure that may be zero; the error is relative to `scale`."""
+    return Check(group, name, expected, got, abs(got - expected) / scale, tolerance, unit)
+
+
+def along(
+    group: str, name: str, expected: ArrayLike, got: ArrayLike, scale: float, tolerance: float, unit: str = ""
+) -> Check:
+    """Compare two curves; the error is their largest distance relative to `scale`. Shows the values where that is."""
+    reference, found = np.asarray(expected, np.float64), np.asarray(got, np.float64)
+    distance = np.abs(found - reference) / scale
+    worst = int(np.argmax(np.where(np.isfinite(distance), distance, np.inf)))
+    return Check(group, name, float(reference[worst]), float(found[worst]), float(distance[worst]), tolerance, unit)

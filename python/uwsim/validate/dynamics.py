@@ -1,0 +1,24 @@
+"""The dynamics suite: closed forms, contact, and the published vehicles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.validate.check import Check
+from uwsim.validate.closed_forms import closed_forms
+from uwsim.validate.contact import contact_laws
+from uwsim.validate.curves import draw_decays, draw_turning
+from uwsim.validate.published import PUBLISHED
+from uwsim.validate.vehicles import vehicle_checks
+
+
+def run(out: Path | None = None) -> list[Check]:
+    """All checks; each vehicle's decay and turning curves go into the folder `out`."""
+    checks = [*closed_forms(), *contact_laws()]
+    for name in PUBLISHED:
+        found, curves = vehicle_checks(name)
+        checks += found
+        if out is not None:
+            draw_decays(curves, out / f"{name}_decay.png")
+            draw_turning(curves[-1], out / f"{name}_turning.png")
+    return checks

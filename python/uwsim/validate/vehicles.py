@@ -1,0 +1,156 @@
+"""The packaged vehicles against their published equations: decay from speed, turning, free fall, terminal speeds.
+
+Every coefficient that a source prints bears on some check by more than its tolerance: 5 % more or less of any of them
+is a miss. Straight forces stand in for thrusters and fins, whose own laws are not in these equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.simulator import Simulator
+from uwsim.validate.check import Check, along, relative
+from uwsim.validate.flights import deep_water, fly, times
+from uwsim.validate.published import PUBLISHED
+from uwsim.validate.reference import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
+
+AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+UNITS = ("m/s",) * 3 + ("rad/s",) * 3
+FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
+SLOWEST, SLOW = 0.01, 0.3  # where linear damping shows: at most these speeds
+DECAY_S, FALL_S, TURN_S = 6.0, 60.0, 40.0
+DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE = 1e-4, 1e-4, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A manoeuvre, flown and as published."""
+
+    vehicle: str
+    name: str
+    flown: Flight
+    published: Flight
+
+
+def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[Check], list[Curve]]:
+    """Every check of one packaged vehicle, and its curves. model: another in its place, to see it miss."""
+    body = PUBLISHED[name]
+    used = model or load_vehicle(name)
+    sim = deep_water(_straight(used, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
+    fall = _free_fall(name, sim)
+    curves = [*_decays(name, sim), fall]
+    turn = _turning(name, used)
+    checks = [_decay_check(curve) for curve in curves]
+    return [*checks, *_terminal_check(fall), *_turning_checks(turn)], [*curves, turn]
+
+
+def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
+    """Starts along each axis: fast, and as slow as makes linear damping count as much as quadratic."""
+    starts = []
+    for axis, name in enumerate(AXES):
+        linear, quadratic = body.linear_damping[axis], body.quadratic_damping[axis]
+        starts.append((f"decay of {name}", FAST[axis] * np.eye(6)[axis]))
+        if linear > 0:
+            slow = min(max(linear / quadratic if quadratic else SLOW, SLOWEST), SLOW)
+            starts.append((f"slow decay of {name}", slow * np.eye(6)[axis]))
+    return starts
+
+
+@lru_cache(maxsize=128)
+def _published(name: str, start: tuple[float, ...], duration_s: float, wrench: tuple[float, ...]) -> Flight:
+    return integrate(PUBLISHED[name], start, times(duration_s), wrench)
+
+
+def _decays(name: str, sim: Simulator) -> list[Curve]:
+    return [
+        Curve(name, what, fly(sim, start, DECAY_S), _published(name, tuple(start), DECAY_S, (0.0,) * 6))
+        for what, start in decay_speeds(PUBLISHED[name])
+    ]
+
+
+def _free_fall(name: str, sim: Simulator) -> Curve:
+    """From rest, level: its weight in water moves it."""
+    still = (0.0,) * 6
+    return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
+
+
+def _decay_check(curve: Curve) -> Check:
+    """All six velocities, each relative to the largest of its kind in the reference."""
+    expected, got = curve.published.velocities, curve.flown.velocities
+    linear = max(float(np.abs(expected[:, :3]).max()), 1e-6)
+    angular = max(float(np.abs(expected[:, 3:]).max()), 1e-6)
+    axis = _leading_axis(curve, np.array([linear] * 3 + [angular] * 3))
+    scale = linear if axis < 3 else angular
+    return along(
+        curve.vehicle,
+        f"{curve.name}: {AXES[axis]}",
+        expected[:, axis],
+        got[:, axis],
+        scale,
+        DECAY_TOLERANCE,
+        UNITS[axis],
+    )
+
+
+def _leading_axis(curve: Curve, scales: Array) -> int:
+    """The axis that is worst by its own kind's scale, where the manoeuvre has speeds of that kind at all."""
+    distance = np.abs(curve.flown.velocities - curve.published.velocities).max(axis=0) / scales
+    moves = np.abs(curve.published.velocities).max(axis=0) > 1e-5
+    return int(np.argmax(np.where(moves, distance, -1.0)))
+
+
+def _straight(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
+    """The same vehicle with straight forces and torques in place of its thrusters and fins."""
+    return model.model_copy(
+        update={"max_force_n": wrench[:3], "max_torque_nm": wrench[3:], "thrusters": {}, "fins": {}}
+    )
+
+
+def _turning(name: str, model: VehicleModel) -> Curve:
+    """A turning circle: constant surge force and yaw torque, from rest."""
+    body = PUBLISHED[name]
+    surge = _steady_wrench(body, 0, 0.8)
+    yaw = _steady_wrench(body, 5, 0.3)
+    wrench = (surge, 0.0, 0.0, 0.0, 0.0, yaw)
+    sim = deep_water(_straight(model, wrench), density_kg_m3=body.water_density_kg_m3)
+    sim.rov.set_effort(surge=1.0, yaw=1.0)
+    still = (0.0,) * 6
+    return Curve(name, "turning circle", fly(sim, still, TURN_S), _published(name, still, TURN_S, wrench))
+
+
+def _turning_checks(curve: Curve) -> list[Check]:
+    """The path, relative to the circle's diameter, and the yaw rate."""
+    expected = curve.published.positions_m
+    diameter = max(float(np.ptp(expected[:, 0])), float(np.ptp(expected[:, 1])))
+    return [
+        along(
+            curve.vehicle,
+            f"turning circle: {axis}",
+            expected[:, k],
+            curve.flown.positions_m[:, k],
+            diameter,
+            TURN_TOLERANCE,
+            "m",
+        )
+        for k, axis in enumerate(("x", "y"))
+    ]
+
+
+def _terminal_check(fall: Curve) -> list[Check]:
+    """Falling or rising: where damping equals the weight in water; none of a neutral vehicle."""
+    body = PUBLISHED[fall.vehicle]
+    weight_n = (body.mass_kg - body.water_density_kg_m3 * body.volume_m3) * GRAVITY_M_S2
+    if abs(weight_n) < 1e-3:
+        return []
+    linear, quadratic = body.linear_damping[2], body.quadratic_damping[2]
+    speed = (np.sqrt(linear**2 + 4 * quadratic * abs(weight_n)) - linear) / (2 * quadratic)
+    reached = float(fall.flown.velocities[-1, 2])
+    return [relative(fall.vehicle, "terminal speed", -np.sign(weight_n) * speed, reached, TERMINAL_TOLERANCE, "m/s")]
+
+
+def _steady_wrench(body: Coefficients, axis: int, speed: float) -> float:
+    return body.linear_damping[axis] * speed + body.quadratic_damping[axis] * speed * abs(speed)

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "meshes.h"
+#include "uwsim/core/check.h"
+#include "uwsim/sensors/noisy_sensor.h"
+#include "uwsim/sensors/sensor_kinds.h"
+
+namespace uwsim {
+
+/// A flat bed at 20 m with a wall 5.5 m to port, and one vehicle 12 m deep whose motion the test writes.
+class SensorBench : public ::testing::Test {
+ protected:
+  static constexpr std::uint64_t kStepNs = 5'000'000;
+  static constexpr double kStepS = 0.005;
+
+  SensorBench() {
+    world.set_terrain(Heightfield(std::vector<float>(4, -20), 2, 2, 400.0, {-200, -200}));
+    TriangleMesh wall = testing::box(1, 1, 40);
+    for (auto& v : wall.vertices_m) v += Eigen::Vector3d(0, 6, -20);
+    world.add_solid("wall to port", wall);
+    scene.emplace(world);
+    moment.state.world_from_body.position_m = {0, 0, -12};
+  }
+
+  Surroundings around() const { return {*scene, world.water, station_world_m}; }
+
+  NoisySensor sensor(const SensorSpec& spec, std::uint64_t seed = 7) const { return {spec, seed, "rov", kStepNs}; }
+
+  /// What a sensor without errors reads now.
+  Sample truth(const SensorSpec& spec) const { return sensor(spec).read_true(moment, around()); }
+
+  World world;
+  std::optional<RayScene> scene;
+  Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
+  Moment moment;
+};
+
+inline SensorSpec sensor_spec(const std::string& kind, std::map<std::string, std::vector<double>, std::less<>> p = {},
+                              const Pose& body_from_sensor = {}) {
+  return {.name = kind, .kind = kind, .body_from_sensor = body_from_sensor, .parameters = std::move(p), .noise = {}};
+}
+
+}  // namespace uwsim

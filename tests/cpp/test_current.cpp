@@ -1,0 +1,86 @@
+#include "uwsim/world/current.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+const Eigen::Vector3d kEast = Eigen::Vector3d::UnitX();
+
+TEST(Current, ALayeredOneIsLinearBetweenLevelsAndConstantBeyond) {
+  const auto current = layered_current({2, 10}, {{1, 0, 0}, {0, 0.4, 0}});
+  EXPECT_EQ(current->at({5, 5, 0}, 0).velocity_m_s, Eigen::Vector3d(1, 0, 0));
+  EXPECT_LT((current->at({5, 5, -4}, 7).velocity_m_s - Eigen::Vector3d(0.75, 0.1, 0)).norm(), 1e-15);
+  EXPECT_EQ(current->at({5, 5, -99}, 0).velocity_m_s, Eigen::Vector3d(0, 0.4, 0));
+}
+
+TEST(Current, ATideTurnsWithItsPeriodAndItsRateIsItsSlope) {
+  const double period = 44'712;  // M2
+  const auto tide = tidal_current(0.8 * kEast, period, 0);
+  EXPECT_NEAR(tide->at({}, period / 4).velocity_m_s.x(), 0.8, 1e-12);
+  EXPECT_NEAR(tide->at({}, 3 * period / 4).velocity_m_s.x(), -0.8, 1e-12);
+  const double slope = (tide->at({}, 101).velocity_m_s.x() - tide->at({}, 99).velocity_m_s.x()) / 2;
+  EXPECT_NEAR(tide->at({}, 100).rate_m_s2.x(), slope, 1e-9);
+}
+
+TEST(Current, GustsHaveTheirDeviationAndTheirCorrelationTime) {
+  const double tau = 20, sigma = 0.1;
+  const auto gusts = gusty_current({sigma, sigma, 0}, tau, 11);
+  constexpr int kSamples = 100'000;
+  double mean = 0, square = 0, lagged = 0, cross = 0;
+  for (int k = 0; k < kSamples; ++k) {
+    const Eigen::Vector3d v = gusts->at({}, 0.5 * tau * k).velocity_m_s;
+    mean += v.x() / kSamples;
+    square += v.x() * v.x() / kSamples;
+    cross += v.x() * v.y() / kSamples;
+    lagged += v.x() * gusts->at({}, 0.5 * tau * k + tau).velocity_m_s.x() / kSamples;
+  }
+  EXPECT_NEAR(mean, 0, 0.03 * sigma);
+  EXPECT_NEAR(std::sqrt(square), sigma, 0.02 * sigma);
+  EXPECT_NEAR(lagged / square, std::exp(-1.0), 0.02);
+  EXPECT_NEAR(cross / square, 0, 0.02);
+  EXPECT_EQ(gusts->at({}, 3).velocity_m_s.z(), 0);
+}
+
+TEST(Current, GustsAreContinuousAndTheirRateIsTheirSlope) {
+  const auto gusts = gusty_current({0.1, 0, 0}, 1, 11);  // blocks of 16 s, knots every 1/32 s
+  double last = gusts->at({}, 0).velocity_m_s.x();
+  for (int k = 1; k <= 32'000; ++k) {
+    const CurrentSample now = gusts->at({}, 1e-3 * k);
+    EXPECT_NEAR(now.velocity_m_s.x(), last, 1.5e-3 * 0.1 * 32) << "no more than a few sigma a knot";
+    last = now.velocity_m_s.x();
+  }
+  const CurrentSample a = gusts->at({}, 5.001), b = gusts->at({}, 5.002);
+  EXPECT_NEAR((b.velocity_m_s.x() - a.velocity_m_s.x()) / 0.001, a.rate_m_s2.x(), 1e-9);
+}
+
+TEST(Current, AGridIsTrilinearInsideAndHeldOutside) {
+  CurrentGrid grid{.x_m = {0, 1, 4}, .y_m = {-2, 2}, .z_m = {-10, 0}, .velocity_m_s = {}};
+  const auto field = [](double x, double y, double z) {
+    return Eigen::Vector3d(0.1 * x + 0.02 * x * y, 0.3 + 0.01 * y * z, 0.001 * x * y * z);
+  };
+  for (const double z : grid.z_m)
+    for (const double y : grid.y_m)
+      for (const double x : grid.x_m) grid.velocity_m_s.push_back(field(x, y, z));
+  const auto current = gridded_current(grid);
+  EXPECT_LT((current->at({2.2, 0.7, -3.1}, 0).velocity_m_s - field(2.2, 0.7, -3.1)).norm(), 1e-14);
+  EXPECT_LT((current->at({4, 2, 0}, 0).velocity_m_s - field(4, 2, 0)).norm(), 1e-14);
+  EXPECT_LT((current->at({9, 0.7, -50}, 0).velocity_m_s - field(4, 0.7, -10)).norm(), 1e-14);
+}
+
+TEST(Current, WhatCannotBeIsRefused) {
+  EXPECT_THROW(layered_current({3, 1}, {kEast, kEast}), InvalidValue);
+  EXPECT_THROW(layered_current({1}, {kEast, kEast}), InvalidValue);
+  EXPECT_THROW(tidal_current(kEast, 0, 0), InvalidValue);
+  EXPECT_THROW(gusty_current(-kEast, 1, 0), InvalidValue);
+  EXPECT_THROW(gridded_current({{0, 1}, {0}, {0}, {kEast}}), InvalidValue);
+  EXPECT_THROW(gridded_current({{0}, {0}, {0}, {kEast * std::nan("")}}), InvalidValue);
+}
+
+}  // namespace
+}  // namespace uwsim

@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "meshes.h"
+#include "uwsim/dynamics/motion.h"
+#include "uwsim/vehicle/buoyant_hull.h"
+#include "uwsim/world/water.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Water with_wave(double amplitude_m, double period_s, double heading_rad = 0, double depth_m = 40) {
+  const WaveComponent wave{amplitude_m, 2 * kPi / period_s, heading_rad, 0.4};
+  Water water;
+  water.waves = std::make_shared<const Waves>(std::span(&wave, 1), depth_m);
+  return water;
+}
+
+Eigen::Quaterniond tilted(double angle) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d(0.3, -0.7, 0.2).normalized()));
+}
+
+Buoyancy buoyancy(const BuoyantHull& hull, const Pose& pose, const WaterField& water, double time_s) {
+  return hull.buoyancy(pose.position_m, pose.rotation(), water, time_s);
+}
+
+TEST(HullInWaves, AFloatingBoxIsLiftedByThePressureUnderItsBottom) {
+  const BuoyantHull hull(testing::box(2, 1, 1));
+  const Water water = with_wave(0.15, 2.5, 0.5);
+  for (double t = 0; t < 2.5; t += 0.25) {
+    double sum = 0;
+    constexpr int kCells = 40;
+    for (int i = 0; i < kCells; ++i) {
+      for (int j = 0; j < kCells; ++j) {
+        const Eigen::Vector3d p(2 * ((i + 0.5) / kCells - 0.5), (j + 0.5) / kCells - 0.5, -0.5);
+        sum += water.gauge_pressure_at(p, t) * 2 / (kCells * kCells);
+      }
+    }
+    const Buoyancy lift = buoyancy(hull, {{0, 0, 0}, Eigen::Quaterniond::Identity()}, water, t);
+    EXPECT_NEAR(lift.force_body_n.z(), sum, 3e-3 * sum) << t;
+  }
+}
+
+TEST(HullInWaves, UnderTheWavesTheClosedFormIsTheIntegralOfPressure) {
+  TriangleMesh mesh = testing::box(1.6, 0.6, 0.4);
+  for (Eigen::Vector3d& v : mesh.vertices_m) v += Eigen::Vector3d(0.2, 0.1, 0);
+  const BuoyantHull hull(mesh);
+  const PressedSurface skin(mesh, 0.03);
+  for (const double depth : {6.0, 40.0}) {
+    const Water water = with_wave(0.02, 2.5, 0.9, depth);
+    const Pose pose{{1, 2, -2}, tilted(0.8)};
+    const Eigen::Matrix3d rotation = pose.rotation();
+    const PressedSurface::Load still = skin.load(pose.position_m, rotation, EvenWater{}, 0);
+    for (const double t : {0.0, 0.7, 1.9}) {
+      const PressedSurface::Load all = skin.load(pose.position_m, rotation, water, t);
+      const Buoyancy lift = buoyancy(hull, pose, water, t), calm = buoyancy(hull, pose, EvenWater{}, t);
+      const Eigen::Vector3d force = all.force_body_n - still.force_body_n;
+      const Eigen::Vector3d moment = all.moment_body_nm - still.moment_body_nm;
+      EXPECT_LT((lift.force_body_n - calm.force_body_n - force).norm(), 0.02 * force.norm());
+      EXPECT_LT((lift.moment_body_nm - calm.moment_body_nm - moment).norm(), 0.02 * force.norm());
+    }
+  }
+}
+
+TEST(HullInWaves, DeepDownItFeelsNone) {
+  const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
+  const Pose pose{{1, 2, -100}, tilted(0.8)};
+  EXPECT_EQ(buoyancy(hull, pose, with_wave(0.3, 3, 0, 200), 1).force_body_n,
+            buoyancy(hull, pose, EvenWater{}, 1).force_body_n);
+}
+
+TEST(HullInWaves, ForceIsContinuousFromTheAirDown) {
+  const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
+  const Water water = with_wave(0.3, 3);
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  for (double z = 1.5; z > -4; z -= 1e-3) {
+    const Eigen::Vector3d force = buoyancy(hull, {{0, 0, z}, tilted(0.5)}, water, 0.9).force_body_n;
+    EXPECT_LT((force - last).norm(), 1e-3 * 9806.65 * 1.6) << z;
+    last = force;
+  }
+}
+
+TEST(HullInWaves, ASmallNeutralBodyThatMovesWithTheWaterAcceleratesWithIt) {
+  const TriangleMesh mesh = testing::box(0.12, 0.08, 0.06);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 1000 * solid.volume_m3;
+  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  p.added_mass.diagonal() << 0.2, 0.5, 1.4, 1e-4, 1e-4, 1e-4;
+  p.quadratic_damping.diagonal().setConstant(3);
+  const Craft craft(p, BuoyantHull(mesh));
+  const Water water = with_wave(0.05, 4, 0.7);
+  for (const double t : {0.0, 1.1, 2.7}) {
+    BodyState state;
+    state.world_from_body.position_m = {3, 4, -1.5};
+    const WaterFlow flow = water.flow_at(state.world_from_body.position_m, t);
+    state.velocity_body.head<3>() = flow.velocity_m_s;
+    const Vector6d rate = craft.acceleration_body(state, Vector6d::Zero(), water, t);
+    EXPECT_LT((rate.head<3>() - flow.wave_acceleration_m_s2).norm(), 2e-3 * flow.wave_acceleration_m_s2.norm()) << t;
+  }
+}
+
+TEST(HullInWaves, ANeutralBodyIsCarriedByATideThatRises) {
+  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 1000 * solid.volume_m3;
+  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  p.added_mass.diagonal() << 100, 300, 900, 20, 50, 40;
+  const Craft craft(p, BuoyantHull(mesh));
+  Water water;
+  water.currents = {tidal_current({0.5, 0.2, 0}, 100, 0)};
+  BodyState state;  // no damping: pressure and added mass alone carry it
+  state.world_from_body.position_m.z() = -10;
+  for (int k = 0; k < 1000; ++k) state = advance(craft, state, {}, water, 0.02 * k, 0.02);
+  const Eigen::Vector3d stream = water.flow_at(state.world_from_body.position_m, 20).velocity_m_s;
+  EXPECT_LT((state.velocity_body.head<3>() - stream).norm(), 1e-6);
+}
+
+/// Long waves lift a floating box with them; it neither lags nor overshoots much, its own period being far shorter.
+TEST(HullInWaves, AVehicleThatSmallWavesPassOverHeavesWithThem) {
+  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 500 * solid.volume_m3;
+  p.inertia_kg_m2 = 500 * solid.inertia_per_density_m5;
+  p.centre_of_mass_body_m = {0, 0, -0.15};
+  p.added_mass.diagonal() << 50, 100, 300, 10, 20, 20;
+  p.linear_damping.diagonal() << 100, 100, 1500, 80, 80, 80;
+  const Craft craft(p, BuoyantHull(mesh));
+  const Water water = with_wave(0.1, 9);
+  BodyState state;
+  double worst = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.02 * k;
+    if (t > 25) {
+      const Eigen::Vector3d& at = state.world_from_body.position_m;
+      worst = std::max(worst, std::abs(at.z() - water.surface_height_at(at.x(), at.y(), t)));
+    }
+    state = advance(craft, state, {}, water, t, 0.02);
+  }
+  EXPECT_LT(worst, 0.012) << "of waves 0.1 m high";
+}
+
+}  // namespace
+}  // namespace uwsim

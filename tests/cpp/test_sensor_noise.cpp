@@ -1,0 +1,306 @@
+#include <atomic>
+#include <cstdlib>
+#include <functional>
+#include <new>
+
+#include "sensor_bench.h"
+#include "uwsim/sensors/sensor_rack.h"
+
+namespace {
+std::atomic<std::size_t> allocations = 0;
+}
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace uwsim {
+namespace {
+
+using SensorNoise = SensorBench;
+
+SensorSpec depth_with(const NoiseSpec& noise) {
+  SensorSpec spec = sensor_spec("depth");
+  spec.noise["depth"] = noise;
+  return spec;
+}
+
+/// Overlapping Allan variance of a rate series at one cluster length (IEEE Std 952-1997, annex C).
+double allan_variance(const std::vector<double>& integral, double dt, std::size_t m) {
+  double sum = 0;
+  const std::size_t count = integral.size() - 2 * m;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double second = integral[k + 2 * m] - 2 * integral[k + m] + integral[k];
+    sum += second * second;
+  }
+  const double tau = static_cast<double>(m) * dt;
+  return sum / (2 * tau * tau * static_cast<double>(count));
+}
+
+/// Gauss-Markov noise of standard deviation 1 (ibid., B.4.1.5, with q^2 = 2 / T).
+double gauss_markov_allan(double tau, double time) {
+  const double r = time / tau;
+  return 2 * r * (1 - 0.5 * r * (3 - 4 * std::exp(-1 / r) + std::exp(-2 / r)));
+}
+
+class AllanDeviation : public SensorBench {
+ protected:
+  static constexpr int kSamples = 1 << 19;
+
+  /// Mean over the axes of a still IMU's gyroscope.
+  std::vector<double> variances(const NoiseSpec& noise, double rate_hz, const std::vector<std::size_t>& clusters) {
+    SensorSpec spec = sensor_spec("imu");
+    spec.noise["angular_velocity"] = noise;
+    spec.rate_hz = rate_hz;
+    NoisySensor imu = sensor(spec);
+    std::vector<std::vector<double>> integrals(3, {0.0});
+    for (int k = 0; k < kSamples; ++k) {
+      moment.tick = static_cast<std::uint64_t>(std::llround(k / (rate_hz * kStepS)));
+      const Sample& sample = imu.read(moment, around());
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        integrals[axis].push_back(integrals[axis].back() + sample.values[axis] / rate_hz);
+      }
+    }
+    std::vector<double> means;
+    for (const std::size_t m : clusters) {
+      double mean = 0;
+      for (const auto& integral : integrals) mean += allan_variance(integral, 1 / rate_hz, m) / 3;
+      means.push_back(mean);
+    }
+    return means;
+  }
+
+  /// Least squares of measured = a first(tau) + b second(tau), each weighed by its size.
+  static Eigen::Vector2d fit(const std::vector<double>& measured, const std::vector<std::size_t>& clusters,
+                             double rate_hz, const std::function<double(double)>& first,
+                             const std::function<double(double)>& second) {
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < clusters.size(); ++k) {
+      const double tau = static_cast<double>(clusters[k]) / rate_hz;
+      const Eigen::Vector2d row(first(tau) / measured[k], second(tau) / measured[k]);
+      normal += row * row.transpose();
+      right += row;
+    }
+    return normal.inverse() * right;
+  }
+};
+
+TEST_F(AllanDeviation, RecoversDensityAndBiasInstability) {
+  constexpr double kDensity = 1e-3, kBias = 2e-3, kTime = 4, kRate = 20;
+  const std::vector<std::size_t> clusters = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512};
+  const auto measured = variances({.density = kDensity, .bias_std = kBias, .bias_time_s = kTime}, kRate, clusters);
+  // The correlation time is that of the best fit.
+  double best_time = 0, best_misfit = 1e300;
+  Eigen::Vector2d best = Eigen::Vector2d::Zero();
+  for (double time = 1; time < 16; time *= 1.02) {
+    const auto white = [](double tau) { return 1 / tau; };
+    const auto bias = [&](double tau) { return gauss_markov_allan(tau, time); };
+    const Eigen::Vector2d found = fit(measured, clusters, kRate, white, bias);
+    double misfit = 0;
+    for (std::size_t k = 0; k < clusters.size(); ++k) {
+      const double tau = static_cast<double>(clusters[k]) / kRate;
+      misfit += std::pow((found(0) * white(tau) + found(1) * bias(tau)) / measured[k] - 1, 2);
+    }
+    if (misfit < best_misfit) {
+      best_misfit = misfit;
+      best_time = time;
+      best = found;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(best(0)), kDensity, 0.1 * kDensity);
+  EXPECT_NEAR(std::sqrt(best(1)), kBias, 0.1 * kBias);
+  EXPECT_NEAR(best_time, kTime, 0.1 * kTime);
+}
+
+TEST_F(AllanDeviation, RecoversDensityAndRateRandomWalk) {
+  constexpr double kDensity = 1e-3, kWalk = 1e-3, kRate = 20;
+  const std::vector<std::size_t> clusters = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024};
+  const auto measured = variances({.density = kDensity, .walk = kWalk}, kRate, clusters);
+  const Eigen::Vector2d found = fit(
+      measured, clusters, kRate, [](double tau) { return 1 / tau; }, [](double tau) { return tau / 3; });
+  EXPECT_NEAR(std::sqrt(found(0)), kDensity, 0.1 * kDensity);
+  EXPECT_NEAR(std::sqrt(found(1)), kWalk, 0.1 * kWalk);
+}
+
+TEST_F(AllanDeviation, TurnOnBiasIsConstantInARunAndSpreadOverRuns) {
+  double squares = 0;
+  constexpr int kRuns = 4000;
+  for (std::uint64_t run = 0; run < kRuns; ++run) {
+    NoisySensor depth = sensor(depth_with({.turn_on_std = 0.2}), run);
+    const double bias = depth.read(moment, around()).values[0] - 12;
+    moment.tick += 1000;
+    EXPECT_EQ(depth.read(moment, around()).values[0] - 12, bias);
+    squares += bias * bias;
+  }
+  EXPECT_NEAR(std::sqrt(squares / kRuns), 0.2, 0.2 * 5 / std::sqrt(2.0 * kRuns));
+}
+
+TEST_F(SensorNoise, NoiseHasItsSpreadAndIsUncorrelatedBetweenSensorsOfDifferentName) {
+  SensorSpec first = depth_with({.std = 0.04, .bias_std = 0.03, .bias_time_s = 2 * kStepS}), second = first;
+  second.name = "spare";
+  NoisySensor a = sensor(first), b = sensor(second);
+  double squares = 0, products = 0;
+  constexpr int kSamples = 50'000;
+  for (moment.tick = 0; moment.tick < kSamples; ++moment.tick) {
+    const double x = (a.read(moment, around()).values[0] - 12) / 0.05;
+    squares += x * x;
+    products += x * (b.read(moment, around()).values[0] - 12) / 0.05;
+  }
+  EXPECT_NEAR(squares / kSamples, 1, 10 * std::sqrt(2.0 / kSamples));
+  EXPECT_NEAR(products / kSamples, 0, 10 / std::sqrt(kSamples));
+}
+
+TEST_F(SensorNoise, ReadingsAreWholeQuantaWithinTheLimits) {
+  SensorSpec spec = depth_with({.std = 1, .quantum = 0.25, .limit_low = 11, .limit_high = 12.5});
+  NoisySensor depth = sensor(spec);
+  int at_low = 0, at_high = 0;
+  constexpr int kSamples = 20'000;
+  for (moment.tick = 0; moment.tick < kSamples; ++moment.tick) {
+    const double value = depth.read(moment, around()).values[0];
+    EXPECT_EQ(value, 0.25 * std::round(value / 0.25));
+    EXPECT_TRUE(value >= 11 && value <= 12.5);
+    at_low += value == 11;
+    at_high += value == 12.5;
+  }
+  EXPECT_NEAR(at_low / double{kSamples}, 0.5 * std::erfc(0.875 / std::sqrt(2)), 0.015);
+  EXPECT_NEAR(at_high / double{kSamples}, 0.5 * std::erfc(0.375 / std::sqrt(2)), 0.015);
+}
+
+TEST_F(SensorNoise, SamplesDependOnTimeAloneNotOnWhatWasRead) {
+  SensorSpec spec = depth_with({.std = 0.1, .bias_std = 0.2, .bias_time_s = 1, .walk = 0.1});
+  spec.rate_hz = 30;  // does not divide the steps
+  spec.latency_s = 0.04;
+  spec.drop_out = 0.2;
+  NoisySensor often = sensor(spec), seldom = sensor(spec);
+  for (moment.tick = 0; moment.tick < 2000; ++moment.tick) {
+    moment.state.world_from_body.position_m.z() = -12 - 1e-3 * static_cast<double>(moment.tick);
+    for (NoisySensor* each : {&often, &seldom}) {
+      if (moment.tick >= each->next_due()) each->keep(moment);
+    }
+    const Sample first = often.read(moment, around());
+    const Sample again = often.read(moment, around());
+    EXPECT_EQ(first.values, again.values);
+    if (moment.tick % 317 != 0) continue;
+    const Sample rare = seldom.read(moment, around());
+    EXPECT_EQ(rare.values, first.values);
+    EXPECT_EQ(rare.stamp_ns, first.stamp_ns);
+    EXPECT_EQ(rare.valid, first.valid);
+  }
+}
+
+TEST_F(SensorNoise, ARateHoldsTheLastSampleAndKeepsItsMean) {
+  SensorSpec spec = sensor_spec("depth");
+  spec.rate_hz = 30;
+  NoisySensor depth = sensor(spec);
+  std::uint64_t samples = 0, last_ns = ~std::uint64_t{0};
+  for (moment.tick = 0; moment.tick < 2000; ++moment.tick) {  // 10 s
+    moment.state.world_from_body.position_m.z() = -static_cast<double>(moment.tick) * kStepS;
+    if (moment.tick >= depth.next_due()) depth.keep(moment);
+    const Sample& sample = depth.read(moment, around());
+    ASSERT_NEAR(sample.values[0], 1e-9 * static_cast<double>(sample.stamp_ns), 1e-9) << "the value of its own stamp";
+    ASSERT_LT(moment.tick * kStepNs - sample.stamp_ns, 33'333'334u);
+    samples += sample.stamp_ns != last_ns;
+    last_ns = sample.stamp_ns;
+  }
+  EXPECT_NEAR(static_cast<double>(samples), 300, 1);
+}
+
+TEST_F(SensorNoise, AnAcceleratingVehicleIsSeenAsItWasALatencyAgo) {
+  SensorSpec spec = sensor_spec("velocity");
+  spec.latency_s = 0.15;
+  spec.rate_hz = 50;
+  NoisySensor velocity = sensor(spec);
+  for (moment.tick = 0; moment.tick < 400; ++moment.tick) {
+    const double now_s = static_cast<double>(moment.tick) * kStepS;
+    moment.state.velocity_body(0) = 0.8 * now_s;
+    if (moment.tick >= velocity.next_due()) velocity.keep(moment);
+    const Sample& sample = velocity.read(moment, around());
+    ASSERT_EQ(sample.valid, now_s > 0.15 - 1e-9) << "nothing has arrived before";
+    if (!sample.valid) continue;
+    const double sampled_s = 0.02 * std::floor((now_s - 0.15) / 0.02 + 1e-9);
+    ASSERT_NEAR(sample.values[0], 0.8 * sampled_s, 1e-12);
+    ASSERT_NEAR(1e-9 * static_cast<double>(sample.stamp_ns), sampled_s, 1e-12);
+  }
+}
+
+TEST_F(SensorNoise, AUsblFixArrivesATravelTimeBothWaysLater) {
+  const std::vector<WaterLevel> levels = {{.depth_m = 0, .sound_speed_m_s = 1400},
+                                          {.depth_m = 12, .sound_speed_m_s = 1600}};
+  world.water.profile = std::make_shared<const WaterProfile>(levels);
+  station_world_m = {-800, 0, 0};
+  SensorSpec spec = sensor_spec("usbl");
+  spec.rate_hz = 5;
+  NoisySensor usbl = sensor(spec);
+  const double slowness_s_m = std::log(1600.0 / 1400) / 200;  // the mean of 1 / c
+  const double travel_s = 2 * std::hypot(800, 12) * slowness_s_m;
+  for (moment.tick = 0; moment.tick < 800; ++moment.tick) {
+    if (moment.tick >= usbl.next_due()) usbl.keep(moment);
+    const double now_s = static_cast<double>(moment.tick) * kStepS;
+    const Sample& sample = usbl.read(moment, around());
+    ASSERT_EQ(sample.valid, now_s >= travel_s) << now_s;
+    if (sample.valid) {
+      ASSERT_NEAR(1e-9 * static_cast<double>(sample.stamp_ns), 0.2 * std::floor((now_s - travel_s) / 0.2), 1e-9);
+    }
+  }
+}
+
+TEST_F(SensorNoise, DroppedSamplesAreThatShareAndTheLastOneThroughIsHeld) {
+  SensorSpec spec = sensor_spec("depth");
+  spec.drop_out = 0.3;
+  spec.rate_hz = 100;
+  NoisySensor depth = sensor(spec);
+  int lost = 0, held_longest = 0;
+  constexpr int kSamples = 20'000;
+  for (moment.tick = 0; moment.tick < 2 * kSamples; ++moment.tick) {
+    moment.state.world_from_body.position_m.z() = -static_cast<double>(moment.tick + 1) * kStepS;
+    if (moment.tick >= depth.next_due()) depth.keep(moment);
+    if (moment.tick % 2) continue;
+    const Sample& sample = depth.read(moment, around());
+    lost += !sample.valid;
+    const auto age = static_cast<int>((moment.tick * kStepNs - sample.stamp_ns) / (2 * kStepNs));
+    ASSERT_TRUE(moment.tick == 0 || sample.valid == (age == 0));
+    ASSERT_NEAR(sample.values[0], 1e-9 * static_cast<double>(sample.stamp_ns) + kStepS, 1e-9);
+    held_longest = std::max(held_longest, age);
+  }
+  EXPECT_NEAR(lost / double{kSamples}, 0.3, 5 * std::sqrt(0.3 * 0.7 / kSamples));
+  EXPECT_GE(held_longest, 4) << "more than the ring holds";
+}
+
+TEST_F(SensorNoise, SteppingAndReadingTakeNoMemory) {
+  std::vector<SensorSpec> specs = {sensor_spec("imu"), sensor_spec("depth"), sensor_spec("dvl"), sensor_spec("usbl")};
+  for (SensorSpec& spec : specs) {
+    spec.rate_hz = 40;
+    spec.latency_s = 0.1;
+    spec.drop_out = 0.1;
+  }
+  specs[0].noise["angular_velocity"] = {.std = 1e-3, .bias_std = 1e-3, .bias_time_s = 10, .walk = 1e-4};
+  SensorRack rack(specs, 7, "rov", kStepNs);
+  const auto step = [&] {
+    if (rack.due(moment.tick)) rack.keep(moment);
+    for (std::size_t k = 0; k < rack.size(); ++k) rack.at(k).read(moment, around());
+    ++moment.tick;
+  };
+  step();
+  const std::size_t before = allocations;
+  for (int k = 0; k < 500; ++k) step();
+  EXPECT_EQ(allocations, before);
+}
+
+TEST_F(SensorNoise, AllErrorsOffIsTheTruth) {
+  moment.state.velocity_body << 1, 2, 3, 0.1, 0.2, 0.3;
+  for (const SensorKind* kind : sensor_kinds()) {
+    SensorSpec spec = sensor_spec(std::string(kind->name));
+    if (kind->name == "proximity") spec.parameters["range_max_m"] = {10};
+    NoisySensor each = sensor(spec);
+    const Sample read = each.read(moment, around()), true_value = each.read_true(moment, around());
+    EXPECT_EQ(read.values, true_value.values) << kind->name;
+  }
+}
+
+}  // namespace
+}  // namespace uwsim

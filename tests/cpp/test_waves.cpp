@@ -1,0 +1,165 @@
+#include "uwsim/world/waves.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGravity = 9.80665;
+constexpr double kDeep = std::numeric_limits<double>::infinity();
+
+Waves airy(double amplitude_m, double period_s, double depth_m, double heading_rad = 0.3) {
+  const WaveComponent wave{amplitude_m, 2 * kPi / period_s, heading_rad, 0.7};
+  return Waves({&wave, 1}, depth_m);
+}
+
+WaterFlow flow(const Waves& waves, const Eigen::Vector3d& p, double t) {
+  WaterFlow sum;
+  waves.add_flow(p, t, sum);
+  return sum;
+}
+
+/// Central difference of `f` along `way`.
+template <typename F>
+auto slope(F f, const Eigen::Vector3d& p, const Eigen::Vector3d& way) {
+  const double h = 1e-4;
+  return ((f(p + h * way) - f(p - h * way)) / (2 * h));
+}
+
+TEST(Waves, TheDispersionRelationHoldsFromShallowToDeep) {
+  for (const double depth : {0.5, 3.0, 30.0, 4000.0}) {
+    for (const double omega : {0.06, 0.5, 2.0, 9.0}) {
+      const double k = wave_number_rad_m(omega, depth, kGravity);
+      EXPECT_NEAR(kGravity * k * std::tanh(k * depth), omega * omega, 1e-12 * omega * omega) << depth << " " << omega;
+    }
+  }
+  EXPECT_NEAR(wave_number_rad_m(0.06, 0.5, kGravity), 0.06 / std::sqrt(kGravity * 0.5), 1e-4) << "shallow: c^2 = g h";
+  EXPECT_DOUBLE_EQ(wave_number_rad_m(2.0, kDeep, kGravity), 4 / kGravity);
+}
+
+TEST(Waves, PressureIsTheAtmospheresAtTheWavesOwnSurface) {
+  const Waves sea = Waves::jonswap({.significant_height_m = 1, .peak_period_s = 4, .seed = 3}, 12);
+  for (double t = 0; t < 30; t += 0.37) {
+    const double height = sea.height_at(3, -2, t);
+    EXPECT_NEAR(sea.head_at({3, -2, height}, t), 0, 1e-12);
+    EXPECT_NEAR(sea.head_at({3, -2, height + 0.4}, t), -0.4, 1e-12);
+    EXPECT_GT(sea.head_at({3, -2, height - 0.01}, t), 0);
+  }
+}
+
+TEST(Waves, DeepPressureDecaysByAiryAndAtDepthNothingIsFelt) {
+  const Waves wave = airy(1e-5, 3, kDeep);
+  const double k = wave_number_rad_m(2 * kPi / 3, kDeep, kGravity);
+  const Eigen::Vector3d p(0, 0, -1);
+  EXPECT_NEAR(wave.head_at(p, 0) - 1, 1e-5 * std::cos(0.7) * std::exp(-k), 1e-4 * 1e-5);
+  const Eigen::Vector3d abyss(0, 0, -100);
+  EXPECT_EQ(wave.head_at(abyss, 0), 100);
+  EXPECT_EQ(flow(wave, abyss, 0).velocity_m_s.norm(), 0);
+}
+
+TEST(Waves, WaterIsDrivenByItsPressureAndKeepsItsVolume) {
+  const Waves wave = airy(1e-4, 5, 8);  // so small that stretching is nothing
+  const Eigen::Vector3d p(2, 5, -3);
+  const double t = 1.3, k = wave_number_rad_m(2 * kPi / 5, 8, kGravity), scale = 1e-4 * kGravity * k;
+  const auto head = [&](const Eigen::Vector3d& at) { return wave.head_at(at, t) + at.z(); };
+  const Eigen::Vector3d push =
+      -kGravity * Eigen::Vector3d(slope(head, p, Eigen::Vector3d::UnitX()), slope(head, p, Eigen::Vector3d::UnitY()),
+                                  slope(head, p, Eigen::Vector3d::UnitZ()));
+  EXPECT_LT((flow(wave, p, t).wave_acceleration_m_s2 - push).norm(), 1e-3 * scale);
+  const Eigen::Vector3d rate = (flow(wave, p, t + 1e-4).velocity_m_s - flow(wave, p, t - 1e-4).velocity_m_s) / 2e-4;
+  EXPECT_LT((flow(wave, p, t).wave_acceleration_m_s2 - rate).norm(), 1e-5 * scale);
+  double divergence = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto v = [&](const Eigen::Vector3d& at) { return flow(wave, at, t).velocity_m_s(axis); };
+    divergence += slope(v, p, Eigen::Vector3d::Unit(axis));
+  }
+  EXPECT_LT(std::abs(divergence), 1e-3 * scale);
+  EXPECT_NEAR(flow(wave, {2, 5, -8}, t).velocity_m_s.z(), 0, 1e-12) << "none through the bed";
+  const double rise = (wave.height_at(2, 5, t + 1e-4) - wave.height_at(2, 5, t - 1e-4)) / 2e-4;
+  EXPECT_NEAR(flow(wave, {2, 5, wave.height_at(2, 5, t)}, t).velocity_m_s.z(), rise, 1e-8);
+}
+
+TEST(Waves, TheyRunTowardsTheirHeadingAtThePhaseSpeed) {
+  const Waves wave = airy(0.1, 4, kDeep, kPi / 2);
+  const double speed = kGravity * 4 / (2 * kPi);
+  EXPECT_NEAR(wave.height_at(0, 0, 0), wave.height_at(7, speed * 1.7, 1.7), 1e-12);
+}
+
+TEST(Waves, AJonswapRecordHasTheHeightAndThePeakItWasAskedFor) {
+  const Waves sea = Waves::jonswap(
+      {.significant_height_m = 1.5, .peak_period_s = 6, .spreading_exponent = 4, .component_count = 128, .seed = 5},
+      50);
+  EXPECT_NEAR(sea.significant_height_m(), 1.5, 1e-12);
+  constexpr int kSamples = 1 << 14;
+  constexpr double kEvery_s = 0.5;
+  std::vector<double> height(kSamples);
+  double variance = 0;
+  for (int k = 0; k < kSamples; ++k) {
+    height[static_cast<std::size_t>(k)] = sea.height_at(1, 2, k * kEvery_s);
+    variance += height[static_cast<std::size_t>(k)] * height[static_cast<std::size_t>(k)] / kSamples;
+  }
+  EXPECT_NEAR(4 * std::sqrt(variance), 1.5, 0.03 * 1.5);
+  // Energy in bands of the record's own Fourier lines.
+  const double line = 2 * kPi / (kSamples * kEvery_s);
+  const auto energy = [&](double low, double high) {
+    double sum = 0;
+    for (int m = static_cast<int>(low / line); m < static_cast<int>(high / line); ++m) {
+      std::complex<double> c = 0, turn = 1;
+      const std::complex<double> step = std::polar(1.0, m * line * kEvery_s);
+      for (const double h : height) {
+        c += h * turn;
+        turn *= step;
+      }
+      sum += std::norm(c);
+    }
+    return sum;
+  };
+  const double peak = 2 * kPi / 6;
+  const double at_peak = energy(0.95 * peak, 1.05 * peak);
+  EXPECT_GT(at_peak, energy(0.80 * peak, 0.90 * peak));
+  EXPECT_GT(at_peak, energy(1.10 * peak, 1.20 * peak));
+}
+
+TEST(Waves, ManyPointsTogetherFeelWhatEachFeelsAlone) {
+  for (const double depth : {3.0, 80.0}) {
+    const Waves sea = Waves::jonswap({.significant_height_m = 0.4, .peak_period_s = 3, .spreading_exponent = 2}, depth);
+    for (const double reach : {0.05, 0.2, 0.6, 3.0}) {
+      std::vector<Eigen::Vector3d> points;
+      for (int k = 0; k < 125; ++k) {
+        points.push_back(Eigen::Vector3d(7, -3, -0.3) +
+                         reach * Eigen::Vector3d(k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2) / std::sqrt(12.0));
+      }
+      std::vector<double> heads(points.size());
+      sea.heads(points, 11.3, heads);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        EXPECT_NEAR(heads[k], sea.head_at(points[k], 11.3), 5e-4 * sea.bound_m()) << depth << " " << reach;
+      }
+    }
+  }
+}
+
+TEST(Waves, ASeaIsOfItsSeed) {
+  const JonswapSea sea{.seed = 1}, other{.seed = 2};
+  EXPECT_EQ(Waves::jonswap(sea, 20).height_at(1, 2, 3), Waves::jonswap(sea, 20).height_at(1, 2, 3));
+  EXPECT_NE(Waves::jonswap(sea, 20).height_at(1, 2, 3), Waves::jonswap(other, 20).height_at(1, 2, 3));
+}
+
+TEST(Waves, WhatCannotBeIsRefused) {
+  EXPECT_THROW(airy(-0.1, 4, 10), InvalidValue);
+  EXPECT_THROW(airy(2, 2, 10), InvalidValue) << "it would break";
+  EXPECT_THROW(airy(0.4, 10, 0.5), InvalidValue) << "it would strand";
+  EXPECT_THROW(Waves::jonswap({.peak_period_s = 0}, 10), InvalidValue);
+  EXPECT_THROW(Waves::jonswap({.component_count = 1}, 10), InvalidValue);
+  EXPECT_THROW(Waves::jonswap({.significant_height_m = 2, .peak_period_s = 3}, 50), InvalidValue) << "too steep";
+}
+
+}  // namespace
+}  // namespace uwsim

@@ -1,0 +1,184 @@
+"""The packaged vehicles: what their files say, and how they move."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.optimize import brentq
+
+from sea import open_water
+from uwsim.scenario import ScenarioError, load_vehicle, rigid_body, vehicle_hull
+from uwsim.scenario.paths import assets_folder, packaged_names
+
+BLUEROVS = ("bluerov2_heavy", "bluerov2_wu", "bluerov2_tank")
+T200 = {"diameter_m": 0.076, "kt": 0.445, "j0": 0.976}
+
+
+def hull(name: str) -> trimesh.Trimesh:
+    return trimesh.Trimesh(*vehicle_hull(load_vehicle(name)), process=False)
+
+
+@pytest.mark.parametrize("name", packaged_names("vehicles"))
+def test_its_hull_is_closed_one_piece_and_displaces_what_is_published(name: str) -> None:
+    model, mesh = load_vehicle(name), hull(name)
+    assert mesh.is_watertight
+    assert len(mesh.split()) == 1
+    assert len(mesh.faces) <= 3000
+    if model.volume_m3 is not None:
+        assert mesh.volume == pytest.approx(model.volume_m3, rel=1e-12)
+    if model.centre_of_buoyancy_m is not None:
+        np.testing.assert_allclose(mesh.center_mass, model.centre_of_buoyancy_m, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "size_m"),
+    [
+        ("bluerov2_heavy", (0.4571, 0.575, 0.2539)),
+        ("bluerov2_wu", (0.4571, 0.338, 0.2539)),
+        ("bluerov2_tank", (0.4571, 0.338, 0.2539)),
+        ("remus100", (1.6, None, None)),
+    ],
+)
+def test_its_mesh_is_as_large_as_the_vehicle(name: str, size_m: tuple[float | None, ...]) -> None:
+    for extent, published in zip(hull(name).extents, size_m, strict=True):
+        if published is not None:
+            assert extent == pytest.approx(published, rel=0.07)
+
+
+def test_the_torpedos_figures_are_those_of_its_spheroid() -> None:
+    a, b = 0.8, 0.095
+    body = rigid_body(load_vehicle("remus100"), 1026.0)
+    assert body.volume_m3 == pytest.approx(4 / 3 * np.pi * a * b**2, rel=1e-4)
+    assert body.mass_kg == pytest.approx(31.03, rel=1e-3)
+    np.testing.assert_allclose(body.inertia_kg_m2[1], body.mass_kg / 5 * (a**2 + b**2), rtol=1e-3)
+
+
+def test_submerged_it_weighs_what_is_published(tmp_path: Path) -> None:
+    """Released at rest, a BlueROV2 Heavy sinks in fresh water as its mass, volume and added mass say."""
+    sim = open_water(tmp_path, "bluerov2_heavy", density_kg_m3=1000.0)
+    sim.step(2)
+    acceleration = sim.rov.velocity.linear_body_m_s[2] / (2 * sim.step_s)
+    assert acceleration == pytest.approx((0.0134 * 1000 - 13.5) * 9.80665 / (13.5 + 18.6863), rel=0.02)
+
+
+def bollard(name: str, axis: int) -> list[tuple[float, float, float]]:
+    """(thrust, its part along the axis, times it occurs) of full effort ahead, after the frame's geometry."""
+    cos45 = np.sqrt(0.5)
+    if axis == 0:
+        return [(51.5, cos45, 2), (39.9, cos45, 2)]
+    return [(51.5, 1.0, 4 if name == "bluerov2_heavy" else 2)]
+
+
+def thrust_n(name: str, axis: int, speed_m_s: float, density_kg_m3: float) -> float:
+    """All thrusters' push along the axis at this speed: the bilinear model, written out."""
+    total = 0.0
+    for full_n, part, count in bollard(name, axis):
+        turns_s = np.sqrt(full_n / (density_kg_m3 * T200["kt"] * T200["diameter_m"] ** 4))
+        lost = full_n * part * speed_m_s / (T200["j0"] * turns_s * T200["diameter_m"])
+        total += count * part * (full_n - lost)
+    return total
+
+
+@pytest.mark.parametrize("name", BLUEROVS)
+@pytest.mark.parametrize(("effort", "axis"), [("surge", 0), ("heave", 2)])
+def test_its_terminal_speed_follows_from_drag_and_thrust(tmp_path: Path, name: str, effort: str, axis: int) -> None:
+    model = load_vehicle(name)
+    assert model.linear_damping is not None and model.quadratic_damping is not None
+    linear, quadratic = model.linear_damping[axis], model.quadratic_damping[axis]
+    density = model.mass_kg / model.volume_m3  # neutral: else it would drift, and its Munk moment turn it over
+    expected = brentq(lambda u: thrust_n(name, axis, u, density) - linear * u - quadratic * u * u, 0, 10)
+    sim = open_water(tmp_path, name, density_kg_m3=density)
+    sim.rov.place((0, 0, -30), velocity_body=0.9 * expected * np.eye(6)[axis])
+    sim.rov.set_effort(**{effort: 1.0})
+    sim.advance(2.0)
+    assert sim.rov.velocity.linear_body_m_s[axis] == pytest.approx(expected, rel=2e-3)
+
+
+def test_the_standard_frame_knows_that_it_cannot_pitch(tmp_path: Path) -> None:
+    rov = open_water(tmp_path, "bluerov2_wu").rov
+    assert rov.controllable == {"surge", "sway", "heave", "roll", "yaw"}
+    rov.set_effort(pitch=1.0)
+    assert all(thruster.command == 0 for thruster in rov.thrusters.values())
+
+
+def steady_turn(folder: Path, rudder_deg: float) -> tuple[float, float]:
+    """(speed, yaw rate) of REMUS at full revolutions."""
+    sim = open_water(folder, "remus100", density_kg_m3=1026.0)
+    sim.rov.set_effort(surge=1.0)
+    sim.advance(10.0)
+    sim.rov.set_fins({"top": np.radians(rudder_deg), "bottom": -np.radians(rudder_deg)})
+    sim.advance(20.0)
+    return sim.rov.telemetry().speed_m_s, float(sim.rov.velocity.angular_body_rad_s[2])
+
+
+def test_remus_runs_at_its_published_speed_and_turns_with_its_rudder(tmp_path: Path) -> None:
+    """2.5 m/s at 1525 rpm (PythonVehicleSimulator); a steady, tighter turn with more rudder, alike to both sides."""
+    straight_m_s, straight_rad_s = steady_turn(tmp_path, 0)
+    assert straight_m_s == pytest.approx(2.5, rel=0.03)
+    assert abs(straight_rad_s) < 1e-4, "it holds its course"
+    slight, hard = steady_turn(tmp_path, 5), steady_turn(tmp_path, 10)
+    assert slight[1] < -0.1 and hard[1] < 1.5 * slight[1]
+    assert 5 < slight[0] / -slight[1] < 15, "some lengths across"
+    assert hard[0] < slight[0] < straight_m_s
+    other = steady_turn(tmp_path, -5)
+    assert other[1] == pytest.approx(-slight[1], rel=0.02)
+
+
+def test_a_mesh_far_from_the_published_volume_is_refused(tmp_path: Path) -> None:
+    text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
+    path = tmp_path / "fat.yaml"
+    path.write_text(text.replace("volume_m3: 0.0134", "volume_m3: 0.05"))
+    with pytest.raises(ScenarioError, match=r"encloses 0\.01\d* m3, volume_m3 = 0\.05 m3: .*must be within 10%"):
+        vehicle_hull(load_vehicle(path))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("mass_kg: 13.5", "mass_kg: -13.5", r"mass_kg = -13\.5 kg: must be in"),
+        ("axis: [-1, 1, 0]", "axis: [0, 0, 0]", r"thrusters\.front_left\.axis = \[.*\]: must point somewhere"),
+        ("model: t200_16v", "model: t200_61v", r"unknown thruster 't200_61v'.*did you mean 't200_16v'"),
+        ("mass_kg: 13.5", "mass_kg: 13.5\nmax_force_n: [1, 1, 1]", r"max_force_n: must not be given"),
+        ("linear_damping: [13.7, 0.0, 33.0, 0.0, 0.8, 0.0]", "# none", r"linear_damping: missing"),
+        (
+            "added_mass: [6.3567,",
+            "added_mass_matrix: [[1,0,0,0,0,0],[0,1,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[0,0,0,0,0,1]]\n"
+            "added_mass: [6.3567,",
+            r"added_mass_matrix: must not be given beside added_mass",
+        ),
+    ],
+)
+def test_bad_figures_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+    text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
+    assert old in text
+    path = tmp_path / "bad.yaml"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ScenarioError, match=message) as raised:
+        load_vehicle(path)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_full_matrix_stands_for_a_diagonal(tmp_path: Path) -> None:
+    text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
+    matrix = np.diag([6.3567, 7.1206, 18.6863, 0.1858, 0.1348, 0.2215])
+    matrix[0, 4] = matrix[4, 0] = 0.3
+    line = next(line for line in text.splitlines() if line.startswith("added_mass:"))
+    path = tmp_path / "full.yaml"
+    path.write_text(text.replace(line, f"added_mass_matrix: {matrix.tolist()}"))
+    model = load_vehicle(path)
+    np.testing.assert_array_equal(model.matrix("added_mass"), matrix)
+    sim = open_water(tmp_path, str(path), density_kg_m3=13.5 / 0.0134)
+    sim.rov.set_wrench([10.0, 0.0, 0.0])
+    sim.advance(0.1)
+    assert sim.rov.velocity.angular_body_rad_s[1] < -1e-4, "coupled to pitch"
+
+
+def test_a_matrix_that_is_not_positive_definite_is_refused_at_the_door(tmp_path: Path) -> None:
+    text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
+    matrix = np.diag([6.3567, 7.1206, -18.6863, 0.1858, 0.1348, 0.2215])
+    line = next(line for line in text.splitlines() if line.startswith("added_mass:"))
+    path = tmp_path / "bad.yaml"
+    path.write_text(text.replace(line, f"added_mass_matrix: {matrix.tolist()}"))
+    with pytest.raises(ValueError, match=r"added_mass = .*: must be positive semi-definite"):
+        open_water(tmp_path, str(path))

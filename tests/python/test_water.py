@@ -1,0 +1,150 @@
+"""A scenario's water: what it says is what the native world has; what makes no sense is refused by its key."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uwsim import _core
+from uwsim.scenario import ScenarioError
+from uwsim.scenario.messages import validated
+from uwsim.scenario.water import build_water, surface_density_kg_m3
+from uwsim.scenario.water_spec import Water
+
+BOTTOM_M = 30.0
+
+
+def built(values: dict[str, Any], seed: int = 0, folder: Path | None = None) -> _core.Water:
+    return build_water(validated(Water, values, folder=folder), bottom_depth_m=BOTTOM_M, seed=seed)
+
+
+def refusal(values: dict[str, Any], folder: Path | None = None) -> str:
+    with pytest.raises(ScenarioError) as caught:
+        built(values, folder=folder)
+    return str(caught.value)
+
+
+def test_the_old_keys_are_still_even_water() -> None:
+    water = built({"density_kg_m3": 1010.0, "current_world_m_s": [0.1, 0.0, 0.0], "surface_temperature_deg_c": 12.0})
+    assert water.waves is None
+    assert water.profile is None
+    assert water.pressure_pa(-10.0) == pytest.approx(101325 + 1010 * 9.80665 * 10)
+    np.testing.assert_allclose(water.velocity_m_s([[0, 0, -3]]), [[0.1, 0, 0]])
+
+
+def test_an_airy_wave_passes_at_its_phase_speed() -> None:
+    water = built({"surface": {"kind": "airy", "amplitude_m": 0.2, "period_s": 3.0, "heading_deg": 90.0}})
+    there = [[0.0, 1.5 * 9.80665 * 3 / (2 * np.pi)]]
+    assert water.surface_height_m([[0, 0]]) == pytest.approx(0.2)
+    assert water.surface_height_m(there, 1.5) == pytest.approx(0.2, abs=1e-6)
+
+
+def test_a_jonswap_sea_is_of_the_scenarios_seed() -> None:
+    surface = {"kind": "jonswap", "significant_height_m": 0.8, "peak_period_s": 4.0, "spreading_exponent": 4.0}
+    first, same, other = (built({"surface": surface}, seed) for seed in (1, 1, 2))
+    assert first.waves is not None
+    assert first.waves.significant_height_m == pytest.approx(0.8)
+    xy = np.random.default_rng(0).uniform(-50, 50, (20, 2))
+    np.testing.assert_array_equal(first.surface_height_m(xy, 7.0), same.surface_height_m(xy, 7.0))
+    assert not np.allclose(first.surface_height_m(xy, 7.0), other.surface_height_m(xy, 7.0))
+
+
+def test_currents_add() -> None:
+    levels = [{"depth_m": 0.0, "velocity_m_s": [0.4, 0.0, 0.0]}, {"depth_m": 20.0, "velocity_m_s": [0.0, 0.0, 0.0]}]
+    water = built(
+        {
+            "current_world_m_s": [0.0, 0.0, 0.01],
+            "current": [
+                {"kind": "uniform", "velocity_m_s": [0.0, 0.1, 0.0]},
+                {"kind": "layers", "levels": levels},
+                {"kind": "tidal", "amplitude_m_s": [0.5, 0.0, 0.0], "period_s": 1000.0},
+            ],
+        }
+    )
+    np.testing.assert_allclose(water.velocity_m_s([[3, 4, -5]], 250.0), [[0.3 + 0.5, 0.1, 0.01]])
+
+
+def test_gusts_blow_about_their_mean_and_of_the_seed() -> None:
+    current = {
+        "kind": "gusts",
+        "mean_m_s": [0.3, 0.0, 0.0],
+        "sigma_m_s": [0.1, 0.0, 0.0],
+        "correlation_time_s": 5.0,
+    }
+    gusts = {"current": current}
+    water, other = built(gusts, 3), built(gusts, 4)
+    speeds = np.array([water.velocity_m_s([[0, 0, -1]], 5.0 * k)[0, 0] for k in range(4000)])
+    assert speeds.mean() == pytest.approx(0.3, abs=0.01)
+    assert speeds.std() == pytest.approx(0.1, rel=0.05)
+    assert speeds[7] != other.velocity_m_s([[0, 0, -1]], 35.0)[0, 0]
+
+
+@pytest.mark.parametrize("suffix", ["npz", "csv"])
+def test_a_grid_file_is_trilinear_between_its_points(suffix: str, tmp_path: Path) -> None:
+    x, y, z = np.array([-5.0, 0, 10]), np.array([0.0, 4]), np.array([-20.0, -10, 0])
+    zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
+    velocity = np.stack([0.01 * xx, 0.02 * yy + 0.001 * xx, 0.001 * zz], axis=-1)
+    path = tmp_path / f"field.{suffix}"
+    if suffix == "npz":
+        np.savez(path, x_m=x, y_m=y, z_m=z, velocity_m_s=velocity)
+    else:
+        rows = np.column_stack([xx.ravel(), yy.ravel(), zz.ravel(), velocity.reshape(-1, 3)])
+        shuffled = np.random.default_rng(0).permutation(rows)
+        np.savetxt(path, shuffled, delimiter=",", header="x_m,y_m,z_m,u_m_s,v_m_s,w_m_s", comments="")
+    water = built({"current": {"kind": "grid", "file": path.name}}, folder=tmp_path)
+    np.testing.assert_allclose(water.velocity_m_s([[2.0, 1.0, -13.0]]), [[0.02, 0.022, -0.013]], atol=1e-12)
+
+
+def test_a_table_gives_density_pressure_and_sound_speed(tmp_path: Path) -> None:
+    (tmp_path / "cast.csv").write_text(
+        "# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,15,34\n10,13,34.5\n30,8,35\n"
+    )
+    inline = [
+        {"depth_m": d, "temperature_deg_c": t, "salinity_psu": s}
+        for d, t, s in ((0.0, 15.0, 34.0), (10.0, 13.0, 34.5), (30.0, 8.0, 35.0))
+    ]
+    waters = [
+        built({"profile": {"kind": "table", "file": "cast.csv"}}, folder=tmp_path),
+        built({"profile": {"kind": "table", "levels": inline}}),
+    ]
+    top, middle = (_core.sea_water_density_kg_m3(t, s) for t, s in ((15.0, 34.0), (13.0, 34.5)))
+    for water in waters:
+        assert water.density_at_kg_m3(-5.0) == pytest.approx((top + middle) / 2)
+        assert water.pressure_pa(-10.0) == pytest.approx(101325 + 9.80665 * 10 * (top + middle) / 2)
+        assert water.temperature_deg_c(-20.0) == pytest.approx(10.5)
+        assert water.sound_speed_m_s(-20.0) == pytest.approx(_core.sound_speed_m_s(10.5, 34.75, 20.0))
+    given = [{**level, "sound_speed_m_s": 1500.0 - level["depth_m"]} for level in inline]
+    assert built({"profile": {"kind": "table", "levels": given}}).sound_speed_m_s(-20.0) == pytest.approx(1480)
+
+
+def test_a_linear_profile_reaches_the_bottom_by_formula() -> None:
+    ends = {"surface": {"temperature_deg_c": 20.0}, "bottom": {"temperature_deg_c": 6.0, "salinity_psu": 10.0}}
+    water = built({"profile": {"kind": "linear", **ends}})
+    assert water.temperature_deg_c(-BOTTOM_M / 2) == pytest.approx(13)
+    for depth in (0.0, 7.3, 15.0, 30.0):
+        t, s = 20 - 14 * depth / BOTTOM_M, 10 * depth / BOTTOM_M
+        assert water.density_at_kg_m3(-depth) == pytest.approx(_core.sea_water_density_kg_m3(t, s), abs=2e-3)
+    spec = validated(Water, {"profile": {"kind": "linear", **ends}})
+    assert surface_density_kg_m3(spec) == pytest.approx(water.density_at_kg_m3(0.0))
+
+
+def test_what_makes_no_sense_is_refused_by_its_key(tmp_path: Path) -> None:
+    assert "surface.period_s = 0 s: must be in" in refusal(
+        {"surface": {"kind": "airy", "amplitude_m": 1, "period_s": 0}}
+    )
+    assert "'airy'" in refusal({"surface": {"kind": "air", "amplitude_m": 1.0}})
+    assert "steeper" in refusal({"surface": {"kind": "airy", "amplitude_m": 3.0, "period_s": 2.0}})
+    assert "current[0].sigma_m_s[1] = -1 m/s" in refusal(
+        {"current": [{"kind": "gusts", "sigma_m_s": [0.1, -1.0, 0.0], "correlation_time_s": 3.0}]}
+    )
+    levels = [{"depth_m": 3.0, "temperature_deg_c": 9.0}, {"depth_m": 3.0, "temperature_deg_c": 8.0}]
+    told = refusal({"profile": {"kind": "table", "levels": levels}})
+    assert "profile.levels[1].depth_m = 3 m: must be deeper than the level before" in told
+    assert "density_kg_m3 = 1020: must not be given beside profile" in refusal(
+        {"density_kg_m3": 1020.0, "profile": {"kind": "table", "levels": levels[:1]}}
+    )
+    (tmp_path / "bad.csv").write_text("x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,0,1,0,0\n1,1,0,1,0,0\n")
+    assert "2 rows for 2 x 2 x 1 places" in refusal({"current": {"kind": "grid", "file": "bad.csv"}}, tmp_path)
+    (tmp_path / "bad.npz").write_bytes(b"no")
+    assert "not a .npz file" in refusal({"current": {"kind": "grid", "file": "bad.npz"}}, tmp_path)

@@ -1,0 +1,130 @@
+"""Makes assets/meshes/bluerov2.obj and bluerov2_heavy.obj, Blue Robotics' ROV: needs numpy and manifold3d.
+
+Metres; x forward, y left, z up; 0.457 x 0.338 x 0.254 m, heavy 0.575 m across. The hull is what displaces water:
+tubes, foam, thrusters, side plates and ballast, united and closed. Thrusters are where the vehicles' files have them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from manifold3d import Manifold
+from solids import Point, ball, box, hull, rod, united, write_obj
+
+ASSETS = Path(__file__).resolve().parents[2] / "assets"
+SIDES = (-1, 1)
+LENGTH_M, HEIGHT_M = 0.457, 0.254
+LOW_M, HIGH_M = -0.127, 0.127
+
+
+def thruster(at: Point, axis: Point) -> Manifold:
+    """Make a T200: nozzle, motor pod and the bar that holds it, 0.1 m across and 0.09 m long."""
+    way = np.asarray(axis, np.float64) / np.linalg.norm(axis)
+    across = np.cross(way, (0.0, 0.0, 1.0) if abs(way[2]) < 0.5 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+
+    def along(low: float, high: float, radius: float, sides: int) -> Manifold:
+        return rod(tuple(at + low * way), tuple(at + high * way), radius, sides)
+
+    nozzle = along(-0.025, 0.025, 0.05, 8) - along(-0.05, 0.05, 0.041, 8)
+    pod = along(-0.045, 0.045, 0.019, 6)
+    ring = 0.046 * across
+    bar = rod(tuple(at + 0.012 * way - ring), tuple(at + 0.012 * way + ring), 0.006, 4)
+    return united([nozzle, pod, bar])
+
+
+def plate(outline: list[tuple[float, float]], y: float, thickness: float) -> Manifold:
+    """Make a plate across y, of a convex outline in x and z."""
+    return hull([(x, side, z) for side in (y - thickness / 2, y + thickness / 2) for x, z in outline])
+
+
+def side_panel(y: float) -> Manifold:
+    """Make a side of the frame: a bevelled plate with three windows, and its foot."""
+    end, bevel = LENGTH_M / 2, 0.05
+    outline = [
+        (x * (end - inset), z) for x in SIDES for inset, z in ((0, 0.02), (bevel, HIGH_M - 0.02), (0, LOW_M + 0.02))
+    ]
+    outline += [(x * (end - 0.02), LOW_M) for x in SIDES]
+    panel = plate(outline, y, 0.012)
+    for x in (-0.14, 0.0, 0.14):
+        panel -= box((x - 0.052, y - 0.02, -0.05), (x + 0.052, y + 0.02, 0.045))
+    return panel + box((-end + 0.02, y - 0.012, LOW_M), (end - 0.02, y + 0.012, LOW_M + 0.03))
+
+
+def tubes() -> list[Manifold]:
+    """Electronics with its dome in front, the battery below, and the cradles that hold them."""
+    return [
+        rod((-0.16, 0, 0.03), (0.15, 0, 0.03), 0.057, 10),
+        ball((0.15, 0, 0.03), 0.052, 8),
+        rod((-0.175, 0, 0.03), (-0.155, 0, 0.03), 0.062, 10),
+        rod((0.135, 0, 0.03), (0.155, 0, 0.03), 0.062, 10),
+        rod((-0.13, 0, -0.072), (0.13, 0, -0.078), 0.0445, 8),
+        *(box((x - 0.009, -0.16, -0.04), (x + 0.009, 0.16, -0.022)) for x in (-0.07, 0.07)),
+        *(box((x - 0.009, -0.165, LOW_M), (x + 0.009, 0.165, LOW_M + 0.02)) for x in (-0.15, 0.15)),
+        *(box((x - 0.009, -0.03, -0.05), (x + 0.009, 0.03, 0.0)) for x in (-0.07, 0.07)),
+    ]
+
+
+def fairing(x: float, y: float) -> Manifold:
+    """Make a quarter of the foam on top, under its bevelled fairing."""
+    near, far, low = 0.064, 0.158, 0.086
+    ends = (0.045, 0.215)
+    points = [(x * e, y * s, low) for e in ends for s in (near, far)]
+    points += [(x * e, y * s, HIGH_M - 0.03) for e in ends for s in (near, far)]
+    points += [(x * e, y * s, HIGH_M) for e in (ends[0], ends[1] - 0.04) for s in (near, far - 0.03)]
+    return hull(points)
+
+
+def horizontal_thrusters() -> list[Manifold]:
+    """Four of them, turned outward by 45 degrees."""
+    return [thruster((x, y * 0.092, 0.0), (1 if x < 0 else -1, y, 0)) for x in (0.14, -0.15) for y in SIDES]
+
+
+def frame() -> list[Manifold]:
+    """Both side panels, fairings, tubes and horizontal thrusters."""
+    panels = [side_panel(y * 0.163) for y in SIDES]
+    return [*panels, *tubes(), *(fairing(x, y) for x in SIDES for y in SIDES), *horizontal_thrusters()]
+
+
+def verticals() -> list[Manifold]:
+    """Two vertical thrusters in the gap between the fairings, with their brackets."""
+    parts = [thruster((0, y * 0.111, 0.07), (0, 0, 1)) for y in SIDES]
+    return [*parts, *(box((-0.05, y * 0.111 - 0.006, 0.052), (0.05, y * 0.111 + 0.006, 0.064)) for y in SIDES)]
+
+
+def heavy_sides() -> list[Manifold]:
+    """Two vertical thrusters each side, in a deck outside the panels with foam between them."""
+    parts = []
+    for y in SIDES:
+        inner, outer = y * 0.165, y * 0.2865
+        deck = hull([(x * e, s, z) for x in SIDES for e, s in ((0.2, inner), (0.16, outer)) for z in (0.056, 0.07)])
+        for x in SIDES:
+            deck -= rod((x * 0.118, y * 0.215, 0.0), (x * 0.118, y * 0.215, 0.12), 0.0455, 8)
+            parts.append(thruster((x * 0.118, y * 0.215, 0.064), (0, 0, 1)))
+        foam = hull(
+            [
+                (x * e, s, z)
+                for x in SIDES
+                for e, s, z in (
+                    (0.05, inner, 0.04),
+                    (0.045, outer, 0.045),
+                    (0.05, inner, 0.1),
+                    (0.045, outer, 0.085),
+                )
+            ]
+        )
+        parts += [deck, foam]
+    return parts
+
+
+def main() -> None:
+    """Write both meshes."""
+    comment = "made by tools/assets/make_bluerov2.py; metres, x forward, z up"
+    write_obj(united([*frame(), *verticals()]), ASSETS / "meshes" / "bluerov2.obj", comment)
+    middle = box((-0.04, -0.165, 0.06), (0.04, 0.165, 0.075))
+    write_obj(united([*frame(), middle, *heavy_sides()]), ASSETS / "meshes" / "bluerov2_heavy.obj", comment)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,245 @@
+"""Steps per second of a vehicle with all its forces, against Bullet's bare step and pybullet with NumPy forces.
+
+All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds.
+Each runs on one thread and is measured in that thread's processor time.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Simulator, _core
+from uwsim.scenario import load
+from uwsim.scenario.schema import Vehicle
+
+console = Console()
+
+VEHICLE = "bluerov2_heavy"
+STEP_S = 0.005
+MIDDLE_M = (20.0, -5.0)  # over the lake
+COUNTS = (1, 2, 4, 8, 16, 32, 64)
+# Ratio to Bullet's bare step, ratio to pybullet, real-time factor, steps/s while crossing the surface.
+GOALS = {"against_bare_bullet": 0.35, "against_pybullet": 6.0, "real_time_factor": 2000.0, "surface": 20_000.0}
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
+    plot: Annotated[Path, typer.Option(help="Where the cost against the number of vehicles is drawn.")] = Path(
+        "dynamics_vehicles.png"
+    ),
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    cases: dict[str, Callable[[], float]] = {
+        "open_water": Flight(depth_m=10.0, steps=500, repeats=20),
+        "above_bottom": Flight(above_bed_m=0.5, steps=500, repeats=10),
+        "surface": Flight(depth_m=0.0, steps=20, repeats=20),
+        **{f"vehicles_{count}": Flight(depth_m=10.0, steps=200, repeats=2, count=count) for count in COUNTS},
+    }
+    if (bare := bare_step_program()) is not None:
+        cases["bare_bullet"] = lambda: bare_bullet(bare)
+    else:
+        console.print("bare Bullet left out: bullet_bare_step is not installed beside the package (run tools/setup)")
+    if (peer := pybullet_peer()) is not None:
+        cases["pybullet"] = peer
+    else:
+        console.print("pybullet left out: pip install pybullet")
+    rates: dict[str, list[float]] = {name: [] for name in cases}
+    for turn in range(rounds):
+        with console.status(f"round {turn + 1} of {rounds}"):
+            for name, measure in cases.items():
+                rates[name].append(measure())
+    figures = summarise(rates)
+    console.print(_table(figures))
+    _draw(figures, plot)
+    console.print(f"cost against the number of vehicles: {plot}")
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
+    """Median steps per second of each case, and their ratios, taken round by round."""
+
+    def ratio(name: str, peer: str) -> float:
+        return statistics.median(a / b for a, b in zip(rates[name], rates[peer], strict=True))
+
+    figures = {name: statistics.median(values) for name, values in rates.items()}
+    figures["real_time_factor"] = figures["open_water"] * STEP_S
+    if "bare_bullet" in rates:
+        figures["against_bare_bullet"] = ratio("open_water", "bare_bullet")
+        figures["above_bottom_against_bare_bullet"] = ratio("above_bottom", "bare_bullet")
+    if "pybullet" in rates:
+        figures["against_pybullet"] = ratio("open_water", "pybullet")
+    return figures
+
+
+class Flight:
+    """Vehicles under way over the lake; called, it gives steps per second.
+
+    They are put back to their starts between pieces of `steps` steps, which are timed, so that all pieces are alike.
+    """
+
+    def __init__(
+        self, *, steps: int, repeats: int, depth_m: float = 0.0, above_bed_m: float | None = None, count: int = 1
+    ) -> None:
+        self._steps, self._repeats = steps, repeats
+        scenario = load("lake")
+        self._starts = [(MIDDLE_M[0] + 5.0 * (k % 8), MIDDLE_M[1] + 5.0 * (k // 8), -depth_m) for k in range(count)]
+        vehicles = tuple(
+            Vehicle.model_validate({"name": f"body{k}", "model": VEHICLE, "start": {"position_m": start}})
+            for k, start in enumerate(self._starts)
+        )
+        self._sim = Simulator(scenario.model_copy(update={"vehicles": vehicles, "step_s": STEP_S}))
+        if above_bed_m is not None:
+            x, y, _ = self._starts[0]
+            lowest = _lowest_m(vehicles[0])
+            self._starts = [(x, y, float(self._sim.world.height_at([[x, y]])[0]) + above_bed_m - lowest)]
+        for vehicle in self._sim.vehicles.values():
+            vehicle.set_effort(surge=0.3, sway=0.05, heave=0.05, yaw=0.1)
+
+    def __call__(self) -> float:
+        """Steps per second."""
+        taken_s = 0.0
+        for _ in range(self._repeats):
+            for vehicle, start in zip(self._sim.vehicles.values(), self._starts, strict=True):
+                vehicle.place(start)
+            begun = time.thread_time()
+            self._sim.step(self._steps)
+            taken_s += time.thread_time() - begun
+        return self._steps * self._repeats / taken_s
+
+
+def _lowest_m(vehicle: Vehicle) -> float:
+    from uwsim.scenario import vehicle_hull
+
+    return float(vehicle_hull(vehicle.model)[0][:, 2].min())
+
+
+def bare_step_program() -> Path | None:
+    """The native peer, installed with the compiled module."""
+    program = Path(_core.__file__).parent / "bench" / "native" / "bullet_bare_step"
+    return program if program.is_file() else None
+
+
+def bare_bullet(program: Path) -> float:
+    """Steps per second of Bullet's stepSimulation with one free body, in a process of its own."""
+    steps = 100_000
+    output = subprocess.run([program, str(steps)], check=True, capture_output=True, text=True).stdout
+    return steps / float(output)
+
+
+def pybullet_peer() -> Callable[[], float] | None:
+    """The same body stepped by pybullet, drag and thrust computed in NumPy: what people do today."""
+    try:
+        import pybullet
+    except ImportError:
+        return None
+    return PybulletPeer(pybullet)
+
+
+class PybulletPeer:
+    """BlueROV2 Heavy as scripts on pybullet have it: no added mass, drag and thrust applied from outside every step."""
+
+    def __init__(self, pybullet: Any) -> None:
+        self._p = p = pybullet
+        p.connect(p.DIRECT)
+        p.setGravity(0, 0, -9.80665)
+        p.setTimeStep(STEP_S)
+        box = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.2285, 0.2875, 0.127])
+        self._body = p.createMultiBody(13.5, box, basePosition=[0, 0, -10])
+        self._linear = np.array([13.7, 0.0, 33.0, 0.0, 0.8, 0.0])
+        self._quadratic = np.array([141.0, 217.0, 190.0, 1.192, 0.470, 1.5])
+        self._wrench_from_thrusters = np.random.default_rng(0).normal(size=(6, 8))
+        self._thrusts = np.full(8, 2.0)
+        self._lift = np.array([0.0, 0.0, 0.0134 * 1000 * 9.80665])
+
+    def _step(self) -> None:
+        p, body = self._p, self._body
+        position, orientation = p.getBasePositionAndOrientation(body)
+        linear, angular = p.getBaseVelocity(body)
+        turn = np.array(p.getMatrixFromQuaternion(orientation)).reshape(3, 3)
+        nu = np.concatenate([turn.T @ linear, turn.T @ angular])
+        wrench = self._wrench_from_thrusters @ self._thrusts - self._linear * nu - self._quadratic * np.abs(nu) * nu
+        force = turn @ wrench[:3] + self._lift
+        torque = turn @ (wrench[3:] + np.cross([0.0, 0.0, 0.01], turn.T @ self._lift))
+        p.applyExternalForce(body, -1, force.tolist(), position, p.WORLD_FRAME)
+        p.applyExternalTorque(body, -1, torque.tolist(), p.WORLD_FRAME)
+        p.stepSimulation()
+
+    def __call__(self) -> float:
+        """Steps per second."""
+        steps = 1000
+        self._p.resetBasePositionAndOrientation(self._body, [0, 0, -10], [0, 0, 0, 1])
+        self._p.resetBaseVelocity(self._body, [0, 0, 0], [0, 0, 0])
+        begun = time.thread_time()
+        for _ in range(steps):
+            self._step()
+        return steps / (time.thread_time() - begun)
+
+
+def _table(figures: dict[str, float]) -> Table:
+    rows = [
+        ("open water", "open_water", None),
+        ("0.5 m above the bottom", "above_bottom", None),
+        ("crossing the surface", "surface", GOALS["surface"]),
+        ("Bullet's bare step", "bare_bullet", None),
+        ("pybullet and NumPy", "pybullet", None),
+    ]
+    table = Table(title=f"{VEHICLE} over the lake, step {1e3 * STEP_S:g} ms, one core: medians", title_justify="left")
+    table.add_column("case")
+    for column in ("steps/s", "us a step", "goal", "met"):
+        table.add_column(column, justify="right")
+    for label, key, goal in rows:
+        if key in figures:
+            rate = figures[key]
+            table.add_row(label, f"{rate:,.0f}", f"{1e6 / rate:.3f}", *_goal(rate, goal))
+    table.add_section()
+    for label, key in (
+        ("open water / Bullet's bare step", "against_bare_bullet"),
+        ("0.5 m above the bottom / Bullet's bare step", "above_bottom_against_bare_bullet"),
+        ("open water / pybullet and NumPy", "against_pybullet"),
+        ("real-time factor", "real_time_factor"),
+    ):
+        if key in figures:
+            table.add_row(label, f"{figures[key]:,.2f}", "", *_goal(figures[key], GOALS.get(key)))
+    table.add_section()
+    for count in COUNTS:
+        rate = figures[f"vehicles_{count}"]
+        table.add_row(f"{count} vehicles", f"{rate:,.0f}", f"{1e6 / rate:.2f}", "", "")
+    return table
+
+
+def _goal(value: float, goal: float | None) -> tuple[str, str]:
+    if goal is None:
+        return "", ""
+    return f"{goal:,g}", "[green]yes[/]" if value >= goal else "[red]no[/]"
+
+
+def _draw(figures: dict[str, float], path: Path) -> None:
+    import matplotlib.pyplot as plt
+
+    counts = np.array(COUNTS)
+    cost_us = np.array([1e6 / figures[f"vehicles_{count}"] for count in COUNTS])
+    figure, panel = plt.subplots(figsize=(6, 4), layout="constrained")
+    panel.plot(counts, cost_us, "o-", label="measured")
+    panel.plot(counts, counts * cost_us[-1] / counts[-1], "--", alpha=0.6, label="linear")
+    panel.set(xlabel="vehicles", ylabel="time of a step [us]", title=f"{VEHICLE}: cost against the number of vehicles")
+    panel.grid(alpha=0.3)
+    panel.legend()
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    typer.run(main)
