@@ -1,7 +1,9 @@
 """Lanes, lookout, autopilot, and the adaptive lawn-mower's rules."""
 
 import itertools
+import tempfile
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +14,7 @@ from uwsim.control.autopilot import Autopilot, wrap_angle
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lanes import lawn_mower_lanes
 from uwsim.missions.lookout import Lookout
+from uwsim.scenario.paths import assets_folder
 
 SQUARE = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]]
 
@@ -77,6 +80,25 @@ def test_the_autopilot_holds_heading_height_and_velocity() -> None:
     assert velocity.linear_body_m_s[1] == pytest.approx(0.0, abs=0.03)
 
 
+def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over() -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    wide = text.replace("size_m: [20, 20]", "size_m: [100, 100]").replace("model: rov", "model: bluerov2_heavy")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "wide.yaml"
+        path.write_text(wide)
+        sim = Simulator(path)
+    sim.rov.release()
+    sim.rov.place([-40.0, 0.0, -2.5])
+    autopilot = Autopilot(sim.rov, period_s=0.1)
+    tilt_deg = []
+    for _ in range(400):
+        autopilot.steer(0.0, np.array([0.6, 0.0]), -2.5)
+        sim.wait(0.1)
+        tilt_deg.append(np.degrees(np.arccos(np.clip(sim.rov.pose.world_from_body[2, 2], -1.0, 1.0))))
+    assert max(tilt_deg) < 20.0
+    assert sim.rov.velocity.linear_body_m_s[0] == pytest.approx(0.6, abs=0.1)
+
+
 @dataclass
 class ScriptedVehicle:
     """A remote vehicle's stand-in: goes where it is told at once; its beams and proximity sensor read as scripted."""
@@ -121,8 +143,8 @@ class ScriptedVehicle:
     def release(self) -> None:
         self.released = True
 
-    def set_effort(self, **effort: float) -> None:
-        self.effort = effort
+    def set_effort(self, *values: float) -> None:
+        self.effort = dict(zip(("surge", "sway", "heave", "roll", "pitch", "yaw"), values, strict=False))
 
     def wait(self, duration_s: float) -> None:
         ahead = np.array([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])
@@ -184,5 +206,5 @@ def test_a_vehicle_without_the_sensors_it_steers_by_is_refused() -> None:
 
 def test_a_vehicle_that_does_not_move_ends_the_mission() -> None:
     vehicle = ScriptedVehicle()
-    vehicle.set_effort = lambda **effort: None  # type: ignore[method-assign]
+    vehicle.set_effort = lambda *values: None  # type: ignore[method-assign]
     assert "stuck" in AdaptiveLawnMower(vehicle, vehicle, PLAN).run()

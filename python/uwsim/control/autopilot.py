@@ -1,4 +1,4 @@
-"""Heading, height and velocity hold by efforts: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
+"""Heading, height, velocity and level hold by efforts: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
 
 from __future__ import annotations
 
@@ -21,10 +21,15 @@ class Gains:
     height: float = 0.8  # per m
     height_rate: float = 1.2  # per m/s
     height_integral: float = 0.05  # per m s
+    level: float = 2.0  # per unit of sine of the tilt
+    level_rate: float = 0.5  # per rad/s
 
 
 class Autopilot:
-    """Turns wanted heading, horizontal velocity and height into efforts. Call steer once a control period."""
+    """Turns wanted heading, horizontal velocity and height into efforts, and keeps the vehicle level.
+
+    Call steer once a control period.
+    """
 
     def __init__(self, vehicle: SteeredVehicle, period_s: float = 0.1, gains: Gains | None = None) -> None:
         self.vehicle = vehicle
@@ -52,10 +57,13 @@ class Autopilot:
         step = gains.height_integral * self.period_s * np.clip(height_error, -1.0, 1.0)
         self._height_sum = float(np.clip(self._height_sum + step, -0.5, 0.5))
 
-        surge, sway, heave, yaw_effort = (
-            float(np.clip(e, -1.0, 1.0)) for e in (surge_sway[0], surge_sway[1], heave, yaw_effort)
-        )
-        self.vehicle.set_effort(surge=surge, sway=sway, heave=heave, yaw=yaw_effort)
+        # A slender vehicle's own flow noses it over (Munk's moment): turn the body's z back to the world's.
+        up_body = pose.world_from_body[2, :3]
+        roll = -gains.level * up_body[1] - gains.level_rate * velocity.angular_body_rad_s[0]
+        pitch = gains.level * up_body[0] - gains.level_rate * velocity.angular_body_rad_s[1]
+
+        efforts = np.clip([surge_sway[0], surge_sway[1], heave, roll, pitch, yaw_effort], -1.0, 1.0)
+        self.vehicle.set_effort(*(float(effort) for effort in efforts))
 
 
 def wrap_angle(angle_rad: float) -> float:
