@@ -242,4 +242,6 @@ def _draw(figures: dict[str, float], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench dynamics")

@@ -1,20 +1,22 @@
-"""The dynamics suite: closed forms, contact, and the published vehicles."""
+"""The dynamics suite: closed forms, contact, thrusters and fins, and the published vehicles."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from uwsim.validate.actuators import thruster_checks
 from uwsim.validate.check import Check
 from uwsim.validate.closed_forms import closed_forms
 from uwsim.validate.contact import contact_laws
 from uwsim.validate.curves import draw_decays, draw_turning
+from uwsim.validate.fins import fin_checks
 from uwsim.validate.published import PUBLISHED
 from uwsim.validate.vehicles import vehicle_checks
 
 
 def run(out: Path | None = None) -> list[Check]:
     """All checks; each vehicle's decay and turning curves go into the folder `out`."""
-    checks = [*closed_forms(), *contact_laws()]
+    checks = [*closed_forms(), *contact_laws(), *thruster_checks(), *fin_checks()]
     for name in PUBLISHED:
         found, curves = vehicle_checks(name)
         checks += found
