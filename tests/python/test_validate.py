@@ -1,16 +1,18 @@
 """The validation passes, and would not if a coefficient were off."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
 from uwsim import validate
 from uwsim.cli import app
-from uwsim.scenario import load_vehicle
-from uwsim.validate import closed_forms, contact
+from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.paths import assets_folder
+from uwsim.validate import actuators, closed_forms, contact, fins
 from uwsim.validate.check import Check, along, relative, within
 from uwsim.validate.published import PUBLISHED
 from uwsim.validate.vehicles import vehicle_checks
@@ -107,3 +109,101 @@ def test_curves_are_drawn(tmp_path: Path) -> None:
     draw_turning(curves[-1], tmp_path / "turning.png")
     assert (tmp_path / "decay.png").stat().st_size > 10_000
     assert (tmp_path / "turning.png").stat().st_size > 10_000
+
+
+def test_thrusters_and_fins_do_as_published() -> None:
+    assert misses(actuators.thruster_checks()) == []
+    assert misses(fins.fin_checks()) == []
+
+
+Law = Callable[[str, VehicleModel], Iterable[Check]]
+HEAVY, REMUS = "bluerov2_heavy", "remus100"
+T200_BAND_US = {4: 1472, 5: 1528}  # points of its table
+KIND_LAWS: dict[str, Law] = {
+    "time_constant_s": actuators.thruster_lag,
+    "diameter_m": actuators.advance_loss,
+    "bollard_coefficient": actuators.advance_loss,
+    "zero_thrust_advance_ratio": actuators.advance_loss,
+    "torque_per_thrust_m": actuators.thruster_wrenches,
+}
+
+
+def test_every_field_of_thrusters_and_fins_has_its_case_below() -> None:
+    """One that is new in the YAML files must find its law."""
+    cases = [(name, path) for name, _, path, _ in actuator_figures()]
+    for name in (HEAVY, REMUS):
+        kind = next(iter(load_vehicle(name).thrusters.values())).model
+        fields = kind.model_fields_set - {"name", "description"}
+        assert fields <= {path[1] for n, path in cases if n == name and path[0] == "model"}
+    for fin, surface in load_vehicle(REMUS).fins.items():
+        assert surface.model_fields_set - {"span"} <= {path[2] for _, path in cases if path[:2] == ("fins", fin)}
+
+
+def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]]:
+    """Vehicle, the law that should see it, where the figure is, and by what to multiply it."""
+    for name in actuators.MOUNTS:
+        model = load_vehicle(name)
+        for thruster, mount in model.thrusters.items():
+            horizontal = mount.axis[2] == 0
+            for k, value in enumerate(mount.position_m):
+                if value:
+                    alone = k == (0 if mount.axis[1] == mount.axis[2] == 0 else 2)
+                    law = actuators.thruster_heights if alone else actuators.thruster_wrenches
+                    yield name, law, ("thrusters", thruster, "position_m", k), 1.05
+            if horizontal and mount.axis[1]:  # of an axis along x or z, a length alone says nothing
+                yield name, actuators.thruster_wrenches, ("thrusters", thruster, "axis", 0), 1.05
+                yield name, actuators.thruster_wrenches, ("thrusters", thruster, "axis", 1), 1.05
+        if name not in (HEAVY, REMUS):
+            continue
+        kind = next(iter(model.thrusters.values())).model
+        for key, law in KIND_LAWS.items():
+            yield name, law, ("model", key), 1.05
+        for k, (_, thrust_n) in enumerate(kind.thrust_n):
+            if thrust_n:
+                yield name, actuators.thrust_tables, ("model", "thrust_n", k, 1), 1.05
+    for band in (4, 5):  # 5 % of the 28 us from the middle
+        factor = 1 + 0.05 * (T200_BAND_US[band] - 1500) / T200_BAND_US[band]
+        yield HEAVY, actuators.thrust_tables, ("model", "thrust_n", band, 0), factor
+    yield HEAVY, actuators.thrust_tables, ("model", "pwm", "span_us"), 1.05
+    for fin, surface in load_vehicle(REMUS).fins.items():
+        for key in sorted(surface.model_fields_set - {"span", "position_m"}):
+            law = fins.fin_travel if key in ("deflection_max_deg", "rate_max_deg_s") else fins.fin_wrenches
+            yield REMUS, law, ("fins", fin, key), 1.05
+        for k, value in enumerate(surface.position_m):
+            if value:
+                yield REMUS, fins.fin_wrenches, ("fins", fin, "position_m", k), 1.05
+
+
+def changed_copy(folder: Path, name: str, path: tuple[str | int, ...], factor: float) -> VehicleModel:
+    """The vehicle of a copied YAML file in which one figure is `factor` times what it was."""
+    yaml = YAML(typ="safe")
+    vehicle = yaml.load(assets_folder() / "vehicles" / f"{name}.yaml")
+    top = vehicle
+    if path[0] == "model":
+        kind = next(iter(vehicle["thrusters"].values()))["model"]
+        top, path = yaml.load(assets_folder() / "thrusters" / f"{kind}.yaml"), path[1:]
+        for mount in vehicle["thrusters"].values():
+            mount["model"] = "changed.yaml"
+    node = top
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] *= factor
+    if top is not vehicle:
+        yaml.dump(top, folder / "changed.yaml")
+    yaml.dump(vehicle, folder / "vehicle.yaml")
+    return load_vehicle(folder / "vehicle.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "path", "factor"),
+    [pytest.param(*f, id="-".join(map(str, (f[0], *f[2])))) for f in actuator_figures()],
+)
+def test_an_actuators_figure_five_percent_off_is_a_miss(
+    tmp_path: Path, name: str, law: Law, path: tuple[str | int, ...], factor: float
+) -> None:
+    assert any(not check.passed for check in law(name, changed_copy(tmp_path, name, path, factor)))
+
+
+@pytest.mark.parametrize("path", [("mass_kg",), ("model", "time_constant_s")])
+def test_a_copied_file_alone_is_no_miss(tmp_path: Path, path: tuple[str, ...]) -> None:
+    assert misses(list(actuators.thruster_wrenches(HEAVY, changed_copy(tmp_path, HEAVY, path, 1.0)))) == []
