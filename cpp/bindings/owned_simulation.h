@@ -42,7 +42,7 @@ class OwnedSimulation {
   }
 
  private:
-  std::mutex mutex_;
+  std::recursive_mutex mutex_;  // a signal handler that runs between slices may look too
   Simulation simulation_;
 };
 

@@ -54,7 +54,7 @@ def survey(
     )
     if record.interrupted:
         raise typer.Exit(INTERRUPTED)
-    if record.stopped_because.startswith("stuck"):
+    if record.stopped_because.startswith(("stuck", "capsized")):
         raise typer.Exit(STUCK)
 
 
@@ -70,7 +70,10 @@ def scenario(
         checked = load(known)
         if name is not None:
             Simulator(checked)
-        sonars = ", ".join(f"{v.name} with sonar model {v.sonar.model}" for v in checked.vehicles)
+        sonars = ", ".join(
+            f"{v.name} with sonar model {v.sonar.model}" if v.model.sonar else f"{v.name} without a sonar"
+            for v in checked.vehicles
+        )
         typer.echo(f"{checked.name}: {' '.join(checked.description.split())}")
         typer.echo(f"  vehicles: {sonars}; obstacles: {len(checked.obstacles)}; seed {checked.seed}")
 

@@ -75,9 +75,9 @@ class Simulator:
 
     def step(self, n: int = 1) -> None:
         """Advance by n fixed steps. Raises ValueError when n is negative or a vehicle's motion diverges."""
-        if n < 0:
-            raise ValueError(f"n = {n} steps: must not be negative")
-        self._core.step(n)
+        if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 0 <= n < 2**63:
+            raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
+        self._core.step(int(n))
 
     def advance(self, duration_s: float) -> None:
         """Advance by a duration, which must be a whole number of steps. Raises ValueError."""

@@ -58,6 +58,7 @@ class Vehicle:
         self.name: str = spec.name
         self.sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
         self.sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
+        self._craft: _core.Craft = spec.craft
 
     @property
     def sonar(self) -> Sonar:
@@ -65,6 +66,21 @@ class Vehicle:
         if not self.sonars:
             raise ValueError(f"vehicle '{self.name}': carries no sonar")
         return next(iter(self.sonars.values()))
+
+    @property
+    def authority(self) -> Vector:
+        """(6,) acceleration from rest by full effort of each axis alone, deep in still water [m/s2, rad/s2].
+
+        From the smaller of the wrenches forward and backward, and the full mass, added mass included.
+        """
+        deep = _core.BodyState((0.0, 0.0, -1e3), (0.0, 0.0, 0.0, 1.0), np.zeros(6))
+        water = _core.Water()
+        still = self._craft.acceleration_body(deep, np.zeros(6), water)
+        full = np.min(self.full_wrench_body, axis=0)
+        gains = [
+            self._craft.acceleration_body(deep, full * axis, water)[k] - still[k] for k, axis in enumerate(np.eye(6))
+        ]
+        return np.abs(np.array(gains, np.float64))
 
     def release(self) -> None:
         """Leave the station; the mission time starts. Does nothing when already free."""

@@ -80,6 +80,24 @@ def test_the_autopilot_holds_heading_height_and_velocity() -> None:
     assert velocity.linear_body_m_s[1] == pytest.approx(0.0, abs=0.03)
 
 
+@pytest.mark.parametrize("model", ["rov", "bluerov2_heavy", "bluerov2_wu", "bluerov2_tank"])
+def test_the_autopilot_holds_every_packaged_vehicle_still(model: str, tmp_path: Path) -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace("model: rov", f"model: {model}")
+    (tmp_path / "pool.yaml").write_text(text)
+    sim = Simulator(tmp_path / "pool.yaml")
+    sim.rov.release()
+    sim.rov.place([0.0, 0.0, -2.5])
+    autopilot = Autopilot(sim.rov)
+    rates = []
+    for k in range(300):
+        autopilot.steer(0.5, np.zeros(2), -2.5)
+        sim.wait(0.1)
+        if k >= 150:
+            rates.append(np.abs(sim.rov.velocity.angular_body_rad_s).max())
+    assert max(rates) < 0.05
+    assert sim.rov.pose.yaw_rad == pytest.approx(0.5, abs=0.1)
+
+
 def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over() -> None:
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     wide = text.replace("size_m: [20, 20]", "size_m: [100, 100]").replace("model: rov", "model: bluerov2_heavy")

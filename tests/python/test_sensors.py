@@ -215,3 +215,10 @@ def test_a_set_of_sensors_is_named_or_lies_beside_the_vehicle(tmp_path: Path) ->
     vehicle.write_text(f"{head}\nsensors: bluerov\n")
     with pytest.raises(ScenarioError, match=r"unknown sensor 'bluerov': expected one of .*; did you mean 'bluerov2'\?"):
         load_vehicle(str(vehicle))
+
+
+def test_limits_of_the_noise_do_not_turn_nothing_into_something() -> None:
+    sim = pool_with({"altitude": mount(kind="altitude", range_max_m=2.0, noise={"limits": [0.0, 100.0]})})
+    sample = sim.rov.sensors["altitude"].sample()  # 3 m above the bed
+    assert sample.value == np.inf
+    assert not sample.valid

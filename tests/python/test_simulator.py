@@ -1,5 +1,6 @@
 """The public surface: what scripts and notebooks build on."""
 
+import signal
 import threading
 from pathlib import Path
 
@@ -29,7 +30,7 @@ def test_time_is_a_whole_number_of_fixed_steps(pool: Simulator) -> None:
     assert pool.time_ns == round((3 * pool.step_s + 0.5) * 1e9)
     with pytest.raises(ValueError, match=r"0\.0123 s: must be a whole number of steps"):
         pool.advance(0.0123)
-    with pytest.raises(ValueError, match="must not be negative"):
+    with pytest.raises(ValueError, match="must be a whole number, not negative"):
         pool.step(-1)
 
 
@@ -160,6 +161,47 @@ def test_placing_a_vehicle_takes_finite_numbers_only(pool: Simulator) -> None:
         pool.rov.place([float("nan"), 0.0, 0.0])
     with pytest.raises(ValueError, match=r"position_m\.shape"):
         pool.rov.place([0.0, 0.0])
+
+
+def test_a_signal_handler_may_look_while_steps_run(pool: Simulator) -> None:
+    seen: list[int] = []
+    before = signal.signal(signal.SIGALRM, lambda *_: seen.append(pool.time_ns))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        pool.rov.release()
+        for _ in range(40):
+            pool.step(20_000)
+            if seen:
+                break
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert seen
+
+
+def test_a_step_that_diverges_moves_nobody_and_names_the_culprit(tmp_path: Path) -> None:
+    vehicle = (assets_folder() / "vehicles" / "rov.yaml").read_text().splitlines()
+    stiff = ["linear_damping: [1e6, 1e6, 1e6, 1e6, 1e6, 1e6]" if x.startswith("linear_damping") else x for x in vehicle]
+    (tmp_path / "stiff.yaml").write_text("\n".join(stiff))
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    second = "  - {name: stiff, model: stiff.yaml, start: {position_m: [5, 5, -2]}}\nsurvey:"
+    (tmp_path / "two.yaml").write_text(text.replace("survey:", second, 1))
+    sim = Simulator(tmp_path / "two.yaml")
+    sim.rov.release()
+    sim.rov.set_effort(surge=1.0)
+    sim.vehicles["stiff"].place([5, 5, -2], velocity_body=[1, 0, 0, 0, 0, 0])
+    with pytest.raises(ValueError, match="vehicle 'stiff', step"):
+        sim.step(1000)
+    place = sim.rov.pose.position_world_m
+    with pytest.raises(ValueError, match="vehicle 'stiff', step"):
+        sim.step()
+    np.testing.assert_array_equal(sim.rov.pose.position_world_m, place)
+
+
+@pytest.mark.parametrize("steps", [-1, 1.5, True, 2**70])
+def test_steps_are_whole_and_not_negative(pool: Simulator, steps: object) -> None:
+    with pytest.raises(ValueError, match="steps: must be"):
+        pool.step(steps)  # type: ignore[arg-type]
 
 
 def test_calls_from_several_threads_wait_for_each_other(pool: Simulator) -> None:

@@ -9,7 +9,7 @@ import pytest
 from uwsim import _core
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.messages import validated
-from uwsim.scenario.water import build_water, surface_density_kg_m3
+from uwsim.scenario.water import build_water, read_current_grid, surface_density_kg_m3
 from uwsim.scenario.water_spec import Water
 
 BOTTOM_M = 30.0
@@ -148,3 +148,25 @@ def test_what_makes_no_sense_is_refused_by_its_key(tmp_path: Path) -> None:
     assert "2 rows for 2 x 2 x 1 places" in refusal({"current": {"kind": "grid", "file": "bad.csv"}}, tmp_path)
     (tmp_path / "bad.npz").write_bytes(b"no")
     assert "not a .npz file" in refusal({"current": {"kind": "grid", "file": "bad.npz"}}, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("cut.npz", b"PK\x03\x04 and no more", "not a .npz file"),
+        ("twice.csv", b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s,u_m_s\n0,0,0,1,0,0,2\n", "a column is named twice"),
+    ],
+)
+def test_a_current_file_that_is_none_is_refused_in_one_line(
+    name: str, content: bytes, message: str, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ScenarioError, match=message):
+        read_current_grid(tmp_path / name)
+
+
+def test_complex_currents_are_refused(tmp_path: Path) -> None:
+    axis = np.array([0.0, 1.0])
+    np.savez(tmp_path / "c.npz", x_m=axis, y_m=axis, z_m=axis, velocity_m_s=np.zeros((2, 2, 2, 3), complex))
+    with pytest.raises(ScenarioError, match="real numbers"):
+        read_current_grid(tmp_path / "c.npz")

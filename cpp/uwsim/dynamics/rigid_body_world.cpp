@@ -49,11 +49,16 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     const Body& body = bodies_[k];
     next_states_[k] =
         body.held ? body.state : advance(*body.spec.craft, body.state, {.body = body.tau_body}, water, time_s, step_s_);
+    require_sane(body, next_states_[k], time_s);  // before it strikes others
   }
   find_contacts();
   if (!contacts_.empty()) solve_contacts(water, time_s);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) require_sane(bodies_[k], next_states_[k], time_s);
+  // All or none: a step that fails moves nobody.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    if (!bodies_[k].held) accept(bodies_[k], next_states_[k], time_s);
+    Body& body = bodies_[k];
+    body.acceleration_body = (next_states_[k].velocity_body - body.state.velocity_body) / step_s_;
+    body.state = next_states_[k];
   }
 }
 
@@ -72,7 +77,7 @@ double RigidBodyWorld::reach_m(std::size_t body) const {
     return state.linear_body_m_s().norm() + finder_.radius_m(body) * state.angular_body_rad_s().norm();
   };
   const double fastest_m_s = std::max(speed(bodies_[body].state), speed(next_states_[body]));
-  // A state that is no longer finite is reported by accept(); it must not send the search round the world.
+  // A state that is no longer finite is refused before; it must not send the search round the world.
   if (!std::isfinite(fastest_m_s)) return 0;
   return std::max(kLeastReach_m, kReachOfMotion * fastest_m_s * step_s_);
 }
@@ -118,7 +123,7 @@ void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
   }
 }
 
-void RigidBodyWorld::accept(Body& body, const BodyState& next, double time_s) const {
+void RigidBodyWorld::require_sane(const Body& body, const BodyState& next, double time_s) const {
   const bool sane = next.velocity_body.cwiseAbs().maxCoeff() < kAbsurd &&
                     next.world_from_body.position_m.cwiseAbs().maxCoeff() < kAbsurd &&
                     next.world_from_body.orientation.coeffs().allFinite();  // false for NaN too
@@ -131,8 +136,6 @@ void RigidBodyWorld::accept(Body& body, const BodyState& next, double time_s) co
     require(false, path.str(), last.str(),
             "the motion diverged: use a smaller step_s or check the vehicle's coefficients");
   }
-  body.acceleration_body = (next.velocity_body - body.state.velocity_body) / step_s_;
-  body.state = next;
 }
 
 }  // namespace uwsim

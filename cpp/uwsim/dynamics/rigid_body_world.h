@@ -67,7 +67,7 @@ class RigidBodyWorld {
   double reach_m(std::size_t body) const;
   void mix_materials(Contact& contact) const;
   void solve_contacts(const WaterField& water, double time_s);
-  void accept(Body& body, const BodyState& next, double time_s) const;
+  void require_sane(const Body& body, const BodyState& next, double time_s) const;
 
   double step_s_;
   ContactFinder finder_;

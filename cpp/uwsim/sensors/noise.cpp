@@ -34,6 +34,7 @@ Noise::Noise(const SensorKind& kind, const SensorSpec& spec, std::uint64_t seed,
 
 void Noise::apply(std::uint64_t sample, std::span<double> raw) {
   for (std::size_t k = 0; k < components_.size(); ++k) {
+    if (!std::isfinite(raw[k])) continue;  // nothing there stays nothing, whatever the limits
     Component& c = components_[k];
     double value = raw[k] + c.turn_on;
     if (c.bias) value += c.bias->at(sample);

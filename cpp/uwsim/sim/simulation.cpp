@@ -12,7 +12,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kWorldEnd_m = 1e6;
-constexpr double kFastest = 1e3;  // m/s and rad/s
+constexpr double kFastest = 100;  // m/s and rad/s
 
 template <typename Items>
 auto& item(Items& items, std::size_t index, const char* what) {
@@ -124,10 +124,13 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
   require(position.cwiseAbs().maxCoeff() <= kWorldEnd_m, path + " position_m", position.transpose(),
           "must be within 1000 km of the origin");
   require(state.velocity_body.cwiseAbs().maxCoeff() <= kFastest, path + " velocity_body",
-          state.velocity_body.transpose(), "must be at most 1000 m/s and rad/s");
+          state.velocity_body.transpose(), "must be at most 100 m/s and rad/s");
   const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
   require(!(position.z() <= bed_m), path + " position_m", position.transpose(), "must be above the ground");
-  bodies_.set_state(moved.body, state);
+  BodyState placed = state;
+  if (!moved.released) placed.velocity_body.setZero();  // held: nothing moves it
+  bodies_.set_state(moved.body, placed);
+  moved.actuators.rest();
   moved.touching = false;
   ++version_;
 }

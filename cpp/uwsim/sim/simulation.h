@@ -40,7 +40,8 @@ class Simulation {
   const SimulationSpec& spec() const { return spec_; }
 
   const BodyState& state(std::size_t vehicle) const;
-  /// Puts the vehicle somewhere at once. Throws InvalidValue when not finite, absurdly far away or under the ground.
+  /// Puts the vehicle somewhere at once, its propellers at rest; what its sensors have sampled so far stays sampled.
+  /// Throws InvalidValue when not finite, absurdly far away or fast, or under the ground.
   void set_state(std::size_t vehicle, const BodyState& state);
   /// Leaves the station; does nothing when already free.
   void release(std::size_t vehicle);

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.control.protocols import SteeredVehicle
+
+STEADY_RATE_LOOP = 0.4
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class Autopilot:
     def __init__(self, vehicle: SteeredVehicle, period_s: float = 0.1, gains: Gains | None = None) -> None:
         self.vehicle = vehicle
         self.period_s = period_s
-        self.gains = gains or Gains()
+        self.gains = gains or _steady(Gains(), getattr(vehicle, "authority", None), period_s)
         self._speed_sum = np.zeros(2)
         self._height_sum = 0.0
 
@@ -64,6 +66,28 @@ class Autopilot:
 
         efforts = np.clip([surge_sway[0], surge_sway[1], heave, roll, pitch, yaw_effort], -1.0, 1.0)
         self.vehicle.set_effort(*(float(effort) for effort in efforts))
+
+
+def _steady(gains: Gains, authority: NDArray[np.float64] | None, period_s: float) -> Gains:
+    """Gains lowered where the vehicle turns too briskly for a loop of this period; authority: see uwsim's Vehicle.
+
+    A rate loop sampled at T is steady while rate gain x authority x T < 2; without overshoot well below 1.
+    """
+    if authority is None:
+        return gains
+
+    def share(rate_gain: float, turn_rad_s2: float) -> float:
+        return min(1.0, STEADY_RATE_LOOP / max(rate_gain * turn_rad_s2 * period_s, 1e-9))
+
+    yaw = share(gains.heading_rate, float(authority[5]))
+    level = share(gains.level_rate, float(max(authority[3:5])))
+    return replace(
+        gains,
+        heading=yaw * gains.heading,
+        heading_rate=yaw * gains.heading_rate,
+        level=level * gains.level,
+        level_rate=level * gains.level_rate,
+    )
 
 
 def wrap_angle(angle_rad: float) -> float:

@@ -25,6 +25,7 @@ UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5
 SHALLOWEST_Z_M = -1.5  # never climbs past it
 STUCK_AFTER_S = 60.0
+CAPSIZED_COSINE = 0.3  # of the tilt
 
 
 @dataclass(frozen=True)
@@ -174,6 +175,8 @@ class AdaptiveLawnMower:
         """One control period, while there is power."""
         if self.vehicle.telemetry().battery_percent <= 0.0:
             raise StoppedError("the battery is used up")
+        if self.vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
+            raise StoppedError("capsized: the vehicle has nosed or rolled over")
         self.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
         self.clock.wait(self.period_s)
 

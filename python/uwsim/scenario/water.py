@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -169,8 +171,11 @@ def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
         keys = ("x_m", "y_m", "z_m", "velocity_m_s")
         try:
             with np.load(path, allow_pickle=False) as file:
-                x_m, y_m, z_m, velocity = (np.asarray(file[key], np.float64) for key in keys)
-        except (OSError, ValueError, KeyError, EOFError) as error:
+                arrays = [file[key] for key in keys]
+            if any(array.dtype.kind not in "iuf" for array in arrays):
+                raise ValueError("arrays must be of real numbers")
+            x_m, y_m, z_m, velocity = (np.asarray(array, np.float64) for array in arrays)
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise ScenarioError(f"current '{path}': not a .npz file with {', '.join(keys)}: {error}") from None
         return x_m, y_m, z_m, velocity
     names, rows = _read_csv(path, "current")
@@ -199,6 +204,8 @@ def _read_csv(path: Path, what: str) -> tuple[list[str], Floats]:
         rows = np.array([[float(cell) for cell in line] for line in lines[1:]], np.float64)
     except (OSError, ValueError, IndexError, csv.Error) as error:
         raise ScenarioError(f"{what} '{path}': not a table of numbers under column names: {error}") from None
+    if len(set(names)) != len(names):
+        raise ScenarioError(f"{what} '{path}': a column is named twice: {', '.join(names)}")
     if rows.ndim != 2 or rows.shape[1] != len(names) or not len(rows) or not np.isfinite(rows).all():
         raise ScenarioError(f"{what} '{path}': must have a finite number in each of its {len(names)} columns")
     return names, rows

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from uwsim.mapping import OccupancyMap
-from uwsim.scenario import Survey
+from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.messages import validated
 from uwsim.simulator import Simulator
 from uwsim.survey.fly import fly_survey, required_survey
@@ -44,6 +44,7 @@ def run_survey(
     """
     progress = Console(stderr=True)
     with progress.status(f"building {scenario}"):
+        _require_surveyable(load(scenario))  # before the world is built
         sim = Simulator(scenario, seed=seed, sonar_model=sonar_model, mission_time_s=mission_time_s, threads=threads)
         survey = required_survey(sim.scenario)
         if voxel_m is not None:
@@ -58,6 +59,13 @@ def run_survey(
         progress.print(f"interrupted; {out / MAP} holds what was seen so far (Ctrl-C again skips the report)")
     _report(sim, occupancy, record, out, progress)
     return record
+
+
+def _require_surveyable(scenario: Scenario) -> None:
+    required_survey(scenario)
+    first = scenario.vehicles[0]
+    if first.model.sonar is None:
+        raise ValueError(f"vehicle '{first.name}': carries no sonar to survey with")
 
 
 def _fly(sim: Simulator, occupancy: OccupancyMap, console: Console) -> SurveyRecord:
