@@ -176,7 +176,10 @@ class Vehicle:
         orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
         velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Put the vehicle somewhere at once, at rest unless velocity_body (6,) is given. Raises ValueError."""
+        """Put the vehicle somewhere at once, at rest unless velocity_body (6,) is given. Raises ValueError.
+
+        Commands hold, propellers go on turning, and what sensors have sampled stays sampled.
+        """
         self._simulation.set_state(self._index, _core.BodyState(position_world_m, orientation_xyzw, velocity_body))
 
     @property

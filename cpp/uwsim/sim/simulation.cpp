@@ -130,7 +130,6 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
   BodyState placed = state;
   if (!moved.released) placed.velocity_body.setZero();  // held: nothing moves it
   bodies_.set_state(moved.body, placed);
-  moved.actuators.rest();
   moved.touching = false;
   ++version_;
 }

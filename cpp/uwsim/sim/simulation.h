@@ -40,7 +40,7 @@ class Simulation {
   const SimulationSpec& spec() const { return spec_; }
 
   const BodyState& state(std::size_t vehicle) const;
-  /// Puts the vehicle somewhere at once, its propellers at rest; what its sensors have sampled so far stays sampled.
+  /// Puts the vehicle somewhere at once; its propellers go on turning, and what its sensors have sampled stays sampled.
   /// Throws InvalidValue when not finite, absurdly far away or fast, or under the ground.
   void set_state(std::size_t vehicle, const BodyState& state);
   /// Leaves the station; does nothing when already free.

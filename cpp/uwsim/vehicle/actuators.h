@@ -54,10 +54,6 @@ class Actuators {
   /// Deflections [rad] by name, unnamed ones 0; thrusters stay. Throws InvalidValue.
   void set_fins(const Named& angles_rad);
 
-  /// Propellers stand still at once; commands and fins stay.
-  void rest() {
-    for (Thruster& thruster : thrusters_) thruster.rest();
-  }
   /// Lets a step pass, under power or without: then the thrusters spin down and the fins stay.
   void advance(double step_s, bool powered);
   /// Mean force and torque over the last step (body frame, at the origin). The water's flow and surface are taken at

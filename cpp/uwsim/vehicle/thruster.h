@@ -53,8 +53,6 @@ class Thruster {
   void advance(double step_s, bool powered);
   /// Still-water thrust now [N].
   double thrust_n() const { return thrust_n_; }
-  /// Stands still at once, its command held.
-  void rest() { thrust_n_ = mean_thrust_n_ = 0; }
 
   /// Adds the mean force and torque over the last step (body frame, at the origin) of a thruster that moves with
   /// `through_water` (6,) [m/s, rad/s] and has `submerged` of its disc in water.
