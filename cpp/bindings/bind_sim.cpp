@@ -202,7 +202,22 @@ void bind_sim(py::module_& m) {
             o.with([&](Simulation& s) { s.aim(v, sonar, elevation_rad); });
           },
           py::arg("vehicle"), py::arg("sonar"), py::arg("elevation_rad"), "Positive is up. Raises ValueError.")
-      .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"));
+      .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"))
+      .def(
+          "save_state",
+          [](OwnedSimulation& o, const std::string& scenario, const std::string& build) {
+            return py::bytes(o.with([&](Simulation& s) { return s.save_state({scenario, build}); }));
+          },
+          py::arg("scenario"), py::arg("build"),
+          "All that the future depends on beside what the simulation was made of, with fingerprints of that.")
+      .def(
+          "restore_state",
+          [](OwnedSimulation& o, const py::bytes& state, const std::string& scenario, const std::string& build) {
+            const std::string_view bytes = state;
+            o.with([&](Simulation& s) { s.restore_state(bytes, {scenario, build}); });
+          },
+          py::arg("state"), py::arg("scenario"), py::arg("build"),
+          "Raises ValueError, changing nothing, for a state that is damaged or has other fingerprints.");
 }
 
 }  // namespace uwsim::bindings

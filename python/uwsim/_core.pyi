@@ -1072,6 +1072,14 @@ class Simulation:
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
+    def restore_state(self, state: bytes, scenario: str, build: str) -> None:
+        """
+        Raises ValueError, changing nothing, for a state that is damaged or has other fingerprints.
+        """
+    def save_state(self, scenario: str, build: str) -> bytes:
+        """
+        All that the future depends on beside what the simulation was made of, with fingerprints of that.
+        """
     def set_effort(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,

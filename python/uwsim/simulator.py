@@ -11,6 +11,7 @@ import numpy as np
 
 from uwsim import _core
 from uwsim.assembly import vehicle_spec
+from uwsim.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.vehicle import Vehicle
 
@@ -89,6 +90,23 @@ class Simulator:
     def wait(self, duration_s: float) -> None:
         """What a mission calls to let time pass: the simulator is its own clock. Same as advance."""
         self.advance(duration_s)
+
+    def save_state(self) -> bytes:
+        """All that the future depends on beside scenario and seed: motion, commands, clocks, what sensors remember.
+
+        A Simulator of the same scenario, seed and build that restores it gives the same poses and samples to the last
+        bit. Commands are in it; what a mission or a map remembers is not.
+        """
+        return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint())
+
+    def restore_state(self, state: bytes) -> None:
+        """Go on from what `save_state` gave.
+
+        Raises ValueError, changing nothing, for a state that is damaged or of another scenario, seed or build.
+        """
+        if not isinstance(state, bytes):
+            raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
+        self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint())
 
     def __enter__(self) -> Self:
         return self

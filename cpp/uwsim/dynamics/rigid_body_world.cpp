@@ -123,6 +123,18 @@ void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
   }
 }
 
+void RigidBodyWorld::exchange_state(StateArchive& archive) {
+  archive.same("bodies", bodies_.size());
+  for (Body& body : bodies_) {
+    archive(body.state);
+    archive(body.tau_body);
+    archive(body.acceleration_body);
+    archive(body.held);
+    archive(body.in_contact);
+    require_sane(body, body.state, 0);
+  }
+}
+
 void RigidBodyWorld::require_sane(const Body& body, const BodyState& next, double time_s) const {
   const bool sane = next.velocity_body.cwiseAbs().maxCoeff() < kAbsurd &&
                     next.world_from_body.position_m.cwiseAbs().maxCoeff() < kAbsurd &&

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "uwsim/core/state_archive.h"
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/contact_finder.h"
 #include "uwsim/dynamics/contact_solver.h"
@@ -52,6 +53,9 @@ class RigidBodyWorld {
   /// One fixed step from `time_s`. Throws InvalidValue naming the step, the body and its last finite state when a state
   /// stops being finite.
   void step(const WaterField& water, double time_s);
+
+  /// Saves or restores how the bodies are and move. Throws InvalidValue.
+  void exchange_state(StateArchive& archive);
 
  private:
   struct Body {

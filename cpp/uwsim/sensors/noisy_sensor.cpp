@@ -68,6 +68,14 @@ void NoisySensor::measure(const Moment& moment, const Surroundings& around, bool
   measured_tick_ = kNever;
 }
 
+void NoisySensor::exchange_state(StateArchive& archive) {
+  archive.same("sensor", spec_.name);
+  archive.same("sensor kind", std::string(kind_->name));
+  archive(next_due_);
+  history_.exchange_state(archive);
+  if (archive.restoring()) measured_tick_ = kNever;  // sample_ is of another time
+}
+
 const Sample& NoisySensor::read_true(const Moment& now, const Surroundings& around) {
   measure(now, around, false);
   return sample_;

@@ -40,6 +40,10 @@ class NoisySensor {
   /// The present without errors, rate, delay and drop-outs.
   const Sample& read_true(const Moment& now, const Surroundings& around);
 
+  /// Saves or restores when it samples next and what it has sampled; errors follow from seed, names and time. Throws
+  /// InvalidValue.
+  void exchange_state(StateArchive& archive);
+
  private:
   bool dropped(std::uint64_t tick) const;
   bool arrived(const SampleHistory::Entry& entry, const Moment& now, const Surroundings& around) const;

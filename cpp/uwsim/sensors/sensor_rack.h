@@ -39,6 +39,16 @@ class SensorRack {
     }
   }
 
+  /// Saves or restores every sensor. Throws InvalidValue.
+  void exchange_state(StateArchive& archive) {
+    archive.same("sensors", sensors_.size());
+    next_due_ = NoisySensor::kNever;
+    for (NoisySensor& sensor : sensors_) {
+      sensor.exchange_state(archive);
+      next_due_ = std::min(next_due_, sensor.next_due());
+    }
+  }
+
  private:
   std::vector<NoisySensor> sensors_;
   std::uint64_t next_due_ = NoisySensor::kNever;

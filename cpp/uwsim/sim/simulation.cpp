@@ -191,4 +191,46 @@ Pose Simulation::world_from_sonar(std::size_t index, std::size_t sonar) const {
   return state(index).world_from_body * item(vehicle(index).sonars, sonar, "sonar").body_from_sonar();
 }
 
+std::string Simulation::save_state(const StateOrigin& origin) {
+  StateArchive archive;
+  exchange_state(archive);
+  return sealed_state(archive.bytes(), origin);
+}
+
+void Simulation::restore_state(std::string_view bytes, const StateOrigin& origin) {
+  const std::string_view figures = unsealed_state(bytes, origin);
+  StateArchive before;
+  exchange_state(before);
+  try {
+    StateArchive archive(figures);
+    exchange_state(archive);
+    archive.finish();
+  } catch (...) {
+    StateArchive back(before.bytes());
+    exchange_state(back);
+    throw;
+  }
+  ++version_;
+}
+
+void Simulation::exchange_state(StateArchive& archive) {
+  archive.same("step_ns", step_ns_);
+  archive.same("seed", spec_.seed);
+  archive(tick_);
+  archive.same("vehicles", vehicles_.size());
+  for (Vehicle& vehicle : vehicles_) {
+    archive.same("vehicle", vehicle.name);
+    archive(vehicle.released);
+    archive(vehicle.released_tick);
+    archive(vehicle.touching);
+    archive(vehicle.collisions);
+    require(vehicle.released_tick <= tick_, "state.released_tick", vehicle.released_tick, "must not lie ahead");
+    vehicle.actuators.exchange_state(archive);
+    vehicle.sensors.exchange_state(archive);
+    archive.same("sonars", vehicle.sonars.size());
+    for (Multibeam& sonar : vehicle.sonars) sonar.exchange_state(archive);
+  }
+  bodies_.exchange_state(archive);
+}
+
 }  // namespace uwsim

@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "uwsim/sim/state_seal.h"
 #include "uwsim/sim/vehicle.h"
 #include "uwsim/world/ray_scene.h"
 #include "uwsim/world/world.h"
@@ -60,7 +63,14 @@ class Simulation {
   MultibeamPing ping(std::size_t vehicle, std::size_t sonar) const;
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
 
+  /// All that the future depends on beside what the simulation was made of, as bytes: taken back by one that was made
+  /// alike it gives the same steps and samples to the last bit.
+  std::string save_state(const StateOrigin& origin);
+  /// Throws InvalidValue, and changes nothing, for a state that is damaged or was saved elsewhere.
+  void restore_state(std::string_view bytes, const StateOrigin& origin);
+
  private:
+  void exchange_state(StateArchive& archive);
   Vehicle& changeable(std::size_t index);
   double mission_time_s(const Vehicle& vehicle) const;
   Moment moment(const Vehicle& vehicle) const;

@@ -36,6 +36,12 @@ void Multibeam::aim(double elevation_rad) {
   elevation_rad_ = elevation_rad;
 }
 
+void Multibeam::exchange_state(StateArchive& archive) {
+  double elevation_rad = elevation_rad_;
+  archive(elevation_rad);
+  aim(elevation_rad);
+}
+
 Pose Multibeam::body_from_sonar() const {
   // A turn about +y is nose down, so positive elevation turns the other way.
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(-elevation_rad_, Eigen::Vector3d::UnitY()));

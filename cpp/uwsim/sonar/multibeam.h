@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "uwsim/core/pose.h"
+#include "uwsim/core/state_archive.h"
 #include "uwsim/sonar/multibeam_model.h"
 #include "uwsim/world/ray_scene.h"
 #include "uwsim/world/water.h"
@@ -36,6 +37,8 @@ class Multibeam {
   void aim(double elevation_rad);
   double elevation_rad() const { return elevation_rad_; }
   Pose body_from_sonar() const;
+  /// Saves or restores where the head points. Throws InvalidValue.
+  void exchange_state(StateArchive& archive);
 
   MultibeamPing ping(const RayScene& scene, const Water& water, const Pose& world_from_body) const;
 

@@ -187,6 +187,16 @@ void Actuators::advance(double step_s, bool powered) {
   for (Fin& fin : fins_) fin.advance(step_s);
 }
 
+void Actuators::exchange_state(StateArchive& archive) {
+  archive(effort_);
+  archive(straight_wrench_);
+  archive(powered_);
+  archive.same("thrusters", thrusters_.size());
+  for (Thruster& thruster : thrusters_) thruster.exchange_state(archive);
+  archive.same("fins", fins_.size());
+  for (Fin& fin : fins_) fin.exchange_state(archive);
+}
+
 /// Height of the water's surface over the origin; infinite when everything is far below it.
 double Actuators::surface_above(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const Eigen::Vector3d& at = world_from_body.position_m;

@@ -61,6 +61,9 @@ class Actuators {
   Vector6d wrench_body(const BodyState& state, const WaterField& water, double time_s, double submerged) const;
   bool drives_straight() const { return straight_; }
 
+  /// Saves or restores commands and how far the actuators have followed them. Throws InvalidValue.
+  void exchange_state(StateArchive& archive);
+
  private:
   void share_out(const Vector6d& wrench_body);
   void deflect(const Vector6d& effort);

@@ -53,6 +53,11 @@ void Fin::advance(double step_s) {
   angle_rad_ += std::clamp(command_rad_ - angle_rad_, -most, most);
 }
 
+void Fin::exchange_state(StateArchive& archive) {
+  archive(command_rad_);
+  archive(angle_rad_);
+}
+
 Fin::Coefficients Fin::coefficients(double attack_rad) const {
   const double s = std::sin(attack_rad), c = std::cos(attack_rad);
   Coefficients attached{.lift = lift_slope_ * s * c};

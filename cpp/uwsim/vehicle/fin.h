@@ -4,6 +4,7 @@
 #include <string>
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/core/state_archive.h"
 
 namespace uwsim {
 
@@ -59,6 +60,9 @@ class Fin {
   void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const;
   /// Share of the fin under a level surface `height_m` above its centre; `span_up` is the vertical part of the span.
   double submerged_share(double height_m, double span_up) const;
+
+  /// Saves or restores how it stands.
+  void exchange_state(StateArchive& archive);
 
  private:
   FinParameters parameters_;

@@ -52,6 +52,13 @@ void Thruster::advance(double step_s, bool powered) {
   thrust_n_ = target + difference * decay_;
 }
 
+void Thruster::exchange_state(StateArchive& archive) {
+  archive(command_);
+  archive(target_n_);
+  archive(thrust_n_);
+  archive(mean_thrust_n_);
+}
+
 void Thruster::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged,
                           Vector6d& tau_body) const {
   if (mean_thrust_n_ == 0) return;

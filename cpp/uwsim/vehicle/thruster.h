@@ -5,6 +5,7 @@
 #include <string>
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/core/state_archive.h"
 #include "uwsim/vehicle/thrust_curve.h"
 
 namespace uwsim {
@@ -60,6 +61,9 @@ class Thruster {
   /// Share of the propeller's disc under a level surface `height_m` above its hub; `axis_up` is the vertical part of
   /// the axis.
   double submerged_share(double height_m, double axis_up) const;
+
+  /// Saves or restores how it stands.
+  void exchange_state(StateArchive& archive);
 
  private:
   ThrusterParameters parameters_;
