@@ -42,8 +42,9 @@ py::array_t<T, py::array::c_style> as_array(const py::object& object, const char
   }
   const char kind = any.dtype().kind();
   const bool empty_list = any.size() == 0;
-  require(kind == 'f' || kind == 'i' || kind == 'u' || empty_list, std::string(name) + ".dtype",
-          std::string(py::str(any.dtype())), "must be real numbers");
+  if (kind != 'f' && kind != 'i' && kind != 'u' && !empty_list) {  // the dtype's text takes longer than a small array
+    require(false, std::string(name) + ".dtype", std::string(py::str(any.dtype())), "must be real numbers");
+  }
   bool fits = any.ndim() == static_cast<py::ssize_t>(shape.size());
   py::ssize_t axis = 0;
   for (const py::ssize_t extent : shape) fits = fits && (extent < 0 || any.shape(axis) == extent) && ++axis;

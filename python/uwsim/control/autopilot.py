@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from uwsim.control.protocols import SteeredVehicle
 
+Vector = NDArray[np.float64]
 STEADY_RATE_LOOP = 0.4
 
 
@@ -37,38 +40,52 @@ class Autopilot:
         self.vehicle = vehicle
         self.period_s = period_s
         self.gains = gains or _steady(Gains(), getattr(vehicle, "authority", None), period_s)
-        self._speed_sum = np.zeros(2)
-        self._height_sum = 0.0
+        self._surge_sum = self._sway_sum = self._height_sum = 0.0
 
-    def steer(self, heading_rad: float, velocity_world_m_s: NDArray[np.float64], z_world_m: float) -> None:
+    def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Vector, z_world_m: float) -> None:
         """One control period towards a heading, a horizontal velocity (2,) and a height (z, negative under water)."""
         gains, pose, velocity = self.gains, self.vehicle.pose, self.vehicle.velocity
-        yaw = pose.yaw_rad
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        wanted_body = np.array([[cos, sin], [-sin, cos]]) @ velocity_world_m_s
-        speed_error = wanted_body - velocity.linear_body_m_s[:2]
-        surge_sway = gains.speed * speed_error + self._speed_sum
-        self._speed_sum = np.clip(self._speed_sum + gains.speed_integral * self.period_s * speed_error, -1.0, 1.0)
+        # Plain numbers: arrays of three cost a control loop many times their arithmetic.
+        surge_m_s, sway_m_s, heave_m_s = velocity.linear_body_m_s.tolist()
+        roll_rad_s, pitch_rad_s, yaw_rad_s = velocity.angular_body_rad_s.tolist()
+        up_x, up_y, up_z = pose.world_from_body[2, :3].tolist()
+        east_m_s, north_m_s = float(velocity_world_m_s[0]), float(velocity_world_m_s[1])
+        yaw_rad = pose.yaw_rad
+        cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
 
-        turn = wrap_angle(heading_rad - yaw)
-        yaw_effort = gains.heading * turn - gains.heading_rate * velocity.angular_body_rad_s[2]
+        surge_error = cos * east_m_s + sin * north_m_s - surge_m_s
+        sway_error = cos * north_m_s - sin * east_m_s - sway_m_s
+        surge = gains.speed * surge_error + self._surge_sum
+        sway = gains.speed * sway_error + self._sway_sum
+        share = gains.speed_integral * self.period_s
+        self._surge_sum = _clip(self._surge_sum + share * surge_error, 1.0)
+        self._sway_sum = _clip(self._sway_sum + share * sway_error, 1.0)
 
-        height_error = z_world_m - pose.position_world_m[2]
-        climb = (pose.world_from_body[:3, :3] @ velocity.linear_body_m_s)[2]
-        heave = gains.height * height_error - gains.height_rate * climb + self._height_sum
-        step = gains.height_integral * self.period_s * np.clip(height_error, -1.0, 1.0)
-        self._height_sum = float(np.clip(self._height_sum + step, -0.5, 0.5))
+        yaw = gains.heading * wrap_angle(heading_rad - yaw_rad) - gains.heading_rate * yaw_rad_s
+
+        height_error = float(z_world_m - pose.position_world_m[2])
+        climb_m_s = up_x * surge_m_s + up_y * sway_m_s + up_z * heave_m_s
+        heave = gains.height * height_error - gains.height_rate * climb_m_s + self._height_sum
+        step = gains.height_integral * self.period_s * _clip(height_error, 1.0)
+        self._height_sum = _clip(self._height_sum + step, 0.5)
 
         # A slender vehicle's own flow noses it over (Munk's moment): turn the body's z back to the world's.
-        up_body = pose.world_from_body[2, :3]
-        roll = -gains.level * up_body[1] - gains.level_rate * velocity.angular_body_rad_s[0]
-        pitch = gains.level * up_body[0] - gains.level_rate * velocity.angular_body_rad_s[1]
+        roll = -gains.level * up_y - gains.level_rate * roll_rad_s
+        pitch = gains.level * up_x - gains.level_rate * pitch_rad_s
 
-        efforts = np.clip([surge_sway[0], surge_sway[1], heave, roll, pitch, yaw_effort], -1.0, 1.0)
-        self.vehicle.set_effort(*(float(effort) for effort in efforts))
+        self.vehicle.set_effort(*(_clip(effort, 1.0) for effort in (surge, sway, heave, roll, pitch, yaw)))
+
+    @property
+    def sums(self) -> tuple[float, float, float]:
+        """What the integrals of surge, sway and height hold, in effort: all that one period leaves to the next."""
+        return self._surge_sum, self._sway_sum, self._height_sum
+
+    @sums.setter
+    def sums(self, sums: tuple[float, float, float]) -> None:
+        self._surge_sum, self._sway_sum, self._height_sum = sums
 
 
-def _steady(gains: Gains, authority: NDArray[np.float64] | None, period_s: float) -> Gains:
+def _steady(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
     """Gains lowered where the vehicle turns too briskly for a loop of this period; authority: see uwsim's Vehicle.
 
     A rate loop sampled at T is steady while rate gain x authority x T < 2; without overshoot well below 1.
@@ -92,4 +109,8 @@ def _steady(gains: Gains, authority: NDArray[np.float64] | None, period_s: float
 
 def wrap_angle(angle_rad: float) -> float:
     """The same angle in [-pi, pi)."""
-    return float((angle_rad + np.pi) % (2 * np.pi) - np.pi)
+    return float((angle_rad + math.pi) % (2 * math.pi) - math.pi)
+
+
+def _clip(value: float, most: float) -> float:
+    return min(max(value, -most), most)

@@ -3,6 +3,15 @@
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lookout import Lookout
-from uwsim.missions.mission import Mission
+from uwsim.missions.mission import Mission, ResumableMission
 
-__all__ = ["COVERED", "AdaptiveLawnMower", "Lane", "LawnMowerPlan", "Lookout", "Mission", "lawn_mower_lanes"]
+__all__ = [
+    "COVERED",
+    "AdaptiveLawnMower",
+    "Lane",
+    "LawnMowerPlan",
+    "Lookout",
+    "Mission",
+    "ResumableMission",
+    "lawn_mower_lanes",
+]

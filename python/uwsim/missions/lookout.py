@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
+import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,26 +19,41 @@ class Lookout:
     def __init__(self, half_width_m: float = 3.0, ahead_m: float = 20.0, pings: int = 300) -> None:
         self.half_width_m = half_width_m
         self.ahead_m = ahead_m
-        self._peaks: deque[Vector] = deque(maxlen=pings)
+        self._ring = np.empty((pings, 3))
+        self._seen = 0
+
+    @property
+    def peaks_world_m(self) -> Vector:
+        """What is remembered, (n, 3), the oldest first."""
+        held, next_place = min(self._seen, len(self._ring)), self._seen % len(self._ring)
+        return np.roll(self._ring, -next_place, axis=0)[-held:] if held == len(self._ring) else self._ring[:held].copy()
+
+    def remember(self, peaks_world_m: Sequence[Sequence[float]] | Vector) -> None:
+        """Start from these (n, 3), the oldest first, and nothing else. Raises ValueError."""
+        peaks = np.asarray(peaks_world_m, np.float64).reshape(-1, 3)
+        if len(peaks) > len(self._ring) or not np.isfinite(peaks).all():
+            raise ValueError(f"lookout: {len(peaks)} peaks: must be at most {len(self._ring)}, and finite")
+        self._ring[: len(peaks)] = peaks
+        self._seen = len(peaks)
 
     def see(self, ping: PingLike, position_world_m: Vector, heading_rad: float) -> None:
         """Take in a ping."""
-        echoes = ping.points_sonar_m[np.isfinite(ping.ranges_m)]
-        points = echoes @ ping.world_from_sonar[:3, :3].T + ping.world_from_sonar[:3, 3]
-        in_way = points[self._in_way(points, position_world_m, heading_rad)]
-        if len(in_way):
-            self._peaks.append(in_way[np.argmax(in_way[:, 2])])
+        rotation, origin = ping.world_from_sonar[:3, :3], ping.world_from_sonar[:3, 3]
+        points = ping.points_sonar_m @ rotation.T + origin
+        in_way = self._in_way(points, position_world_m, heading_rad) & np.isfinite(ping.ranges_m)
+        if in_way.any():
+            heights = np.where(in_way, points[:, 2], -np.inf)
+            self._ring[self._seen % len(self._ring)] = points[heights.argmax()]
+            self._seen += 1
 
     def highest_m(self, position_world_m: Vector, heading_rad: float) -> float:
         """Height (z) of the highest thing known in the way; -inf when there is none."""
-        if not self._peaks:
-            return -np.inf
-        peaks = np.array(self._peaks)
-        heights = peaks[self._in_way(peaks, position_world_m, heading_rad), 2]
-        return float(heights.max(initial=-np.inf))
+        peaks = self._ring[: min(self._seen, len(self._ring))]
+        return float(peaks[self._in_way(peaks, position_world_m, heading_rad), 2].max(initial=-np.inf))
 
     def _in_way(self, points_world_m: Vector, position_world_m: Vector, heading_rad: float) -> NDArray[np.bool_]:
-        dx, dy = (points_world_m[:, :2] - position_world_m[:2]).T
-        cos, sin = np.cos(heading_rad), np.sin(heading_rad)
+        """Of points (n, 3); one that is NaN is not."""
+        dx, dy = points_world_m[:, 0] - position_world_m[0], points_world_m[:, 1] - position_world_m[1]
+        cos, sin = math.cos(heading_rad), math.sin(heading_rad)
         along, across = cos * dx + sin * dy, cos * dy - sin * dx
         return np.asarray((along > -self.half_width_m) & (along < self.ahead_m) & (np.abs(across) < self.half_width_m))
