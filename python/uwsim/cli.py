@@ -32,28 +32,44 @@ Threads = Annotated[int | None, typer.Option(help="Threads to use; the result do
 
 @app.command()
 def survey(
-    scenario: ScenarioName = "lake",
+    scenario: Annotated[
+        str | None, typer.Argument(help="A packaged scenario's name, or the path of a YAML file; lake by default.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for map.bt, report.html and the pictures.")] = Path("out"),
     seed: Seed = None,
     sonar_model: SonarModel = None,
     mission_time: MissionTime = None,
     voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
     threads: Threads = None,
+    verify_map: Annotated[
+        bool, typer.Option("--verify-map", help="Map with stock OctoMap too, and exit with 1 if a byte differs.")
+    ] = False,
+    autosave: Annotated[float, typer.Option(help="Seconds of wall time between saves; 0 for none.")] = 30.0,
+    resume: Annotated[bool, typer.Option("--resume", help="Fly on the survey that was last saved in --out.")] = False,
 ) -> None:
-    """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far."""
-    from uwsim.survey.command import run_survey
+    """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far.
 
-    record = run_survey(
-        scenario,
-        out,
-        seed=seed,
-        sonar_model=sonar_model,
-        mission_time_s=mission_time,
-        voxel_m=voxel,
-        threads=threads,
-    )
+    Killed at any moment, it leaves the map of the last save; --resume flies on to the same map as uninterrupted.
+    """
+    from uwsim.survey.command import resume_survey, run_survey
+
+    asked: dict[str, Any] = {
+        "seed": seed,
+        "sonar_model": sonar_model,
+        "mission_time_s": mission_time,
+        "voxel_m": voxel,
+    }
+    if resume:
+        asked |= {"scenario": scenario, "verify_map": verify_map or None}
+        record = resume_survey(out, threads=threads, autosave_s=autosave, **asked)
+    else:
+        record = run_survey(
+            scenario or "lake", out, threads=threads, autosave_s=autosave, verify_map=verify_map, **asked
+        )
     if record.interrupted:
         raise typer.Exit(INTERRUPTED)
+    if record.verified is False:
+        raise typer.Exit(FAILED)
     if record.stopped_because.startswith(("stuck", "capsized")):
         raise typer.Exit(STUCK)
 

@@ -14,9 +14,14 @@ from numpy.typing import NDArray
 
 from uwsim import ranging
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.stages import WAITING, StageTimer
+from uwsim.survey.stages import VERIFICATION, WAITING, StageTimer
 
-SCANS_IN_FLIGHT = 64  # bounds what waits for the map's thread
+SCANS_IN_FLIGHT = 256  # bounds what waits for the map's thread
+SCANS_A_BATCH = 16
+
+
+Scan = tuple[NDArray[np.float32], NDArray[np.float64]]
+"""Points in the world (n, 3) and where they were seen from (3,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +37,7 @@ class ScanChain:
 
     With more than one thread the map is filled beside the simulation, scans in their order, so that its bytes do not
     depend on the number of threads. tamper: stands for the channel; it gets the string and returns what arrives.
+    reference: a map that gets every scan too, one by one, to be compared with.
     """
 
     def __init__(
@@ -43,13 +49,16 @@ class ScanChain:
         threads: int = 1,
         timer: StageTimer | None = None,
         tamper: Callable[[str], str] | None = None,
+        reference: OccupancyMap | None = None,
     ) -> None:
         self.occupancy = occupancy
+        self.reference = reference
         self.model = model
         self.self_box = self_box
         self.timer = timer or StageTimer()
         self._tamper = tamper
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
+        self._scans: deque[Scan] = deque()  # not yet taken to the map
         self._in_flight: deque[Future[None]] = deque()
 
     def insert(
@@ -77,23 +86,40 @@ class ScanChain:
 
     def finish(self) -> None:
         """Wait until every scan is in the map."""
+        if self._mapper is None:
+            self._insert_batch()
+            return
         with self.timer.measure(WAITING):
             while self._in_flight:
                 self._in_flight.popleft().result()
 
     def _to_map(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
+        self._scans.append((points_world_m, origin_m))
         if self._mapper is None:
-            self._insert(points_world_m, origin_m)
+            if len(self._scans) >= SCANS_A_BATCH:
+                self._insert_batch()
             return
-        self._in_flight.append(self._mapper.submit(self._insert, points_world_m, origin_m))
-        with self.timer.measure(WAITING):
-            while len(self._in_flight) > SCANS_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
-                self._in_flight.popleft().result()
+        self._in_flight.append(self._mapper.submit(self._insert_batch))
+        if len(self._in_flight) > SCANS_IN_FLIGHT or self._in_flight[0].done():
+            with self.timer.measure(WAITING):
+                while len(self._in_flight) > SCANS_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
+                    self._in_flight.popleft().result()
 
-    def _insert(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
+    def _insert_batch(self) -> None:
+        """What waits, as far as a batch goes: an earlier one may have left nothing."""
+        batch = [self._scans.popleft() for _ in range(min(len(self._scans), SCANS_A_BATCH))]
+        if not batch:
+            return
+        # The scan's own range_max has done its work; float32 points may come out a hair longer.
+        max_range_m = ranging.MODELS[self.model].range_max_m
         with self.timer.measure("map"):
-            # The scan's own range_max has done its work; float32 points may come out a hair longer.
-            self.occupancy.insert_scan(points_world_m, origin_m, ranging.MODELS[self.model].range_max_m)
+            for points_world_m, origin_m in batch:
+                self.occupancy.insert_scan(points_world_m, origin_m, max_range_m)
+        if self.reference is None:
+            return
+        with self.timer.measure(VERIFICATION):
+            for points_world_m, origin_m in batch:
+                self.reference.insert_scan(points_world_m, origin_m, max_range_m)
 
     def __enter__(self) -> Self:
         return self
@@ -101,7 +127,11 @@ class ScanChain:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        """Whatever ends the flight, what was seen gets into the map; the first error is the one to tell."""
         if self._mapper is not None:
             self._mapper.shutdown(wait=True)
-        if error is None:
+        try:
             self.finish()
+        except Exception:
+            if error is None:
+                raise

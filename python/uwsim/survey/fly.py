@@ -4,88 +4,36 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from uwsim import _core
 from uwsim.control.protocols import Clock, SurveyVehicle
 from uwsim.mapping import OccupancyMap
-from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission
+from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
 from uwsim.simulator import Simulator
 from uwsim.survey.chain import ScanChain, SelfBox
-from uwsim.survey.record import INTERRUPTED, PingSample, SurveyRecord
-from uwsim.survey.stages import StageTimer
-from uwsim.survey.true_surface import inside_polygon
+from uwsim.survey.clock import PingingClock
+from uwsim.survey.flight_state import FlightState
+from uwsim.survey.log import SurveyLog
+from uwsim.survey.record import INTERRUPTED, SurveyRecord
+from uwsim.survey.stages import AUTOSAVE, StageTimer
 
 SELF_MARGIN_M = 0.05
 
 
-@dataclass
-class SurveyLog:
-    """What is noted of each ping as the survey goes on."""
+class FlightWatch(Protocol):
+    """Looks on whenever the mission waits: may save the flight, or stop it."""
 
-    area_world_m: NDArray[np.float64]
-    positions_world_m: list[NDArray[np.float64]] = field(default_factory=list)
-    echo_count: int = 0
-    richest: PingSample | None = None
-    richest_score: float = -1.0
+    def save_due(self) -> bool:
+        """Whether `save` is wanted now."""
 
-    def note(self, ping: _core.Ping, points_world_m: NDArray[np.float32]) -> None:
-        """Keep the ping's place, count its echoes, and keep the most telling ping for the report's picture."""
-        position = ping.world_from_sonar[:3, 3]
-        self.positions_world_m.append(position)
-        self.echo_count += len(points_world_m)
-        if not inside_polygon(position[None, :2], self.area_world_m)[0]:
-            return
-        # The picture wants a full fan that also meets something other than the bed.
-        things = len(np.unique(ping.labels[ping.valid]))
-        score = 100.0 * things + float(ping.valid.mean())
-        if score > self.richest_score:
-            self.richest_score = score
-            self.richest = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, points_world_m)
+    def save(self, state: FlightState, occupancy: OccupancyMap, reference: OccupancyMap | None) -> None:
+        """Keep the state and its maps, which hold every scan so far."""
 
-
-class PingingClock:
-    """The mission's clock: as simulated time passes, pings at a steady rate and sends each through the chain."""
-
-    def __init__(
-        self, sim: Simulator, chain: ScanChain, log: SurveyLog, ping_interval_s: float, on_ping: Callable[[], None]
-    ) -> None:
-        self._sim = sim
-        self._chain = chain
-        self._log = log
-        self._steps_between_pings = max(1, round(ping_interval_s / sim.step_s))
-        self._steps_to_ping = self._steps_between_pings
-        self._on_ping = on_ping
-
-    @property
-    def time_s(self) -> float:
-        """Simulated seconds since the start."""
-        return self._sim.time_s
-
-    def wait(self, duration_s: float) -> None:
-        """Let simulated time pass, pinging whenever it is due."""
-        steps = round(duration_s / self._sim.step_s)
-        while steps > 0:
-            now = min(steps, self._steps_to_ping)
-            with self._chain.timer.measure("physics"):
-                self._sim.step(now)
-            steps -= now
-            self._steps_to_ping -= now
-            if self._steps_to_ping == 0:  # at once, so that the mission's own look is this same ping
-                self._ping()
-
-    def _ping(self) -> None:
-        self._steps_to_ping = self._steps_between_pings
-        rov = self._sim.rov
-        with self._chain.timer.measure("rays"):
-            ping = rov.sonar.ping()
-        points = self._chain.insert(ping.ranges_m, rov.pose.world_from_body, ping.world_from_sonar, self._sim.time_s)
-        self._log.note(ping, points)
-        self._on_ping()
+    def stopping(self) -> bool:
+        """Whether the flight is to end here, as by Ctrl-C. It is saved before."""
 
 
 def fly_survey(
@@ -95,24 +43,65 @@ def fly_survey(
     mission: Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission] = AdaptiveLawnMower,
     on_progress: Callable[[float], None] = lambda share: None,
     tamper: Callable[[str], str] | None = None,
+    reference: OccupancyMap | None = None,
+    watch: FlightWatch | None = None,
+    resume: FlightState | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end, or to Ctrl-C; either way the map of what was seen and the record come back.
 
     occupancy: the map to fill; by default a new one of the scenario's voxel_m. mission: makes the mission to fly.
     on_progress: called at every ping with the share flown, 0..1. tamper: stands for the channel between sonar and
-    decoder; gets each string, returns another.
-    Raises ScenarioError when the scenario has no survey.
+    decoder; gets each string, returns another. reference: a second map, which gets every scan one by one.
+    resume: flies on from there, given the maps as they were then.
+    Raises ScenarioError when the scenario has no survey, ValueError when the flight cannot be resumed.
     """
     survey = required_survey(sim.scenario)
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
-    log, timer = SurveyLog(np.asarray(survey.area_m)), StageTimer()
-    begun, begun_s = time.perf_counter(), sim.time_s
+    begun = time.perf_counter()
+    if resume is not None:
+        sim.restore_state(resume.simulation)
+        begun -= resume.wall_s
+    log = resume.log if resume is not None else SurveyLog(np.asarray(survey.area_m))
+    begun_s = resume.begun_s if resume is not None else sim.time_s
+    timer = StageTimer(resume.stage_wall_s if resume is not None else None)
     with ScanChain(
-        occupancy, sim.rov.sonar.model.number, _self_box(sim.scenario), threads=sim.threads, timer=timer, tamper=tamper
+        occupancy,
+        sim.rov.sonar.model.number,
+        _self_box(sim.scenario),
+        threads=sim.threads,
+        timer=timer,
+        tamper=tamper,
+        reference=reference,
     ) as chain:
-        clock = PingingClock(sim, chain, log, 1.0 / survey.ping_rate_hz, lambda: on_progress(flown.progress))
+
+        def on_pause() -> None:
+            if watch is None:
+                return
+            stopping = watch.stopping()
+            if stopping or watch.save_due():
+                chain.finish()
+                with timer.measure(AUTOSAVE):
+                    watch.save(state(), occupancy, reference)
+            if stopping:
+                raise KeyboardInterrupt
+
+        def state() -> FlightState:
+            return FlightState(
+                simulation=sim.save_state(),
+                mission=flown.save() if isinstance(flown, ResumableMission) else None,
+                steps_to_ping=clock.steps_to_ping,
+                begun_s=begun_s,
+                wall_s=time.perf_counter() - begun,
+                stage_wall_s=dict(timer.wall_s),
+                log=log,
+            )
+
+        clock = PingingClock(sim, chain, log, 1.0 / survey.ping_rate_hz, lambda: on_progress(flown.progress), on_pause)
         flown = mission(sim.rov, clock, _plan(survey))
+        if resume is not None:
+            clock.steps_to_ping = resume.steps_to_ping
+            _take_up(flown, resume)
         try:
             stopped_because = flown.run()
         except KeyboardInterrupt:
@@ -130,13 +119,19 @@ def fly_survey(
         ping_count=len(log.positions_world_m),
         echo_count=log.echo_count,
         collision_count=sim.rov.collisions,
-        path_world_m=np.array(log.positions_world_m).reshape(-1, 3),
+        path_world_m=log.path_world_m,
         area_world_m=log.area_world_m,
         range_max_m=sim.rov.sonar.model.range_limit_m,
         sample_ping=log.richest,
         stage_wall_s=timer.wall_s,
         ended_early=stopped_because != COVERED,
     )
+
+
+def _take_up(flown: Mission, state: FlightState) -> None:
+    if state.mission is None or not isinstance(flown, ResumableMission):
+        raise ValueError(f"mission {type(flown).__name__}: cannot be resumed: it has no save and restore")
+    flown.restore(state.mission)
 
 
 def required_survey(scenario: Scenario) -> Survey:

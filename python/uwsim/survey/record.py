@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.survey.stages import MAP_THREAD
+
 INTERRUPTED = "interrupted (Ctrl-C)"
 FloatArray = NDArray[np.floating]
 
@@ -31,7 +33,8 @@ class SurveyRecord:
 
     path_world_m: (n, 3), where the sonar was at each ping, in order. area_world_m: (k, 2), the polygon that was to be
     covered. sample_ping is None when the survey ended before its first ping. stage_wall_s: wall seconds by stage
-    (physics, rays, codec, conversion, map, waiting for the map).
+    (physics, rays, codec, conversion, map, waiting for the map; autosave and verification where there are any).
+    verified: whether the map is stock OctoMap's, byte by byte; None when it was not compared.
     """
 
     scenario_name: str
@@ -52,6 +55,7 @@ class SurveyRecord:
     sample_ping: PingSample | None = None
     stage_wall_s: dict[str, float] = field(default_factory=dict)
     ended_early: bool = False
+    verified: bool | None = None
 
     @property
     def interrupted(self) -> bool:
@@ -66,7 +70,7 @@ class SurveyRecord:
     @property
     def mission_wall_s(self) -> float:
         """Wall time of the flying thread that no stage accounts for. With more threads the map has one of its own."""
-        flying = [seconds for stage, seconds in self.stage_wall_s.items() if stage != "map" or self.threads == 1]
+        flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD or self.threads == 1]
         return max(self.wall_s - sum(flying), 0.0)
 
     @property
