@@ -25,6 +25,12 @@ UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 ORDER = SurveyOrder("pool", 0, None, None, 0.5, False)
 
 
+@pytest.fixture(autouse=True)
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take longer than the flights, and are tested elsewhere."""
+    monkeypatch.setattr("uwsim.survey.command._report", lambda *anything: None)
+
+
 class SaveAt:
     """Watches a flight: saves it at these of its pauses, and stops it at the last of them."""
 
@@ -270,7 +276,7 @@ def test_an_interval_that_is_none_is_refused(seconds: float, tmp_path: Path) -> 
 
 def test_a_verified_map_is_compared_byte_by_byte_also_when_resumed(tmp_path: Path) -> None:
     assert run_survey("pool", tmp_path / "a", mission_time_s=3.0, verify_map=True).verified is True
-    assert run_survey("pool", tmp_path / "a", mission_time_s=3.0).verified is None
+    assert run_survey("pool", tmp_path / "b", mission_time_s=3.0).verified is None
     out = tmp_path / "out"
     process = start(out, "pool", "--verify-map")
     wait_for(out / "checkpoint" / "survey.state", process)
