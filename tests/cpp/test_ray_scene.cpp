@@ -91,6 +91,50 @@ TEST(RayScene, DegenerateTrianglesDoNotPoisonDistances) {
   EXPECT_NEAR(distances[2], 3, 1e-9);
 }
 
+TEST(RayScene, PacketsMeetWhatSingleRaysMeetAndLeaveIdleLanesAlone) {
+  World world = slope_world({0, 0});
+  TriangleMesh box = testing::box(2, 2, 2);
+  for (auto& v : box.vertices_m) v += Eigen::Vector3d(20, 50, -5);
+  world.add_solid("box", box);
+  const RayScene scene(world);
+  const Eigen::Vector3d anchor(20.3, 49.7, -1);
+  RayPacket rays;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const Eigen::Vector3f way = Eigen::Vector3f(0.2f * static_cast<float>(k) - 1.2f, 0.1f, -1).normalized();
+    rays.origin_x[k] = rays.origin_y[k] = rays.origin_z[k] = 0.01f * static_cast<float>(k);
+    rays.direction_x[k] = way.x();
+    rays.direction_y[k] = way.y();
+    rays.direction_z[k] = way.z();
+    rays.near_m[k] = 0;
+    rays.far_m[k] = k == 7 ? 1.0f : 100.0f;
+    rays.active[k] = k == 3 ? 0 : -1;
+  }
+  for (const RayOrder order : {RayOrder::kIncoherent, RayOrder::kCoherent}) {
+    HitPacket hits;
+    std::array<std::int32_t, kPacketRays> blocked;
+    scene.cast(anchor, rays, hits, order);
+    scene.occluded(anchor, rays, blocked, order);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (k == 3) {
+        EXPECT_EQ(blocked[k], 0);
+        continue;
+      }
+      const Eigen::Vector3d origin = anchor + 0.01 * static_cast<double>(k) * Eigen::Vector3d::Ones();
+      const Eigen::Vector3d way(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+      const RayHit alone = scene.cast({origin, way}, rays.far_m[k]);
+      EXPECT_EQ(hits.label[k], alone.label) << k;
+      EXPECT_EQ(blocked[k], alone.label == kNothing ? 0 : -1) << k;
+      if (alone.label == kNothing) {
+        EXPECT_TRUE(std::isinf(hits.distance_m[k]));
+        continue;
+      }
+      EXPECT_NEAR(hits.distance_m[k], alone.distance_m, 1e-4) << k;
+      const Eigen::Vector3f normal(hits.normal_x[k], hits.normal_y[k], hits.normal_z[k]);
+      EXPECT_LT((normal.normalized() - alone.normal_world).norm(), 1e-5) << k;
+    }
+  }
+}
+
 TEST(RayScene, RaysFromBeyondTheWorldMeetNothing) {
   const RayScene scene(slope_world({0, 0}));
   EXPECT_EQ(scene.cast({{0, 0, 2e18}, {0, 0, -1}}, 1e30).label, kNothing);

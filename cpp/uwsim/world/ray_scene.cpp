@@ -173,6 +173,62 @@ struct RayScene::Impl {
     }
   }
 
+  RTCRay16 rays_of(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays) const {
+    RTCRay16 out;
+    const Eigen::Vector3f shift = (anchor_world_m - middle_world_m).cast<float>();
+    for (std::size_t lane = 0; lane < kPacket; ++lane) {
+      out.org_x[lane] = shift.x() + rays.origin_x[lane];
+      out.org_y[lane] = shift.y() + rays.origin_y[lane];
+      out.org_z[lane] = shift.z() + rays.origin_z[lane];
+      out.dir_x[lane] = rays.direction_x[lane];
+      out.dir_y[lane] = rays.direction_y[lane];
+      out.dir_z[lane] = rays.direction_z[lane];
+      out.tnear[lane] = rays.near_m[lane];
+      out.tfar[lane] = rays.far_m[lane];
+      out.time[lane] = 0;
+      out.mask[lane] = ~0u;
+      out.flags[lane] = 0;
+    }
+    return out;
+  }
+
+  static RTCIntersectContext context_for(RayOrder order) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (order == RayOrder::kCoherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    return context;
+  }
+
+  void cast_packet(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
+                   RayOrder order) const {
+    RTCIntersectContext context = context_for(order);
+    RTCRayHit16 packet;
+    packet.ray = rays_of(anchor_world_m, rays);
+    for (std::size_t lane = 0; lane < kPacket; ++lane) packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16(rays.active.data(), scene, &context, &packet);
+    for (std::size_t lane = 0; lane < kPacket; ++lane) {
+      const bool met = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
+      hits.distance_m[lane] = met ? packet.ray.tfar[lane] : std::numeric_limits<float>::infinity();
+      hits.u[lane] = packet.hit.u[lane];
+      hits.v[lane] = packet.hit.v[lane];
+      hits.normal_x[lane] = packet.hit.Ng_x[lane];
+      hits.normal_y[lane] = packet.hit.Ng_y[lane];
+      hits.normal_z[lane] = packet.hit.Ng_z[lane];
+      hits.label[lane] = met ? packet.hit.geomID[lane] : kNothing;
+      hits.primitive[lane] = packet.hit.primID[lane];
+    }
+  }
+
+  void occluded_packet(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
+                       std::array<std::int32_t, kPacket>& blocked, RayOrder order) const {
+    RTCIntersectContext context = context_for(order);
+    RTCRay16 packet = rays_of(anchor_world_m, rays);
+    rtcOccluded16(rays.active.data(), scene, &context, &packet);
+    for (std::size_t lane = 0; lane < kPacket; ++lane) {  // Embree marks what is blocked by tfar = -inf
+      blocked[lane] = packet.tfar[lane] < 0 ? rays.active[lane] : 0;
+    }
+  }
+
   struct Query {
     const Impl* scene;
     Eigen::Vector3d point_world_m;
@@ -217,6 +273,16 @@ RayHit RayScene::cast(const Ray& ray, double max_range_m) const {
   RayHit hit;
   impl_->cast_range({&ray, 1}, max_range_m, {&hit, 1});
   return hit;
+}
+
+void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
+                    RayOrder order) const {
+  impl_->cast_packet(anchor_world_m, rays, hits, order);
+}
+
+void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
+                        std::array<std::int32_t, kPacketRays>& blocked, RayOrder order) const {
+  impl_->occluded_packet(anchor_world_m, rays, blocked, order);
 }
 
 void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m,

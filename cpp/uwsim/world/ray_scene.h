@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "uwsim/world/ray_packet.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -33,6 +34,13 @@ class RayScene {
   /// hits[k] is where rays[k] first meets a surface within `max_range_m`. Same result whatever the number of threads.
   void cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads = 1) const;
   RayHit cast(const Ray& ray, double max_range_m) const;
+
+  /// The bare float cast, for pictures: at the cost of the ray tree itself. Distances err by some 1e-4 m.
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
+            RayOrder order = RayOrder::kIncoherent) const;
+  /// blocked[k] is -1 where something lies on the ray between near_m and far_m, else 0; idle lanes are 0.
+  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
+                std::array<std::int32_t, kPacketRays>& blocked, RayOrder order = RayOrder::kIncoherent) const;
 
   /// Distance from each point to the nearest surface, exact to double rounding; infinity in an empty world.
   void distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m, int threads = 1) const;

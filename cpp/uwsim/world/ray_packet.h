@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace uwsim {
+
+inline constexpr std::size_t kPacketRays = 16;
+
+/// Whether the rays of a packet start together and run side by side (a camera's block of pixels) or not (reflections).
+/// It changes the cost, not the result.
+enum class RayOrder { kIncoherent, kCoherent };
+
+/// Sixteen rays in the layout that vector units like. Origins are metres from an anchor that is given in double, so
+/// that float is enough; directions are unit vectors, world axes. A ray reaches from `near_m` to `far_m`.
+/// Idle lanes are not read.
+struct RayPacket {
+  using Lanes = std::array<float, kPacketRays>;
+  alignas(64) Lanes origin_x, origin_y, origin_z;
+  alignas(64) Lanes direction_x, direction_y, direction_z;
+  alignas(64) Lanes near_m, far_m;
+  alignas(64) std::array<std::int32_t, kPacketRays> active;  ///< -1 active, 0 idle
+};
+
+/// What each ray of a packet met first; in float, as the ray tree found it. Lanes that were idle hold nothing sensible.
+struct HitPacket {
+  using Lanes = std::array<float, kPacketRays>;
+  alignas(64) Lanes distance_m;                                  ///< infinity where nothing was met
+  alignas(64) Lanes u, v;                                        ///< barycentric on triangles, 0 on round shapes
+  alignas(64) Lanes normal_x, normal_y, normal_z;                ///< geometric, of the winding side, of any length
+  alignas(64) std::array<std::uint32_t, kPacketRays> label;      ///< a Label; 0 where nothing was met
+  alignas(64) std::array<std::uint32_t, kPacketRays> primitive;  ///< triangle or round part within what the label names
+};
+
+}  // namespace uwsim
