@@ -33,4 +33,24 @@ struct HitPacket {
   alignas(64) std::array<std::uint32_t, kPacketRays> primitive;  ///< triangle or round part within what the label names
 };
 
+/// Of each ray of a packet: -1 where something lies between near_m and far_m, else 0.
+using Blocked = std::array<std::int32_t, kPacketRays>;
+
+/// Sixteen rays in double, world frame, each from its origin to `far_m` along a unit vector.
+struct ExactRays {
+  using Lanes = std::array<double, kPacketRays>;
+  alignas(64) Lanes origin_x, origin_y, origin_z;
+  alignas(64) Lanes direction_x, direction_y, direction_z;
+  alignas(64) Lanes far_m;
+  alignas(64) std::array<std::int32_t, kPacketRays> active;  ///< -1 active, 0 idle; idle lanes meet nothing
+};
+
+/// Where each first meets the true surface, solved in double.
+struct ExactHits {
+  using Lanes = std::array<double, kPacketRays>;
+  alignas(64) Lanes distance_m;                              ///< infinity where nothing was met
+  alignas(64) Lanes normal_x, normal_y, normal_z;            ///< unit, of the winding side; zero where nothing was met
+  alignas(64) std::array<std::uint32_t, kPacketRays> label;  ///< a Label; 0 where nothing was met
+};
+
 }  // namespace uwsim

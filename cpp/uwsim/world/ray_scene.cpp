@@ -1,259 +1,218 @@
 #include "uwsim/world/ray_scene.h"
 
-#include <embree3/rtcore.h>
-
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
+#include <utility>
+#include <vector>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/parallel.h"
+#include "uwsim/world/ray_geometry.h"
+#include "uwsim/world/ray_tile.h"
+#include "uwsim/world/tiling.h"
 
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kPacket = 16;
-constexpr double kFarthestOrigin_m = 1e15;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Corners = std::array<Eigen::Vector3d, 3>;
 
-Eigen::Vector3d middle_of(const World& world) {
-  if (world.terrain()) {
-    const Eigen::Vector2d middle = 0.5 * (world.terrain()->origin_m() + world.terrain()->far_corner_m());
-    return {middle.x(), middle.y(), 0};
+/// Where the ray enters the box, 0 from inside; infinity where it misses it (or is not a number).
+double entry_m(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& way,
+               double far_m) {
+  double first = 0, last = far_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double to_low = box.min()(axis) - origin(axis), to_high = box.max()(axis) - origin(axis);
+    if (way(axis) == 0) {
+      if (!(to_low <= 0 && to_high >= 0)) return kInfinity;
+      continue;
+    }
+    const double one = to_low / way(axis), two = to_high / way(axis);
+    if (!(std::isfinite(one) && std::isfinite(two))) return kInfinity;
+    first = std::max(first, std::min(one, two));
+    last = std::min(last, std::max(one, two));
   }
-  return world.solids().empty() ? Eigen::Vector3d::Zero().eval()
-                                : world.solids().front()->mesh_world.vertices_m.front();
+  return first <= last ? first : kInfinity;
 }
 
-/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
-Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
-  const auto& [a, b, c] = triangle;
-  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  const double along_bc = (d4 - d3) + (d5 - d6);
-  if (va <= 0 && d4 >= d3 && d5 >= d6 && along_bc > 0) return b + (d4 - d3) / along_bc * (c - b);
-  const double whole = va + vb + vc;
-  return whole > 0 ? Eigen::Vector3d(a + (vb * ab + vc * ac) / whole) : a;
+/// A tile that some rays of a packet reach, and where each enters it.
+struct Reached {
+  const RayTile* tile;
+  double soonest_m;
+  alignas(64) std::array<double, kPacketRays> start_m;
+};
+
+Eigen::Vector3d origin_of(const ExactRays& rays, std::size_t k) {
+  return {rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]};
+}
+
+Eigen::Vector3d way_of(const ExactRays& rays, std::size_t k) {
+  return {rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]};
+}
+
+void set_ray(ExactRays& rays, std::size_t k, const Eigen::Vector3d& origin, const Eigen::Vector3d& way, double far_m,
+             bool active) {
+  rays.origin_x[k] = origin.x();
+  rays.origin_y[k] = origin.y();
+  rays.origin_z[k] = origin.z();
+  rays.direction_x[k] = way.x();
+  rays.direction_y[k] = way.y();
+  rays.direction_z[k] = way.z();
+  rays.far_m[k] = far_m;
+  rays.active[k] = active ? -1 : 0;
+}
+
+void copy_lane(const ExactHits& from, ExactHits& to, std::size_t k) {
+  to.distance_m[k] = from.distance_m[k];
+  to.normal_x[k] = from.normal_x[k];
+  to.normal_y[k] = from.normal_y[k];
+  to.normal_z[k] = from.normal_z[k];
+  to.label[k] = from.label[k];
+}
+
+void copy_lane(const HitPacket& from, HitPacket& to, std::size_t k) {
+  to.distance_m[k] = from.distance_m[k];
+  to.u[k] = from.u[k];
+  to.v[k] = from.v[k];
+  to.normal_x[k] = from.normal_x[k];
+  to.normal_y[k] = from.normal_y[k];
+  to.normal_z[k] = from.normal_z[k];
+  to.label[k] = from.label[k];
+  to.primitive[k] = from.primitive[k];
+}
+
+ExactRays exact(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays) {
+  ExactRays out;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const Eigen::Vector3d origin(rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]);
+    const Eigen::Vector3d way(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+    set_ray(out, k, anchor_world_m + origin, way, rays.far_m[k], rays.active[k] != 0);
+  }
+  return out;
 }
 
 }  // namespace
 
-using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
-using Scene = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
-using Geometry = std::unique_ptr<RTCGeometryTy, decltype(&rtcReleaseGeometry)>;
-
 struct RayScene::Impl {
-  World world;
-  Eigen::Vector3d middle_world_m;  // float coordinates are relative to this
-  Device device_owner;
-  Scene scene_owner;
-  RTCDevice device;
-  RTCScene scene;
+  RayDevice device = make_ray_device();
+  std::vector<RayTile> tiles;
 
-  explicit Impl(const World& source)
-      : world(source),
-        middle_world_m(middle_of(source)),
-        device_owner(rtcNewDevice("verbose=0"), &rtcReleaseDevice),
-        scene_owner(rtcNewScene(device_owner.get()), &rtcReleaseScene),
-        device(device_owner.get()),
-        scene(scene_owner.get()) {
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // without it, rays through shared edges leak
-    if (world.terrain())
-      attach(world.terrain()->nx() * world.terrain()->ny(), world.terrain()->triangle_count(), kTerrain);
-    for (std::size_t k = 0; k < world.solids().size(); ++k) {
-      const TriangleMesh& mesh = world.solids()[k]->mesh_world;
-      attach(mesh.vertices_m.size(), mesh.triangles.size(), static_cast<Label>(kTerrain + 1 + k));
+  explicit Impl(const World& world) {
+    for (TileContents& contents : cut_into_tiles(world)) tiles.emplace_back(device.get(), world, std::move(contents));
+  }
+
+  /// The usual case: nothing to choose and nothing to move.
+  const RayTile* only_tile(const ExactRays& rays) const {
+    return tiles.size() == 1 && tiles.front().is_near(rays) ? &tiles.front() : nullptr;
+  }
+
+  const RayTile* only_tile(const Eigen::Vector3d& anchor_world_m) const {
+    return tiles.size() == 1 && tiles.front().is_near(anchor_world_m) ? &tiles.front() : nullptr;
+  }
+
+  /// The tiles that rays reach, the soonest first.
+  std::vector<Reached> reached(const ExactRays& rays) const {
+    Eigen::AlignedBox3d swept;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const Eigen::Vector3d end = origin_of(rays, k) + std::min(rays.far_m[k], 1e12) * way_of(rays, k);
+      if (rays.active[k] == 0 || !end.allFinite()) continue;
+      swept.extend(origin_of(rays, k)).extend(end);
     }
-    rtcCommitScene(scene);
-    require_built();
-  }
-
-  /// Embree does not throw: it would go on with a world that has holes.
-  void require_built() const {
-    const RTCError error = rtcGetDeviceError(device);
-    if (error == RTC_ERROR_NONE) return;
-    std::size_t triangles = world.terrain() ? world.terrain()->triangle_count() : 0;
-    for (const auto& solid : world.solids()) triangles += solid->mesh_world.triangles.size();
-    require(
-        false, "world.triangles", triangles,
-        error == RTC_ERROR_OUT_OF_MEMORY ? "not enough memory to build their tree" : "Embree cannot build their tree");
-  }
-
-  Eigen::Vector3d vertex(Label label, std::size_t index) const {
-    return label == kTerrain ? world.terrain()->vertex(index)
-                             : world.solids()[label - kTerrain - 1]->mesh_world.vertices_m[index];
-  }
-
-  Triangle triangle(Label label, std::size_t index) const {
-    return label == kTerrain ? world.terrain()->triangle(index)
-                             : world.solids()[label - kTerrain - 1]->mesh_world.triangles[index];
-  }
-
-  Corners corners(Label label, std::size_t index) const {
-    const Triangle t = triangle(label, index);
-    return {vertex(label, t[0]), vertex(label, t[1]), vertex(label, t[2])};
-  }
-
-  /// Embree's geometry id is the label.
-  void attach(std::size_t vertex_count, std::size_t triangle_count, Label label) {
-    const Geometry owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE), &rtcReleaseGeometry);
-    RTCGeometry geometry = owner.get();
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), vertex_count));
-    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangle_count));
-    require_built();
-    for (std::size_t k = 0; k < vertex_count; ++k) {
-      Eigen::Map<Eigen::Vector3f>(vertices + 3 * k) = (vertex(label, k) - middle_world_m).cast<float>();
-    }
-    for (std::size_t k = 0; k < triangle_count; ++k) {
-      const Triangle t = triangle(label, k);
-      std::copy(t.begin(), t.end(), indices + 3 * k);
-    }
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene, geometry, label);
-  }
-
-  /// Embree's float distance errs by up to 1e-2 m far from the origin; its choice of triangle is good.
-  RayHit resolve(const Ray& ray, unsigned geometry, unsigned primitive, float float_distance) const {
-    if (geometry == RTC_INVALID_GEOMETRY_ID) return {kInfinity, Eigen::Vector3f::Zero(), kNothing};
-    const auto label = static_cast<Label>(geometry);
-    const Corners t = corners(label, primitive);
-    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
-    const double along = normal.dot(ray.direction_world);
-    // Within 0.1 degree of tangency the plane says less about the distance than Embree does.
-    const double distance =
-        std::abs(along) < 1.7e-3 ? double{float_distance} : normal.dot(t[0] - ray.origin_world_m) / along;
-    return {std::max(0.0, distance), normal.cast<float>(), label};
-  }
-
-  void cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    alignas(64) RTCRayHit16 packet;
-    alignas(64) std::array<int, kPacket> valid;
-    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-      const std::size_t count = std::min(kPacket, rays.size() - first);
-      for (std::size_t lane = 0; lane < kPacket; ++lane) {
-        const Ray& ray = rays[first + std::min(lane, count - 1)];
-        const Eigen::Vector3d from_middle = ray.origin_world_m - middle_world_m;
-        // Past what a float holds, Embree ends the process; nothing is there to be met either.
-        const bool sane = from_middle.cwiseAbs().maxCoeff() < kFarthestOrigin_m && ray.direction_world.allFinite();
-        valid[lane] = lane < count && sane ? -1 : 0;
-        const Eigen::Vector3f origin = from_middle.cast<float>();
-        packet.ray.org_x[lane] = origin.x();
-        packet.ray.org_y[lane] = origin.y();
-        packet.ray.org_z[lane] = origin.z();
-        packet.ray.dir_x[lane] = static_cast<float>(ray.direction_world.x());
-        packet.ray.dir_y[lane] = static_cast<float>(ray.direction_world.y());
-        packet.ray.dir_z[lane] = static_cast<float>(ray.direction_world.z());
-        packet.ray.tnear[lane] = 0;
-        packet.ray.tfar[lane] = static_cast<float>(max_range_m);
-        packet.ray.time[lane] = 0;
-        packet.ray.mask[lane] = ~0u;
-        packet.ray.flags[lane] = 0;
-        packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    std::vector<Reached> found;
+    for (const RayTile& tile : tiles) {
+      if (!tile.box().intersects(swept)) continue;
+      Reached one{&tile, kInfinity, {}};
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        one.start_m[k] =
+            rays.active[k] != 0 ? entry_m(tile.box(), origin_of(rays, k), way_of(rays, k), rays.far_m[k]) : kInfinity;
+        one.soonest_m = std::min(one.soonest_m, one.start_m[k]);
       }
-      rtcIntersect16(valid.data(), scene, &context, &packet);
-      for (std::size_t lane = 0; lane < count; ++lane) {
-        hits[first + lane] =
-            resolve(rays[first + lane], packet.hit.geomID[lane], packet.hit.primID[lane], packet.ray.tfar[lane]);
+      if (one.soonest_m < kInfinity) found.push_back(one);
+    }
+    std::ranges::stable_sort(found, {}, &Reached::soonest_m);
+    return found;
+  }
+
+  void cast(const ExactRays& rays, ExactHits& hits) const {
+    if (const RayTile* tile = only_tile(rays)) return tile->cast(rays, nullptr, hits);
+    hits.distance_m.fill(kInfinity);
+    hits.normal_x.fill(0);
+    hits.normal_y.fill(0);
+    hits.normal_z.fill(0);
+    hits.label.fill(kNothing);
+    ExactRays left = rays;
+    for (Reached& next : reached(rays)) {
+      for (std::size_t k = 0; k < kPacketRays; ++k) left.active[k] = next.start_m[k] < hits.distance_m[k] ? -1 : 0;
+      for (std::size_t k = 0; k < kPacketRays; ++k) next.start_m[k] = left.active[k] != 0 ? next.start_m[k] : 0;
+      ExactHits part;
+      next.tile->cast(left, next.start_m.data(), part);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        if (part.distance_m[k] < hits.distance_m[k]) copy_lane(part, hits, k);
       }
     }
   }
 
-  RTCRay16 rays_of(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays) const {
-    RTCRay16 out;
-    const Eigen::Vector3f shift = (anchor_world_m - middle_world_m).cast<float>();
-    for (std::size_t lane = 0; lane < kPacket; ++lane) {
-      out.org_x[lane] = shift.x() + rays.origin_x[lane];
-      out.org_y[lane] = shift.y() + rays.origin_y[lane];
-      out.org_z[lane] = shift.z() + rays.origin_z[lane];
-      out.dir_x[lane] = rays.direction_x[lane];
-      out.dir_y[lane] = rays.direction_y[lane];
-      out.dir_z[lane] = rays.direction_z[lane];
-      out.tnear[lane] = rays.near_m[lane];
-      out.tfar[lane] = rays.far_m[lane];
-      out.time[lane] = 0;
-      out.mask[lane] = ~0u;
-      out.flags[lane] = 0;
-    }
-    return out;
-  }
-
-  static RTCIntersectContext context_for(RayOrder order) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    if (order == RayOrder::kCoherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    return context;
-  }
-
-  void cast_packet(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
-                   RayOrder order) const {
-    RTCIntersectContext context = context_for(order);
-    RTCRayHit16 packet;
-    packet.ray = rays_of(anchor_world_m, rays);
-    for (std::size_t lane = 0; lane < kPacket; ++lane) packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect16(rays.active.data(), scene, &context, &packet);
-    for (std::size_t lane = 0; lane < kPacket; ++lane) {
-      const bool met = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-      hits.distance_m[lane] = met ? packet.ray.tfar[lane] : std::numeric_limits<float>::infinity();
-      hits.u[lane] = packet.hit.u[lane];
-      hits.v[lane] = packet.hit.v[lane];
-      hits.normal_x[lane] = packet.hit.Ng_x[lane];
-      hits.normal_y[lane] = packet.hit.Ng_y[lane];
-      hits.normal_z[lane] = packet.hit.Ng_z[lane];
-      hits.label[lane] = met ? packet.hit.geomID[lane] : kNothing;
-      hits.primitive[lane] = packet.hit.primID[lane];
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits, RayOrder order) const {
+    if (const RayTile* tile = only_tile(anchor_world_m)) return tile->cast(anchor_world_m, rays, nullptr, hits, order);
+    hits = {};
+    hits.distance_m.fill(std::numeric_limits<float>::infinity());
+    RayPacket left = rays;
+    for (Reached& next : reached(exact(anchor_world_m, rays))) {
+      for (std::size_t k = 0; k < kPacketRays; ++k) left.active[k] = next.start_m[k] < hits.distance_m[k] ? -1 : 0;
+      for (std::size_t k = 0; k < kPacketRays; ++k) next.start_m[k] = left.active[k] != 0 ? next.start_m[k] : 0;
+      HitPacket part;
+      next.tile->cast(anchor_world_m, left, next.start_m.data(), part, order);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        if (left.active[k] != 0 && part.distance_m[k] < hits.distance_m[k]) copy_lane(part, hits, k);
+      }
     }
   }
 
-  void occluded_packet(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
-                       std::array<std::int32_t, kPacket>& blocked, RayOrder order) const {
-    RTCIntersectContext context = context_for(order);
-    RTCRay16 packet = rays_of(anchor_world_m, rays);
-    rtcOccluded16(rays.active.data(), scene, &context, &packet);
-    for (std::size_t lane = 0; lane < kPacket; ++lane) {  // Embree marks what is blocked by tfar = -inf
-      blocked[lane] = packet.tfar[lane] < 0 ? rays.active[lane] : 0;
+  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked, RayOrder order) const {
+    if (const RayTile* tile = only_tile(anchor_world_m)) {
+      return tile->occluded(anchor_world_m, rays, nullptr, blocked, order);
     }
-  }
-
-  struct Query {
-    const Impl* scene;
-    Eigen::Vector3d point_world_m;
-    double distance_m;
-  };
-
-  static bool visit_triangle(RTCPointQueryFunctionArguments* args) {
-    auto* query = static_cast<Query*>(args->userPtr);
-    const Corners t = query->scene->corners(static_cast<Label>(args->geomID), args->primID);
-    const double distance = (closest_on_triangle(query->point_world_m, t) - query->point_world_m).norm();
-    if (!(distance < query->distance_m)) return false;
-    query->distance_m = distance;
-    // The search radius stays a hair wider than the double result, so that float rounding hides no nearer triangle.
-    args->query->radius = static_cast<float>(distance * (1 + 1e-5) + 1e-4);
-    return true;
+    blocked.fill(0);
+    RayPacket left = rays;
+    for (Reached& next : reached(exact(anchor_world_m, rays))) {
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        left.active[k] = blocked[k] == 0 && next.start_m[k] < kInfinity ? -1 : 0;
+        if (left.active[k] == 0) next.start_m[k] = 0;
+      }
+      Blocked part;
+      next.tile->occluded(anchor_world_m, left, next.start_m.data(), part, order);
+      for (std::size_t k = 0; k < kPacketRays; ++k) blocked[k] |= part[k];
+    }
   }
 
   double distance_to(const Eigen::Vector3d& point_world_m) const {
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    const Eigen::Vector3f p = (point_world_m - middle_world_m).cast<float>();
-    RTCPointQuery query{p.x(), p.y(), p.z(), 0, std::numeric_limits<float>::infinity()};
-    Query state{this, point_world_m, kInfinity};
-    rtcPointQuery(scene, &query, &context, &Impl::visit_triangle, &state);
-    return state.distance_m;
+    std::vector<std::pair<double, const RayTile*>> by_distance;
+    for (const RayTile& tile : tiles) by_distance.emplace_back(tile.box().exteriorDistance(point_world_m), &tile);
+    std::ranges::stable_sort(by_distance, {}, [](const auto& entry) { return entry.first; });
+    double nearest_m = kInfinity;
+    for (const auto& [to_box_m, tile] : by_distance) {
+      if (to_box_m >= nearest_m) break;
+      nearest_m = tile->distance(point_world_m, nearest_m);
+    }
+    return nearest_m;
+  }
+
+  void cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const {
+    ExactRays packet;
+    ExactHits met;
+    for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+      const std::size_t count = std::min(kPacketRays, rays.size() - first);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        const Ray& ray = rays[first + std::min(k, count - 1)];
+        const bool sane = ray.origin_world_m.allFinite() && ray.direction_world.allFinite();
+        set_ray(packet, k, ray.origin_world_m, ray.direction_world, max_range_m, k < count && sane);
+      }
+      cast(packet, met);
+      for (std::size_t k = 0; k < count; ++k) {
+        const Eigen::Vector3d normal(met.normal_x[k], met.normal_y[k], met.normal_z[k]);
+        hits[first + k] = {met.distance_m[k], normal.cast<float>(), static_cast<Label>(met.label[k])};
+      }
+    }
   }
 };
 
@@ -275,14 +234,16 @@ RayHit RayScene::cast(const Ray& ray, double max_range_m) const {
   return hit;
 }
 
+void RayScene::cast(const ExactRays& rays, ExactHits& hits) const { impl_->cast(rays, hits); }
+
 void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
                     RayOrder order) const {
-  impl_->cast_packet(anchor_world_m, rays, hits, order);
+  impl_->cast(anchor_world_m, rays, hits, order);
 }
 
-void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
-                        std::array<std::int32_t, kPacketRays>& blocked, RayOrder order) const {
-  impl_->occluded_packet(anchor_world_m, rays, blocked, order);
+void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
+                        RayOrder order) const {
+  impl_->occluded(anchor_world_m, rays, blocked, order);
 }
 
 void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m,

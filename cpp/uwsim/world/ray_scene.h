@@ -21,8 +21,10 @@ struct RayHit {
   Label label;
 };
 
-/// The world's surfaces as Embree sees them: ROBUST, in float about the world's middle; the distance to the triangle
-/// that Embree names is solved again in double. It holds what is fixed: vehicles collide with each other but do not
+/// The world's surfaces as Embree sees them, in tiles of at most 1 km, each in float about its own middle; what Embree
+/// finds is solved again in double on the world's own triangles and shapes (see ray_tile.h), so that a hit is the true
+/// first one, wherever in the world and however wide the world is. Within some 0.1 degree of tangency a ray may be
+/// judged to graze or to miss by float's error. It holds what is fixed: vehicles collide with each other but do not
 /// echo. Safe to use from several threads at once.
 class RayScene {
  public:
@@ -35,14 +37,18 @@ class RayScene {
   void cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads = 1) const;
   RayHit cast(const Ray& ray, double max_range_m) const;
 
+  /// The same, sixteen rays at a time without conversions.
+  void cast(const ExactRays& rays, ExactHits& hits) const;
+
   /// The bare float cast, for pictures: at the cost of the ray tree itself. Distances err by some 1e-4 m.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
             RayOrder order = RayOrder::kIncoherent) const;
-  /// blocked[k] is -1 where something lies on the ray between near_m and far_m, else 0; idle lanes are 0.
-  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
-                std::array<std::int32_t, kPacketRays>& blocked, RayOrder order = RayOrder::kIncoherent) const;
+  /// Idle lanes are not blocked.
+  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
+                RayOrder order = RayOrder::kIncoherent) const;
 
-  /// Distance from each point to the nearest surface, exact to double rounding; infinity in an empty world.
+  /// Distance from each point to the nearest triangle of the terrain and the solids' meshes, exact to double rounding;
+  /// infinity in an empty world.
   void distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m, int threads = 1) const;
 
  private:

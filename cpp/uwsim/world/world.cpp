@@ -9,12 +9,12 @@ namespace uwsim {
 
 void World::set_terrain(Heightfield terrain) { terrain_ = std::make_shared<const Heightfield>(std::move(terrain)); }
 
-Label World::add_solid(std::string name, TriangleMesh mesh_world) {
+Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<RoundShape> shapes) {
   require_well_formed(mesh_world, "solid '" + name + "'");
   require(!name.empty(), "solid.name", "''", "must not be empty");
   require(solids_.size() + kTerrain + 1 < std::numeric_limits<Label>::max(), "solids", solids_.size(), "too many");
   for (const std::string& known : label_names()) require(known != name, "solid.name", name, "must be unique");
-  solids_.push_back(std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world)}));
+  solids_.push_back(std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world), std::move(shapes)}));
   return static_cast<Label>(kTerrain + solids_.size());
 }
 

@@ -7,6 +7,7 @@
 
 #include "uwsim/core/triangle_mesh.h"
 #include "uwsim/world/heightfield.h"
+#include "uwsim/world/round_shape.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -16,10 +17,12 @@ using Label = std::uint16_t;
 inline constexpr Label kNothing = 0;
 inline constexpr Label kTerrain = 1;
 
-/// A fixed thing in the world: its mesh in world coordinates.
+/// A fixed thing in the world: its mesh in world coordinates. Rays meet `shapes` where there are any, and the mesh
+/// otherwise; contacts and the true surface are the mesh's, which follows the shapes as closely as its maker says.
 struct Solid {
   std::string name;
   TriangleMesh mesh_world;
+  std::vector<RoundShape> shapes;
 };
 
 /// The one world that feeds physics and rays: what the sonar sees is what the vehicle hits.
@@ -29,8 +32,8 @@ class World {
   Water water;
 
   void set_terrain(Heightfield terrain);
-  /// Returns the solid's label. Names are unique.
-  Label add_solid(std::string name, TriangleMesh mesh_world);
+  /// Returns the solid's label. Names are unique. Throws InvalidValue.
+  Label add_solid(std::string name, TriangleMesh mesh_world, std::vector<RoundShape> shapes = {});
 
   const std::shared_ptr<const Heightfield>& terrain() const { return terrain_; }
   const std::vector<std::shared_ptr<const Solid>>& solids() const { return solids_; }

@@ -1,0 +1,224 @@
+#include "uwsim/world/tile_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace uwsim {
+namespace {
+
+constexpr double kFloatError = 1e-6;  // of half the tile's diagonal: some sixteen units in the last place
+constexpr double kLeastReach_m = 1e-8;
+constexpr double kSharpest = 8;  // how many times the reach a corner may move
+constexpr double kSeam = 1e-10;  // barycentric: what double leaves open between neighbours
+constexpr double kCrossing = 8;  // times the reach, within which surfaces count as near each other
+
+Eigen::AlignedBox3d box_of(const RoundShape& shape) {
+  const ShapeBounds limits = bounds(shape);
+  return {limits.low_m, limits.high_m};
+}
+
+Eigen::AlignedBox3d box_of(const Corners& triangle) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& corner : triangle) box.extend(corner);
+  return box;
+}
+
+Corners solid_corners(const Solid& solid, std::uint32_t triangle) {
+  const Triangle& t = solid.mesh_world.triangles[triangle];
+  const auto& v = solid.mesh_world.vertices_m;
+  return {v[t[0]], v[t[1]], v[t[2]]};
+}
+
+}  // namespace
+
+std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double reach_m) {
+  const Eigen::Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0];
+  const Eigen::Vector3d normal = ab.cross(ac);
+  const double along = normal.dot(ray.direction_world);
+  if (along == 0) return {};
+  const Eigen::Vector3d from_a = ray.origin_world_m - triangle[0];
+  const Eigen::Vector3d turn = ray.direction_world.cross(from_a);
+  const double u = ac.dot(turn) / along, v = -ab.dot(turn) / along, w = 1 - u - v;
+  if (!(u >= -kSeam && v >= -kSeam && w >= -kSeam)) return {};
+  const double area = normal.norm();
+  const bool clear =
+      u * area > reach_m * ac.norm() && v * area > reach_m * ab.norm() && w * area > reach_m * (ac - ab).norm();
+  return TileHit{-normal.dot(from_a) / along, normal / area, clear};
+}
+
+Corners widened(const Corners& triangle, double reach_m) {
+  Corners wide = triangle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d one = (triangle[(k + 1) % 3] - triangle[k]).stableNormalized();
+    const Eigen::Vector3d two = (triangle[(k + 2) % 3] - triangle[k]).stableNormalized();
+    const Eigen::Vector3d inward = one + two;
+    const double sine = 0.5 * (one - two).norm(), cosine = 0.5 * inward.norm();  // of half the corner's angle
+    if (cosine < 1e-9) continue;
+    wide[k] -= reach_m * std::min(1 / sine, kSharpest) * inward / (2 * cosine);
+  }
+  return wide;
+}
+
+TileSurfaces::TileSurfaces(const World& world, TileContents contents)
+    : world_(world), contents_(std::move(contents)), share_of_geometry_(world.solids().size() + kTerrain + 1, -1) {
+  for (std::size_t k = 0; k < contents_.solids.size(); ++k) {
+    share_of_geometry_[contents_.solids[k].label] = static_cast<std::int32_t>(k);
+  }
+  measure();
+  mark_all_crossed();
+}
+
+void TileSurfaces::measure() {
+  for (std::uint32_t j = 0; contents_.columns > 0 && j <= contents_.rows; ++j) {
+    for (std::uint32_t i = 0; i <= contents_.columns; ++i) {
+      box_.extend(
+          world_.terrain()->vertex((contents_.first_row + j) * world_.terrain()->nx() + contents_.first_column + i));
+    }
+  }
+  for (const TileContents::Share& share : contents_.solids) {
+    for (std::uint32_t k = 0; k < share.members.size(); ++k) {
+      box_.extend(is_round(share.label) ? box_of(shape(share.label, k)) : box_of(corners(share.label, k)));
+    }
+  }
+  for (const TileContents::Share& share : contents_.meshes) {
+    for (const std::uint32_t t : share.members) {
+      box_.extend(box_of(solid_corners(*world_.solids()[share.label - kTerrain - 1], t)));
+    }
+  }
+  middle_m_ = box_.center();
+  diagonal_m_ = box_.diagonal().norm();
+  reach_m_ = std::max(kLeastReach_m, kFloatError * 0.5 * diagonal_m_);
+  box_.min().array() -= 2 * kSharpest * reach_m_;
+  box_.max().array() += 2 * kSharpest * reach_m_;
+}
+
+void TileSurfaces::mark_all_crossed() {
+  crossed_cells_.assign(std::size_t{contents_.columns} * contents_.rows, 0);
+  if (contents_.columns == 0) return;
+  for (const TileContents::Share& share : contents_.solids) {
+    for (std::uint32_t k = 0; k < share.members.size(); ++k) {
+      mark_crossed(is_round(share.label) ? box_of(shape(share.label, k)) : box_of(corners(share.label, k)));
+    }
+  }
+  for (std::uint32_t cell = 0; cell < crossed_cells_.size(); ++cell) {
+    if (crossed_cells_[cell] != 0) crossed_.insert(crossed_.end(), {2 * cell, 2 * cell + 1});
+  }
+}
+
+void TileSurfaces::mark_crossed(const Eigen::AlignedBox3d& solid) {
+  const Heightfield& terrain = *world_.terrain();
+  const double room = kCrossing * reach_m_;
+  const auto cell = [&](double at_m, double origin_m, std::uint32_t first, std::uint32_t count) {
+    const double local = std::floor((at_m - origin_m) / terrain.spacing_m()) - first;
+    return static_cast<std::int64_t>(std::clamp(local, -1.0, static_cast<double>(count)));
+  };
+  const auto column = [&](double x) {
+    return cell(x, terrain.origin_m().x(), contents_.first_column, contents_.columns);
+  };
+  const auto row = [&](double y) { return cell(y, terrain.origin_m().y(), contents_.first_row, contents_.rows); };
+  const std::int64_t last_row = std::min<std::int64_t>(row(solid.max().y() + room), contents_.rows - 1);
+  const std::int64_t last_column = std::min<std::int64_t>(column(solid.max().x() + room), contents_.columns - 1);
+  for (std::int64_t j = std::max<std::int64_t>(0, row(solid.min().y() - room)); j <= last_row; ++j) {
+    for (std::int64_t i = std::max<std::int64_t>(0, column(solid.min().x() - room)); i <= last_column; ++i) {
+      const auto at = static_cast<std::size_t>(j * contents_.columns + i);
+      const Corners near = corners(kPlainTerrain, static_cast<std::uint32_t>(2 * at));
+      const Corners far = corners(kPlainTerrain, static_cast<std::uint32_t>(2 * at + 1));
+      const auto [low, high] = std::minmax({near[0].z(), near[1].z(), near[2].z(), far[1].z()});
+      if (solid.min().z() - room <= high && solid.max().z() + room >= low) crossed_cells_[at] = 1;
+    }
+  }
+}
+
+const TileContents::Share& TileSurfaces::share(std::uint32_t geometry) const {
+  return contents_.solids[static_cast<std::size_t>(share_of_geometry_[geometry])];
+}
+
+std::size_t TileSurfaces::count(std::uint32_t geometry) const {
+  if (geometry == kCrossedTerrain) return crossed_.size();
+  if (geometry == kPlainTerrain) return 2 * std::size_t{contents_.columns} * contents_.rows;
+  return share_of_geometry_[geometry] < 0 ? 0 : share(geometry).members.size();
+}
+
+bool TileSurfaces::is_round(std::uint32_t geometry) const {
+  return geometry > kTerrain && !world_.solids()[geometry - kTerrain - 1]->shapes.empty();
+}
+
+std::uint32_t TileSurfaces::terrain_number(std::uint32_t plain_triangle) const {
+  const std::uint32_t cell = plain_triangle / 2;
+  const auto columns = static_cast<std::uint32_t>(world_.terrain()->nx() - 1);
+  const std::uint32_t row = contents_.first_row + cell / contents_.columns;
+  const std::uint32_t column = contents_.first_column + cell % contents_.columns;
+  return 2 * (row * columns + column) + plain_triangle % 2;
+}
+
+std::uint32_t TileSurfaces::world_number(std::uint32_t geometry, std::uint32_t primitive) const {
+  if (geometry == kCrossedTerrain) return terrain_number(crossed_[primitive]);
+  if (geometry == kPlainTerrain) return terrain_number(primitive);
+  return share(geometry).members[primitive];
+}
+
+Corners TileSurfaces::corners(std::uint32_t geometry, std::uint32_t primitive) const {
+  const std::uint32_t number = world_number(geometry, primitive);
+  if (geometry > kTerrain) return solid_corners(*world_.solids()[geometry - kTerrain - 1], number);
+  const Triangle t = world_.terrain()->triangle(number);
+  return {world_.terrain()->vertex(t[0]), world_.terrain()->vertex(t[1]), world_.terrain()->vertex(t[2])};
+}
+
+Corners TileSurfaces::mesh_corners(std::size_t mesh, std::uint32_t member) const {
+  const TileContents::Share& share = contents_.meshes[mesh];
+  return solid_corners(*world_.solids()[share.label - kTerrain - 1], share.members[member]);
+}
+
+const RoundShape& TileSurfaces::shape(std::uint32_t geometry, std::uint32_t primitive) const {
+  return world_.solids()[geometry - kTerrain - 1]->shapes[world_number(geometry, primitive)];
+}
+
+std::optional<TileHit> TileSurfaces::meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const {
+  if (!is_round(geometry)) return meet_triangle(corners(geometry, primitive), ray, reach_m_);
+  const auto hit = first_hit(shape(geometry, primitive), ray.origin_world_m, ray.direction_world, 0, ray.far_m);
+  return hit ? std::optional(TileHit{hit->distance_m, hit->normal_world, true}) : std::nullopt;
+}
+
+TileSurfaces::Around TileSurfaces::meet_terrain_around(const Eigen::Vector3d& point_world_m, double radius_m,
+                                                       const TileRay& ray, double from_m, double to_m) const {
+  const Heightfield& terrain = *world_.terrain();
+  const auto cell = [&](double at_m, double origin_m, std::uint32_t first, std::uint32_t count) {
+    const double local = std::floor((at_m - origin_m) / terrain.spacing_m()) - first;
+    return static_cast<std::int64_t>(std::clamp(local, 0.0, count - 1.0));
+  };
+  const Eigen::Vector2d low = point_world_m.head<2>().array() - radius_m,
+                        high = point_world_m.head<2>().array() + radius_m;
+  const std::int64_t last_row = cell(high.y(), terrain.origin_m().y(), contents_.first_row, contents_.rows);
+  const std::int64_t last_column = cell(high.x(), terrain.origin_m().x(), contents_.first_column, contents_.columns);
+  Around around{true, {}};
+  for (std::int64_t j = cell(low.y(), terrain.origin_m().y(), contents_.first_row, contents_.rows); j <= last_row;
+       ++j) {
+    for (std::int64_t i = cell(low.x(), terrain.origin_m().x(), contents_.first_column, contents_.columns);
+         i <= last_column; ++i) {
+      const auto triangle = static_cast<std::uint32_t>(2 * (j * contents_.columns + i));
+      if (is_crossed(triangle)) return {false, {}};
+      for (const std::uint32_t t : {triangle, triangle + 1}) {
+        const auto hit = meet_triangle(corners(kPlainTerrain, t), ray, reach_m_);
+        if (!hit || hit->distance_m < from_m || hit->distance_m > to_m) continue;
+        if (!around.hit || hit->distance_m < around.hit->distance_m) around.hit = hit;
+      }
+    }
+  }
+  return around;
+}
+
+TerrainBlock TileSurfaces::terrain_block() const {
+  const Heightfield& terrain = *world_.terrain();
+  return {terrain.heights_m().data(),
+          terrain.origin_m().x(),
+          terrain.origin_m().y(),
+          1 / terrain.spacing_m(),
+          reach_m_ / terrain.spacing_m(),
+          static_cast<std::uint32_t>(terrain.nx()),
+          contents_.first_column,
+          contents_.first_row,
+          contents_.columns};
+}
+
+}  // namespace uwsim

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "uwsim/world/terrain_solve.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim {
+
+/// What of the world a tile holds: a block of the terrain's cells, and of each solid what rays meet (its triangles, or
+/// its round shapes) and, where that is shapes, the triangles of its mesh too.
+struct TileContents {
+  struct Share {
+    Label label;
+    std::vector<std::uint32_t> members;
+  };
+  std::uint32_t first_column = 0, first_row = 0, columns = 0, rows = 0;
+  std::vector<Share> solids;
+  std::vector<Share> meshes;
+};
+
+/// A ray that is followed through a tile, in double.
+struct TileRay {
+  Eigen::Vector3d origin_world_m, direction_world;
+  double far_m;
+};
+
+struct TileHit {
+  double distance_m;
+  Eigen::Vector3d normal_world;
+  bool clear_of_edges;  ///< by more than the tile's `reach_m`
+};
+
+using Corners = std::array<Eigen::Vector3d, 3>;
+
+/// A tile's surfaces in double, numbered as the ray tree numbers them: by geometry, then by primitive.
+class TileSurfaces {
+ public:
+  /// The terrain's cells that a solid comes near, apart from the rest: there, either may be hit first.
+  static constexpr std::uint32_t kCrossedTerrain = 0;
+  static constexpr std::uint32_t kPlainTerrain = kTerrain;  // solids follow, each by its label
+
+  TileSurfaces(const World& world, TileContents contents);
+
+  const World& world() const { return world_; }
+  const TileContents& contents() const { return contents_; }
+  const Eigen::AlignedBox3d& box() const { return box_; }
+  const Eigen::Vector3d& middle_m() const { return middle_m_; }
+  double diagonal_m() const { return diagonal_m_; }
+  /// More than any point of a ray or surface in this tile moves when rounded to float about the middle.
+  double reach_m() const { return reach_m_; }
+
+  std::size_t count(std::uint32_t geometry) const;
+  bool is_round(std::uint32_t geometry) const;
+  static Label label(std::uint32_t geometry) {
+    return geometry == kCrossedTerrain ? kTerrain : static_cast<Label>(geometry);
+  }
+  /// The number within the whole terrain or solid.
+  std::uint32_t world_number(std::uint32_t geometry, std::uint32_t primitive) const;
+  Corners corners(std::uint32_t geometry, std::uint32_t primitive) const;
+  Corners mesh_corners(std::size_t mesh, std::uint32_t member) const;
+  const RoundShape& shape(std::uint32_t geometry, std::uint32_t primitive) const;
+  /// A plain terrain triangle's cell is crossed, so that it counts under kCrossedTerrain only.
+  bool is_crossed(std::uint32_t plain_triangle) const { return crossed_cells_[plain_triangle / 2] != 0; }
+  /// Where a ray meets one triangle or shape, its edges included.
+  std::optional<TileHit> meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const;
+
+  /// The first of the plain terrain's triangles around a point that a ray meets between two distances; whether nothing
+  /// but plain terrain lies there.
+  struct Around {
+    bool plain;
+    std::optional<TileHit> hit;
+  };
+  Around meet_terrain_around(const Eigen::Vector3d& point_world_m, double radius_m, const TileRay& ray, double from_m,
+                             double to_m) const;
+
+  TerrainBlock terrain_block() const;
+
+ private:
+  const TileContents::Share& share(std::uint32_t geometry) const;
+  std::uint32_t terrain_number(std::uint32_t plain_triangle) const;
+  void measure();
+  void mark_crossed(const Eigen::AlignedBox3d& solid);
+  void mark_all_crossed();
+
+  World world_;
+  TileContents contents_;
+  Eigen::AlignedBox3d box_;
+  Eigen::Vector3d middle_m_;
+  double diagonal_m_ = 0, reach_m_ = 0;
+  std::vector<std::uint8_t> crossed_cells_;      // by cell of the block
+  std::vector<std::uint32_t> crossed_;           // plain triangles
+  std::vector<std::int32_t> share_of_geometry_;  // into contents_.solids, -1 for none
+};
+
+/// Where a ray meets a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double.
+std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double reach_m);
+
+/// The triangle with each edge moved outward in its plane by `reach_m` (less at corners sharper than 14 degrees).
+Corners widened(const Corners& triangle, double reach_m);
+
+}  // namespace uwsim

@@ -1,0 +1,173 @@
+// The ray scene against a brute force in double over every triangle and shape of the world.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+
+#include "meshes.h"
+#include "uwsim/core/random.h"
+#include "uwsim/world/ray_scene.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTangent = 1.75e-3;  // sine of 0.1 degree
+constexpr double kEdge = 1e-10;       // barycentric: a ray aimed at an edge misses it by double's rounding, either side
+
+struct Met {
+  double distance_m = kInfinity;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  Label label = kNothing;
+};
+
+/// Every triangle and shape, none left out.
+class BruteForce {
+ public:
+  explicit BruteForce(const World& world) : world_(world) {
+    if (const auto& terrain = world.terrain()) {
+      for (std::size_t k = 0; k < terrain->triangle_count(); ++k) {
+        const Triangle t = terrain->triangle(k);
+        add(terrain->vertex(t[0]), terrain->vertex(t[1]), terrain->vertex(t[2]), kTerrain);
+      }
+    }
+    for (std::size_t s = 0; s < world.solids().size(); ++s) {
+      const Solid& solid = *world.solids()[s];
+      if (!solid.shapes.empty()) continue;
+      const auto& v = solid.mesh_world.vertices_m;
+      for (const Triangle& t : solid.mesh_world.triangles)
+        add(v[t[0]], v[t[1]], v[t[2]], static_cast<Label>(kTerrain + 1 + s));
+    }
+  }
+
+  Met cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& way, double far_m) const {
+    Met first;
+    for (const Facet& f : facets_) {
+      const Eigen::Vector3d p = way.cross(f.ac);
+      const double determinant = f.ab.dot(p);
+      if (determinant == 0) continue;
+      const Eigen::Vector3d from = origin - f.a, q = from.cross(f.ab);
+      const double u = from.dot(p) / determinant, v = way.dot(q) / determinant, distance = f.ac.dot(q) / determinant;
+      if (u < -kEdge || v < -kEdge || u + v > 1 + kEdge || distance < 0 || distance > far_m ||
+          distance >= first.distance_m)
+        continue;
+      first = {distance, f.ab.cross(f.ac).normalized(), f.label};
+    }
+    for (std::size_t s = 0; s < world_.solids().size(); ++s) {
+      for (const RoundShape& shape : world_.solids()[s]->shapes) {
+        const auto hit = first_hit(shape, origin, way, 0, far_m);
+        if (hit && hit->distance_m < first.distance_m)
+          first = {hit->distance_m, hit->normal_world, static_cast<Label>(kTerrain + 1 + s)};
+      }
+    }
+    return first;
+  }
+
+  /// A corner, a point on an edge, or a point within one of the triangles.
+  Eigen::Vector3d target(const RandomStream& random, std::uint64_t k) const {
+    const auto pick = static_cast<std::size_t>(random.uniform(k, 0) * static_cast<double>(facets_.size()));
+    const Facet& f = facets_[pick];
+    const double kind = random.uniform(k, 1), along = random.uniform(k, 2), across = random.uniform(k, 3);
+    if (kind < 0.3) return f.a;
+    if (kind < 0.6) return f.a + along * (along < 0.5 ? f.ab : f.ac);
+    return f.a + along * (1 - across) * f.ab + (1 - along) * (1 - across) * f.ac;
+  }
+
+ private:
+  struct Facet {
+    Eigen::Vector3d a, ab, ac;
+    Label label;
+  };
+  void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, Label label) {
+    facets_.push_back({a, b - a, c - a, label});
+  }
+
+  const World& world_;
+  std::vector<Facet> facets_;
+};
+
+TriangleMesh placed(TriangleMesh mesh, const Eigen::Vector3d& at, double turn) {
+  const Eigen::AngleAxisd rotation(turn, Eigen::Vector3d(1, 2, 3).normalized());
+  for (Eigen::Vector3d& v : mesh.vertices_m) v = at + rotation * v;
+  return mesh;
+}
+
+/// A spiky bed with a box and a ball of facets half sunk in it, and a pipe, a post and a ball that are round.
+World spiky_world(std::size_t cells, double spacing_m, const Eigen::Vector2d& origin_m) {
+  const RandomStream random(7, "spiky bed");
+  std::vector<float> heights((cells + 1) * (cells + 1));
+  for (std::size_t k = 0; k < heights.size(); ++k) heights[k] = static_cast<float>(-20 + 1.5 * random.normal(k));
+  World world;
+  world.set_terrain(Heightfield(heights, cells + 1, cells + 1, spacing_m, origin_m));
+  const double size = static_cast<double>(cells) * spacing_m;
+  const auto at = [&](double x, double y, double z) {
+    return Eigen::Vector3d(origin_m.x() + x * size, origin_m.y() + y * size, z);
+  };
+  const double r = 0.04 * size;
+  world.add_solid("box", placed(testing::box(4 * r, 2 * r, 3 * r), at(0.3, 0.3, -19), 0.8));
+  world.add_solid("facets", placed(testing::sphere(2 * r, 10), at(0.7, 0.4, -20), 0.3));
+  const TriangleMesh any = placed(testing::box(r, r, r), at(0.5, 0.5, -20), 0);
+  world.add_solid("pipe", any, pipe({at(0.1, 0.7, -19), at(0.4, 0.75, -19.5), at(0.8, 0.6, -18)}, 0.5 * r));
+  world.add_solid("ball", any, {sphere(at(0.33, 0.35, -18), 1.5 * r)});
+  world.add_solid("post", any, {cylinder(at(0.6, 0.8, -25), at(0.62, 0.8, -10), 0.3 * r)});
+  return world;
+}
+
+int rays_to_cast() {
+  const char* wanted = std::getenv("UWSIM_RAYS");  // for longer runs by hand
+  return wanted != nullptr ? std::atoi(wanted) : 3000;
+}
+
+/// Counts the rays whose range or hit differs from the brute force's by more than is allowed.
+void expect_exact(const World& world, double span_m, std::uint64_t seed) {
+  const RayScene scene(world);
+  const BruteForce brute(world);
+  const RandomStream random(seed, "rays");
+  int compared = 0, wrong = 0, hit_count = 0;
+  double worst_m = 0;
+  for (int k = 0; k < rays_to_cast(); ++k) {
+    const auto tick = static_cast<std::uint64_t>(k);
+    // Past corners and edges by anything from nothing to a millimetre and more.
+    const double beside = random.uniform(tick, 4) < 0.3 ? 0 : std::pow(10.0, -8 + 6 * random.uniform(tick, 5));
+    const Eigen::Vector3d aim =
+        brute.target(random, tick) +
+        beside * Eigen::Vector3d(random.normal(tick, 6), random.normal(tick, 7), random.normal(tick, 8));
+    Eigen::Vector3d from(random.normal(tick, 9), random.normal(tick, 10), std::abs(random.normal(tick, 11)) + 0.1);
+    const Eigen::Vector3d origin =
+        aim + span_m * random.uniform(tick, 12) * from.normalized() + Eigen::Vector3d(0, 0, 0.5);
+    const Eigen::Vector3d way = (aim - origin).normalized();
+    const Met expected = brute.cast(origin, way, 3 * span_m);
+    const RayHit got = scene.cast({origin, way}, 3 * span_m);
+    if (expected.label != kNothing && std::abs(expected.normal.dot(way)) < kTangent) continue;
+    if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(way)) < kTangent) continue;
+    ++compared;
+    hit_count += expected.label != kNothing;
+    const double error = expected.distance_m == got.distance_m ? 0 : std::abs(expected.distance_m - got.distance_m);
+    const bool fine = error == 0 || error <= std::max(1e-5, 1e-7 * std::min(expected.distance_m, got.distance_m));
+    worst_m = fine ? std::max(worst_m, error) : worst_m;
+    if (!fine && ++wrong <= 5) {
+      ADD_FAILURE() << "ray " << k << ": expected " << expected.distance_m << " m on " << expected.label << ", got "
+                    << got.distance_m << " m on " << got.label << ", sines " << std::abs(expected.normal.dot(way))
+                    << " and " << std::abs(got.normal_world.cast<double>().dot(way)) << ", beside " << beside;
+    }
+  }
+  EXPECT_EQ(wrong, 0) << "of " << compared;
+  EXPECT_GT(compared, rays_to_cast() * 9 / 10);
+  EXPECT_GT(hit_count, compared / 2);
+  EXPECT_LT(worst_m, 1e-9) << "what is found is solved in double";
+}
+
+TEST(RayExact, OverASpikyBedWithThingsSunkInIt) { expect_exact(spiky_world(40, 0.5, {-10, -10}), 30, 1); }
+
+TEST(RayExact, TenKilometresFromTheOrigin) { expect_exact(spiky_world(40, 0.5, {10'000.3, -10'000.7}), 30, 2); }
+
+TEST(RayExact, AHundredMetresAcross) { expect_exact(spiky_world(40, 10, {-3, 5}), 150, 3); }
+
+TEST(RayExact, ThroughTheTilesOfAWorldSeveralKilometresWide) {
+  expect_exact(spiky_world(40, 90, {7000, 1000}), 2000, 4);
+}
+
+}  // namespace
+}  // namespace uwsim
