@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kSamePlace_m = 0.01;  // contacts nearer to each other than this, and as steep, are one
 constexpr double kSameNormal = 0.99;
+constexpr std::size_t kTrianglesAtOnce = 4096;  // near one piece; beyond it a step takes memory
 constexpr double kFacesUp = 0.3;  // of an overlap's normal with the terrain's; deeper ones are left to the corners
 
 struct Box {
@@ -66,7 +67,7 @@ struct ContactFinder::Impl {
   std::vector<Contact>* contacts = nullptr;
   std::size_t first_of_pair = 0;
 
-  explicit Impl(const World& source) : world(source), clearance(source), solids(source) {}
+  explicit Impl(const World& source) : world(source), clearance(source), solids(source) { near.reserve(kTrianglesAtOnce); }
 
   void find(std::span<const MovingBody> moving, std::vector<Contact>& out) {
     contacts = &out;

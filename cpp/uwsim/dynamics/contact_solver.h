@@ -40,6 +40,8 @@ struct ContactBody {
 /// Erleben 2007). Overlaps beyond a slop are relaxed through `push_body`.
 class ContactSolver {
  public:
+  /// So that as many contacts are solved without taking memory.
+  void reserve(std::size_t contacts) { rows_.reserve(3 * contacts); }
   /// Changes velocity_body, impulse_body and push_body of `bodies`.
   void solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
   /// What the last solve() gave `contact` along its normal [N s].

@@ -17,6 +17,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kFlush = 0.98;  // cosine between a face and a meeting's normal, from which they meet as faces
+constexpr int kMostCorners = 256;  // of a clipped face; beyond it a step takes memory
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -77,6 +78,13 @@ struct ConvexMeeting::Impl {
   btVertexArray clip_in, clip_out;
   MeetingList meetings;
 
+  Impl() {
+    triangle.setMargin(0);
+    clip_in.reserve(kMostCorners);
+    clip_out.reserve(kMostCorners);
+    meetings.all.reserve(kMostCorners);
+  }
+
   /// False when the shapes are farther apart than `reach_m`.
   bool find_nearest(const btConvexShape& a, const btTransform& world_from_a, const btConvexShape& b,
                     const btTransform& world_from_b, double reach_m) {
@@ -93,7 +101,7 @@ struct ConvexMeeting::Impl {
   }
 };
 
-ConvexMeeting::ConvexMeeting() : impl_(std::make_unique<Impl>()) { impl_->triangle.setMargin(0); }
+ConvexMeeting::ConvexMeeting() : impl_(std::make_unique<Impl>()) {}
 ConvexMeeting::~ConvexMeeting() = default;
 ConvexMeeting::ConvexMeeting(ConvexMeeting&&) noexcept = default;
 ConvexMeeting& ConvexMeeting::operator=(ConvexMeeting&&) noexcept = default;

@@ -15,6 +15,7 @@ constexpr double kAbsurd = 1e7;         // m, m/s and rad/s: no body gets there 
 constexpr double kTouch_m = 1e-3;       // gaps up to this are a touch, beside every contact that pushes
 constexpr double kReachOfMotion = 1.5;  // contacts are wanted this much farther than a step goes
 constexpr double kLeastReach_m = 0.005;
+constexpr std::size_t kContactsABody = 128;  // room for these is taken beforehand, so that steps need not
 
 }  // namespace
 
@@ -35,6 +36,8 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   next_states_.resize(bodies_.size());
   moving_.resize(bodies_.size());
   contact_bodies_.resize(bodies_.size());
+  contacts_.reserve(kContactsABody * bodies_.size());
+  solver_.reserve(kContactsABody * bodies_.size());
   return bodies_.size() - 1;
 }
 

@@ -58,6 +58,7 @@ struct SolidTriangles::Impl {
 };
 
 SolidTriangles::SolidTriangles(const World& world) : impl_(std::make_unique<Impl>()) {
+  impl_->stack.reserve(btDbvt::DOUBLE_STACKSIZE);
   for (const auto& solid : world.solids()) {
     impl_->trees.push_back(std::make_unique<Tree>(solid, impl_->trees.size()));
     btVector3 low, high;

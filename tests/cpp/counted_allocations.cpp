@@ -1,0 +1,66 @@
+// The program's own malloc and its kin: the loader prefers them to the C library's for every shared library too, so that
+// Bullet's, Embree's and the C++ library's allocations are seen with ours. Memory comes from the C library's internal
+// names, which glibc exports for this use; `free` stays its own.
+
+#include "counted_allocations.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+}
+
+namespace {
+
+std::atomic<std::uint64_t> calls{0};
+
+void count() { calls.fetch_add(1, std::memory_order_relaxed); }
+
+}  // namespace
+
+namespace uwsim::testing {
+
+std::uint64_t allocations() { return calls.load(); }
+
+}  // namespace uwsim::testing
+
+extern "C" {
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+
+void* calloc(std::size_t number, std::size_t size) {
+  count();
+  return __libc_calloc(number, size);
+}
+
+void* realloc(void* old, std::size_t size) {
+  count();
+  return __libc_realloc(old, size);
+}
+
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  count();
+  void* const memory = __libc_memalign(alignment, size);
+  if (memory == nullptr) return ENOMEM;
+  *out = memory;
+  return 0;
+}
+}
