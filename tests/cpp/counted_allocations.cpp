@@ -1,6 +1,6 @@
-// The program's own malloc and its kin: the loader prefers them to the C library's for every shared library too, so that
-// Bullet's, Embree's and the C++ library's allocations are seen with ours. Memory comes from the C library's internal
-// names, which glibc exports for this use; `free` stays its own.
+// The program's own malloc and its kin: the loader prefers them to the C library's for every shared library too, so
+// that Bullet's, Embree's and the C++ library's allocations are seen with ours. Memory comes from the C library's
+// internal names, which glibc exports for this use; `free` stays its own.
 
 #include "counted_allocations.h"
 

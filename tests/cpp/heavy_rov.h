@@ -82,8 +82,8 @@ inline VehicleSpec heavy_rov(const std::string& name, const Eigen::Vector3d& pos
     ThrusterParameters thruster;
     const double left = k % 2 ? 1 : -1, ahead = k % 4 < 2 ? 1 : -1;
     thruster.name = "thruster_" + std::to_string(k);
-    thruster.position_body_m = k < 4 ? Eigen::Vector3d(0.145 * ahead, 0.092 * left, 0)
-                                     : Eigen::Vector3d(0.118 * ahead, 0.215 * left, 0.064);
+    thruster.position_body_m =
+        k < 4 ? Eigen::Vector3d(0.145 * ahead, 0.092 * left, 0) : Eigen::Vector3d(0.118 * ahead, 0.215 * left, 0.064);
     thruster.axis_body = k < 4 ? Eigen::Vector3d(-ahead, left, 0).normalized() : Eigen::Vector3d::UnitZ();
     thruster.curve = ThrustCurve({-1, -0.07, 0.07, 1}, {-39.9, 0, 0, 51.5});
     thruster.time_constant_s = 0.076;

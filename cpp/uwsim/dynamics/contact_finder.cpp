@@ -67,7 +67,9 @@ struct ContactFinder::Impl {
   std::vector<Contact>* contacts = nullptr;
   std::size_t first_of_pair = 0;
 
-  explicit Impl(const World& source) : world(source), clearance(source), solids(source) { near.reserve(kTrianglesAtOnce); }
+  explicit Impl(const World& source) : world(source), clearance(source), solids(source) {
+    near.reserve(kTrianglesAtOnce);
+  }
 
   void find(std::span<const MovingBody> moving, std::vector<Contact>& out) {
     contacts = &out;

@@ -16,7 +16,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFlush = 0.98;  // cosine between a face and a meeting's normal, from which they meet as faces
+constexpr double kFlush = 0.98;    // cosine between a face and a meeting's normal, from which they meet as faces
 constexpr int kMostCorners = 256;  // of a clipped face; beyond it a step takes memory
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }

@@ -7,55 +7,22 @@
 namespace uwsim {
 namespace {
 
-using Corners = std::array<Eigen::Vector3d, 3>;
+constexpr std::size_t kClusterSize = 8;
 
-constexpr std::size_t kClusterSize = 16;
-
-/// Adds the tetrahedron of the origin, a, b, c.
-struct TetrahedronSum {
-  VolumeMoments moments;
-  bool with_second;
-
-  void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-    const double det = a.dot(b.cross(c));
-    const Eigen::Vector3d sum = a + b + c;
-    moments.volume_m3 += det / 6;
-    moments.first_m4 += det / 24 * sum;
-    if (!with_second) return;
-    moments.second_m5 +=
-        det / 120 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
-  }
-};
-
-/// A triangle's corners and their heights over the plane.
-struct Facing {
-  Corners corner;
-  std::array<double, 3> height_m;
-
-  void turn() {
-    corner = {corner[1], corner[2], corner[0]};
-    height_m = {height_m[1], height_m[2], height_m[0]};
-  }
-  /// Where the edge from the wet corner (height < 0) to the dry one pierces the plane: the same for both its triangles.
-  Eigen::Vector3d pierce(std::size_t wet, std::size_t dry) const {
-    return corner[wet] + height_m[wet] / (height_m[wet] - height_m[dry]) * (corner[dry] - corner[wet]);
-  }
-};
-
-/// Adds the wet part of a triangle with one or two wet corners, and its share of the cut face, seen from `foot`.
-void add_cut(TetrahedronSum& sum, Facing t, bool one_is_wet, const Eigen::Vector3d& foot) {
-  // Turn the triangle, keeping its winding, so that the corner that differs from the other two comes first.
-  while ((t.height_m[0] < 0) != one_is_wet || (t.height_m[1] < 0) == one_is_wet) t.turn();
-  if (one_is_wet) {
-    const Eigen::Vector3d p = t.pierce(0, 1), q = t.pierce(0, 2);
-    sum.add(t.corner[0], p, q);
-    return sum.add(foot, q, p);
-  }
-  const Eigen::Vector3d p = t.pierce(1, 0), q = t.pierce(2, 0);
-  sum.add(p, t.corner[1], t.corner[2]);
-  sum.add(p, t.corner[2], q);
-  sum.add(foot, p, q);
+/// The integral of r r^T over the tetrahedron of the origin, a, b, c.
+Eigen::Matrix3d spread(double volume_m3, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d sum = a + b + c;
+  return volume_m3 / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
 }
+
+/// The corners of a cut triangle, turned so that the one alone on its side of the plane comes first, and the sign of
+/// its piece: + where that is wet. By the bits of the wet corners.
+struct Turned {
+  std::uint32_t first, second, third;
+  double sign;
+};
+constexpr std::array<Turned, 8> kTurned = {
+    {{}, {0, 1, 2, 1}, {1, 2, 0, 1}, {2, 0, 1, -1}, {2, 0, 1, 1}, {1, 2, 0, -1}, {0, 1, 2, -1}, {}}};
 
 /// Orders triangles so that neighbours in space are neighbours in the list: halved across the longest side, to the end.
 void sort_by_place(std::span<Triangle> triangles, const TriangleMesh& mesh) {
@@ -94,21 +61,24 @@ CutVolume::CutVolume(const TriangleMesh& mesh) : triangles_(mesh.triangles) {
     z_m_.push_back(v.z());
   }
   for (const Triangle& t : triangles_) {
-    TetrahedronSum one{.moments = {}, .with_second = true};
-    one.add(mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]]);
-    facets_.push_back({one.moments.volume_m3, one.moments.first_m4});
-    facet_seconds_m5_.push_back(one.moments.second_m5);
+    const Eigen::Vector3d &a = mesh.vertices_m[t[0]], &b = mesh.vertices_m[t[1]], &c = mesh.vertices_m[t[2]];
+    const double volume_m3 = a.dot(b.cross(c)) / 6;
+    facets_.push_back({volume_m3, volume_m3 / 4 * (a + b + c)});
+    facet_seconds_m5_.push_back(spread(volume_m3, a, b, c));
   }
   for (std::size_t k = 0; k < triangles_.size(); k += kClusterSize) {
-    add_cluster(k, std::min(k + kClusterSize, triangles_.size()), mesh);
+    add_cluster(static_cast<std::uint32_t>(k),
+                static_cast<std::uint32_t>(std::min(k + kClusterSize, triangles_.size())), mesh);
     whole_ += clusters_.back().moments;
   }
 }
 
-void CutVolume::add_cluster(std::size_t first, std::size_t last, const TriangleMesh& mesh) {
-  Cluster cluster{first, last, Eigen::Vector3d::Zero(), 0, {}};
+void CutVolume::add_cluster(std::uint32_t first, std::uint32_t last, const TriangleMesh& mesh) {
+  Cluster cluster;
+  cluster.first = first;
+  cluster.last = last;
   Eigen::Vector3d low = mesh.vertices_m[triangles_[first][0]], high = low;
-  for (std::size_t k = first; k < last; ++k) {
+  for (std::uint32_t k = first; k < last; ++k) {
     cluster.moments += {facets_[k].volume_m3, facets_[k].first_m4, facet_seconds_m5_[k]};
     for (const std::uint32_t v : triangles_[k]) {
       low = low.cwiseMin(mesh.vertices_m[v]);
@@ -116,7 +86,8 @@ void CutVolume::add_cluster(std::size_t first, std::size_t last, const TriangleM
     }
   }
   cluster.middle_m = 0.5 * (low + high);
-  for (std::size_t k = first; k < last; ++k) {
+  cluster.half_size_m = 0.5 * (high - low);
+  for (std::uint32_t k = first; k < last; ++k) {
     for (const std::uint32_t v : triangles_[k]) {
       cluster.radius_m = std::max(cluster.radius_m, (mesh.vertices_m[v] - cluster.middle_m).norm());
     }
@@ -124,40 +95,88 @@ void CutVolume::add_cluster(std::size_t first, std::size_t last, const TriangleM
   clusters_.push_back(cluster);
 }
 
+/// Kept by each thread to spare allocation.
+struct CutVolume::Scratch {
+  std::vector<double> height_m;        // over the plane, of the vertices
+  std::vector<std::uint8_t> is_below;  // 1: lower
+  std::vector<CutTriangle> cut;
+};
+
 VolumeMoments CutVolume::below(const Eigen::Vector3d& up, double level_m, bool with_second) const {
-  static thread_local std::vector<double> scratch;
-  if (scratch.size() < x_m_.size()) scratch.resize(x_m_.size());
-  double* const height = scratch.data();
+  static thread_local Scratch scratch;
+  if (scratch.height_m.size() < x_m_.size()) {
+    scratch.height_m.resize(x_m_.size());
+    scratch.is_below.resize(x_m_.size());
+  }
+  if (scratch.cut.size() < triangles_.size()) scratch.cut.resize(triangles_.size());
+  double* const height = scratch.height_m.data();
+  std::uint8_t* const is_below = scratch.is_below.data();
+  CutTriangle* const cut = scratch.cut.data();
   const double ux = up.x(), uy = up.y(), uz = up.z();
   for (std::size_t k = 0; k < x_m_.size(); ++k) height[k] = ux * x_m_[k] + uy * y_m_[k] + uz * z_m_[k] - level_m;
+  for (std::size_t k = 0; k < x_m_.size(); ++k) is_below[k] = height[k] < 0;
 
-  const Eigen::Vector3d foot = level_m * up;
-  TetrahedronSum sum{.moments = {}, .with_second = with_second};
-  const auto corner = [&](std::uint32_t v) { return Eigen::Vector3d(x_m_[v], y_m_[v], z_m_[v]); };
-  const auto add_one = [&](std::size_t k) {
+  VolumeMoments sum;
+  std::size_t cut_count = 0;
+  const auto look_at = [&](std::uint32_t k) {
     const auto [a, b, c] = triangles_[k];
-    const int wet = (height[a] < 0) + (height[b] < 0) + (height[c] < 0);
-    if (wet == 0) return;
-    if (wet == 3) {
-      sum.moments.volume_m3 += facets_[k].volume_m3;
-      sum.moments.first_m4 += facets_[k].first_m4;
-      if (with_second) sum.moments.second_m5 += facet_seconds_m5_[k];
-    } else {
-      add_cut(sum, {{corner(a), corner(b), corner(c)}, {height[a], height[b], height[c]}}, wet == 1, foot);
-    }
+    const std::uint32_t wet_corners = is_below[a] + 2u * is_below[b] + 4u * is_below[c];
+    cut[cut_count] = {k, wet_corners};
+    cut_count += wet_corners != 0 && wet_corners != 7;
+    // As if all of it were wet, where most is: of two wet corners the cut takes the third away.
+    if (is_below[a] + is_below[b] + is_below[c] < 2) return;
+    sum.volume_m3 += facets_[k].volume_m3;
+    sum.first_m4 += facets_[k].first_m4;
+    if (with_second) sum.second_m5 += facet_seconds_m5_[k];
   };
   for (const Cluster& cluster : clusters_) {
     const double over = up.dot(cluster.middle_m) - level_m;
-    if (over >= cluster.radius_m) continue;
-    if (over > -cluster.radius_m) {
-      for (std::size_t k = cluster.first; k < cluster.last; ++k) add_one(k);
+    const double reach_m = std::min(cluster.radius_m, up.cwiseAbs().dot(cluster.half_size_m));
+    if (over >= reach_m) continue;
+    if (over > -reach_m) {
+      for (std::uint32_t k = cluster.first; k < cluster.last; ++k) look_at(k);
       continue;
     }
-    sum.moments.volume_m3 += cluster.moments.volume_m3;
-    sum.moments.first_m4 += cluster.moments.first_m4;
-    if (with_second) sum.moments.second_m5 += cluster.moments.second_m5;
+    sum.volume_m3 += cluster.moments.volume_m3;
+    sum.first_m4 += cluster.moments.first_m4;
+    if (with_second) sum.second_m5 += cluster.moments.second_m5;
   }
-  return sum.moments;
+  const std::span<const CutTriangle> cuts(cut, cut_count);
+  sum += with_second ? change_by_cut<true>(cuts, height, up, level_m) : change_by_cut<false>(cuts, height, up, level_m);
+  return sum;
+}
+
+/// What the cut changes of whole triangles with two wet corners or more: the odd corner's piece, added where it is wet
+/// and taken away where it is dry, with the cut face's share, seen from its foot. The piece is the triangle's
+/// tetrahedron with two of its edges shortened to where they pierce the plane. Both edges are worked out side by side.
+template <bool kWithSecond>
+VolumeMoments CutVolume::change_by_cut(std::span<const CutTriangle> cut, const double* height_m,
+                                       const Eigen::Vector3d& up, double level_m) const {
+  using Pair = Eigen::Array2d;
+  const Eigen::Vector3d foot = level_m * up;
+  VolumeMoments sum;
+  for (const auto& [k, wet_corners] : cut) {
+    const auto& [first, second, third, sign] = kTurned[wet_corners];
+    const Triangle& t = triangles_[k];
+    const std::uint32_t a = t[first], b = t[second], c = t[third];
+    const Pair share = height_m[a] / (height_m[a] - Pair(height_m[b], height_m[c]));
+    const Pair x = x_m_[a] + share * (Pair(x_m_[b], x_m_[c]) - x_m_[a]);
+    const Pair y = y_m_[a] + share * (Pair(y_m_[b], y_m_[c]) - y_m_[a]);
+    const Pair z = z_m_[a] + share * (Pair(z_m_[b], z_m_[c]) - z_m_[a]);
+    const double piece = sign * share[0] * share[1] * facets_[k].volume_m3;
+    // Of the tetrahedron origin, foot, q, p: up . (q x p) times the foot's distance.
+    const double face = sign * level_m / 6 *
+                        (up.x() * (z[0] * y[1] - y[0] * z[1]) + up.y() * (x[0] * z[1] - z[0] * x[1]) +
+                         up.z() * (y[0] * x[1] - x[0] * y[1]));
+    sum.volume_m3 += piece + face;
+    const Eigen::Vector3d corner(x_m_[a], y_m_[a], z_m_[a]), pierced(x.sum(), y.sum(), z.sum());
+    sum.first_m4 += 0.25 * (piece * (corner + pierced) + face * (foot + pierced));
+    if constexpr (kWithSecond) {
+      const Eigen::Vector3d p(x[0], y[0], z[0]), q(x[1], y[1], z[1]);
+      sum.second_m5 += spread(piece, corner, p, q) + spread(face, foot, p, q);
+    }
+  }
+  return sum;
 }
 
 }  // namespace uwsim

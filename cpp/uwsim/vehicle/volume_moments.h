@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "uwsim/core/triangle_mesh.h"
@@ -37,15 +39,25 @@ class CutVolume {
     double volume_m3;
     Eigen::Vector3d first_m4;
   };
-  /// Neighbouring triangles from `first` up to `last`, inside a sphere.
+  /// Neighbouring triangles from `first` up to `last`, inside a sphere and a box.
   struct Cluster {
-    std::size_t first, last;
-    Eigen::Vector3d middle_m;
-    double radius_m;
+    std::uint32_t first = 0, last = 0;
+    Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();
+    double radius_m = 0;
     VolumeMoments moments;
   };
+  struct CutTriangle {
+    std::uint32_t triangle;
+    std::uint32_t wet_corners;  ///< bits; neither none nor all
+  };
+  struct Scratch;
 
-  void add_cluster(std::size_t first, std::size_t last, const TriangleMesh& mesh);
+  void add_cluster(std::uint32_t first, std::uint32_t last, const TriangleMesh& mesh);
+  template <bool kWithSecond>
+  VolumeMoments change_by_cut(std::span<const CutTriangle> cut, const double* height_m, const Eigen::Vector3d& up,
+                              double level_m) const;
+
   std::vector<double> x_m_, y_m_, z_m_;  // of the vertices, so that heights are vector code
   std::vector<Triangle> triangles_;
   std::vector<Facet> facets_;

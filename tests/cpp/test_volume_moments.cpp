@@ -1,0 +1,85 @@
+#include "uwsim/vehicle/volume_moments.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "meshes.h"
+
+namespace uwsim {
+namespace {
+
+/// A lopsided egg of 2,024 triangles.
+TriangleMesh egg() {
+  TriangleMesh mesh = testing::sphere(1, 23);
+  for (Eigen::Vector3d& v : mesh.vertices_m)
+    v = Eigen::Vector3d(0.3 * v.x(), 0.2 * v.y(), (0.12 + 0.03 * v.x()) * v.z());
+  return mesh;
+}
+
+/// Moments of the mesh's wet part about the origin, triangle by triangle: each clipped corner by corner (Sutherland and
+/// Hodgman 1974), and the cut face closed from any point of the plane.
+VolumeMoments clipped(const TriangleMesh& mesh, const Eigen::Vector3d& up, double level_m) {
+  VolumeMoments sum;
+  const auto add = [&sum](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    const double volume_m3 = a.dot(b.cross(c)) / 6;
+    const Eigen::Vector3d all = a + b + c;
+    sum.volume_m3 += volume_m3;
+    sum.first_m4 += volume_m3 / 4 * all;
+    sum.second_m5 +=
+        volume_m3 / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + all * all.transpose());
+  };
+  const Eigen::Vector3d on_plane = level_m * up + 0.1 * up.unitOrthogonal();
+  for (const Triangle& t : mesh.triangles) {
+    std::vector<Eigen::Vector3d> wet;
+    Eigen::Vector3d leaves = on_plane, enters = on_plane;  // where its outline goes out of the water and into it
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d &a = mesh.vertices_m[t[k]], &b = mesh.vertices_m[t[(k + 1) % 3]];
+      const double h = up.dot(a) - level_m, g = up.dot(b) - level_m;
+      if (h < 0) wet.push_back(a);
+      if ((h < 0) == (g < 0)) continue;
+      wet.push_back((h < 0 ? leaves : enters) = a + h / (h - g) * (b - a));
+    }
+    for (std::size_t k = 2; k < wet.size(); ++k) add(wet[0], wet[k - 1], wet[k]);
+    add(on_plane, enters, leaves);
+  }
+  return sum;
+}
+
+void expect_same(const VolumeMoments& got, const VolumeMoments& expected, const VolumeMoments& scale) {
+  EXPECT_NEAR(got.volume_m3, expected.volume_m3, 1e-12 * scale.volume_m3);
+  EXPECT_LT((got.first_m4 - expected.first_m4).norm(), 1e-12 * scale.volume_m3);
+  EXPECT_LT((got.second_m5 - expected.second_m5).norm(), 1e-12 * scale.second_m5.norm());
+}
+
+TEST(CutVolume, AtAnyTiltAndLevelIsTheSumOfClippedTriangles) {
+  const TriangleMesh mesh = egg();
+  const CutVolume volume(mesh);
+  for (int turn = 0; turn < 12; ++turn) {
+    const Eigen::Vector3d up =
+        Eigen::AngleAxisd(0.5 * turn, Eigen::Vector3d(1, 0.4 * turn, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
+    for (const double level_m : {-0.2, -0.07, -0.001, 0.0, 0.03, 0.11, 0.4}) {
+      expect_same(volume.below(up, level_m, true), clipped(mesh, up, level_m), volume.whole());
+      EXPECT_EQ(volume.below(up, level_m, false).volume_m3, volume.below(up, level_m, true).volume_m3);
+      EXPECT_EQ(volume.below(up, level_m, false).first_m4, volume.below(up, level_m, true).first_m4);
+    }
+  }
+}
+
+TEST(CutVolume, BothSidesOfAPlaneMakeTheWhole) {
+  for (const TriangleMesh& mesh : {egg(), testing::box(1, 2, 0.5)}) {
+    const CutVolume volume(mesh);
+    for (const Eigen::Vector3d& tilt : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(2, 1, 0), Eigen::Vector3d(1, 1, 5)}) {
+      const Eigen::Vector3d up = tilt.normalized();
+      for (const double level_m : {0.0, 0.1, 0.25}) {  // through vertices and along faces too
+        VolumeMoments both = volume.below(up, level_m, true);
+        both += volume.below(-up, -level_m, true);
+        expect_same(both, volume.whole(), volume.whole());
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace uwsim
