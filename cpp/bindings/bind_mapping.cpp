@@ -1,52 +1,16 @@
 #include <pybind11/stl/filesystem.h>
 
-#include <cmath>
 #include <filesystem>
-#include <limits>
-#include <span>
 #include <tuple>
 
 #include "arrays.h"
 #include "bind.h"
-#include "uwsim/mapping/clouds.h"
+#include "points.h"
 #include "uwsim/mapping/occupancy_map.h"
 #include "uwsim/sonar/depth_string.h"
 
 namespace uwsim::bindings {
 namespace {
-
-/// as_array<float>, but a finite float64 that float32 cannot hold is an error and not an infinity.
-FloatArray as_float32(const py::object& object, const char* name, std::initializer_list<py::ssize_t> shape) {
-  if (!py::isinstance<py::array_t<float>>(object)) {
-    const auto wide = as_array<double>(object, name, shape);
-    for (py::ssize_t i = 0; i < wide.size(); ++i) {
-      const double value = wide.data()[i];
-      require(!std::isfinite(value) || std::abs(value) <= std::numeric_limits<float>::max(), name, value,
-              "must fit a float32");
-    }
-  }
-  return as_array<float>(object, name, shape);
-}
-
-FloatArray as_point_rows(const py::object& object, const char* name) { return as_float32(object, name, {-1, 3}); }
-
-template <typename T>
-std::span<const T> span_of(const py::array_t<T, py::array::c_style>& array) {
-  return {array.data(), static_cast<std::size_t>(array.size())};
-}
-
-template <typename T>
-py::array_t<T> rows_out(std::vector<T>&& values) {
-  const auto rows = static_cast<py::ssize_t>(values.size() / 3);
-  return move_out(std::move(values), {rows, 3});
-}
-
-/// Runs `work` without the GIL.
-template <typename Work>
-auto released(const Work& work) {
-  const py::gil_scoped_release release;
-  return work();
-}
 
 std::string_view utf8(const py::str& text) {
   Py_ssize_t size = 0;
@@ -82,52 +46,6 @@ void bind_depth_string(py::module_& m) {
       py::arg("text"), py::arg("beams"), py::arg("range_limit_m"),
       "Ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become inf.\n"
       "Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.");
-}
-
-void bind_clouds(py::module_& m) {
-  m.def(
-      "scan_to_points",
-      [](const py::object& ranges_m, double angle_min_rad, double angle_increment_rad, double range_min_m,
-         double range_max_m) {
-        const FloatArray ranges = as_float32(ranges_m, "scan.ranges", {-1});
-        const ScanGeometry geometry{angle_min_rad, angle_increment_rad, range_min_m, range_max_m};
-        return rows_out(released([&] { return scan_to_points(span_of(ranges), geometry); }));
-      },
-      py::arg("ranges_m"), py::arg("angle_min_rad"), py::arg("angle_increment_rad"), py::arg("range_min_m"),
-      py::arg("range_max_m"),
-      "A LaserScan's points in its own frame (x forward, y left), (n, 3) float32, beams in order; as in "
-      "laser_geometry\n"
-      "only range_min <= range < range_max counts. ranges_m: (beams,) float32. Raises ValueError. Releases the GIL.");
-  m.def(
-      "transform_points",
-      [](const py::object& points_source_m, const py::object& target_from_source) {
-        const FloatArray points = as_point_rows(points_source_m, "points_source_m");
-        const auto matrix = as_array<double>(target_from_source, "target_from_source", {4, 4});
-        const Eigen::Matrix4d transform = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix.data());
-        return rows_out(released([&] { return transform_points(span_of(points), transform); }));
-      },
-      py::arg("points_source_m"), py::arg("target_from_source"),
-      "pcl::transformPointCloud: (n, 3) float32 in, (n, 3) float32 out. target_from_source: (4, 4) float64, rigid.\n"
-      "Raises ValueError. Releases the GIL.");
-  m.def(
-      "filter_range",
-      [](const py::object& points_m, double min_m, double max_m) {
-        const FloatArray points = as_point_rows(points_m, "points_m");
-        return rows_out(released([&] { return filter_range(span_of(points), min_m, max_m); }));
-      },
-      py::arg("points_m"), py::arg("min_m"), py::arg("max_m"),
-      "The points whose distance to the origin is in [min_m, max_m]; (n, 3) float32. Raises ValueError. Releases the\n"
-      "GIL.");
-  m.def(
-      "remove_box",
-      [](const py::object& points_m, const py::object& box_min_m, const py::object& box_max_m) {
-        const FloatArray points = as_point_rows(points_m, "points_m");
-        const Eigen::Vector3d low = as_vector3(box_min_m, "box_min_m"), high = as_vector3(box_max_m, "box_max_m");
-        return rows_out(released([&] { return remove_box(span_of(points), low, high); }));
-      },
-      py::arg("points_m"), py::arg("box_min_m"), py::arg("box_max_m"),
-      "pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)\n"
-      "float64. Points that are not finite drop out. Raises ValueError. Releases the GIL.");
 }
 
 void bind_occupancy_map(py::module_& m) {
@@ -206,7 +124,6 @@ void bind_occupancy_map(py::module_& m) {
 
 void bind_mapping(py::module_& m) {
   bind_depth_string(m);
-  bind_clouds(m);
   bind_occupancy_map(m);
 }
 

@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, m) {
   bind_vehicle(m);
   bind_actuators(m);
   bind_sonar(m);
+  bind_clouds(m);
   bind_mapping(m);
   bind_sensors(m);
   bind_sim(m);
