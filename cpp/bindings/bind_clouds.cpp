@@ -1,10 +1,20 @@
+#include <pybind11/eigen.h>
+
+#include <tuple>
+
 #include "bind.h"
 #include "points.h"
 #include "uwsim/mapping/clouds.h"
 
 namespace uwsim::bindings {
+namespace {
 
-void bind_clouds(py::module_& m) {
+Eigen::Matrix4d as_transform(const py::object& object, const char* name) {
+  const auto matrix = as_array<double>(object, name, {4, 4});
+  return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix.data());
+}
+
+void bind_links(py::module_& m) {
   m.def(
       "scan_to_points",
       [](const py::object& ranges_m, double angle_min_rad, double angle_increment_rad, double range_min_m,
@@ -22,8 +32,7 @@ void bind_clouds(py::module_& m) {
       "transform_points",
       [](const py::object& points_source_m, const py::object& target_from_source) {
         const FloatArray points = as_point_rows(points_source_m, "points_source_m");
-        const auto matrix = as_array<double>(target_from_source, "target_from_source", {4, 4});
-        const Eigen::Matrix4d transform = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix.data());
+        const Eigen::Matrix4d transform = as_transform(target_from_source, "target_from_source");
         return rows_out(released([&] { return transform_points(span_of(points), transform); }));
       },
       py::arg("points_source_m"), py::arg("target_from_source"),
@@ -48,6 +57,76 @@ void bind_clouds(py::module_& m) {
       py::arg("points_m"), py::arg("box_min_m"), py::arg("box_max_m"),
       "pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)\n"
       "float64. Points that are not finite drop out. Raises ValueError. Releases the GIL.");
+}
+
+void bind_filters(py::module_& m) {
+  m.def(
+      "voxel_grid",
+      [](const py::object& points_m, double voxel_m) {
+        const FloatArray points = as_point_rows(points_m, "points_m");
+        return rows_out(released([&] { return voxel_grid(span_of(points), voxel_m); }));
+      },
+      py::arg("points_m"), py::arg("voxel_m"),
+      "pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m; (n, 3) float32 in, (k, 3) float32 "
+      "out.\n"
+      "Points that are not finite drop out. Raises ValueError. Releases the GIL.");
+  m.def(
+      "pass_through",
+      [](const py::object& points_m, int axis, double min_m, double max_m) {
+        const FloatArray points = as_point_rows(points_m, "points_m");
+        return rows_out(released([&] { return pass_through(span_of(points), axis, min_m, max_m); }));
+      },
+      py::arg("points_m"), py::arg("axis"), py::arg("min_m"), py::arg("max_m"),
+      "pcl::PassThrough: the points whose coordinate 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32. Points that are\n"
+      "not finite drop out. Raises ValueError. Releases the GIL.");
+  m.def(
+      "remove_outliers",
+      [](const py::object& points_m, int neighbours, double deviations) {
+        const FloatArray points = as_point_rows(points_m, "points_m");
+        return rows_out(released([&] { return remove_outliers(span_of(points), neighbours, deviations); }));
+      },
+      py::arg("points_m"), py::arg("neighbours"), py::arg("deviations"),
+      "pcl::StatisticalOutlierRemoval; (n, 3) float32. Points that are not finite drop out. Raises ValueError. "
+      "Releases\n"
+      "the GIL.");
+}
+
+void bind_fits(py::module_& m) {
+  m.def(
+      "ground_plane",
+      [](const py::object& points_m, double distance_m, double max_slope_rad) {
+        const FloatArray points = as_point_rows(points_m, "points_m");
+        PlaneFit fit = released([&] { return ground_plane(span_of(points), distance_m, max_slope_rad); });
+        py::array_t<std::uint8_t> inliers = move_out(std::move(fit.inliers));
+        return std::make_tuple(fit.normal, fit.offset_m, inliers.view("bool"));
+      },
+      py::arg("points_m"), py::arg("distance_m"), py::arg("max_slope_rad"),
+      "pcl::RandomSampleConsensus: normal (3,) that looks up, offset [m] with normal . p + offset = 0, and the "
+      "inliers\n"
+      "(n,) bool. points_m: (n, 3) float32, finite. Raises ValueError. Releases the GIL.");
+  m.def(
+      "register_cloud",
+      [](const py::object& source_m, const py::object& target_m, const py::object& guess, double max_distance_m,
+         int max_iterations) {
+        const FloatArray source = as_point_rows(source_m, "source_m"), target = as_point_rows(target_m, "target_m");
+        const Eigen::Matrix4d start = as_transform(guess, "guess");
+        const Registration r = released(
+            [&] { return register_cloud(span_of(source), span_of(target), start, max_distance_m, max_iterations); });
+        return std::make_tuple(r.target_from_source, r.rms_m, r.overlap, r.iterations, r.converged);
+      },
+      py::arg("source_m"), py::arg("target_m"), py::arg("guess"), py::arg("max_distance_m"), py::arg("max_iterations"),
+      "pcl::IterativeClosestPoint: target_from_source (4, 4), rms [m] and share of the points within reach, "
+      "iterations,\n"
+      "converged. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Raises ValueError. Releases the "
+      "GIL.");
+}
+
+}  // namespace
+
+void bind_clouds(py::module_& m) {
+  bind_links(m);
+  bind_filters(m);
+  bind_fits(m);
 }
 
 }  // namespace uwsim::bindings

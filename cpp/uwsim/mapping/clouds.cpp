@@ -1,13 +1,27 @@
 #include "uwsim/mapping/clouds.h"
 
 #include <pcl/common/transforms.h>
+#include <pcl/console/print.h>
 #include <pcl/filters/crop_box.h>
 #include <pcl/filters/experimental/functor_filter.h>
+#include <pcl/filters/passthrough.h>
+#include <pcl/filters/statistical_outlier_removal.h>
+#include <pcl/filters/voxel_grid.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+#include <pcl/registration/icp.h>
+#include <pcl/sample_consensus/ransac.h>
+#include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
+#include <pcl/search/kdtree.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
 
 #include "uwsim/core/check.h"
 
@@ -32,6 +46,76 @@ std::vector<float> to_points(const Cloud& cloud) {
   points_m.reserve(3 * cloud.size());
   for (const pcl::PointXYZ& p : cloud) points_m.insert(points_m.end(), {p.x, p.y, p.z});
   return points_m;
+}
+
+/// The finite points, each less shift_m.
+Cloud::Ptr to_finite_cloud(std::span<const float> points_m, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
+  require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
+  auto cloud = pcl::make_shared<Cloud>();
+  cloud->reserve(points_m.size() / 3);
+  for (std::size_t i = 0; i < points_m.size(); i += 3) {
+    const Eigen::Vector3d point_m(points_m[i], points_m[i + 1], points_m[i + 2]);
+    if (!point_m.allFinite()) continue;
+    const Eigen::Vector3f near_m = (point_m - shift_m).cast<float>();
+    cloud->emplace_back(near_m.x(), near_m.y(), near_m.z());
+  }
+  return cloud;
+}
+
+void require_finite_points(std::span<const float> points_m, const char* name, std::size_t least) {
+  require(points_m.size() % 3 == 0, name, points_m.size(), "must be rows of x, y, z");
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    if (std::isfinite(points_m[i])) continue;
+    require(false, name + ("[" + std::to_string(i / 3) + "]"), points_m[i], "must be finite");
+  }
+  require(points_m.size() / 3 >= least, std::string(name) + ".size", points_m.size() / 3,
+          "must be at least " + std::to_string(least) + " points");
+}
+
+/// Of the finite points, in double: float32 sums of coordinates far from zero would lose what is to be found.
+Eigen::Vector3d middle_m(std::span<const float> points_m) {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i + 2 < points_m.size(); i += 3) {
+    const Eigen::Vector3d point_m(points_m[i], points_m[i + 1], points_m[i + 2]);
+    if (!point_m.allFinite()) continue;
+    sum_m += point_m;
+    ++count;
+  }
+  return sum_m / std::max(count, 1);
+}
+
+/// PCL tells of its failures on stderr; ours are exceptions.
+void hush_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+
+/// PCL's ICP, which keeps to itself how it ended.
+class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, double> {
+ public:
+  int iterations() const { return nr_iterations_; }
+
+  bool settled() {
+    using Criteria = pcl::registration::DefaultConvergenceCriteria<double>;
+    const auto state = getConvergeCriteria()->getConvergenceState();
+    return state == Criteria::CONVERGENCE_CRITERIA_TRANSFORM || state == Criteria::CONVERGENCE_CRITERIA_ABS_MSE ||
+           state == Criteria::CONVERGENCE_CRITERIA_REL_MSE;
+  }
+};
+
+/// (root mean square of the distances to the target's nearest points, share of the points that have one in reach).
+std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target, double reach_m) {
+  pcl::search::KdTree<pcl::PointXYZ> tree;
+  tree.setInputCloud(target);
+  pcl::Indices nearest(1);
+  std::vector<float> squared_m2(1);
+  double sum_m2 = 0;
+  std::size_t near = 0;
+  for (const pcl::PointXYZ& p : cloud) {
+    if (tree.nearestKSearch(p, 1, nearest, squared_m2) < 1 || !(squared_m2[0] <= reach_m * reach_m)) continue;
+    sum_m2 += squared_m2[0];
+    ++near;
+  }
+  return {near ? std::sqrt(sum_m2 / static_cast<double>(near)) : std::numeric_limits<double>::quiet_NaN(),
+          static_cast<double>(near) / static_cast<double>(cloud.size())};
 }
 
 void require_rigid(const Eigen::Matrix4d& transform) {
@@ -99,6 +183,130 @@ std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vect
   Cloud kept;
   crop.filter(kept);
   return to_points(kept);
+}
+
+std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m) {
+  require(std::isfinite(voxel_m) && voxel_m > 0, "voxel_m", voxel_m, "must be positive [m]");
+  Eigen::Array3d low_m = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array3d high_m = -low_m;
+  const Cloud::Ptr cloud = to_finite_cloud(points_m);
+  for (const pcl::PointXYZ& p : *cloud) {
+    const Eigen::Array3d point_m = p.getArray3fMap().cast<double>();
+    low_m = low_m.min(point_m);
+    high_m = high_m.max(point_m);
+  }
+  if (!(low_m <= high_m).all()) return {};
+  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;  // small numbers, for sums in float32
+  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();   // two more on each axis, for rounding
+  require(voxels < std::numeric_limits<std::int32_t>::max(), "voxel_m", voxel_m,
+          "too small for the cloud's box, which must have fewer than 2^31 voxels");
+  pcl::VoxelGrid<pcl::PointXYZ> grid;
+  grid.setLeafSize(Eigen::Vector4f::Constant(static_cast<float>(voxel_m)));
+  grid.setInputCloud(to_finite_cloud(points_m, corner_m));
+  Cloud centroids;
+  grid.filter(centroids);
+  std::vector<float> centroids_m = to_points(centroids);
+  for (std::size_t i = 0; i < centroids_m.size(); ++i) {
+    centroids_m[i] = static_cast<float>(centroids_m[i] + corner_m[static_cast<Eigen::Index>(i % 3)]);
+  }
+  return centroids_m;
+}
+
+std::vector<float> pass_through(std::span<const float> points_m, int axis, double min_m, double max_m) {
+  require(axis >= 0 && axis <= 2, "axis", axis, "must be 0 (x), 1 (y) or 2 (z)");
+  require(!std::isnan(min_m), "min_m", min_m, "must be a number [m]");
+  require(max_m >= min_m, "max_m", max_m, "must be at least min_m");
+  const Cloud::Ptr cloud = to_finite_cloud(points_m);
+  if (cloud->empty()) return {};
+  pcl::PassThrough<pcl::PointXYZ> filter;
+  filter.setFilterFieldName(std::string(1, "xyz"[axis]));
+  filter.setFilterLimits(static_cast<float>(min_m), static_cast<float>(max_m));
+  filter.setInputCloud(cloud);
+  Cloud kept;
+  filter.filter(kept);
+  return to_points(kept);
+}
+
+std::vector<float> remove_outliers(std::span<const float> points_m, int neighbours, double deviations) {
+  require(neighbours >= 1, "neighbours", neighbours, "must be at least 1");
+  require(std::isfinite(deviations) && deviations >= 0, "deviations", deviations, "must be finite and at least 0");
+  const Cloud::Ptr cloud = to_finite_cloud(points_m, middle_m(points_m));
+  if (cloud->empty()) return {};
+  require(cloud->size() > static_cast<std::size_t>(neighbours), "neighbours", neighbours,
+          "must be less than the number of points, " + std::to_string(cloud->size()));
+  pcl::StatisticalOutlierRemoval<pcl::PointXYZ> filter;
+  filter.setMeanK(neighbours);
+  filter.setStddevMulThresh(deviations);
+  filter.setInputCloud(cloud);
+  pcl::Indices kept;
+  filter.filter(kept);
+  const Cloud::Ptr given = to_finite_cloud(points_m);
+  return to_points(Cloud(*given, kept));
+}
+
+PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double max_slope_rad) {
+  require(std::isfinite(distance_m) && distance_m > 0, "distance_m", distance_m, "must be positive [m]");
+  require(max_slope_rad > 0 && max_slope_rad <= std::numbers::pi / 2, "max_slope_rad", max_slope_rad,
+          "must be in (0, pi/2] rad");
+  require_finite_points(points_m, "points_m", 3);
+  hush_pcl();
+  const Eigen::Vector3d middle = middle_m(points_m);
+  const auto model =
+      pcl::make_shared<pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>>(to_finite_cloud(points_m, middle));
+  model->setAxis(Eigen::Vector3f::UnitZ());
+  model->setEpsAngle(max_slope_rad);
+  pcl::RandomSampleConsensus<pcl::PointXYZ> search(model, distance_m);
+  pcl::Indices inliers;
+  Eigen::VectorXf found;
+  if (search.computeModel()) {
+    search.getInliers(inliers);
+    search.getModelCoefficients(found);
+  }
+  require(inliers.size() >= 3, "points_m", points_m.size() / 3, "must have three points on a plane of max_slope_rad");
+  Eigen::VectorXf fitted;
+  model->optimizeModelCoefficients(inliers, found, fitted);
+  model->selectWithinDistance(fitted, distance_m, inliers);
+
+  PlaneFit plane{fitted.head<3>().cast<double>(), fitted[3], std::vector<std::uint8_t>(points_m.size() / 3, 0)};
+  const double length = plane.normal.norm() * (plane.normal.z() < 0 ? -1.0 : 1.0);
+  plane.normal /= length;
+  plane.offset_m = plane.offset_m / length - plane.normal.dot(middle);
+  for (const pcl::index_t i : inliers) plane.inliers[static_cast<std::size_t>(i)] = 1;
+  return plane;
+}
+
+Registration register_cloud(std::span<const float> source_m, std::span<const float> target_m,
+                            const Eigen::Matrix4d& guess, double max_distance_m, int max_iterations) {
+  require_rigid(guess);
+  require(std::isfinite(max_distance_m) && max_distance_m > 0, "max_distance_m", max_distance_m,
+          "must be positive [m]");
+  require(max_iterations >= 1, "max_iterations", max_iterations, "must be at least 1");
+  require_finite_points(source_m, "source_m", 3);
+  require_finite_points(target_m, "target_m", 3);
+  hush_pcl();
+  const Eigen::Vector3d middle = middle_m(target_m);
+  Eigen::Matrix4d target_from_middle = Eigen::Matrix4d::Identity(), middle_from_target = target_from_middle;
+  target_from_middle.topRightCorner<3, 1>() = middle;
+  middle_from_target.topRightCorner<3, 1>() = -middle;
+  // The guess is applied here, so that what PCL turns in float32 is small and near.
+  const Eigen::Matrix4d middle_from_source = middle_from_target * guess;
+  auto source = pcl::make_shared<Cloud>();
+  pcl::transformPointCloud(*to_cloud(source_m), *source, middle_from_source);
+  const Cloud::Ptr target = to_finite_cloud(target_m, middle);
+
+  Icp icp;
+  icp.setInputSource(source);
+  icp.setInputTarget(target);
+  icp.setMaxCorrespondenceDistance(max_distance_m);
+  icp.setMaximumIterations(max_iterations);
+  icp.setTransformationEpsilon(1e-12);  // squared metres, and one less the cosine of a turn
+  icp.setEuclideanFitnessEpsilon(1e-9);
+  Cloud moved;
+  icp.align(moved);
+  const Eigen::Matrix4d correction = icp.getFinalTransformation();
+  require(correction.allFinite(), "source_m", source_m.size() / 3, "too degenerate to be laid onto the target");
+  const auto [rms_m, overlap] = closeness(moved, target, max_distance_m);
+  return {target_from_middle * correction * middle_from_source, rms_m, overlap, icp.iterations(), icp.settled()};
 }
 
 }  // namespace uwsim

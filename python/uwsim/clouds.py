@@ -1,0 +1,137 @@
+"""Point clouds: thin them, clean them, find the ground, lay them onto a map. PCL does the work.
+
+    points_m = voxel_grid(points_m, 0.1)
+    points_m = remove_outliers(points_m, neighbours=16, deviations=2.0)
+    ground = ground_plane(points_m, distance_m=0.2)
+    found = register_to_map(points_m, occupancy_map)        where the cloud belongs in the map
+
+Points are (n, 3) float32. Arrays of float32 in C order pass without a copy, float64 and sequences are converted, other
+dtypes are refused. The same points in the same order give the same bytes. All errors are ValueError. Calls release the
+GIL.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim import _core
+
+REACH_VOXELS = 5.0
+"""How far off a cloud may lie, in the map's voxels, for register_to_map to find its place by default."""
+
+
+class Mapped(Protocol):
+    """What register_to_map asks of a map; uwsim.mapping.OccupancyMap is one."""
+
+    @property
+    def resolution_m(self) -> float:
+        """Edge of a voxel."""
+
+    def occupied_voxels(self) -> NDArray[np.float64]:
+        """Centres of the occupied voxels, (n, 3), world."""
+
+
+@dataclass(frozen=True, eq=False)
+class GroundPlane:
+    """normal . p + offset_m = 0: normal (3,), of length 1, looks up. inliers: (n,) bool, the points it was fitted to."""
+
+    normal: NDArray[np.float64]
+    offset_m: float
+    inliers: NDArray[np.bool_]
+
+    def height_of(self, points_m: ArrayLike) -> NDArray[np.float64]:
+        """Return how far points (n, 3) lie above the plane, along its normal: (n,) [m]."""
+        return np.asarray(np.asarray(points_m, np.float64) @ self.normal + self.offset_m, np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """Where a cloud lies in its target's frame.
+
+    target_from_source: (4, 4), rigid. rms_m: root mean square of the distances from the cloud's points, so placed, to
+    their nearest ones in the target, over those within reach; nan for none. overlap: the share that is within reach.
+    converged: the steps became negligible before the iterations ran out.
+    """
+
+    target_from_source: NDArray[np.float64]
+    rms_m: float
+    overlap: float
+    iterations: int
+    converged: bool
+
+
+def voxel_grid(points_m: ArrayLike, voxel_m: float) -> NDArray[np.float32]:
+    """Return the centroid of the points in each cube of edge voxel_m that holds any: (k, 3) float32.
+
+    The cubes' corners are at multiples of voxel_m, as OctoMap's are. Points that are not finite drop out. Raises
+    ValueError when the cloud's box holds 2**31 cubes or more.
+    """
+    return _core.voxel_grid(points_m, voxel_m)
+
+
+def pass_through(
+    points_m: ArrayLike, axis: Literal["x", "y", "z"], min_m: float = -math.inf, max_m: float = math.inf
+) -> NDArray[np.float32]:
+    """Keep the points whose coordinate on the axis is in [min_m, max_m]. Those that are not finite drop out."""
+    if axis not in ("x", "y", "z"):
+        raise ValueError(f"axis = {axis!r}: must be 'x', 'y' or 'z'")
+    return _core.pass_through(points_m, "xyz".index(axis), min_m, max_m)
+
+
+def remove_outliers(points_m: ArrayLike, neighbours: int = 16, deviations: float = 2.0) -> NDArray[np.float32]:
+    """Drop points that are far from others (Rusu et al. 2008, "Towards 3D point cloud based object maps").
+
+    Dropped: those whose mean distance to their nearest `neighbours` is more than the mean of that figure over the cloud
+    plus so many standard deviations. Points that are not finite drop out. There must be more points than neighbours.
+    """
+    return _core.remove_outliers(points_m, neighbours, deviations)
+
+
+def ground_plane(points_m: ArrayLike, distance_m: float, max_slope_rad: float = math.radians(30.0)) -> GroundPlane:
+    """Find the plane with the most points within distance_m of it (RANSAC, Fischler and Bolles 1981; least squares).
+
+    max_slope_rad: how steep the ground may be; walls are none. The random draws are PCL's with its fixed seed, so the
+    same points give the same plane. Raises ValueError when a point is not finite and when there is no such plane.
+    """
+    return GroundPlane(*_core.ground_plane(points_m, distance_m, max_slope_rad))
+
+
+def register(
+    source_m: ArrayLike,
+    target_m: ArrayLike,
+    *,
+    max_distance_m: float,
+    guess: ArrayLike | None = None,
+    max_iterations: int = 100,
+) -> Registration:
+    """Lay a cloud (n, 3) onto another (m, 3) by ICP, point to point (Besl and McKay 1992).
+
+    guess: target_from_source to start from, (4, 4); by default the clouds are taken to be in one frame. Points that
+    have no other within max_distance_m do not pull: it must be more than the clouds are apart. Raises ValueError when a
+    point is not finite or there are fewer than three in either.
+    """
+    start = np.eye(4) if guess is None else guess
+    return Registration(*_core.register_cloud(source_m, target_m, start, max_distance_m, max_iterations))
+
+
+def register_to_map(
+    points_world_m: ArrayLike,
+    occupancy_map: Mapped,
+    *,
+    max_distance_m: float | None = None,
+    guess: ArrayLike | None = None,
+    max_iterations: int = 100,
+) -> Registration:
+    """Lay a cloud (n, 3) onto the centres of a map's occupied voxels; max_distance_m: by default REACH_VOXELS of them.
+
+    What ICP can find: the centres lie up to half a voxel's diagonal off the surface that was mapped, so a cloud comes
+    to rest within a fraction of a voxel; along a bare plane it may slide.
+    """
+    reach_m = REACH_VOXELS * occupancy_map.resolution_m if max_distance_m is None else max_distance_m
+    centres = occupancy_map.occupied_voxels()
+    return register(points_world_m, centres, max_distance_m=reach_m, guess=guess, max_iterations=max_iterations)

@@ -1,0 +1,219 @@
+"""Laws of the filters and fits: centroids, planes and motions that are known come back."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from uwsim import clouds
+from uwsim.mapping import OccupancyMap
+
+FAR = np.array([4321.0, -1234.0, -87.0])
+
+
+def some_points(n: int, seed: int = 0, half_m: float = 5.0) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(-half_m, half_m, (n, 3)).astype(np.float32)
+
+
+def bumpy_bed(n: int, seed: int = 0) -> np.ndarray:
+    """Points on a bed whose slopes hold a cloud in place along every axis."""
+    xy = np.random.default_rng(seed).uniform(-8.0, 8.0, (n, 2))
+    z = 1.2 * np.sin(xy[:, 0] / 1.7) + 1.0 * np.cos(xy[:, 1] / 1.3) + 0.3 * np.sin(xy.sum(axis=1))
+    return np.column_stack([xy, z])
+
+
+def motion(turn_rad, shift_m) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec(turn_rad).as_matrix()
+    matrix[:3, 3] = shift_m
+    return matrix
+
+
+def moved(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+@given(
+    n=st.integers(1, 300),
+    seed=st.integers(0, 1000),
+    voxel_m=st.sampled_from([0.1, 0.5, 1.0, 3.0]),
+    far=st.booleans(),
+)
+def test_the_voxel_grid_gives_each_cubes_centroid(n, seed, voxel_m, far):
+    points = (some_points(n, seed) + far * FAR).astype(np.float32)
+    wide = points.astype(np.float64)
+    edge_m = np.abs(wide / voxel_m - np.round(wide / voxel_m)).min(axis=1) * voxel_m
+    points, wide = points[edge_m > 1e-3], wide[edge_m > 1e-3]  # float32 may take what lies on a face to either side
+    keys, cube, count = np.unique(np.floor(wide / voxel_m), axis=0, return_inverse=True, return_counts=True)
+    expected = np.zeros((len(keys), 3))
+    np.add.at(expected, cube, wide)
+    got = clouds.voxel_grid(points, voxel_m)
+    assert got.dtype == np.float32
+    assert len(got) == len(keys)
+    order = np.lexsort(keys.T)  # z slowest, x fastest
+    assert np.abs(got - (expected / count[:, None])[order]).max(initial=0.0) < (3e-4 if far else 3e-6)
+
+
+def test_a_voxel_that_is_too_small_for_the_cloud_is_refused():
+    with pytest.raises(ValueError, match=r"voxel_m = 1e-05: too small for the cloud's box"):
+        clouds.voxel_grid([[0, 0, 0], [100, 100, 100]], 1e-5)
+    assert len(clouds.voxel_grid([[1e30, 0, 0]], 0.1)) == 1, "one cube is no matter of where it is"
+
+
+def test_pass_through_keeps_the_slab_with_its_faces():
+    points = np.array([[1, 2, 3], [4, 5, 6], [7, 8, 9], [np.nan, 5, 5], [0, math.inf, 0]], np.float32)
+    assert clouds.pass_through(points, "y", 2, 5).tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert clouds.pass_through(points, "z", min_m=6).tolist() == [[4, 5, 6], [7, 8, 9]]
+    assert clouds.pass_through(points, "x", max_m=0.5).tolist() == []
+
+
+def test_lonely_points_are_outliers_and_the_rest_stays_in_its_order():
+    crowd = (some_points(2000, half_m=1.0) + FAR).astype(np.float32)
+    lonely = (FAR + [[9.0, 0, 0], [0, -9.0, 0], [0, 0, 9.0]]).astype(np.float32)
+    kept = clouds.remove_outliers(np.concatenate([lonely, crowd, [[np.nan] * 3]]).astype(np.float32), 8, 3.0)
+    assert not (kept[:, None] == lonely).all(axis=2).any()
+    at = [int(np.flatnonzero((crowd == p).all(axis=1))[0]) for p in kept[::50]]
+    assert at == sorted(at)
+    assert len(kept) > 1800
+
+
+@given(slope_deg=st.floats(0, 28), azimuth=st.floats(0, 6.28), height_m=st.floats(-50, 50), far=st.booleans())
+def test_a_plane_in_clutter_is_recovered(slope_deg, azimuth, height_m, far):
+    slope = math.radians(slope_deg)
+    normal = np.array([math.sin(slope) * math.cos(azimuth), math.sin(slope) * math.sin(azimuth), math.cos(slope)])
+    random = np.random.default_rng(1)
+    xy = random.uniform(-10, 10, (400, 2))
+    z = height_m - xy @ normal[:2] / normal[2]
+    on_plane = np.column_stack([xy, z]) + random.uniform(-0.02, 0.02, (400, 3))
+    clutter = np.column_stack([random.uniform(-10, 10, (150, 2)), height_m + random.uniform(8, 20, 150)])
+    shift = far * FAR
+    plane = clouds.ground_plane(np.concatenate([clutter, on_plane]) + shift, distance_m=0.1)
+    assert np.linalg.norm(plane.normal) == pytest.approx(1.0)
+    assert math.acos(min(1.0, plane.normal @ normal)) < math.radians(0.2)
+    assert plane.inliers.dtype == bool
+    assert plane.inliers[150:].all()
+    assert not plane.inliers[:150].any()
+    assert np.abs(plane.height_of(on_plane + shift)).max() < 0.06
+
+
+def test_a_wall_is_no_ground():
+    random = np.random.default_rng(2)
+    wall = np.column_stack([np.zeros(500), random.uniform(-5, 5, (500, 2))])
+    ground = np.column_stack([random.uniform(-5, 5, (100, 2)), np.full(100, -5.0)])
+    plane = clouds.ground_plane(np.concatenate([wall, ground]), distance_m=0.05)
+    assert plane.normal == pytest.approx([0, 0, 1], abs=1e-3)
+    assert plane.offset_m == pytest.approx(5.0, abs=1e-3)
+    with pytest.raises(ValueError, match="three points on a plane"):
+        clouds.ground_plane(np.column_stack([np.zeros(50), np.linspace(0, 1, 50), np.zeros(50)]), 0.1)
+
+
+@given(
+    turn=st.tuples(*[st.floats(-0.06, 0.06)] * 3), shift=st.tuples(*[st.floats(-0.3, 0.3)] * 3), far=st.booleans()
+)
+def test_icp_recovers_how_a_cloud_was_moved(turn, shift, far):
+    there = bumpy_bed(1500)
+    known = motion(turn, shift)
+    here = moved(np.linalg.inv(known), there)
+    centre = motion([0, 0, 0], far * FAR)
+    found = clouds.register(moved(centre, here), moved(centre, there), max_distance_m=2.0)
+    expected = centre @ known @ np.linalg.inv(centre)
+    assert found.converged
+    assert found.overlap == 1.0
+    assert found.rms_m < (2e-3 if far else 1e-4)
+    off_m = moved(found.target_from_source, moved(centre, here)) - moved(expected, moved(centre, here))
+    assert np.abs(off_m).max() < (2e-3 if far else 1e-4)
+    rotation = found.target_from_source[:3, :3]
+    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-9)
+
+
+def test_a_guess_carries_the_cloud_to_where_icp_finds_it():
+    there = bumpy_bed(1500)
+    known = motion([0.02, -0.03, 2.0], [150.0, -80.0, 12.0])
+    here = moved(np.linalg.inv(known), there)
+    assert clouds.register(here, there, max_distance_m=2.0, max_iterations=30).overlap < 0.5
+    found = clouds.register(here, there, max_distance_m=2.0, guess=motion([0, 0, 2.0], [150.1, -80.1, 12.1]))
+    assert found.converged
+    assert found.target_from_source == pytest.approx(known, abs=1e-3)
+
+
+def test_a_scan_finds_its_place_in_a_map():
+    occupancy = OccupancyMap(0.2)
+    bed = bumpy_bed(60_000)
+    occupancy.insert_scan(bed.astype(np.float32), [0.0, 0.0, 6.0])
+    drift = motion([0.01, -0.01, 0.02], [0.35, -0.3, 0.25])
+    cloud = moved(np.linalg.inv(drift), bumpy_bed(4000, seed=9))
+    found = clouds.register_to_map(cloud, occupancy)
+    off_m = np.linalg.norm(moved(found.target_from_source, cloud) - moved(drift, cloud), axis=1)
+    before_m = np.linalg.norm(cloud - moved(drift, cloud), axis=1)
+    assert found.converged
+    assert before_m.mean() > 0.4
+    assert off_m.max() < 0.1, "half a voxel"
+
+
+def test_too_few_iterations_are_told():
+    there = bumpy_bed(800)
+    found = clouds.register(there + [0.3, 0.2, 0.1], there, max_distance_m=2.0, max_iterations=2)
+    assert not found.converged
+    assert found.iterations == 2
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda p: clouds.voxel_grid(p[:, :2], 1.0), r"points_m.shape = \(20, 2\): expected \(n, 3\)"),
+        (lambda p: clouds.voxel_grid(p.astype(complex), 1.0), r"points_m.dtype = complex128"),
+        (lambda p: clouds.voxel_grid(p, 0.0), r"voxel_m = 0: must be positive"),
+        (lambda p: clouds.voxel_grid(p, math.nan), r"voxel_m = nan"),
+        (lambda p: clouds.pass_through(p, "w", 0, 1), r"axis = 'w'"),
+        (lambda p: clouds.pass_through(p, "x", 2, 1), r"max_m = 1: must be at least min_m"),
+        (lambda p: clouds.pass_through(p, "x", math.nan, 1), r"min_m = nan"),
+        (lambda p: clouds.remove_outliers(p, 20), r"neighbours = 20: must be less than the number of points, 20"),
+        (lambda p: clouds.remove_outliers(p, 0), r"neighbours = 0"),
+        (lambda p: clouds.remove_outliers(p, 5, -1.0), r"deviations = -1"),
+        (lambda p: clouds.ground_plane(p[:2], 0.1), r"points_m.size = 2: must be at least 3 points"),
+        (lambda p: clouds.ground_plane(np.where(p > 4, np.nan, p), 0.1), r"points_m\[\d+\] = nan: must be finite"),
+        (lambda p: clouds.ground_plane(p, 0.1, 0.0), r"max_slope_rad = 0"),
+        (lambda p: clouds.register(p, p[:0], max_distance_m=1.0), r"target_m.size = 0: must be at least 3 points"),
+        (lambda p: clouds.register(p, p, max_distance_m=0.0), r"max_distance_m = 0"),
+        (lambda p: clouds.register(p, p, max_distance_m=1.0, guess=2 * np.eye(4)), r"must be a rigid transform"),
+        (lambda p: clouds.register(p, p, max_distance_m=1.0, max_iterations=0), r"max_iterations = 0"),
+        (lambda p: clouds.register_to_map(p, OccupancyMap(0.5)), r"target_m.size = 0"),
+    ],
+)
+def test_a_mistake_is_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call(some_points(20))
+
+
+def test_nothing_in_nothing_out():
+    nothing = np.empty((0, 3), np.float32)
+    for got in (clouds.voxel_grid(nothing, 1.0), clouds.pass_through(nothing, "z"), clouds.remove_outliers(nothing)):
+        assert got.shape == (0, 3)
+
+
+def test_the_same_points_give_the_same_bytes():
+    points = np.concatenate([some_points(3000), bumpy_bed(2000)]).astype(np.float32)
+    first, second = (
+        (
+            clouds.voxel_grid(points, 0.4).tobytes(),
+            clouds.remove_outliers(points, 10, 1.0).tobytes(),
+            clouds.ground_plane(points, 0.3).normal.tobytes(),
+            clouds.register(points[::2], points[1::2], max_distance_m=1.0).target_from_source.tobytes(),
+        )
+        for _ in range(2)
+    )
+    assert first == second
+
+
+def test_what_pcl_would_say_on_stderr_is_an_exception_only(capfd):
+    far = clouds.register(some_points(20), some_points(20) + 1e5, max_distance_m=0.5)
+    assert not far.converged
+    assert far.overlap == 0.0
+    assert math.isnan(far.rms_m)
+    line = np.column_stack([np.linspace(0, 1, 9), np.zeros(9), np.zeros(9)])
+    with pytest.raises(ValueError, match="points_m"):
+        clouds.ground_plane(line, 0.1)
+    assert capfd.readouterr().err == ""
