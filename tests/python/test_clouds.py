@@ -110,9 +110,7 @@ def test_a_wall_is_no_ground():
         clouds.ground_plane(np.column_stack([np.zeros(50), np.linspace(0, 1, 50), np.zeros(50)]), 0.1)
 
 
-@given(
-    turn=st.tuples(*[st.floats(-0.06, 0.06)] * 3), shift=st.tuples(*[st.floats(-0.3, 0.3)] * 3), far=st.booleans()
-)
+@given(turn=st.tuples(*[st.floats(-0.06, 0.06)] * 3), shift=st.tuples(*[st.floats(-0.3, 0.3)] * 3), far=st.booleans())
 def test_icp_recovers_how_a_cloud_was_moved(turn, shift, far):
     there = bumpy_bed(1500)
     known = motion(turn, shift)

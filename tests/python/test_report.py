@@ -14,7 +14,7 @@ from rich.console import Console
 
 from uwsim import _core
 from uwsim.survey import scene_picture
-from uwsim.survey.atomic_file import write_atomically
+from uwsim.atomic_file import write_atomically
 from uwsim.survey.pictures import draw_pictures
 from uwsim.survey.record import PingSample, SurveyRecord
 from uwsim.survey.report import write_report

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from numpy.typing import NDArray
 
-from uwsim.survey.atomic_file import write_atomically
+from uwsim.atomic_file import write_atomically
 
 PIXELS_PER_INCH = 150
 INK, FAINT_INK = "#1b2733", "#7d8a96"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from uwsim.survey.atomic_file import write_atomically
+from uwsim.atomic_file import write_atomically
 from uwsim.survey.pictures import Picture
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.score import MapScore

@@ -1,0 +1,156 @@
+"""PCD, PCL's own format, version 0.7: written binary; read as text, binary and compressed binary.
+
+Not by PCL: its reader lives in pcl_io, which loads 73 libraries and trusts what it reads.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.cloud_files.rounding import to_float32
+
+HEADER = """\
+# .PCD v0.7 - Point Cloud Data file format
+VERSION 0.7
+FIELDS x y z
+SIZE 4 4 4
+TYPE F F F
+COUNT 1 1 1
+WIDTH {n}
+HEIGHT 1
+VIEWPOINT 0 0 0 1 0 0 0
+POINTS {n}
+DATA binary
+"""
+KINDS = {"F": {4, 8}, "I": {1, 2, 4, 8}, "U": {1, 2, 4, 8}}
+MAX_HEADER = 65_536
+
+
+def encode(points_m: NDArray[np.floating]) -> bytes:
+    """Write binary float x, y, z."""
+    return HEADER.format(n=len(points_m)).encode("ascii") + to_float32(points_m).tobytes()
+
+
+def decode(data: bytes) -> NDArray[np.float64]:
+    """Read x, y, z, whatever other fields there are."""
+    header, body = _split(data)
+    layout = _layout(header)
+    count = _whole(header, "POINTS") if "POINTS" in header else _whole(header, "WIDTH") * _whole(header, "HEIGHT")
+    how = " ".join(header["DATA"])
+    if how == "ascii":
+        return _from_text(body, layout, count)
+    if how == "binary":
+        rows = np.frombuffer(_exactly(body, count * layout.itemsize), layout)
+        return _xyz([rows[axis] for axis in "xyz"])
+    if how == "binary_compressed":
+        return _from_columns(_unpacked(body, count * layout.itemsize), layout, count)
+    raise ValueError(f"DATA {how}: must be ascii, binary or binary_compressed")
+
+
+def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
+    """Return the header's words by their line's first, and what follows."""
+    end = re.search(rb"^DATA[^\n]*\n", data[:MAX_HEADER], flags=re.MULTILINE)
+    if end is None:
+        raise ValueError("no header that ends in a DATA line")
+    lines = (line.split() for line in data[: end.end()].decode("ascii").splitlines() if not line.startswith("#"))
+    header = {words[0]: words[1:] for words in lines if words}
+    for key in ("FIELDS", "SIZE", "TYPE"):
+        if key not in header:
+            raise ValueError(f"no {key} in the header")
+    return header, data[end.end() :]
+
+
+def _layout(header: dict[str, list[str]]) -> np.dtype[np.void]:
+    """Return the fields of a point as they lie in memory."""
+    fields, sizes, kinds = header["FIELDS"], header["SIZE"], header["TYPE"]
+    counts = header.get("COUNT", ["1"] * len(fields))
+    if not len(fields) == len(sizes) == len(kinds) == len(counts):
+        raise ValueError("FIELDS, SIZE, TYPE and COUNT differ in length")
+    names, formats = [], []
+    for index, (name, size, kind, count) in enumerate(zip(fields, sizes, kinds, counts, strict=True)):
+        if not (size.isdigit() and count.isdigit() and int(size) in KINDS.get(kind, ())):
+            raise ValueError(f"field {name}: TYPE {kind} SIZE {size} COUNT {count} is none of PCD's")
+        if name in ("x", "y", "z") and count != "1":
+            raise ValueError(f"field {name}: COUNT {count}, expected 1")
+        names.append(name if name in ("x", "y", "z") else f"{index}")  # padding fields are all named _
+        formats.append(f"({count},)<{kind.lower()}{size}" if count != "1" else f"<{kind.lower()}{size}")
+    if sorted(set(names) & {"x", "y", "z"}) != ["x", "y", "z"]:
+        raise ValueError(f"FIELDS {' '.join(fields)}: expected x, y and z among them")
+    return np.dtype({"names": names, "formats": formats})
+
+
+def _whole(header: dict[str, list[str]], key: str) -> int:
+    words = header.get(key, [])
+    if len(words) != 1 or not words[0].isdigit():
+        raise ValueError(f"{key} {' '.join(words)}: expected a whole number")
+    return int(words[0])
+
+
+def _exactly(body: bytes, size: int) -> bytes:
+    """PCL's writer may leave more behind, never less."""
+    if len(body) < size:
+        raise ValueError(f"{len(body)} bytes of points, expected {size}")
+    return body[:size]
+
+
+def _from_text(body: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
+    """Read the columns of x, y, z, which begin behind the counts of the fields before them."""
+    names = layout.names or ()
+    widths = [int(np.prod(layout[name].shape, dtype=int)) for name in names]
+    first = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
+    text = io.StringIO(body.decode("ascii"))
+    columns = tuple(first[axis] for axis in "xyz")
+    points = np.loadtxt(text, np.float64, usecols=columns, ndmin=2, max_rows=count + 1) if count else np.empty((0, 3))
+    if len(points) != count:
+        raise ValueError(f"{len(points)} lines of points, expected {count}")
+    # What was written as float32 is read as float32: 0.1 is another number in float64.
+    return _xyz([points[:, k].astype(layout[axis]) for k, axis in enumerate("xyz")])
+
+
+def _from_columns(columns: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
+    """Compressed files hold all of one field, then all of the next."""
+    found, offset = {}, 0
+    for name in layout.names or ():
+        found[name] = columns[offset : offset + layout[name].itemsize * count]
+        offset += layout[name].itemsize * count
+    return _xyz([np.frombuffer(found[axis], layout[axis]) for axis in "xyz"])
+
+
+def _unpacked(body: bytes, size: int) -> bytes:
+    """Undo LZF: a size packed and a size plain, then literals and copies of what came before."""
+    if len(body) < 8:
+        raise ValueError("ends before its compressed points")
+    packed_size, plain_size = struct.unpack_from("<II", body)
+    if plain_size != size:
+        raise ValueError(f"unpacks to {plain_size} bytes, expected {size}")
+    packed, plain, at = _exactly(body[8:], packed_size), bytearray(), 0
+    while at < packed_size and len(plain) <= size:
+        control = packed[at]
+        at += 1
+        if control < 32:  # so many literals, and one
+            plain += packed[at : at + control + 1]
+            at += control + 1
+            continue
+        length = control >> 5
+        if length == 7:
+            length += packed[at]
+            at += 1
+        start = len(plain) - ((control & 31) << 8) - packed[at] - 1
+        at += 1
+        if start < 0:
+            raise ValueError("compressed points refer to what is before them")
+        length += 2
+        copied = plain[start : start + length]
+        plain += (copied * (length // len(copied) + 1))[:length]  # it may run into itself
+    if len(plain) != size or at != packed_size:
+        raise ValueError(f"unpacks to {len(plain)} bytes, expected {size}")
+    return bytes(plain)
+
+
+def _xyz(columns: list[NDArray[np.generic]]) -> NDArray[np.float64]:
+    return np.stack([column.astype(np.float64) for column in columns], axis=1)
