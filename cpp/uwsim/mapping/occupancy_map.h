@@ -9,19 +9,37 @@
 #include <string_view>
 #include <vector>
 
+#include "uwsim/mapping/map_engine.h"
 #include "uwsim/mapping/octree_file.h"
+#include "uwsim/mapping/scan_kernels.h"
+
+namespace octomap {
+class OcTree;
+}
 
 namespace uwsim {
+
+/// What a map is made of. Both give the same bytes, .bt and .ot, after the same scans.
+enum class MapEngineKind {
+  octomap,  ///< Debian's octomap::OcTree and its insertPointCloud: the reference
+  bricks,   ///< ours, much faster
+};
+
+struct MapOptions {
+  MapEngineKind engine = MapEngineKind::bricks;
+  OccupancyModel model;
+  InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks; the bytes do not depend on it
+};
 
 struct MapStatistics {
   std::uint64_t occupied_voxels;  ///< counted at the finest level: a pruned leaf is as many voxels as it covers
   std::uint64_t free_voxels;
   std::size_t nodes;         ///< of the pruned tree
-  std::size_t memory_bytes;  ///< by OctoMap's own reckoning, which leaves out the allocator's share
+  std::size_t memory_bytes;  ///< octomap: by its own reckoning, which leaves out the allocator's share; bricks: all
 };
 
-/// A probabilistic occupancy map: Debian's octomap::OcTree (Hornung et al. 2013, Autonomous Robots 34(3)) with
-/// OctoMap's default sensor model: hit 0.7, miss 0.4, clamped to [0.1192, 0.971], occupied from 0.5 on.
+/// A probabilistic occupancy map: OctoMap's octree (Hornung et al. 2013, Autonomous Robots 34(3)) with OctoMap's sensor
+/// model.
 ///
 /// OctoMap's cube reaches 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m) and `origin_world_m` puts
 /// that origin where the survey is: the tree and its files hold world minus origin, and the caller keeps the origin.
@@ -32,26 +50,36 @@ struct MapStatistics {
 class OccupancyMap {
  public:
   /// resolution_m: edge of a voxel, in [0.001, 1000]. Throws InvalidValue.
-  explicit OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero());
+  explicit OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
+                        const MapOptions& options = {});
   /// A map from a .bt or .ot file, told apart by its first line. A .bt knows only occupied or free: its voxels come
   /// back at the clamping limits. Throws FileError if it cannot be read, InvalidValue if it is no sound map.
-  static OccupancyMap read(const std::string& path, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero());
+  static OccupancyMap read(const std::string& path, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
+                           const MapOptions& options = {});
   /// The same from memory; `name` stands for the path in messages.
   static OccupancyMap from_bytes(std::string_view bytes, std::string_view name,
-                                 const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero());
+                                 const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
+                                 const MapOptions& options = {});
   ~OccupancyMap();
   OccupancyMap(OccupancyMap&&) noexcept;
   OccupancyMap& operator=(OccupancyMap&&) noexcept;
 
   double resolution_m() const;
   Eigen::Vector3d origin_world_m() const;
+  MapEngineKind engine() const;
 
   /// One ping: every voxel between the origin and a point is seen free once, every voxel that holds a point occupied
-  /// once, occupied winning (OctoMap's insertPointCloud). Of a point farther than max_range_m (infinity: no limit) only
-  /// the free part up to there counts. points_world_m: x, y, z by rows. Points that are not finite are no echo and are
-  /// skipped. Throws InvalidValue, and inserts nothing, if the origin is not finite or a point or the origin lies
-  /// outside OctoMap's cube.
+  /// once, occupied winning (OctoMap's insertPointCloud). Of a point farther than max_range_m (infinity: no limit; at
+  /// least a nanometre) only the free part up to there counts. points_world_m: x, y, z by rows. Points that are not
+  /// finite are no echo and are skipped. Throws InvalidValue, and inserts nothing, if the origin is not finite or a
+  /// point or the origin lies outside OctoMap's cube.
   void insert_scan(std::span<const float> points_world_m, const Eigen::Vector3d& origin_world_m, double max_range_m);
+
+  /// Pings one after the other, in one go, which is faster. counts: points of each; points_world_m: all of them;
+  /// origins_world_m: x, y, z of each. threads: of the bricks; the bytes do not depend on it. Throws as above, and
+  /// inserts nothing, if any is wrong.
+  void insert_scans(std::span<const float> points_world_m, std::span<const std::int64_t> counts,
+                    std::span<const double> origins_world_m, double max_range_m, int threads);
 
   /// Centres, x, y, z by rows, of the voxels of the finest level, pruned leaves expanded, in Morton order (z, y, x bits
   /// from the highest level down). Throws InvalidValue past 100 million of them.
@@ -65,10 +93,13 @@ class OccupancyMap {
   std::vector<std::int8_t> state_at(std::span<const double> points_world_m) const;
 
   /// The file as bytes. The map stays as it is: a .bt written in mid-survey does not round the live log-odds off.
-  /// A .bt is pruned as far as it goes, so that equal voxels give equal bytes.
+  /// A .bt is written by an octomap::OcTree, the bytes those of its writeBinary.
   std::string to_bytes(MapFormat format) const;
   /// Atomically; throws FileError.
   void write(const std::string& path, MapFormat format) const;
+
+  /// A copy as OctoMap's own tree, with all its log-odds.
+  std::shared_ptr<octomap::OcTree> octree() const;
 
  private:
   struct Impl;

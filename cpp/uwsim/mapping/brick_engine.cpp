@@ -1,0 +1,78 @@
+#include "uwsim/mapping/brick_engine.h"
+
+#include "uwsim/mapping/brick_tree.h"
+#include "uwsim/mapping/brick_update.h"
+#include "uwsim/mapping/morton.h"
+#include "uwsim/mapping/octomap_engine.h"
+
+namespace uwsim {
+namespace {
+
+bricks::SensorModel sensor_model(const OccupancyModel& model) {
+  return {OccupancyModel::log_odds(model.hit), OccupancyModel::log_odds(model.miss),
+          OccupancyModel::log_odds(model.clamping_min), OccupancyModel::log_odds(model.clamping_max)};
+}
+
+class BrickEngine : public MapEngine {
+ public:
+  BrickEngine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m, const OccupancyModel& model,
+              InstructionSet instruction_set)
+      : resolution_m_(resolution_m),
+        tree_origin_world_m_(tree_origin_world_m),
+        model_(model),
+        store_(sensor_model(model)),
+        update_(store_, kernels_for(instruction_set)) {}
+
+  void insert(std::span<const Scan> scans, double max_range_m, int threads) override {
+    const auto scan = [&](std::size_t i) {
+      bricks::ScanInput input{
+          scans[i].points_world_m.data(), scans[i].points_world_m.size() / 3, {}, {}, max_range_m, resolution_m_};
+      for (int axis = 0; axis < 3; ++axis) {
+        input.tree_origin_world_m[axis] = tree_origin_world_m_[axis];
+        input.origin_m[axis] = scans[i].origin_m[axis];
+      }
+      return input;
+    };
+    update_.insert(scans.size(), scan, threads);
+  }
+
+  void load(MapFormat format, std::string_view body) override { load_tree(store_, format, body); }
+
+  std::optional<float> log_odds_at(const VoxelKey& key) const override {
+    const auto axis = [&](std::size_t i) { return static_cast<std::uint32_t>(key[i]); };
+    const std::uint64_t code = morton::code(axis(0), axis(1), axis(2));
+    const bricks::BrickStore::Chunk* chunk = store_.find(static_cast<std::uint32_t>(code >> 18));
+    if (!chunk) {
+      const auto* leaf = store_.large_leaf_over(static_cast<std::uint32_t>(code >> 18));
+      return leaf ? std::optional(leaf->log_odds) : std::nullopt;
+    }
+    const std::uint32_t slot = chunk->bricks[code >> 9 & 511];
+    if (slot == bricks::kNone) return std::nullopt;
+    if (slot >= bricks::BrickStore::kUniform) return store_.uniform(slot);
+    const bricks::Brick& brick = store_.brick(slot);
+    const bool known = brick.known[code >> 6 & 7] >> (code & 63) & 1;
+    return known ? std::optional(log_odds_of(store_, brick, static_cast<int>(code & 511))) : std::nullopt;
+  }
+
+  void for_each_leaf(const LeafVisitor& leaf) const override { bricks::for_each_leaf(store_, leaf); }
+  TreeBytes full_tree() const override { return bricks::full_tree(store_); }
+  TreeBytes binary_tree() const override { return written_by_octomap(likely_tree(store_), resolution_m_, model_); }
+  std::uint64_t nodes() const override { return count_nodes(store_); }
+  std::size_t memory_bytes() const override { return store_.memory_bytes(); }
+
+ private:
+  const double resolution_m_;
+  const Eigen::Vector3d tree_origin_world_m_;
+  const OccupancyModel model_;
+  bricks::BrickStore store_;
+  bricks::BrickUpdate update_;
+};
+
+}  // namespace
+
+std::unique_ptr<MapEngine> make_brick_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
+                                             const OccupancyModel& model, InstructionSet instruction_set) {
+  return std::make_unique<BrickEngine>(resolution_m, tree_origin_world_m, model, instruction_set);
+}
+
+}  // namespace uwsim

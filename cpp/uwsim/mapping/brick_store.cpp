@@ -1,0 +1,151 @@
+#include "uwsim/mapping/brick_store.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <new>
+
+namespace uwsim::bricks {
+namespace {
+
+constexpr std::uint32_t kIndices = 1u << 31;
+constexpr std::size_t kBricksAtOnce = 256, kBlocksAtOnce = 1024;
+constexpr std::uint64_t kAll = ~std::uint64_t{0};
+
+void fill(float* block, float value) { std::fill_n(block, 64, value); }
+
+}  // namespace
+
+Arena::Arena(std::size_t element_bytes)
+    : element_bytes_(element_bytes), table_((kIndices >> kSegmentBits) * sizeof(std::byte*)) {}
+
+std::uint32_t Arena::take(std::uint32_t count) {
+  if (taken_ > kIndices - count) throw std::bad_alloc();
+  while (segments_.size() * std::size_t{kSegment} < std::size_t{taken_} + count) {
+    Pages segment(kSegment * element_bytes_);
+    if (!segments_.empty()) segment.prefault();  // a small map stays small
+    table_.as<std::byte*>()[segments_.size()] = segment.as<std::byte>();
+    segments_.push_back(std::move(segment));
+  }
+  const std::uint32_t first = taken_;
+  taken_ += count;
+  return first;
+}
+
+BrickStore::BrickStore(const SensorModel& model) : model_(model), bricks_(sizeof(Brick)), blocks_(64 * sizeof(float)) {
+  uniform_slot(model.lowest);  // the first value: see Supply::close
+}
+
+const BrickStore::Chunk* BrickStore::find(std::uint32_t code) const {
+  const auto found = chunks_.find(code);
+  return found == chunks_.end() ? nullptr : found->second.get();
+}
+
+const BrickStore::LargeLeaf* BrickStore::large_leaf_over(std::uint32_t code) const {
+  auto after = std::upper_bound(large_leaves_.begin(), large_leaves_.end(), code,
+                                [](std::uint32_t wanted, const LargeLeaf& leaf) { return wanted < leaf.code; });
+  if (after == large_leaves_.begin()) return nullptr;
+  const LargeLeaf& leaf = *--after;
+  return (code - leaf.code) >> (3 * (leaf.levels - 6)) == 0 ? &leaf : nullptr;
+}
+
+BrickStore::Chunk& BrickStore::chunk(std::uint32_t code) {
+  std::unique_ptr<Chunk>& chunk = chunks_[code];
+  if (!chunk) {
+    chunk = std::make_unique<Chunk>();
+    const LargeLeaf* leaf = large_leaf_over(code);
+    chunk->bricks.fill(leaf ? uniform_slot(leaf->log_odds) : kNone);
+  }
+  return *chunk;
+}
+
+std::vector<std::pair<std::uint32_t, const BrickStore::Chunk*>> BrickStore::sorted_chunks() const {
+  std::vector<std::pair<std::uint32_t, const Chunk*>> sorted;
+  sorted.reserve(chunks_.size());
+  for (const auto& [code, chunk] : chunks_) sorted.emplace_back(code, chunk.get());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+std::uint32_t BrickStore::uniform_slot(float log_odds) {
+  const auto [at, is_new] = uniform_indices_.try_emplace(log_odds, static_cast<std::uint32_t>(uniform_values_.size()));
+  if (is_new) uniform_values_.push_back(log_odds);
+  return kUniform | at->second;
+}
+
+std::size_t BrickStore::memory_bytes() const {
+  return sizeof(*this) + chunks_.size() * (sizeof(Chunk) + 64) + bricks_.memory_bytes() + blocks_.memory_bytes();
+}
+
+BrickStore::Supply::~Supply() {
+  const std::scoped_lock lock(store_.mutex_);
+  store_.spare_bricks_.insert(store_.spare_bricks_.end(), free_bricks_.begin(), free_bricks_.end());
+  store_.spare_blocks_.insert(store_.spare_blocks_.end(), free_.free, free_.free + free_.free_count);
+}
+
+Blocks& BrickStore::Supply::blocks(std::size_t at_least) {
+  free_.segments = reinterpret_cast<float* const*>(store_.blocks_.pointers());
+  free_blocks_.clear();
+  free_blocks_.grow(free_.free_count);
+  if (free_.free_count < at_least) {
+    const std::scoped_lock lock(store_.mutex_);
+    const std::size_t wanted = at_least + kBlocksAtOnce - free_.free_count;
+    std::uint32_t* const more = free_blocks_.room(wanted);
+    std::vector<std::uint32_t>& spares = store_.spare_blocks_;
+    const std::size_t spare = std::min(wanted, spares.size());
+    std::copy(spares.end() - static_cast<std::ptrdiff_t>(spare), spares.end(), more);
+    spares.resize(spares.size() - spare);
+    const auto fresh = static_cast<std::uint32_t>(wanted - spare);
+    const std::uint32_t first = fresh == 0 ? 0 : store_.blocks_.take(fresh);
+    for (std::uint32_t i = 0; i < fresh; ++i) more[spare + i] = first + fresh - 1 - i;
+    free_blocks_.grow(wanted);
+    free_.free_count += static_cast<std::uint32_t>(wanted);
+  }
+  free_blocks_.room(at_least);  // as many may be given back
+  free_.free = free_blocks_.data();
+  return free_;
+}
+
+Brick& BrickStore::Supply::open(std::uint32_t& slot) {
+  if (slot < kUniform) return store_.brick(slot);
+  if (free_bricks_.empty()) {
+    const std::scoped_lock lock(store_.mutex_);
+    const std::size_t spare = std::min(kBricksAtOnce, store_.spare_bricks_.size());
+    free_bricks_.assign(store_.spare_bricks_.end() - static_cast<std::ptrdiff_t>(spare), store_.spare_bricks_.end());
+    store_.spare_bricks_.resize(store_.spare_bricks_.size() - spare);
+    if (spare == 0) {
+      const std::uint32_t first = store_.bricks_.take(kBricksAtOnce);
+      for (std::uint32_t i = kBricksAtOnce; i-- > 0;) free_bricks_.push_back(first + i);
+    }
+  }
+  const std::uint32_t index = free_bricks_.back();
+  free_bricks_.pop_back();
+  Brick& brick = store_.brick(index);
+  std::memset(&brick, 0, sizeof brick);
+  std::fill_n(brick.block, 8, kNone);
+  if (slot != kNone) {
+    const float value = store_.uniform(slot);
+    std::fill_n(brick.known, 8, kAll);
+    if (value <= store_.model_.lowest) std::fill_n(brick.low, 8, kAll);
+    if (value != store_.model_.lowest) {
+      Blocks& supply = blocks(8);
+      for (std::uint32_t& block : brick.block) {
+        block = supply.free[--supply.free_count];
+        fill(supply.at(block), value);
+      }
+    }
+  }
+  slot = index;
+  return brick;
+}
+
+void BrickStore::Supply::close(std::uint32_t& slot) {
+  const Brick& brick = store_.brick(slot);
+  for (int word = 0; word < 8; ++word) {
+    if (brick.known[word] != kAll || brick.block[word] != kNone) return;
+  }
+  free_bricks_.push_back(slot);
+  slot = kUniform;  // with the first value
+}
+
+}  // namespace uwsim::bricks

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "uwsim/mapping/growing.h"
+#include "uwsim/mapping/pages.h"
+#include "uwsim/mapping/scan_kernels.h"
+
+namespace uwsim::bricks {
+
+/// Elements of a fixed size that never move, by index. Handing out is for one thread at a time; looking up is for all.
+class Arena {
+ public:
+  static constexpr std::uint32_t kSegment = 1u << kSegmentBits;
+
+  explicit Arena(std::size_t element_bytes);
+
+  /// The first of `count` new elements. Throws std::bad_alloc.
+  std::uint32_t take(std::uint32_t count);
+  std::byte* at(std::uint32_t index) const {
+    return pointers()[index >> kSegmentBits] + element_bytes_ * (index & (kSegment - 1));
+  }
+  std::byte* const* pointers() const { return table_.as<std::byte*>(); }
+  std::size_t memory_bytes() const { return segments_.size() * kSegment * element_bytes_; }
+
+ private:
+  std::size_t element_bytes_;
+  std::uint32_t taken_ = 0;
+  Pages table_;  ///< of segments; in pages of its own, so that it never moves
+  std::vector<Pages> segments_;
+};
+
+/// The voxels of a map: bricks of 8 x 8 x 8 in chunks of 8 x 8 x 8 bricks, found by a hash. What is the same all over
+/// (a brick seen free until it could be no freer, a large leaf of a file) is kept as one value.
+class BrickStore {
+ public:
+  /// 512 bricks in Morton order: kNone, an index of a brick, or kUniform with an index of a value.
+  struct Chunk {
+    std::array<std::uint32_t, 512> bricks;
+  };
+  static constexpr std::uint32_t kUniform = 0x80000000;
+
+  /// A leaf of a file that is larger than a chunk.
+  struct LargeLeaf {
+    std::uint32_t code;  ///< of its first chunk
+    int levels;          ///< above the finest, more than 6
+    float log_odds;
+  };
+
+  explicit BrickStore(const SensorModel& model);
+
+  const SensorModel& model() const { return model_; }
+  const Chunk* find(std::uint32_t code) const;
+  /// Makes the chunk if need be, out of the large leaf that covers it if there is one. For one thread at a time.
+  Chunk& chunk(std::uint32_t code);
+  /// In Morton order.
+  std::vector<std::pair<std::uint32_t, const Chunk*>> sorted_chunks() const;
+  const std::vector<LargeLeaf>& large_leaves() const { return large_leaves_; }
+  /// In Morton order of their codes, none within another, and before any chunk is made.
+  void add_large_leaf(const LargeLeaf& leaf) { large_leaves_.push_back(leaf); }
+  const LargeLeaf* large_leaf_over(std::uint32_t code) const;
+
+  Brick& brick(std::uint32_t index) const { return *reinterpret_cast<Brick*>(bricks_.at(index)); }
+  const float* block(std::uint32_t index) const { return reinterpret_cast<const float*>(blocks_.at(index)); }
+  float uniform(std::uint32_t slot) const { return uniform_values_[slot & ~kUniform]; }
+  /// The slot of a brick that is `log_odds` all over. For one thread at a time.
+  std::uint32_t uniform_slot(float log_odds);
+
+  /// Free bricks and blocks of one thread.
+  class Supply {
+   public:
+    explicit Supply(BrickStore& store) : store_(store) {}
+    ~Supply();
+    Supply(const Supply&) = delete;
+    Supply& operator=(const Supply&) = delete;
+
+    /// At least so many free blocks.
+    Blocks& blocks(std::size_t at_least);
+    /// The brick behind a slot, made if there is none, spread out if it was uniform.
+    Brick& open(std::uint32_t& slot);
+    /// Keeps a brick that is the lowest all over as such, if it is.
+    void close(std::uint32_t& slot);
+
+   private:
+    BrickStore& store_;
+    Blocks free_{};
+    Growing<std::uint32_t> free_blocks_;
+    std::vector<std::uint32_t> free_bricks_;
+  };
+
+  /// What the map holds, its reserves included.
+  std::size_t memory_bytes() const;
+
+ private:
+  SensorModel model_;
+  std::unordered_map<std::uint32_t, std::unique_ptr<Chunk>> chunks_;
+  std::vector<LargeLeaf> large_leaves_;
+  std::vector<float> uniform_values_;
+  std::unordered_map<float, std::uint32_t> uniform_indices_;
+  Arena bricks_, blocks_;
+  std::vector<std::uint32_t> spare_bricks_, spare_blocks_;
+  std::mutex mutex_;
+};
+
+/// Log-odds of a voxel of a brick, known or not: `index` in Morton order.
+inline float log_odds_of(const BrickStore& store, const Brick& brick, int index) {
+  const std::uint32_t block = brick.block[index >> 6];
+  return block == kNone ? store.model().lowest : store.block(block)[index & 63];
+}
+
+}  // namespace uwsim::bricks

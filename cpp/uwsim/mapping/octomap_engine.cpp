@@ -1,0 +1,165 @@
+#include "uwsim/mapping/octomap_engine.h"
+
+#include <octomap/OcTree.h>
+
+#include <sstream>
+
+#include "uwsim/mapping/quiet_stderr.h"
+
+// The tree's code is Debian's own, linked from its archives: compiled here, it could give another tree.
+extern template class octomap::OcTreeDataNode<float>;
+extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
+extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;
+
+namespace uwsim {
+namespace {
+
+using octomap::OcTreeNode;
+
+/// The protected members, without OctoMap's accessors and iterators, which Debian's archives do not export.
+struct Children : OcTreeNode {
+  static const OcTreeNode* at(const OcTreeNode& node, int child) {
+    octomap::AbstractOcTreeNode** all = node.*(&Children::children);
+    return all ? static_cast<const OcTreeNode*>(all[child]) : nullptr;
+  }
+  static bool none(const OcTreeNode& node) { return node.*(&Children::children) == nullptr; }
+};
+struct Root : octomap::OcTree {
+  /// Null in an empty tree.
+  static OcTreeNode* of(const octomap::OcTree& tree) { return tree.*(&Root::root); }
+};
+
+/// Prunes and refreshes the inner nodes bottom up, as insertions would have left them, in a tree out of a file. The
+/// root stays: a .bt says nothing of a root that is a leaf.
+void settle(octomap::OcTree& tree, OcTreeNode& node) {
+  if (Children::none(node)) return;
+  for (int child = 0; child < 8; ++child) {
+    if (const OcTreeNode* below = Children::at(node, child)) settle(tree, const_cast<OcTreeNode&>(*below));
+  }
+  if (&node == Root::of(tree) || !tree.pruneNode(&node)) node.updateOccupancyChildren();
+}
+
+/// The lowest corner of a child, from that of its parent, which is two halves wide.
+VoxelKey child_corner(const VoxelKey& corner, int child, int half) {
+  return {corner[0] + (child & 1) * half, corner[1] + (child >> 1 & 1) * half, corner[2] + (child >> 2 & 1) * half};
+}
+
+void visit_leaves(const OcTreeNode& node, const VoxelKey& key, int levels, const MapEngine::LeafVisitor& leaf) {
+  if (Children::none(node)) return leaf(key, levels, node.getLogOdds());
+  const int half = 1 << (levels - 1);
+  for (int child = 0; child < 8; ++child) {
+    const OcTreeNode* below = Children::at(node, child);
+    if (below) visit_leaves(*below, child_corner(key, child, half), levels - 1, leaf);
+  }
+}
+
+void set_model(octomap::OcTree& tree, const OccupancyModel& model) {
+  tree.setProbHit(model.hit);
+  tree.setProbMiss(model.miss);
+  tree.setClampingThresMin(model.clamping_min);
+  tree.setClampingThresMax(model.clamping_max);
+}
+
+TreeBytes binary_data(const octomap::OcTree& tree) {
+  std::ostringstream body;
+  const QuietStderr quiet;  // writeBinaryData tells how many nodes it writes
+  tree.writeBinaryData(body);
+  return {body.str(), tree.size()};
+}
+
+TreeBytes full_data(const octomap::OcTree& tree) {
+  std::ostringstream body;
+  tree.writeData(body);
+  return {body.str(), tree.size()};
+}
+
+class OctomapEngine : public MapEngine {
+ public:
+  OctomapEngine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m, const OccupancyModel& model)
+      : tree_(resolution_m), tree_origin_world_m_(tree_origin_world_m), model_(model) {
+    set_model(tree_, model);
+  }
+
+  void insert(std::span<const Scan> scans, double max_range_m, int) override {
+    for (const Scan& scan : scans) {
+      tree_.insertPointCloud(cloud(scan), {scan.origin_m.x(), scan.origin_m.y(), scan.origin_m.z()}, max_range_m);
+    }
+    // A cube that is known all over and equal has no children left: a leaf at the root, of which no .bt can tell.
+    if (OcTreeNode* root = Root::of(tree_); root && Children::none(*root)) tree_.expandNode(root);
+  }
+
+  void load(MapFormat format, std::string_view body) override {
+    std::istringstream stream{std::string(body)};
+    format == MapFormat::bt ? tree_.readBinaryData(stream) : tree_.readData(stream);
+    if (OcTreeNode* root = Root::of(tree_)) settle(tree_, *root);
+  }
+
+  std::optional<float> log_odds_at(const VoxelKey& key) const override {
+    const auto axis = [&](std::size_t i) { return static_cast<octomap::key_type>(key[i]); };
+    const OcTreeNode* node = tree_.search(octomap::OcTreeKey(axis(0), axis(1), axis(2)), 0);
+    return node ? std::optional(node->getLogOdds()) : std::nullopt;
+  }
+
+  void for_each_leaf(const LeafVisitor& leaf) const override {
+    if (const OcTreeNode* root = Root::of(tree_)) visit_leaves(*root, {}, kTreeDepth, leaf);
+  }
+
+  TreeBytes full_tree() const override { return full_data(tree_); }
+
+  /// What writeBinary does, on a copy: the live tree keeps its log-odds.
+  TreeBytes binary_tree() const override {
+    if (!Root::of(tree_)) return {};
+    const std::shared_ptr<octomap::OcTree> copy = octree_of(full_data(tree_), tree_.getResolution(), model_);
+    copy->toMaxLikelihood();
+    copy->prune();
+    return binary_data(*copy);
+  }
+
+  std::uint64_t nodes() const override { return tree_.size(); }
+  std::size_t memory_bytes() const override { return tree_.memoryUsage(); }
+
+ private:
+  /// The points as the tree takes them. One whose distance a float cannot tell from zero is put at the origin:
+  /// OctoMap's walk to it might not end.
+  octomap::Pointcloud cloud(const Scan& scan) const {
+    octomap::Pointcloud cloud;
+    const std::span<const float> points = scan.points_world_m;
+    cloud.reserve(points.size() / 3);
+    for (std::size_t i = 0; i < points.size(); i += 3) {
+      const Eigen::Vector3d point_world_m(points[i], points[i + 1], points[i + 2]);
+      if (!point_world_m.allFinite()) continue;
+      Eigen::Vector3f point = (point_world_m - tree_origin_world_m_).cast<float>();
+      const Eigen::Vector3f way = point - scan.origin_m;
+      if (way.x() * way.x() + way.y() * way.y() + way.z() * way.z() == 0) point = scan.origin_m;
+      cloud.push_back(point.x(), point.y(), point.z());
+    }
+    return cloud;
+  }
+
+  octomap::OcTree tree_;
+  const Eigen::Vector3d tree_origin_world_m_;
+  const OccupancyModel model_;
+};
+
+}  // namespace
+
+std::unique_ptr<MapEngine> make_octomap_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
+                                               const OccupancyModel& model) {
+  return std::make_unique<OctomapEngine>(resolution_m, tree_origin_world_m, model);
+}
+
+std::shared_ptr<octomap::OcTree> octree_of(const TreeBytes& full_tree, double resolution_m,
+                                           const OccupancyModel& model) {
+  auto tree = std::make_shared<octomap::OcTree>(resolution_m);
+  set_model(*tree, model);
+  if (full_tree.nodes == 0) return tree;
+  std::istringstream body(full_tree.body);
+  tree->readData(body);
+  return tree;
+}
+
+TreeBytes written_by_octomap(const TreeBytes& likely_tree, double resolution_m, const OccupancyModel& model) {
+  return binary_data(*octree_of(likely_tree, resolution_m, model));
+}
+
+}  // namespace uwsim

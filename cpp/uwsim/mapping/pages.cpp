@@ -1,0 +1,49 @@
+#include "uwsim/mapping/pages.h"
+
+#include <sys/mman.h>
+
+#include <cstdint>
+#include <new>
+#include <utility>
+
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kLargePage = std::size_t{1} << 21;
+
+}  // namespace
+
+Pages::Pages(std::size_t bytes) : bytes_(bytes), mapping_bytes_(bytes + (bytes < kLargePage ? 0 : kLargePage)) {
+  mapping_ =
+      ::mmap(nullptr, mapping_bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (mapping_ == MAP_FAILED) {
+    mapping_ = nullptr;
+    throw std::bad_alloc();
+  }
+  const std::uintptr_t start = reinterpret_cast<std::uintptr_t>(mapping_);
+  const std::uintptr_t aligned = mapping_bytes_ == bytes ? start : (start + kLargePage - 1) & ~(kLargePage - 1);
+  data_ = reinterpret_cast<void*>(aligned);
+}
+
+Pages::~Pages() {
+  if (mapping_) ::munmap(mapping_, mapping_bytes_);
+}
+
+Pages::Pages(Pages&& other) noexcept { *this = std::move(other); }
+
+Pages& Pages::operator=(Pages&& other) noexcept {
+  std::swap(data_, other.data_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(mapping_, other.mapping_);
+  std::swap(mapping_bytes_, other.mapping_bytes_);
+  return *this;
+}
+
+void Pages::prefault() {
+  ::madvise(data_, bytes_, MADV_HUGEPAGE);
+#ifdef MADV_POPULATE_WRITE
+  ::madvise(data_, bytes_, MADV_POPULATE_WRITE);
+#endif
+}
+
+}  // namespace uwsim

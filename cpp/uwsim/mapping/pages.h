@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+
+namespace uwsim {
+
+/// Memory of the system's own, all zero, of which only what is touched takes room. Throws std::bad_alloc.
+class Pages {
+ public:
+  Pages() = default;
+  explicit Pages(std::size_t bytes);
+  ~Pages();
+  Pages(Pages&& other) noexcept;
+  Pages& operator=(Pages&& other) noexcept;
+
+  /// Asks for large pages and has them all present: no page faults later. What the system cannot do is left.
+  void prefault();
+
+  std::size_t size() const { return bytes_; }
+  template <typename T>
+  T* as() const {
+    return static_cast<T*>(data_);
+  }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t bytes_ = 0;
+  void* mapping_ = nullptr;  ///< larger than what is used, to start where a large page does
+  std::size_t mapping_bytes_ = 0;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,54 @@
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE  // fopencookie
+#endif
+#include "uwsim/mapping/quiet_stderr.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include <mutex>
+
+namespace uwsim {
+namespace {
+
+thread_local int quiet = 0;
+
+ssize_t pass_on(void*, const char* text, size_t size) {
+  return quiet > 0 ? static_cast<ssize_t>(size) : ::write(STDERR_FILENO, text, size);
+}
+
+/// Stands in for stderr, which is a variable in glibc. Never closed: another thread may be about to print to it.
+FILE* filter() {
+  static FILE* const stream = [] {
+    cookie_io_functions_t functions{};
+    functions.write = pass_on;
+    FILE* made = ::fopencookie(nullptr, "w", functions);
+    if (made) ::setvbuf(made, nullptr, _IONBF, 0);
+    return made;
+  }();
+  return stream;
+}
+
+std::mutex swapping;
+int in_use = 0;
+FILE* original = nullptr;
+
+}  // namespace
+
+QuietStderr::QuietStderr() {
+  const std::scoped_lock lock(swapping);
+  ++quiet;
+  if (in_use++ > 0 || !filter()) return;
+  original = stderr;
+  stderr = filter();
+}
+
+QuietStderr::~QuietStderr() {
+  const std::scoped_lock lock(swapping);
+  --quiet;
+  if (--in_use > 0 || !original) return;
+  stderr = original;
+  original = nullptr;
+}
+
+}  // namespace uwsim
