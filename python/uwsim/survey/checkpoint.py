@@ -19,7 +19,7 @@ from typing import Any
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.atomic_file import write_atomically
+from uwsim.atomic_file import write_atomically
 from uwsim.survey.flight_state import FlightState, from_bytes, to_bytes
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "survey.state", "checkpoint.old"
