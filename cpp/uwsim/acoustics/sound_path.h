@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+
+#include "uwsim/acoustics/sound_speed_profile.h"
+
+namespace uwsim {
+
+/// Where a ray of sound is, in its own vertical plane.
+struct SoundState {
+  double across_m = 0;  ///< horizontal distance from its start
+  double depth_m = 0;
+  double dip_rad = 0;   ///< below the horizontal, in [-pi/2, pi/2]
+  double time_s = 0;    ///< since its start
+  double length_m = 0;  ///< along the path
+};
+
+/// A ray of sound through a layered profile, after Snell: cos(dip) / c is kept. In a layer of constant gradient g the
+/// path is an arc of curvature g cos(dip) / c, bent towards slower water (Urick 1983, "Principles of Underwater Sound",
+/// ch. 5; Medwin and Clay 1998, "Fundamentals of Acoustical Oceanography", ch. 3). Steps and times are closed forms
+/// that stay exact where the gradient vanishes, the ray is vertical, or it turns. High-frequency limit: no diffraction,
+/// no focusing; the water is layered in depth alone.
+class SoundPath {
+ public:
+  /// `profile` must outlive it. dip_rad: below the horizontal.
+  SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad);
+
+  const SoundState& state() const { return state_; }
+  /// [1/m], of the arc that comes next; positive bends down.
+  double curvature_1_m() const;
+  /// Length to the end of this layer along the arc, or to the surface where that comes first; infinity where the ray
+  /// never leaves.
+  double to_boundary_m() const;
+  /// Goes on by `length_m`, at most to_boundary_m() [m]. Returns whether the surface was reached: there is no beyond.
+  bool advance(double length_m);
+  /// State `length_m` ahead in this layer, without going there.
+  SoundState ahead(double length_m) const;
+  /// Length along this layer's arc after which `time_s` more have passed.
+  double length_after(double time_s) const;
+
+ private:
+  const SoundSpeedProfile* profile_;
+  std::size_t layer_;
+  double snell_s_m_;  ///< cos(dip) / c
+  SoundState state_;
+};
+
+/// Where a ray is after `time_s`; at the surface where it meets that before.
+SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double time_s);
+
+}  // namespace uwsim
