@@ -8,8 +8,8 @@ namespace uwsim {
 /// Absorption of one frequency down a column of water, integrated once, so that a path's mean costs two look-ups.
 class AbsorptionColumn {
  public:
-  /// absorption_db_km(depth_m): at a depth. Between `knots` depths, evenly from 0 to bottom_m, it is linear; below it is
-  /// that of the bottom.
+  /// absorption_db_km(depth_m): at a depth. Between `knots` depths, evenly from 0 to bottom_m, it is linear; below it
+  /// is that of the bottom.
   AbsorptionColumn(const std::function<double(double)>& absorption_db_km, double bottom_m, int knots = 512);
 
   /// Mean along a straight path between two depths [dB/m].

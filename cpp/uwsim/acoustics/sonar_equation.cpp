@@ -37,7 +37,9 @@ void SonarFigures::check() const {
   require_in(detection_threshold_db, -20, 60, "sonar.detection_threshold_db", "must be in [-20, 60] dB");
 }
 
-double SonarFigures::processing_gain_db() const { return 10 * std::log10(std::max(1.0, bandwidth_hz * pulse_length_s)); }
+double SonarFigures::processing_gain_db() const {
+  return 10 * std::log10(std::max(1.0, bandwidth_hz * pulse_length_s));
+}
 
 double SonarFigures::figure_db() const {
   return source_level_db + processing_gain_db() + directivity_index_db - noise_level_db;
@@ -82,7 +84,7 @@ double false_alarm_probability(double detection_threshold_db) {
 }
 
 double amplitude_range_std_m(double extent_m, double cell_m, double snr) {
-  return extent_m / std::sqrt(12 * looks_of(extent_m, cell_m)) * (1 + 1 / snr);
+  return std::max(extent_m, cell_m) / std::sqrt(12.0) * (1 + 1 / snr);
 }
 
 double phase_range_std_m(double extent_m, double cell_m, double snr) {

@@ -30,8 +30,8 @@ struct SonarFigures {
 
 /// What a bottom gives back.
 struct BottomMaterial {
-  double strength_db = -30;    ///< backscatter of a square metre at normal incidence; by Lambert's law at others
-  double relief = 0.1;         ///< rms slope of its relief across a footprint, which spreads the echo in range
+  double strength_db = -30;  ///< backscatter of a square metre at normal incidence; by Lambert's law at others
+  double relief = 0.1;       ///< rms slope of its relief across a footprint, which spreads the echo in range
 };
 
 /// Bottom that scatters one range cell's worth at normal incidence [m^2]: the whole footprint, Omega R^2, where its
@@ -61,9 +61,10 @@ double false_alarm_probability(double detection_threshold_db);
 /// Standard deviation [m] of the range to the middle of an echo that is `extent_m` long in range (its even equivalent)
 /// and holds extent / cell independent looks L, by amplitude and by phase.
 ///
-/// Amplitude, the centre of energy: extent / sqrt(12) x (1 + 1/snr) / sqrt(L): each look's intensity varies by its own
-/// mean, noise included. Derived from the independence of looks; of the same form as Lurton and Augustin's 2010 quality
-/// factor (IEEE J. Oceanic Eng. 35:852; its abstract was read, not its text).
+/// Amplitude, the largest sample: extent / sqrt(12) x (1 + 1/snr). Of looks alike, each is as likely to fade least, so
+/// that the largest lies anywhere in the echo: an even distribution's deviation; noise widens it. Derived; that
+/// amplitude's error goes with the echo's length is also the base of Lurton and Augustin's 2010 quality factor (IEEE J.
+/// Oceanic Eng. 35:852; its abstract was read, not its text).
 double amplitude_range_std_m(double extent_m, double cell_m, double snr);
 /// Phase, the zero crossing between two halves of the array: extent / (0.886 pi) x sigma / sqrt(L), a line fitted over
 /// L looks, of which each errs by sigma^2 = 1/snr + 1/(2 snr^2) + floor^2. The phase turns by 0.886 pi over the

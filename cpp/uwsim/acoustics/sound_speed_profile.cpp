@@ -17,12 +17,13 @@ void check(std::span<const double> depths_m, std::span<const double> speeds_m_s)
   require(speeds_m_s.size() == depths_m.size(), "sound_speed_profile.speeds_m_s.size", speeds_m_s.size(),
           "must be one a depth, " + std::to_string(depths_m.size()));
   for (std::size_t k = 0; k < depths_m.size(); ++k) {
-    const std::string at = "[" + std::to_string(k) + "]";
-    require(depths_m[k] >= 0 && depths_m[k] <= 12000, "sound_speed_profile.depths_m" + at, depths_m[k],
-            "m: must be in [0, 12000] m");
-    require(k == 0 || depths_m[k] > depths_m[k - 1], "sound_speed_profile.depths_m" + at, depths_m[k],
+    const auto path = [k](const char* field) {
+      return std::string("sound_speed_profile.") + field + "[" + std::to_string(k) + "]";
+    };
+    require(depths_m[k] >= 0 && depths_m[k] <= 12000, path("depths_m"), depths_m[k], "m: must be in [0, 12000] m");
+    require(k == 0 || depths_m[k] > depths_m[k - 1], path("depths_m"), depths_m[k],
             "m: must be deeper than the level before");
-    require(speeds_m_s[k] >= 1300 && speeds_m_s[k] <= 1700, "sound_speed_profile.speeds_m_s" + at, speeds_m_s[k],
+    require(speeds_m_s[k] >= 1300 && speeds_m_s[k] <= 1700, path("speeds_m_s"), speeds_m_s[k],
             "m/s: must be in [1300, 1700] m/s");
   }
 }

@@ -8,7 +8,7 @@ namespace uwsim {
 
 /// A layer in which the speed of sound is linear in depth: c(d) = speed_m_s + gradient_1_s (d - reference_m).
 struct SoundLayer {
-  double top_m;  ///< -infinity of the first
+  double top_m;     ///< -infinity of the first
   double bottom_m;  ///< +infinity of the last
   double reference_m;
   double speed_m_s;  ///< at reference_m
@@ -20,8 +20,8 @@ struct SoundLayer {
 /// Speed of sound, linear in depth between levels, constant above the first and below the last.
 class SoundSpeedProfile {
  public:
-  /// Throws InvalidValue, naming sound_speed_profile, unless depths [m] rise, are in [0, 12000], and speeds [m/s] are in
-  /// [1300, 1700], one a depth.
+  /// Throws InvalidValue, naming sound_speed_profile, unless depths [m] rise, are in [0, 12000], and speeds [m/s] are
+  /// in [1300, 1700], one a depth.
   SoundSpeedProfile(std::span<const double> depths_m, std::span<const double> speeds_m_s);
 
   /// One speed everywhere.

@@ -44,10 +44,14 @@ double RandomStream::uniform(std::uint64_t tick, std::uint32_t index) const {
   return open_unit(b[0], b[1]);
 }
 
-double RandomStream::normal(std::uint64_t tick, std::uint32_t index) const {
+double RandomStream::normal(std::uint64_t tick, std::uint32_t index) const { return normals(tick, index)[0]; }
+
+std::array<double, 2> RandomStream::normals(std::uint64_t tick, std::uint32_t index) const {
   const Block b =
       philox4x32({static_cast<std::uint32_t>(tick), static_cast<std::uint32_t>(tick >> 32), index, stream_}, key_);
-  return std::sqrt(-2 * std::log(open_unit(b[0], b[1]))) * std::cos(2 * std::numbers::pi * open_unit(b[2], b[3]));
+  const double radius = std::sqrt(-2 * std::log(open_unit(b[0], b[1])));
+  const double turn = 2 * std::numbers::pi * open_unit(b[2], b[3]);
+  return {radius * std::cos(turn), radius * std::sin(turn)};
 }
 
 }  // namespace uwsim

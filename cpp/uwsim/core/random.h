@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -17,6 +18,8 @@ class RandomStream {
   double uniform(std::uint64_t tick, std::uint32_t index = 0) const;
   /// Standard normal (Box-Muller).
   double normal(std::uint64_t tick, std::uint32_t index = 0) const;
+  /// Two independent standard normals, of which the first is `normal`'s: one draw's cost.
+  std::array<double, 2> normals(std::uint64_t tick, std::uint32_t index = 0) const;
 
  private:
   std::uint64_t key_;

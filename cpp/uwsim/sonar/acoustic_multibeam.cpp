@@ -1,0 +1,265 @@
+#include "uwsim/sonar/acoustic_multibeam.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
+#include "uwsim/sonar/bent_cast.h"
+#include "uwsim/sonar/water_sound.h"
+
+namespace uwsim {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr double kPhaseLooks = 4;
+constexpr double kLeastTurn_rad = 1e-5;  // of the fan during a ping; less than a hundredth of a beam
+constexpr float kLeastRange_m = 0.01f;   // closer than this nothing gets louder
+
+float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
+
+void check(const BottomMaterial& bottom, const std::string& path) {
+  require(bottom.strength_db >= -100 && bottom.strength_db <= 30, path + ".strength_db", bottom.strength_db,
+          "dB: must be in [-100, 30] dB");
+  require(bottom.relief >= 0 && bottom.relief <= 2, path + ".relief", bottom.relief, "must be in [0, 2]");
+}
+
+AcousticPing empty_ping(std::size_t beams) {
+  return {std::vector<float>(beams, kInfinity),  std::vector<float>(3 * beams, kNone),
+          std::vector<float>(beams, kNone),      std::vector<float>(beams, -kInfinity),
+          std::vector<float>(beams, -kInfinity), std::vector<float>(beams, kInfinity),
+          std::vector<Label>(beams, kNothing),   std::vector<std::uint8_t>(beams, 0),
+          std::vector<std::uint8_t>(beams, 0)};
+}
+
+}  // namespace
+
+void AcousticSpec::check() const {
+  figures.check();
+  require(acidity_ph >= 6 && acidity_ph <= 9, "sonar.acidity_ph", acidity_ph, "must be in [6, 9]");
+  uwsim::check(bottom, "sonar.bottom");
+  for (std::size_t k = 0; k < materials.size(); ++k) {
+    uwsim::check(materials[k], "sonar.materials[" + std::to_string(k) + "]");
+  }
+}
+
+struct AcousticMultibeam::Moment {
+  const RayScene& scene;
+  Pose world_from_sonar;
+  Eigen::Matrix3f rotation;
+  Eigen::Vector3f mach;    // velocity over the speed of sound, world
+  double turn_rad_s;       // of the fan, about its normal
+  double sound_speed_m_s;  // at the head
+  float cell_m;
+  std::uint64_t tick;
+};
+
+AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSpec& spec, const Water& water,
+                                     double bottom_m, const RandomStream& stream)
+    : fan_(fan),
+      spec_((spec.check(), spec)),
+      stream_(stream),
+      footprint_(fan, spec.figures.beam_width_across_rad, spec.figures.beam_width_along_rad, spec.rays_per_beam),
+      profile_(sound_speed_profile(water)),
+      absorption_(absorption_column(water, spec.figures.frequency_hz, spec.acidity_ph, bottom_m)),
+      system_ratio_(std::pow(10, spec.figures.figure_db() / 10)) {
+  const auto add = [this](const BottomMaterial& material) {
+    strengths_.push_back(ratio(material.strength_db));
+    reliefs_.push_back(static_cast<float>(material.relief));
+  };
+  for (const BottomMaterial& material : spec.materials) add(material);
+  add(spec.bottom);
+}
+
+RayEcho AcousticMultibeam::echo_of(const Moment& now, double length_m, double range_m, double cosine, double depth_m,
+                                   Label label) const {
+  const std::size_t material = std::min<std::size_t>(label, strengths_.size() - 1);
+  const SonarFigures& sonar = spec_.figures;
+  const auto length = std::max(static_cast<float>(length_m), kLeastRange_m);
+  const auto cos_i = std::clamp(static_cast<float>(cosine), 1e-3f, 1.0f);
+  const double absorption_db_m = absorption_.mean_db_m(-now.world_from_sonar.position_m.z(), depth_m);
+  const auto lost = std::exp(static_cast<float>(-0.2 * std::numbers::ln10 * absorption_db_m) * length);
+  const auto share = static_cast<float>(sonar.beam_solid_angle_sr() / footprint_.rays());
+  const float slant = std::sqrt(1 - cos_i * cos_i) / cos_i;
+  const float patch_m = footprint_.rays() > 1 ? length * static_cast<float>(footprint_.spacing_rad()) * slant : 0;
+  const float width_m =
+      length * static_cast<float>(std::sqrt(sonar.beam_width_along_rad * sonar.beam_width_across_rad));
+  const float relief_m = reliefs_[material] * width_m * cos_i;
+  RayEcho echo;
+  echo.range_m = static_cast<float>(range_m);
+  echo.energy = share * strengths_[material] * cos_i * lost / (length * length);
+  echo.width_m = std::sqrt(now.cell_m * now.cell_m + patch_m * patch_m + relief_m * relief_m);
+  echo.cosine = cos_i;
+  echo.label = label;
+  return echo;
+}
+
+void AcousticMultibeam::cast_straight(const Moment& now, const Eigen::Matrix3Xf& directions_world,
+                                      std::span<RayEcho> echoes) const {
+  const Eigen::Vector3d& head = now.world_from_sonar.position_m;
+  const auto farthest = static_cast<float>(fan_.range_max_m);
+  RayPacket packet;
+  HitPacket met;
+  packet.origin_x.fill(0);
+  packet.origin_y.fill(0);
+  packet.origin_z.fill(0);
+  packet.near_m.fill(0);
+  packet.far_m.fill(farthest);
+  const bool moves = !now.mach.isZero(0);
+  for (std::size_t first = 0; first < echoes.size(); first += kPacketRays) {
+    const std::size_t count = std::min(kPacketRays, echoes.size() - first);
+    for (std::size_t lane = 0; lane < kPacketRays; ++lane) {
+      const auto column = static_cast<Eigen::Index>(first + std::min(lane, count - 1));
+      packet.direction_x[lane] = directions_world(0, column);
+      packet.direction_y[lane] = directions_world(1, column);
+      packet.direction_z[lane] = directions_world(2, column);
+      packet.active[lane] = lane < count ? -1 : 0;
+    }
+    now.scene.cast(head, packet, met, RayOrder::kCoherent);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      RayEcho& echo = echoes[first + lane];
+      echo.energy = 0;
+      const double length_m = met.distance_m[lane];
+      const double z = head.z() + length_m * packet.direction_z[lane];
+      if (!(length_m < farthest) || z > 0) continue;
+      const Eigen::Vector3f way(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
+      const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
+      const double cosine = std::abs(normal.dot(way)) / normal.norm();
+      // Out to the bottom, and back to where the head is by then.
+      const double half = moves ? 0.5 * (1 + (way - 2 * now.mach).norm()) : 1;
+      echo = echo_of(now, length_m, half * length_m, cosine, -z, static_cast<Label>(met.label[lane]));
+    }
+  }
+}
+
+void AcousticMultibeam::cast_along_arcs(const Moment& now, const Eigen::Matrix3Xf& directions_world,
+                                        std::span<RayEcho> echoes) const {
+  const Eigen::Vector3d& head = now.world_from_sonar.position_m;
+  std::vector<Eigen::Vector3d> directions(echoes.size());
+  std::vector<SoundHit> hits(echoes.size());
+  for (std::size_t k = 0; k < echoes.size(); ++k) {
+    directions[k] = directions_world.col(static_cast<Eigen::Index>(k)).cast<double>().normalized();
+  }
+  cast_bent(now.scene, profile_, head, directions, fan_.range_max_m / now.sound_speed_m_s, hits);
+  for (std::size_t k = 0; k < echoes.size(); ++k) {
+    const SoundHit& hit = hits[k];
+    echoes[k].energy = 0;
+    if (hit.label == kNothing) continue;
+    const Eigen::Vector3d normal = hit.normal_world.cast<double>();
+    const double cosine = std::abs(normal.dot(hit.arrival_world)) / normal.norm();
+    const double half = 0.5 * (1 + (directions[k] - 2 * now.mach.cast<double>()).norm());
+    echoes[k] =
+        echo_of(now, hit.length_m, half * now.sound_speed_m_s * hit.time_s, cosine, -hit.point_world_m.z(), hit.label);
+  }
+}
+
+AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_from_sonar, const HeadMotion& motion,
+                                     std::uint64_t tick, int threads) const {
+  const auto beams = static_cast<std::size_t>(fan_.beams);
+  AcousticPing ping = empty_ping(beams);
+  const Eigen::Vector3d& head = world_from_sonar.position_m;
+  if (!(head.z() <= 0)) return ping;  // a dry head
+  const double c = profile_.at(-head.z());
+  const Moment now{scene,
+                   world_from_sonar,
+                   world_from_sonar.rotation().cast<float>(),
+                   (motion.velocity_world_m_s / c).cast<float>(),
+                   motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
+                   c,
+                   static_cast<float>(spec_.figures.range_cell_m(c)),
+                   tick};
+  const auto rays = static_cast<std::size_t>(footprint_.rays());
+  parallel_ranges(beams * rays, threads,
+                  [&](std::size_t first, std::size_t last) { ping_beams(now, first / rays, last / rays, ping); });
+  return ping;
+}
+
+void AcousticMultibeam::ping_beams(const Moment& now, std::size_t first, std::size_t last, AcousticPing& ping) const {
+  const auto rays = static_cast<std::size_t>(footprint_.rays());
+  const auto begin = static_cast<Eigen::Index>(first), beams = static_cast<Eigen::Index>(last - first);
+  const auto per_beam = static_cast<Eigen::Index>(rays);
+  std::vector<RayEcho> echoes((last - first) * rays);
+  Eigen::Matrix3Xf directions(3, beams * per_beam);
+  const double longest_s = 2 * fan_.range_max_m / now.sound_speed_m_s;
+  if (std::abs(now.turn_rad_s) * longest_s < kLeastTurn_rad) {
+    directions.noalias() = now.rotation * footprint_.directions().middleCols(begin * per_beam, beams * per_beam);
+  } else {
+    // How long each beam's echo is under way, and so how far the fan turns, an axis tells beforehand.
+    const Eigen::Matrix3Xf axes = now.rotation * footprint_.axes().middleCols(begin, beams);
+    std::vector<RayEcho> ahead(last - first);
+    cast_straight(now, axes, ahead);
+    for (Eigen::Index beam = 0; beam < beams; ++beam) {
+      const RayEcho& echo = ahead[static_cast<std::size_t>(beam)];
+      const double wait_s = echo.energy > 0 ? 2 * echo.range_m / now.sound_speed_m_s : longest_s;
+      const Eigen::AngleAxisf turn(static_cast<float>(now.turn_rad_s * wait_s), Eigen::Vector3f::UnitZ());
+      directions.middleCols(beam * per_beam, per_beam).noalias() =
+          (now.rotation * turn.toRotationMatrix()) *
+          footprint_.directions().middleCols((begin + beam) * per_beam, per_beam);
+    }
+  }
+  if (spec_.bending) {
+    cast_along_arcs(now, directions, echoes);
+  } else {
+    cast_straight(now, directions, echoes);
+  }
+  for (std::size_t beam = first; beam < last; ++beam) {
+    const std::span<RayEcho> all(echoes.data() + (beam - first) * rays, rays);
+    const auto silent = std::partition(all.begin(), all.end(), [](const RayEcho& e) { return e.energy > 0; });
+    const std::span<RayEcho> heard(all.begin(), silent);
+    detect(now, beam, beam_echo(heard, now.cell_m), ping);
+  }
+}
+
+void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEcho& echo, AcousticPing& ping) const {
+  const double dt_db = spec_.figures.detection_threshold_db;
+  const auto index = static_cast<std::uint32_t>(2 * beam);
+  Detection found = Detection::kNone;
+  double range_m = 0, intensity = 0;
+  if (echo.peak > 0) {
+    const auto [fading, error] = stream_.normals(now.tick, index);
+    const double snr = system_ratio_ * echo.peak;
+    const double extent_m = echo.extent_m(now.cell_m);
+    const double looks = std::max(1.0, extent_m / now.cell_m);
+    intensity = fading_intensity(snr, looks, fading);
+    if (intensity > intensity_threshold(dt_db, looks)) {
+      const double by_amplitude_m = amplitude_range_std_m(extent_m, now.cell_m, snr);
+      const double by_phase_m = phase_range_std_m(extent_m, now.cell_m, snr);
+      const bool phase = looks >= kPhaseLooks && by_phase_m < by_amplitude_m;
+      found = phase ? Detection::kPhase : Detection::kAmplitude;
+      range_m = phase ? echo.centre_range_m : echo.peak_range_m;
+      if (spec_.range_noise) range_m += error * (phase ? by_phase_m : by_amplitude_m);
+    }
+  }
+  if (spec_.false_detections) {
+    const double alone = false_alarm_probability(dt_db);
+    const double any = -std::expm1(std::log1p(-alone) * fan_.range_max_m / now.cell_m);
+    const double draw = stream_.uniform(now.tick, index + 1);
+    // What passes a threshold by chance passes it by an exponential's draw; where, anywhere.
+    const double chance = intensity_threshold(dt_db, 1) - std::log(draw / any);
+    if (draw < any && (found == Detection::kNone || chance > intensity)) {
+      found = Detection::kFalse;
+      intensity = chance;
+      range_m = fan_.range_max_m * stream_.uniform(now.tick, index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams));
+    }
+  }
+  if (found == Detection::kNone || !(range_m > 0 && range_m < fan_.range_max_m)) return;
+  const auto range = static_cast<float>(range_m);
+  ping.ranges_m[beam] = range;
+  Eigen::Map<Eigen::Vector3f>(ping.points_sonar_m.data() + 3 * beam) =
+      range * footprint_.axes().col(static_cast<Eigen::Index>(beam));
+  ping.travel_time_s[beam] = static_cast<float>(2 * range_m / now.sound_speed_m_s);
+  ping.intensity_db[beam] = static_cast<float>(10 * std::log10(intensity / system_ratio_));
+  ping.snr_db[beam] = static_cast<float>(10 * std::log10(intensity));
+  ping.valid[beam] = 1;
+  ping.detections[beam] = static_cast<std::uint8_t>(found);
+  if (found == Detection::kFalse) return;
+  ping.incidence_rad[beam] = std::acos(echo.cosine);
+  ping.labels[beam] = echo.label;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,149 @@
+#include "uwsim/sonar/bent_cast.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "uwsim/acoustics/sound_path.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSag_m = 0.9e-3;
+/// A chord is cast a little farther than it is long, so that none slips between it and the next.
+constexpr double kOverlap_m = 1e-3;
+constexpr int kChordsMax = 100'000;
+
+Eigen::Vector3d level(const Eigen::Vector3d& direction_world) {
+  const Eigen::Vector3d flat(direction_world.x(), direction_world.y(), 0);
+  const double length = flat.norm();
+  return length > 0 ? Eigen::Vector3d(flat / length) : Eigen::Vector3d::UnitX();
+}
+
+/// A ray on its way: its path lies in the vertical plane through `level_world`.
+struct Traveller {
+  Eigen::Vector3d level_world;
+  SoundPath path;
+  SoundState next;  // the end of the chord that is cast
+  double chord_m = 0;
+  int chords = 0;
+  bool done = false;
+
+  Eigen::Vector3d at(const SoundState& state, const Eigen::Vector3d& origin_world_m) const {
+    return {origin_world_m.x() + state.across_m * level_world.x(),
+            origin_world_m.y() + state.across_m * level_world.y(), -state.depth_m};
+  }
+};
+
+/// Chooses the next chord: to the layer's end, the millimetre's or the time's, whichever comes first.
+double chord_length_m(const SoundPath& path, double time_max_s) {
+  const double curvature = std::abs(path.curvature_1_m());
+  const double straight_m = curvature > 0 ? std::sqrt(8 * kSag_m / curvature) : kInfinity;
+  double length_m = std::min(path.to_boundary_m(), straight_m);
+  const double left_s = time_max_s - path.state().time_s;
+  constexpr double kFastest_m_s = 1800;  // an upper bound, to look at the time only near its end
+  if (length_m > kFastest_m_s * left_s || path.ahead(length_m).time_s - path.state().time_s > left_s) {
+    length_m = path.length_after(left_s);
+  }
+  return length_m;
+}
+
+void aim(RayPacket& packet, std::size_t lane, const Traveller& ray, const Eigen::Vector3d& origin_world_m) {
+  const Eigen::Vector3d from = ray.at(ray.path.state(), origin_world_m) - origin_world_m;
+  const Eigen::Vector3d chord = ray.at(ray.next, origin_world_m) - origin_world_m - from;
+  const Eigen::Vector3f start = from.cast<float>(), way = (chord / ray.chord_m).cast<float>();
+  packet.origin_x[lane] = start.x();
+  packet.origin_y[lane] = start.y();
+  packet.origin_z[lane] = start.z();
+  packet.direction_x[lane] = way.x();
+  packet.direction_y[lane] = way.y();
+  packet.direction_z[lane] = way.z();
+  packet.near_m[lane] = 0;
+  packet.far_m[lane] = static_cast<float>(ray.chord_m + kOverlap_m);
+  packet.active[lane] = -1;
+}
+
+void arrive(const Traveller& ray, double distance_m, const Eigen::Vector3d& origin_world_m, SoundHit& hit) {
+  const SoundState& start = ray.path.state();
+  const double length_m = (ray.next.length_m - start.length_m) * std::min(1.0, distance_m / ray.chord_m);
+  const SoundState there = ray.path.ahead(length_m);
+  const Eigen::Vector3d from = ray.at(start, origin_world_m);
+  hit.length_m = there.length_m;
+  hit.time_s = there.time_s;
+  hit.point_world_m = from + (ray.at(ray.next, origin_world_m) - from) * (distance_m / ray.chord_m);
+  hit.arrival_world = std::cos(there.dip_rad) * ray.level_world - std::sin(there.dip_rad) * Eigen::Vector3d::UnitZ();
+}
+
+std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& origin_world_m,
+                        std::span<const Eigen::Vector3d> directions_world, double time_max_s,
+                        std::span<SoundHit> hits) {
+  std::array<std::optional<Traveller>, kPacketRays> rays;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    const Eigen::Vector3d& way = directions_world[k];
+    const double dip = std::atan2(-way.z(), std::hypot(way.x(), way.y()));
+    rays[k] = Traveller{level(way), SoundPath(profile, -origin_world_m.z(), dip), {}};
+    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // along the surface or out of it
+    hits[k] = {kInfinity, kInfinity, origin_world_m, Eigen::Vector3f::Zero(), way, kNothing};
+  }
+  RayPacket packet{};
+  HitPacket met;
+  std::size_t cast = 0;
+  for (bool going = origin_world_m.z() <= 0; going;) {
+    going = false;
+    packet.active.fill(0);
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      Traveller& ray = *rays[k];
+      if (ray.done) continue;
+      const double length_m = chord_length_m(ray.path, time_max_s);
+      if (!(length_m > 1e-9) || ++ray.chords > kChordsMax) {
+        ray.done = true;
+        continue;
+      }
+      ray.next = ray.path.ahead(length_m);
+      ray.chord_m = (ray.at(ray.next, origin_world_m) - ray.at(ray.path.state(), origin_world_m)).norm();
+      aim(packet, k, ray, origin_world_m);
+      going = true;
+      ++cast;
+    }
+    if (!going) break;
+    scene.cast(origin_world_m, packet, met);
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      if (packet.active[k] == 0) continue;
+      Traveller& ray = *rays[k];
+      if (std::isfinite(met.distance_m[k])) {
+        arrive(ray, met.distance_m[k], origin_world_m, hits[k]);
+        hits[k].normal_world = {met.normal_x[k], met.normal_y[k], met.normal_z[k]};
+        hits[k].label = static_cast<Label>(met.label[k]);
+        ray.done = true;
+      } else {
+        ray.done = ray.path.advance(ray.next.length_m - ray.path.state().length_m);
+      }
+    }
+  }
+  for (SoundHit& hit : hits) {
+    if (hit.label == kNothing || hit.point_world_m.z() <= 0) continue;
+    hit.length_m = hit.time_s = kInfinity;  // the overlap met what stands out of the water
+    hit.label = kNothing;
+  }
+  return cast;
+}
+
+}  // namespace
+
+std::size_t cast_bent(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& origin_world_m,
+                      std::span<const Eigen::Vector3d> directions_world, double time_max_s, std::span<SoundHit> hits) {
+  require(hits.size() == directions_world.size(), "hits.size", hits.size(), "must equal the number of directions");
+  std::size_t chords = 0;
+  for (std::size_t first = 0; first < hits.size(); first += kPacketRays) {
+    const std::size_t count = std::min(kPacketRays, hits.size() - first);
+    chords += cast_packet(scene, profile, origin_world_m, directions_world.subspan(first, count), time_max_s,
+                          hits.subspan(first, count));
+  }
+  return chords;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,289 @@
+#include "uwsim/sonar/acoustic_multibeam.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "meshes.h"
+#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+World bed_world(double slope, float z_m) {
+  World world;
+  const float rise = static_cast<float>(slope * 1000);
+  world.set_terrain(Heightfield({z_m - rise, z_m + rise, z_m - rise, z_m + rise}, 2, 2, 2000, {-1000, -1000}));
+  return world;
+}
+
+Water even_water() {
+  Water water;
+  water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 8;
+  return water;
+}
+
+/// Loud enough for any range here, and without a doubt about it.
+AcousticSpec loud() {
+  AcousticSpec spec;
+  spec.figures.source_level_db = 230;
+  spec.false_detections = false;
+  spec.range_noise = false;
+  spec.bottom.relief = 0;
+  return spec;
+}
+
+MultibeamModel fan_of(int beams, double field_of_view_deg, double range_max_m = 500) {
+  MultibeamModel fan = em2040(1);
+  fan.beams = beams;
+  fan.field_of_view_rad = field_of_view_deg * std::numbers::pi / 180;
+  fan.range_max_m = range_max_m;
+  return fan;
+}
+
+Pose looking_down(double depth_m) {
+  return {{0, 0, -depth_m}, Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()))};
+}
+
+AcousticMultibeam sonar_of(const MultibeamModel& fan, const AcousticSpec& spec, const Water& water = even_water()) {
+  return AcousticMultibeam(fan, spec, water, 1000, RandomStream(5, "rov/sonar"));
+}
+
+/// Mean over many pings of the middle beam's intensity, as a level: speckle averaged out.
+double mean_level_db(const AcousticMultibeam& sonar, const RayScene& scene, const Pose& pose, int pings = 4000) {
+  double sum = 0;
+  const auto middle = static_cast<std::size_t>(sonar.fan().beams / 2);
+  for (int tick = 0; tick < pings; ++tick) {
+    const AcousticPing ping = sonar.ping(scene, pose, {}, static_cast<std::uint64_t>(tick));
+    if (ping.valid[middle]) sum += std::pow(10, ping.intensity_db[middle] / 10);
+  }
+  return 10 * std::log10(sum / pings);
+}
+
+TEST(BeamFootprint, HasTheGaussianPatternsMomentsHoweverManyRays) {
+  for (const int rays : {4, 8, 16, 64}) {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+    for (const auto& offset : BeamFootprint::offsets(rays)) {
+      mean += offset / rays;
+      second += offset * offset.transpose() / rays;
+    }
+    EXPECT_LT(mean.norm(), 1e-12);
+    EXPECT_LT((second - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+  }
+  EXPECT_THROW(BeamFootprint::offsets(0), InvalidValue);
+  EXPECT_THROW(BeamFootprint::offsets(3), InvalidValue);
+  EXPECT_THROW(BeamFootprint::offsets(65), InvalidValue);
+}
+
+TEST(AcousticMultibeam, StraightBelowItsLevelIsTheSonarEquations) {
+  AcousticSpec spec = loud();
+  spec.bottom = {-25, 0.1};
+  const AcousticMultibeam sonar = sonar_of(fan_of(3, 1), spec);
+  for (const float depth : {30.f, 120.f}) {
+    const double absorption = absorption_db_km(spec.figures.frequency_hz, 8, 0, 0.5 * depth) / 1000;
+    const double c = sound_speed_m_s(8, 0, 0);
+    const double expected = nadir_snr_db(spec.figures, spec.bottom, depth, c, absorption) - spec.figures.figure_db();
+    EXPECT_NEAR(mean_level_db(sonar, RayScene(bed_world(0, -depth)), looking_down(1e-3)), expected, 0.25) << depth;
+  }
+}
+
+TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndASmallTargetsBy40) {
+  AcousticSpec spec = loud();
+  spec.figures.frequency_hz = 2e3;  // next to no absorption
+  spec.figures.bandwidth_hz = 2e3;
+  spec.figures.pulse_length_s = 1e-2;
+  const auto fall_db = [&](const RayScene& near, const RayScene& far, const Pose& a, const Pose& b) {
+    const AcousticMultibeam sonar = sonar_of(fan_of(3, 1, 2000), spec);
+    return mean_level_db(sonar, near, a) - mean_level_db(sonar, far, b);
+  };
+  // A slope of 60 degrees stretches the footprint over many cells.
+  spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.3;
+  const double steep = std::tan(std::numbers::pi / 3);
+  EXPECT_NEAR(fall_db(RayScene(bed_world(steep, -100)), RayScene(bed_world(steep, -400)), looking_down(0.001),
+                      looking_down(0.001)),
+              30 * std::log10(4.0), 1.0);
+  const auto plate = [](double z_m) {
+    World world;
+    TriangleMesh mesh = testing::box(4, 4, 1);
+    for (auto& v : mesh.vertices_m) v += Eigen::Vector3d(0.2, 0, z_m);
+    world.add_solid("plate", mesh);
+    return world;
+  };
+  spec.rays_per_beam = 64;
+  // 64 rays: from a third of the plate's rays within it on.
+  spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.1;
+  EXPECT_NEAR(fall_db(RayScene(plate(-60)), RayScene(plate(-120)), looking_down(0.001), looking_down(0.001)),
+              40 * std::log10(2.0), 2.5);
+}
+
+TEST(AcousticMultibeam, ASlopesFootprintAveragesToItsPlane) {
+  AcousticSpec spec = loud();
+  spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.03;
+  const double slope = std::tan(0.5);
+  const RayScene scene(bed_world(slope, -50));
+  const AcousticPing ping = sonar_of(fan_of(3, 1), spec).ping(scene, looking_down(1e-3), {}, 0);
+  ASSERT_EQ(ping.valid[1], 1);
+  // Energy leans to the near side: by a few standard deviations' squares, not more.
+  EXPECT_NEAR(ping.ranges_m[1], 50, 50 * 3 * 0.013 * 0.013 / std::pow(std::cos(0.5), 2));
+  EXPECT_NEAR(ping.incidence_rad[1], 0.5, 0.03);
+  EXPECT_EQ(ping.labels[1], kTerrain);
+}
+
+TEST(AcousticMultibeam, ObliqueBeamsAreRangedByPhaseAndScatterLessThanByAmplitude) {
+  AcousticSpec spec = loud();
+  spec.range_noise = true;
+  const RayScene scene(bed_world(0, -40));
+  const AcousticMultibeam sonar = sonar_of(fan_of(121, 120), spec);
+  double squares = 0, predicted_amplitude = 0;
+  int count = 0;
+  const double axis_m = 40 / std::cos(std::numbers::pi / 3);
+  for (std::uint64_t tick = 0; tick < 400; ++tick) {
+    const AcousticPing ping = sonar.ping(scene, looking_down(1e-3), {}, tick);
+    EXPECT_NE(ping.detections[60], static_cast<int>(Detection::kPhase)) << "straight down";
+    if (!ping.valid[0]) continue;
+    EXPECT_EQ(ping.detections[0], static_cast<int>(Detection::kPhase));
+    squares += std::pow(ping.ranges_m[0] - axis_m, 2);
+    const double footprint_m = 0.4247 * 2.5066 * axis_m * 0.012 * std::tan(std::numbers::pi / 3);
+    predicted_amplitude += std::pow(amplitude_range_std_m(footprint_m, 0.07, 1e3), 2);
+    ++count;
+  }
+  ASSERT_GT(count, 390);
+  EXPECT_LT(std::sqrt(squares / count), 0.4 * std::sqrt(predicted_amplitude / count));
+}
+
+TEST(AcousticMultibeam, DetectionsThinOutWithRangeAndHalfAreLeftAtTheThreshold) {
+  AcousticSpec spec;
+  spec.false_detections = false;
+  const Water water = even_water();
+  const double c = sound_speed_m_s(8, 0, 0);
+  const AcousticMultibeam sonar = sonar_of(fan_of(201, 0.2, 2000), spec, water);
+  double before = 1;
+  for (const float depth : {100.f, 200.f, 300.f, 400.f, 600.f}) {
+    const AcousticPing ping = sonar.ping(RayScene(bed_world(0, -depth)), looking_down(1e-3), {}, 1);
+    double share = 0;
+    for (const auto valid : ping.valid) share += valid / 201.0;
+    const double absorption = absorption_db_km(spec.figures.frequency_hz, 8, 0, 0.5 * depth) / 1000;
+    const double snr = std::pow(10, nadir_snr_db(spec.figures, spec.bottom, depth, c, absorption) / 10);
+    const double looks = std::hypot(1, 0.1 * depth * std::sqrt(0.007 * 0.012) / (0.5 * c / 1e4));
+    EXPECT_NEAR(share, detection_probability(snr, looks, 13), 0.12) << depth;
+    EXPECT_LE(share, before);
+    before = share;
+  }
+  EXPECT_LT(before, 0.02);
+}
+
+TEST(AcousticMultibeam, FalseDetectionsComeAtTheirRateAndNotAtAllWhenSwitchedOff) {
+  AcousticSpec spec;
+  spec.figures.detection_threshold_db = 9;
+  const RayScene empty(bed_world(0, -900));
+  const MultibeamModel fan = fan_of(301, 20, 400);
+  int count = 0;
+  for (std::uint64_t tick = 0; tick < 40; ++tick) {
+    const AcousticPing ping = sonar_of(fan, spec).ping(empty, looking_down(1), {}, tick);
+    for (std::size_t k = 0; k < 301; ++k) {
+      if (!ping.valid[k]) continue;
+      ++count;
+      EXPECT_EQ(ping.detections[k], static_cast<int>(Detection::kFalse));
+      EXPECT_EQ(ping.labels[k], kNothing);
+      EXPECT_TRUE(ping.ranges_m[k] > 0 && ping.ranges_m[k] < 400 && std::isfinite(ping.points_sonar_m[3 * k]));
+    }
+  }
+  const double cells = 400 / (0.5 * sound_speed_m_s(8, 0, 1) / 1e4);
+  const double rate = 1 - std::pow(1 - false_alarm_probability(9), cells);
+  EXPECT_NEAR(count, 40 * 301 * rate, 4 * std::sqrt(40 * 301 * rate));
+  spec.false_detections = false;
+  for (std::uint64_t tick = 0; tick < 40; ++tick) {
+    for (const auto valid : sonar_of(fan, spec).ping(empty, looking_down(1), {}, tick).valid) EXPECT_EQ(valid, 0);
+  }
+}
+
+TEST(AcousticMultibeam, AMovingHeadHearsTheEchoWhereItHasMovedTo) {
+  const RayScene scene(bed_world(0, -100));
+  const AcousticMultibeam sonar = sonar_of(fan_of(121, 90), loud());
+  const Pose pose = looking_down(1e-3);
+  const auto range_m = [&](const HeadMotion& motion, std::size_t beam) {
+    return sonar.ping(scene, pose, motion, 0).ranges_m[beam];
+  };
+  const double c = sound_speed_m_s(8, 0, 0), under_way_s = 200 / c;
+  const double at_rest = range_m({}, 60);
+  EXPECT_NEAR(range_m({{0, 0, -5}, {0, 0, 0}}, 60), at_rest - 0.5 * 5 * under_way_s, 2e-3);
+  EXPECT_NEAR(range_m({{5, 0, 0}, {0, 0, 0}}, 60), at_rest, 2e-3) << "across the way it costs nothing of first order";
+  // The fan lies in y-z; turning about x moves beam 0 from 45 degrees by the turn until it hears.
+  const double rate = 0.3;
+  const double still = range_m({}, 0), turned = range_m({{0, 0, 0}, {rate, 0, 0}}, 0);
+  const double turn = rate * 2 * still / c;
+  const double sign = turned > still ? 1 : -1;
+  EXPECT_NEAR(turned, 100 / std::cos(std::numbers::pi / 4 + sign * turn), 0.15);
+  EXPECT_NEAR(range_m({{0, 0, 0}, {-rate, 0, 0}}, 0), 100 / std::cos(std::numbers::pi / 4 - sign * turn), 0.15);
+}
+
+TEST(AcousticMultibeam, ThePingIsTheSameWhateverTheThreads) {
+  AcousticSpec spec;
+  spec.figures.source_level_db = 195;
+  const RayScene scene(bed_world(0.2, -80));
+  for (const bool bending : {false, true}) {
+    spec.bending = bending;
+    Water water = even_water();
+    water.surface_temperature_deg_c = 18;
+    const AcousticMultibeam sonar = sonar_of(fan_of(1025, 120), spec, water);
+    const HeadMotion motion{{1, 0.5, 0}, {0.1, 0, 0}};
+    const AcousticPing one = sonar.ping(scene, looking_down(2), motion, 9, 1);
+    const AcousticPing two = sonar.ping(scene, looking_down(2), motion, 9, 2);
+    EXPECT_EQ(one.ranges_m, two.ranges_m);
+    EXPECT_EQ(one.intensity_db, two.intensity_db);
+    EXPECT_EQ(one.detections, two.detections);
+    EXPECT_NE(one.ranges_m, sonar.ping(scene, looking_down(2), motion, 10).ranges_m) << "another tick";
+  }
+}
+
+TEST(AcousticMultibeam, StrengthGoesByLabel) {
+  AcousticSpec spec = loud();
+  spec.materials = {{-30, 0}, {-42, 0}};
+  spec.bottom = {-20, 0};
+  const RayScene scene(bed_world(0, -30));
+  const double soft = mean_level_db(sonar_of(fan_of(3, 1), spec), scene, looking_down(1e-3));
+  spec.materials.clear();
+  EXPECT_NEAR(mean_level_db(sonar_of(fan_of(3, 1), spec), scene, looking_down(1e-3)) - soft, 22, 0.5);
+}
+
+TEST(AcousticMultibeam, BendingShowsInTheTravelTimeNotInTheBeam) {
+  Water water = even_water();
+  water.surface_temperature_deg_c = 20;
+  water.bottom_temperature_deg_c = 5;
+  water.bottom_depth_m = 50;
+  AcousticSpec spec = loud();
+  const RayScene scene(bed_world(0, -50));
+  const AcousticPing straight = sonar_of(fan_of(121, 120), spec, water).ping(scene, looking_down(0.5), {}, 3);
+  spec.bending = true;
+  const AcousticPing bent = sonar_of(fan_of(121, 120), spec, water).ping(scene, looking_down(0.5), {}, 3);
+  // Sound is slower below: it takes longer, and bends towards the bottom, which the outer beams meet sooner.
+  EXPECT_GT(bent.travel_time_s[60], straight.travel_time_s[60]);
+  EXPECT_LT(bent.travel_time_s[0], straight.travel_time_s[0]);
+}
+
+TEST(AcousticMultibeam, ADryHeadHearsNothing) {
+  const AcousticPing ping = sonar_of(fan_of(31, 90), {}).ping(RayScene(bed_world(0, -30)), looking_down(-1), {}, 0);
+  for (std::size_t k = 0; k < 31; ++k) {
+    EXPECT_EQ(ping.valid[k], 0);
+    EXPECT_TRUE(std::isinf(ping.ranges_m[k]));
+  }
+}
+
+TEST(AcousticMultibeam, FiguresThatAreNoneAreRefused) {
+  AcousticSpec spec;
+  spec.materials = {{-30, -1}};
+  EXPECT_THROW(sonar_of(fan_of(3, 1), spec), InvalidValue);
+  spec = {};
+  spec.rays_per_beam = 2;
+  EXPECT_THROW(sonar_of(fan_of(3, 1), spec), InvalidValue);
+  spec = {};
+  spec.acidity_ph = 14;
+  EXPECT_THROW(sonar_of(fan_of(3, 1), spec), InvalidValue);
+}
+
+}  // namespace
+}  // namespace uwsim

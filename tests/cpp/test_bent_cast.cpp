@@ -1,0 +1,112 @@
+#include "uwsim/sonar/bent_cast.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "meshes.h"
+#include "uwsim/acoustics/sound_path.h"
+#include "uwsim/sonar/water_sound.h"
+
+namespace uwsim {
+namespace {
+
+World flat_world(float z_m, double half_m = 2000) {
+  World world;
+  world.set_terrain(Heightfield(std::vector<float>(4, z_m), 2, 2, 2 * half_m, {-half_m, -half_m}));
+  return world;
+}
+
+SoundSpeedProfile gradient(double surface_m_s, double gradient_1_s, double depth_m = 1000) {
+  const std::vector<double> depths = {0, depth_m}, speeds = {surface_m_s, surface_m_s + gradient_1_s * depth_m};
+  return SoundSpeedProfile(depths, speeds);
+}
+
+Eigen::Vector3d dipping(double dip_rad, double heading_rad = 0) {
+  return {std::cos(dip_rad) * std::cos(heading_rad), std::cos(dip_rad) * std::sin(heading_rad), -std::sin(dip_rad)};
+}
+
+SoundHit cast_one(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& from,
+                  const Eigen::Vector3d& way, double time_max_s = 2) {
+  SoundHit hit;
+  cast_bent(scene, profile, from, {&way, 1}, time_max_s, {&hit, 1});
+  return hit;
+}
+
+TEST(BentCast, UnderAConstantGradientItMeetsAFlatBedWhereSnellsCircleDoes) {
+  const double g = 0.1, c0 = 1450;
+  const auto profile = gradient(c0, g);
+  const RayScene scene(flat_world(-60));
+  for (const double dip : {0.15, 0.3, 0.8, 1.5}) {
+    const double depth = 10, c = c0 + g * depth, c_bed = c0 + g * 60;
+    const double dip_bed = std::acos(std::cos(dip) * c_bed / c);
+    const double across = c / (g * std::cos(dip)) * (std::sin(dip) - std::sin(dip_bed));
+    const auto gd = [](double a) { return std::log(std::tan(std::numbers::pi / 4 + a / 2)); };
+    const double time = (gd(dip) - gd(dip_bed)) / g;
+    const SoundHit hit = cast_one(scene, profile, {3, 4, -depth}, dipping(dip, 0.7));
+    // A chord within a millimetre of the arc meets a slanting bed within a millimetre over its slant.
+    const double slack_m = 1e-3 / std::sin(dip_bed) + 2e-4;
+    EXPECT_NEAR(std::hypot(hit.point_world_m.x() - 3, hit.point_world_m.y() - 4), across, slack_m);
+    EXPECT_NEAR(hit.point_world_m.z(), -60, 2e-4);
+    EXPECT_NEAR(hit.time_s, time, slack_m / c);
+    EXPECT_NEAR(std::asin(-hit.arrival_world.z()), dip_bed, 1e-4);
+    EXPECT_EQ(hit.label, kTerrain);
+  }
+}
+
+TEST(BentCast, ChordsStayWithinAMillimetreOfTheArc) {
+  // A fence of thin poles along a level ray's arc: each is met or missed as the arc, not as the straight line, would.
+  const auto profile = gradient(1450, 0.5, 400);
+  const double c = 1450 + 0.5 * 50, radius = c / 0.5;
+  for (const double across : {20.0, 40.0, 80.0}) {
+    const double rise_m = radius - std::sqrt(radius * radius - across * across);
+    for (const double off_m : {-0.002, 0.002}) {
+      World world;
+      TriangleMesh box = testing::box(0.1, 10, 2);  // its top 1 m above its middle
+      for (auto& v : box.vertices_m) v += Eigen::Vector3d(across + 0.05, 0, -50 + rise_m - 1 + off_m);
+      world.add_solid("box", box);
+      const SoundHit hit = cast_one(RayScene(world), profile, {0, 0, -50}, dipping(0), 0.2);
+      EXPECT_EQ(hit.label != kNothing, off_m > 0) << across << " m, " << off_m;
+    }
+  }
+}
+
+TEST(BentCast, ARayThatTurnsUpMeetsWhatHangsInItsWayButNothingAboveTheSurface) {
+  const auto profile = gradient(1450, 0.5, 400);
+  World world;
+  TriangleMesh box = testing::box(1, 20, 40);
+  for (auto& v : box.vertices_m) v += Eigen::Vector3d(600, 0, 20.1);  // from z = 0.1 up
+  world.add_solid("bridge", box);
+  const RayScene scene(world);
+  EXPECT_EQ(cast_one(scene, profile, {0, 0, -20}, dipping(0.05)).label, kNothing) << "meets the surface on its way";
+  EXPECT_EQ(cast_one(scene, profile, {590, 0, -1}, dipping(-0.3)).label, kNothing);
+  EXPECT_EQ(cast_one(scene, profile, {590, 0, 1}, dipping(-0.3)).label, kNothing) << "a dry head";
+  EXPECT_EQ(cast_one(scene, profile, {590, 0, 0}, dipping(-0.3)).label, kNothing);
+}
+
+TEST(BentCast, InEvenWaterItIsTheStraightCastAndOneChord) {
+  const RayScene scene(flat_world(-30));
+  const auto even = SoundSpeedProfile::even(1500);
+  const Eigen::Vector3d way = dipping(0.4);
+  SoundHit hit;
+  EXPECT_EQ(cast_bent(scene, even, {0, 0, -10}, {&way, 1}, 1, {&hit, 1}), 1u);
+  EXPECT_NEAR(hit.length_m, 20 / std::sin(0.4), 2e-4);
+  EXPECT_NEAR(hit.time_s, 20 / std::sin(0.4) / 1500, 2e-7);
+  EXPECT_EQ(cast_one(scene, even, {0, 0, -10}, way, 0.02).label, kNothing) << "not within the time";
+}
+
+TEST(WaterSound, TheProfileFollowsMackenzieBetweenItsLevels) {
+  Water water;
+  water.surface_temperature_deg_c = 18;
+  water.bottom_temperature_deg_c = 6;
+  water.bottom_depth_m = 40;
+  const SoundSpeedProfile profile = sound_speed_profile(water);
+  for (double depth = 0; depth < 60; depth += 0.7) {
+    EXPECT_NEAR(profile.at(depth), sound_speed_m_s(water, -depth), depth < 40 ? 0.05 : 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace uwsim
