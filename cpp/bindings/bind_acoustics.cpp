@@ -1,16 +1,119 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "arrays.h"
 #include "bind.h"
+#include "convert.h"
 #include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/sonar_equation.h"
+#include "uwsim/acoustics/sound_path.h"
+#include "uwsim/acoustics/sound_speed_profile.h"
 
 namespace uwsim::bindings {
 
 namespace py = pybind11;
 
-void bind_acoustics(py::module_& m) {
+namespace {
+
+std::span<const double> values_of(const DoubleArray& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+SoundSpeedProfile profile(const py::object& depths_m, const py::object& speeds_m_s) {
+  return SoundSpeedProfile(values_of(as_array<double>(depths_m, "depths_m", {-1})),
+                           values_of(as_array<double>(speeds_m_s, "speeds_m_s", {-1})));
+}
+
+/// Where sound is after half of each travel time; NaN where there is none.
+py::array_t<double> soundings(const py::object& directions_world, const py::object& travel_time_s,
+                              const py::object& origin_world_m, const SoundSpeedProfile& profile) {
+  const auto ways = as_array<double>(directions_world, "directions_world", {-1, 3});
+  const auto times = as_array<double>(travel_time_s, "travel_time_s", {ways.shape(0)});
+  const Eigen::Vector3d origin = as_vector3(origin_world_m, "origin_world_m");
+  require(origin.allFinite() && origin.z() <= 0, "origin_world_m", origin.transpose(),
+          "must be finite and under water");
+  const auto n = static_cast<std::size_t>(ways.shape(0));
+  std::vector<double> points(3 * n, std::nan(""));
+  {
+    const double *way = ways.data(), *time = times.data();
+    const py::gil_scoped_release unlocked;
+    for (std::size_t k = 0; k < n; ++k, way += 3) {
+      const double level = std::hypot(way[0], way[1]);
+      if (!std::isfinite(time[k]) || !(std::hypot(level, way[2]) > 0)) continue;
+      require(time[k] >= 0 && time[k] <= 60, "travel_time_s[" + std::to_string(k) + "]", time[k],
+              "s: must be in [0, 60] s, or not finite where there is none");
+      const SoundState end = travel(profile, -origin.z(), std::atan2(-way[2], level), 0.5 * time[k]);
+      const double share = level > 0 ? end.across_m / level : 0;
+      points[3 * k] = origin.x() + share * way[0];
+      points[3 * k + 1] = origin.y() + share * way[1];
+      points[3 * k + 2] = -end.depth_m;
+    }
+  }
+  return move_out(std::move(points), {static_cast<py::ssize_t>(n), 3});
+}
+
+void bind_water_sound(py::module_& m) {
   m.def("sound_speed_m_s", &sound_speed_m_s, py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("depth_m"),
         "Speed of sound in water [m/s], Mackenzie 1981.");
   m.def("absorption_db_km", &absorption_db_km, py::arg("frequency_hz"), py::arg("temperature_deg_c"),
         py::arg("salinity_psu"), py::arg("depth_m"), py::arg("acidity_ph") = 8.0,
         "Absorption of sound in water [dB/km], Francois and Garrison 1982.");
+  py::class_<SoundSpeedProfile>(m, "SoundSpeedProfile",
+                                "Speed of sound by depth: linear between levels, constant above and below them.")
+      .def(py::init(&profile), py::arg("depths_m"), py::arg("speeds_m_s"),
+           "Each (n,), depths rising. Raises ValueError that names the level.")
+      .def_static("even", &SoundSpeedProfile::even, py::arg("speed_m_s"), "One speed everywhere: straight rays.")
+      .def("at", &SoundSpeedProfile::at, py::arg("depth_m"), "Speed [m/s] at a depth [m].");
+  m.def(
+      "soundings", &soundings, py::arg("directions_world"), py::arg("travel_time_s"), py::arg("origin_world_m"),
+      py::arg("profile"),
+      "Points (n, 3) float64, world, that a survey computes: sound traced along directions_world (n, 3), as sent, for\n"
+      "half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN where the time\n"
+      "is not finite. Raises ValueError. Releases the GIL.");
+}
+
+void bind_sonar_equation(py::module_& m) {
+  py::class_<SonarFigures>(m, "SonarFigures",
+                           "What an active sonar sends, hears and decides by. Levels re 1 uPa (at 1 m).")
+      .def(py::init<>())
+      .def_readwrite("frequency_hz", &SonarFigures::frequency_hz)
+      .def_readwrite("beam_width_along_rad", &SonarFigures::beam_width_along_rad,
+                     "-3 dB, one way: of the transmitter, across the fan's plane")
+      .def_readwrite("beam_width_across_rad", &SonarFigures::beam_width_across_rad,
+                     "-3 dB, one way: of a receiving beam, within the fan's plane")
+      .def_readwrite("pulse_length_s", &SonarFigures::pulse_length_s)
+      .def_readwrite("bandwidth_hz", &SonarFigures::bandwidth_hz)
+      .def_readwrite("source_level_db", &SonarFigures::source_level_db)
+      .def_readwrite("directivity_index_db", &SonarFigures::directivity_index_db)
+      .def_readwrite("noise_level_db", &SonarFigures::noise_level_db, "In the receiver's band.")
+      .def_readwrite("detection_threshold_db", &SonarFigures::detection_threshold_db,
+                     "The signal-to-noise ratio that is detected half of the time.")
+      .def_property_readonly("processing_gain_db", &SonarFigures::processing_gain_db, "10 log10 (bandwidth x length)")
+      .def_property_readonly("figure_db", &SonarFigures::figure_db, "SL + processing gain + DI - NL")
+      .def("range_cell_m", &SonarFigures::range_cell_m, py::arg("sound_speed_m_s"))
+      .def("check", &SonarFigures::check, "Raises ValueError that names the field.");
+  py::class_<BottomMaterial>(m, "BottomMaterial", "What a bottom gives back.")
+      .def(py::init<double, double>(), py::arg("strength_db") = -30.0, py::arg("relief") = 0.1)
+      .def_readonly("strength_db", &BottomMaterial::strength_db,
+                    "Of a square metre at normal incidence; Lambert's law.")
+      .def_readonly("relief", &BottomMaterial::relief, "rms slope of its relief across a footprint");
+  m.def("nadir_area_m2", &nadir_area_m2, py::arg("sonar"), py::arg("bottom"), py::arg("range_m"),
+        py::arg("sound_speed_m_s"), "Bottom straight below that scatters one range cell's worth [m2].");
+  m.def("nadir_snr_db", &nadir_snr_db, py::arg("sonar"), py::arg("bottom"), py::arg("range_m"),
+        py::arg("sound_speed_m_s"), py::arg("absorption_db_m"), "The active sonar equation straight below [dB].");
+  m.def("detection_probability", &detection_probability, py::arg("snr"), py::arg("looks"),
+        py::arg("detection_threshold_db"), "snr: a ratio, not dB. looks: independent ones that the echo holds.");
+}
+
+}  // namespace
+
+void bind_acoustics(py::module_& m) {
+  bind_water_sound(m);
+  bind_sonar_equation(m);
 }
 
 }  // namespace uwsim::bindings

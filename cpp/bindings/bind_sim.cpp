@@ -70,12 +70,15 @@ void bind_specs(py::module_& m) {
       .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m);
 
   py::class_<SonarSpec>(m, "SonarSpec")
-      .def(py::init([](std::string name, int model, const py::object& position_m, const py::object& orientation_xyzw,
-                       double elevation_rad) {
-             return SonarSpec{std::move(name), model, as_pose(position_m, orientation_xyzw, "sonar"), elevation_rad};
+      .def(py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,
+                       const py::object& orientation_xyzw, double elevation_rad,
+                       const std::optional<AcousticSpec>& acoustics) {
+             return SonarSpec{std::move(name), model, as_pose(position_m, orientation_xyzw, "sonar"), elevation_rad,
+                              acoustics};
            }),
            py::arg("name"), py::arg("model"), py::arg("position_m"), py::arg("orientation_xyzw"),
-           py::arg("elevation_rad") = 0.0)
+           py::arg("elevation_rad") = 0.0, py::arg("acoustics") = py::none(),
+           "acoustics: in physics mode; without, in geometry mode.")
       .def_readonly("name", &SonarSpec::name)
       .def_readonly("model", &SonarSpec::model);
 
@@ -153,6 +156,7 @@ void bind_sim(py::module_& m) {
   py::class_<OwnedSimulation> simulation(m, "Simulation",
                                          "A world with vehicles, advanced by fixed steps; vehicles by index.");
   bind_commands(simulation);
+  bind_acoustic_pings(simulation);
   simulation
       .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
            py::arg("scene").none(false), py::arg("spec"))

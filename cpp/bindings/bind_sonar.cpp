@@ -1,5 +1,9 @@
 #include <pybind11/stl.h>
 
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "bind.h"
 #include "uwsim/sonar/multibeam_model.h"
 
@@ -7,9 +11,34 @@ namespace uwsim::bindings {
 
 namespace py = pybind11;
 
+namespace {
+
+MultibeamModel checked_model(std::string name, int beams, double field_of_view_rad, double range_max_m,
+                             double frequency_hz, std::optional<double> range_limit_m, int number, bool dual_swath,
+                             double ping_rate_max_hz, double tilt_rate_rad_s) {
+  MultibeamModel model{number,
+                       std::move(name),
+                       beams,
+                       field_of_view_rad,
+                       range_max_m,
+                       range_limit_m.value_or(range_max_m),
+                       frequency_hz,
+                       dual_swath,
+                       ping_rate_max_hz,
+                       tilt_rate_rad_s};
+  model.check();
+  return model;
+}
+
+}  // namespace
+
 void bind_sonar(py::module_& m) {
   py::class_<MultibeamModel>(m, "MultibeamModel", "A multibeam's fan, evenly spread about the head's forward axis.")
-      .def_readonly("number", &MultibeamModel::number, "1..4, as on the wire")
+      .def(py::init(&checked_model), py::kw_only(), py::arg("name"), py::arg("beams"), py::arg("field_of_view_rad"),
+           py::arg("range_max_m"), py::arg("frequency_hz"), py::arg("range_limit_m") = py::none(),
+           py::arg("number") = 0, py::arg("dual_swath") = false, py::arg("ping_rate_max_hz") = 50.0,
+           py::arg("tilt_rate_rad_s") = MultibeamModel{}.tilt_rate_rad_s, "Raises ValueError that names the field.")
+      .def_readonly("number", &MultibeamModel::number, "1..4, as on the wire; 0: not of the wire")
       .def_readonly("name", &MultibeamModel::name)
       .def_readonly("beams", &MultibeamModel::beams)
       .def_readonly("field_of_view_rad", &MultibeamModel::field_of_view_rad)
@@ -18,6 +47,8 @@ void bind_sonar(py::module_& m) {
                     "The published decoder's limit: above it, no echo.")
       .def_readonly("frequency_hz", &MultibeamModel::frequency_hz)
       .def_readonly("dual_swath", &MultibeamModel::dual_swath)
+      .def_readonly("ping_rate_max_hz", &MultibeamModel::ping_rate_max_hz, "Of the electronics.")
+      .def_readonly("tilt_rate_rad_s", &MultibeamModel::tilt_rate_rad_s)
       .def_property_readonly("angle_min_rad", &MultibeamModel::angle_min_rad)
       .def_property_readonly("angle_increment_rad", &MultibeamModel::angle_increment_rad);
   m.def("multibeam_model", &em2040, py::arg("number"), py::return_value_policy::reference,

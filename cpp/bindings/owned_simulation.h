@@ -49,4 +49,7 @@ class OwnedSimulation {
 /// Commands to a vehicle's actuators, and how these stand: bind_actuators.cpp.
 void bind_commands(py::class_<OwnedSimulation>& simulation);
 
+/// Pings in physics mode: bind_acoustic_multibeam.cpp.
+void bind_acoustic_pings(py::class_<OwnedSimulation>& simulation);
+
 }  // namespace uwsim::bindings

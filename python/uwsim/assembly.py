@@ -7,11 +7,12 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario import Scenario, VehicleModel, rigid_body, start_pose, vehicle_hull
+from uwsim.scenario.build import label_names
 from uwsim.scenario.collision_shapes import vehicle_pieces
+from uwsim.scenario.material_spec import ROCK
 from uwsim.scenario.schema import Vehicle
 from uwsim.scenario.water import surface_density_kg_m3
 
-LEVEL_XYZW = (0.0, 0.0, 0.0, 1.0)
 SHAPES = {"hull": _core.CollisionShape.HULL, "box": _core.CollisionShape.BOX}
 
 
@@ -33,9 +34,28 @@ def vehicle_spec(scenario: Scenario, vehicle: Vehicle) -> _core.VehicleSpec:
     spec.docked = vehicle.start is None
     spec.sensors = [sensor.core_spec(name) for name, sensor in model.sensors.items()]
     if model.sonar is not None:
-        up_rad = -np.radians(vehicle.sonar.tilt_deg)
-        spec.sonars = [_core.SonarSpec("sonar", vehicle.sonar.model, model.sonar.position_m, LEVEL_XYZW, up_rad)]
+        spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
     return spec
+
+
+def _sonar(scenario: Scenario, vehicle: Vehicle, mount_m: tuple[float, float, float]) -> _core.SonarSpec:
+    sonar, model = vehicle.sonar, vehicle.sonar.loaded
+    acoustics = None
+    if sonar.mode == "physics":
+        acoustics = model.core_acoustics(
+            sonar.frequency_khz,
+            bending=sonar.bending,
+            rays_per_beam=sonar.rays_per_beam,
+            materials=[scenario.materials.get(name, ROCK) for name in label_names(scenario)],
+        )
+    return _core.SonarSpec(
+        "sonar",
+        model.core_model(sonar.frequency_khz),
+        np.add(mount_m, model.mounting.position_m),
+        model.mounting.orientation_xyzw,
+        elevation_rad=-np.radians(sonar.tilt_deg),
+        acoustics=acoustics,
+    )
 
 
 def _actuators(model: VehicleModel) -> _core.ActuatorsSpec:

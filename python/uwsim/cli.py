@@ -87,7 +87,7 @@ def scenario(
         if name is not None:
             Simulator(checked)
         sonars = ", ".join(
-            f"{v.name} with sonar model {v.sonar.model}" if v.model.sonar else f"{v.name} without a sonar"
+            f"{v.name} with sonar model {v.sonar.title}" if v.model.sonar else f"{v.name} without a sonar"
             for v in checked.vehicles
         )
         typer.echo(f"{checked.name}: {' '.join(checked.description.split())}")

@@ -7,6 +7,8 @@ from types import SimpleNamespace
 
 from uwsim import _core
 
+Ping = _core.Ping | _core.PhysicsPing
+
 Value = float | SimpleNamespace
 """A scalar in the sensor's unit, or a namespace of floats and (n,) arrays for a sensor of several quantities."""
 
@@ -91,23 +93,31 @@ def _is_scalar(kind: _core.SensorKind) -> bool:
 
 
 class Sonar:
-    """A multibeam head that looks forward and tilts."""
+    """A multibeam head that looks forward and tilts.
+
+    mode: "geometry" (one exact ray a beam) or "physics" (echoes, with their errors; see _core.PhysicsPing).
+    """
 
     def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SonarSpec) -> None:
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
         self.name: str = spec.name
-        self.model = _core.multibeam_model(spec.model)
-        self._last: tuple[int, _core.Ping] | None = None
+        self.model = spec.model
+        self.mode: str = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
+        self._last: tuple[int, Ping] | None = None
 
     def aim(self, elevation_rad: float) -> None:
         """Turn the head: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2."""
         self._simulation.aim(self._vehicle, self._index, elevation_rad)
 
-    def ping(self) -> _core.Ping:
-        """One ping from where the vehicle is now; see _core.Ping for its arrays. At one time it is always the same."""
+    def ping(self) -> Ping:
+        """One ping from where the vehicle is now; see _core.Ping for its arrays. At one time it is always the same.
+
+        In physics mode a _core.PhysicsPing, which has these arrays too.
+        """
         version = self._simulation.version
         if self._last is None or self._last[0] != version:
-            self._last = version, self._simulation.ping(self._vehicle, self._index)
+            take = self._simulation.acoustic_ping if self.mode == "physics" else self._simulation.ping
+            self._last = version, take(self._vehicle, self._index)
         return self._last[1]

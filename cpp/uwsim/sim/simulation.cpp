@@ -59,9 +59,11 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   vehicle.actuators = Actuators(spec.actuators);
   vehicle.sensors = SensorRack(spec.sensors, spec_.seed, spec.name, step_ns_);
   for (const SonarSpec& sonar : spec.sonars) {
-    vehicle.sonars.emplace_back(em2040(sonar.model), sonar.body_from_mount);
+    sonar.model.check();
+    vehicle.sonars.emplace_back(sonar.model, sonar.body_from_mount);
     vehicle.sonars.back().aim(sonar.elevation_rad);
     vehicle.sonar_names.push_back(sonar.name);
+    vehicle.acoustics.push_back(acoustics_of(sonar, spec.name));
   }
   BodyState state;
   state.world_from_body = spec.start_world_from_body;
@@ -72,6 +74,14 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   vehicle.released_tick = tick_;
   vehicles_.push_back(std::move(vehicle));
   return vehicles_.size() - 1;
+}
+
+std::shared_ptr<const AcousticMultibeam> Simulation::acoustics_of(const SonarSpec& sonar,
+                                                                  const std::string& vehicle) const {
+  if (!sonar.acoustics) return nullptr;
+  const RandomStream stream(spec_.seed, vehicle + "/" + sonar.name);
+  return std::make_shared<const AcousticMultibeam>(sonar.model, *sonar.acoustics, world_.water,
+                                                   world_.water.bottom_depth_m, stream);
 }
 
 void Simulation::step(std::uint64_t count) {
@@ -185,6 +195,21 @@ void Simulation::aim(std::size_t index, std::size_t sonar, double elevation_rad)
 
 MultibeamPing Simulation::ping(std::size_t index, std::size_t sonar) const {
   return item(vehicle(index).sonars, sonar, "sonar").ping(*scene_, world_.water, state(index).world_from_body);
+}
+
+bool Simulation::in_physics_mode(std::size_t index, std::size_t sonar) const {
+  return item(vehicle(index).acoustics, sonar, "sonar") != nullptr;
+}
+
+AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t sonar, int threads) const {
+  const auto& acoustics = item(vehicle(index).acoustics, sonar, "sonar");
+  require(acoustics != nullptr, "sonar.mode", "geometry", "must be physics");
+  const BodyState& moving = state(index);
+  const Pose body_from_sonar = vehicle(index).sonars[sonar].body_from_sonar();
+  const Eigen::Vector3d rate_body = moving.angular_body_rad_s();
+  const Eigen::Vector3d head_body = moving.linear_body_m_s() + rate_body.cross(body_from_sonar.position_m);
+  const HeadMotion motion{moving.world_from_body.direction(head_body), moving.world_from_body.direction(rate_body)};
+  return acoustics->ping(*scene_, moving.world_from_body * body_from_sonar, motion, tick_, threads);
 }
 
 Pose Simulation::world_from_sonar(std::size_t index, std::size_t sonar) const {

@@ -61,6 +61,9 @@ class Simulation {
   const Sample& read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true);
   void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
   MultibeamPing ping(std::size_t vehicle, std::size_t sonar) const;
+  /// In physics mode. Draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry mode.
+  AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1) const;
+  bool in_physics_mode(std::size_t vehicle, std::size_t sonar) const;
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
 
   /// All that the future depends on beside what the simulation was made of, as bytes: taken back by one that was made
@@ -74,6 +77,7 @@ class Simulation {
   Vehicle& changeable(std::size_t index);
   double mission_time_s(const Vehicle& vehicle) const;
   Moment moment(const Vehicle& vehicle) const;
+  std::shared_ptr<const AcousticMultibeam> acoustics_of(const SonarSpec& sonar, const std::string& vehicle) const;
   void step_once();
   void drive(Vehicle& vehicle);
 

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "uwsim/dynamics/rigid_body_world.h"
 #include "uwsim/sensors/sensor_rack.h"
+#include "uwsim/sonar/acoustic_multibeam.h"
 #include "uwsim/sonar/multibeam.h"
 #include "uwsim/vehicle/actuators.h"
 #include "uwsim/vehicle/craft.h"
@@ -15,9 +17,10 @@ namespace uwsim {
 
 struct SonarSpec {
   std::string name;
-  int model = 2;  ///< EM 2040 variant 1..4
+  MultibeamModel model = em2040(2);
   Pose body_from_mount;
   double elevation_rad = 0;
+  std::optional<AcousticSpec> acoustics;  ///< physics mode; without: geometry mode
 };
 
 /// Everything that makes a vehicle of a scenario.
@@ -43,6 +46,7 @@ struct Vehicle {
   Actuators actuators;
   SensorRack sensors;
   std::vector<Multibeam> sonars;
+  std::vector<std::shared_ptr<const AcousticMultibeam>> acoustics;  ///< of each sonar; null in geometry mode
   std::vector<std::string> sonar_names;
   std::uint64_t released_tick = 0;  ///< meaningful once released
   bool released = false;

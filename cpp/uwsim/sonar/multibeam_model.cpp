@@ -7,6 +7,19 @@
 
 namespace uwsim {
 
+void MultibeamModel::check() const {
+  const auto in = [](double value, double low, double high, const char* path, const char* rule) {
+    require(value >= low && value <= high, path, value, rule);
+  };
+  in(beams, 2, 8192, "sonar.beams", "must be in [2, 8192]");
+  in(field_of_view_rad, 1e-3, 2 * std::numbers::pi + 1e-9, "sonar.field_of_view_rad", "must be in [0.001, 2 pi] rad");
+  in(range_max_m, 0.1, 12000, "sonar.range_max_m", "must be in [0.1, 12000] m");
+  in(range_limit_m, 0.1, range_max_m, "sonar.range_limit_m", "must be in [0.1, range_max_m] m");
+  in(frequency_hz, 1e3, 5e6, "sonar.frequency_hz", "must be in [1000, 5000000] Hz");
+  in(ping_rate_max_hz, 0.01, 1000, "sonar.ping_rate_max_hz", "must be in [0.01, 1000] Hz");
+  in(tilt_rate_rad_s, 1e-4, 100, "sonar.tilt_rate_rad_s", "must be in [0.0001, 100] rad/s");
+}
+
 const MultibeamModel& em2040(int number) {
   constexpr double kDegree = std::numbers::pi / 180;
   static const std::array<MultibeamModel, 4> models = {{

@@ -6,7 +6,7 @@ namespace uwsim {
 
 /// A multibeam's fan: beams spread evenly over a field of view about the head's forward axis.
 struct MultibeamModel {
-  int number = 0;  ///< 1..4, as on the wire (`modelTrigger`)
+  int number = 0;  ///< 1..4, as on the wire (`modelTrigger`); 0: not of the wire
   std::string name;
   int beams = 0;
   double field_of_view_rad = 0;
@@ -14,6 +14,11 @@ struct MultibeamModel {
   double range_limit_m = 0;  ///< published LaserScan's range_max: a decoded range above it is no echo
   double frequency_hz = 0;
   bool dual_swath = false;
+  double ping_rate_max_hz = 50;        ///< of the electronics; travel time may allow less (50: assumed)
+  double tilt_rate_rad_s = 0.0872665;  ///< of the head: published 0.1 degree a frame, at 50 frames/s (assumed)
+
+  /// Throws InvalidValue that names sonar.<field>.
+  void check() const;
 
   double angle_min_rad() const { return -field_of_view_rad / 2; }
   double angle_increment_rad() const { return field_of_view_rad / (beams - 1); }

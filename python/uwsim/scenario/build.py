@@ -32,6 +32,12 @@ def build_world(scenario: Scenario) -> _core.World:
     return world
 
 
+def label_names(scenario: Scenario) -> list[str]:
+    """What World.label_names will say of the world that `build_world` makes."""
+    station = ["station"] if scenario.station.mesh is not None else []
+    return ["nothing", "terrain", *(obstacle.name for obstacle in scenario.obstacles), *station]
+
+
 def start_pose(scenario: Scenario, vehicle: Vehicle) -> tuple[tuple[float, float, float], float]:
     """Where a vehicle's origin is at the start (world, metres) and its yaw (radians); docked or free."""
     if vehicle.start is not None:

@@ -19,15 +19,20 @@ from uwsim.scenario.fields import (
     Point3,
     broken,
 )
+from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.material_spec import NamedMaterial
 from uwsim.scenario.messages import validated
 from uwsim.scenario.obstacle_spec import ObstacleSpec
 from uwsim.scenario.origin import Origin
+from uwsim.scenario.paths import did_you_mean
 from uwsim.scenario.polygon import area, crossing_edges, narrowest_width
+from uwsim.scenario.sonar_spec import WIRE_NUMBERS, FrequencyKhz, SonarMode, SonarModel, load_sonar
 from uwsim.scenario.terrain_spec import TerrainSpec
 from uwsim.scenario.vehicle_model import VehicleModel
 from uwsim.scenario.vehicles import load_vehicle
 from uwsim.scenario.water_spec import Water
 
+WireNumber = Annotated[int, InRange(*WIRE_NUMBERS)]
 NoseDown = Annotated[float, InRange(-90, 90, "deg")]
 RESERVED_NAMES = ("nothing", "terrain", "station")
 LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 2, 10
@@ -55,14 +60,53 @@ class StartPose(Model):
     yaw_deg: Degrees = 0.0
 
 
-class Sonar(Model):
-    """Which EM 2040 the vehicle carries (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual swath).
+def _sonar_model(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str | Path):
+        return load_sonar(value, folder=(info.context or {}).get("folder"))
+    return value
 
+
+class Sonar(Model):
+    """Which multibeam the vehicle carries, and how it is simulated.
+
+    model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
+    swath); or a packaged model's name, or the path of its YAML file, held here as the model that was read.
+    frequency_khz: of a model that works at several. mode: `geometry`, one exact ray a beam, or `physics`, whose ranges,
+    errors and gaps come from its acoustics. bending: physics mode's rays follow the water's speed of sound.
     tilt_deg: at the start, positive nose down, as on the wire's scanPos.
     """
 
-    model: Annotated[int, InRange(1, 4)] = 2
+    model: Annotated[WireNumber | SonarModel, BeforeValidator(_sonar_model)] = 2
+    frequency_khz: FrequencyKhz | None = None
+    mode: SonarMode = "geometry"
+    bending: bool = False
+    rays_per_beam: Annotated[int, InRange(4, 64)] = 8
     tilt_deg: NoseDown = 0.0
+
+    @model_validator(mode="after")
+    def _fits_its_model(self) -> Sonar:
+        if self.bending and self.mode != "physics":
+            raise broken("is for `mode: physics` only", at=("bending",), value=self.bending)
+        try:
+            self.loaded.core_model(self.frequency_khz)
+            if self.mode == "physics":
+                self.loaded.core_acoustics(self.frequency_khz)
+        except ScenarioError:
+            raise
+        except ValueError as error:
+            raise broken(str(error)) from None
+        return self
+
+    @property
+    def loaded(self) -> SonarModel:
+        """The model itself."""
+        return self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
+
+    @property
+    def title(self) -> str:
+        """The model's number on the wire, or its name; and the frequency where it was chosen."""
+        name = self.model.name if isinstance(self.model, SonarModel) else str(self.model)
+        return name if self.frequency_khz is None else f"{name} at {self.frequency_khz:g} kHz"
 
 
 def _start(value: object) -> object:
@@ -131,7 +175,10 @@ class Survey(Model):
 
 
 class Scenario(Model):
-    """All that fixes a run, the number of threads excepted. World ENU, z up, water surface at z = 0."""
+    """All that fixes a run, the number of threads excepted. World ENU, z up, water surface at z = 0.
+
+    materials: by name of `terrain`, `station` or an obstacle; rock what is not named.
+    """
 
     name: Name
     description: str = ""
@@ -142,6 +189,7 @@ class Scenario(Model):
     terrain: TerrainSpec
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
     station: Station
+    materials: dict[Name, NamedMaterial] = Field(default_factory=dict)
     vehicles: Annotated[tuple[Vehicle, ...], Field(min_length=1, max_length=64)]
     warnings: Warnings = Warnings()
     survey: Survey | None = None
@@ -156,6 +204,14 @@ class Scenario(Model):
                 if item.name in taken:
                     raise broken("is taken", at=(kind, index, "name"), value=item.name)
                 taken.add(item.name)
+        return self
+
+    @model_validator(mode="after")
+    def _materials_are_of_something(self) -> Scenario:
+        known = ["terrain", "station", *(obstacle.name for obstacle in self.obstacles)]
+        for name in self.materials:
+            if name not in known:
+                raise broken(f"nothing of this name{did_you_mean(name, known)}", at=("materials", name))
         return self
 
     @model_validator(mode="after")
@@ -192,7 +248,8 @@ class Scenario(Model):
         if mission_time_s is not None:
             data["mission_time_s"] = mission_time_s
         if sonar_model is not None:
+            another = {"model": sonar_model, "frequency_khz": None}
             data["vehicles"] = [
-                {**dict(vehicle), "sonar": {**dict(vehicle.sonar), "model": sonar_model}} for vehicle in self.vehicles
+                {**dict(vehicle), "sonar": {**dict(vehicle.sonar), **another}} for vehicle in self.vehicles
             ]
         return validated(Scenario, data).read_from(self._origin)
