@@ -14,6 +14,7 @@ void bind_vehicle(pybind11::module_& m);
 void bind_sonar(pybind11::module_& m);
 void bind_clouds(pybind11::module_& m);
 void bind_acoustic_multibeam(pybind11::module_& m);
+void bind_imaging(pybind11::module_& m);
 void bind_mapping(pybind11::module_& m);
 void bind_sensors(pybind11::module_& m);
 void bind_sim(pybind11::module_& m);

@@ -14,6 +14,7 @@ PYBIND11_MODULE(_core, m) {
   bind_sonar(m);
   bind_clouds(m);
   bind_acoustic_multibeam(m);
+  bind_imaging(m);
   bind_mapping(m);
   bind_sensors(m);
   bind_sim(m);

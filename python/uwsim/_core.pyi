@@ -16,19 +16,25 @@ __all__: list[str] = [
     "Craft",
     "CraftParameters",
     "Current",
+    "DepthCamera",
     "FinParameters",
+    "ForwardLookingModel",
+    "ImagingAcoustics",
     "MultibeamModel",
     "NoiseSpec",
     "OccupancyMap",
     "Ping",
     "RayHits",
     "RayScene",
+    "RowReduction",
     "SensorKind",
     "SensorParameter",
     "SensorReading",
     "SensorSpec",
+    "SideScanModel",
     "Simulation",
     "SimulationSpec",
+    "SingleBeamModel",
     "SolidProperties",
     "SonarSpec",
     "Telemetry",
@@ -41,14 +47,19 @@ __all__: list[str] = [
     "World",
     "absorption_db_km",
     "decode_depth_string",
+    "depth_image",
+    "depth_image_ranges",
     "encode_depth_string",
     "filter_range",
+    "forward_look",
     "multibeam_model",
     "remove_box",
     "scan_to_points",
     "sea_water_density_kg_m3",
     "sensor_kind",
     "sensor_kinds",
+    "side_scan",
+    "single_beam",
     "solid_properties",
     "sound_speed_m_s",
     "transform_points",
@@ -650,6 +661,217 @@ class MultibeamModel:
         A range at or past it is no echo.
         """
 
+class ImagingAcoustics:
+    """
+    What picture-making sonars share; see uwsim.imaging.Acoustics.
+    """
+
+    time_varied_gain: bool
+    def __init__(self) -> None: ...
+    def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        Of the water at the head [dB/m].
+        """
+    @property
+    def bottom_strength_db(self) -> float: ...
+    @bottom_strength_db.setter
+    def bottom_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def frequency_hz(self) -> float: ...
+    @frequency_hz.setter
+    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def gain_db_decade(self) -> float: ...
+    @gain_db_decade.setter
+    def gain_db_decade(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def looks(self) -> int: ...
+    @looks.setter
+    def looks(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def noise_level_db(self) -> float: ...
+    @noise_level_db.setter
+    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def range_bins(self) -> int: ...
+    @range_bins.setter
+    def range_bins(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def range_max_m(self) -> float: ...
+    @range_max_m.setter
+    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def solid_strength_db(self) -> float: ...
+    @solid_strength_db.setter
+    def solid_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def source_level_db(self) -> float: ...
+    @source_level_db.setter
+    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class ForwardLookingModel:
+    """
+    See uwsim.imaging.ForwardLooking.
+    """
+
+    acoustics: ImagingAcoustics
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def beam_width_rad(self) -> float: ...
+    @beam_width_rad.setter
+    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beams(self) -> int: ...
+    @beams.setter
+    def beams(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def columns_per_beam(self) -> int: ...
+    @columns_per_beam.setter
+    def columns_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def field_of_view_rad(self) -> float: ...
+    @field_of_view_rad.setter
+    def field_of_view_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def rays_per_column(self) -> int: ...
+    @rays_per_column.setter
+    def rays_per_column(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def taper(self) -> float: ...
+    @taper.setter
+    def taper(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def vertical_width_rad(self) -> float: ...
+    @vertical_width_rad.setter
+    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class SideScanModel:
+    """
+    See uwsim.imaging.SideScan.
+    """
+
+    acoustics: ImagingAcoustics
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def along_width_rad(self) -> float: ...
+    @along_width_rad.setter
+    def along_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def depression_rad(self) -> float: ...
+    @depression_rad.setter
+    def depression_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_db(self) -> float: ...
+    @detection_db.setter
+    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def planes(self) -> int: ...
+    @planes.setter
+    def planes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def vertical_width_rad(self) -> float: ...
+    @vertical_width_rad.setter
+    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class SingleBeamModel:
+    """
+    See uwsim.imaging.SingleBeam.
+    """
+
+    acoustics: ImagingAcoustics
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def beam_width_rad(self) -> float: ...
+    @beam_width_rad.setter
+    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_db(self) -> float: ...
+    @detection_db.setter
+    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def rays_across(self) -> int: ...
+    @rays_across.setter
+    def rays_across(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class DepthCamera:
+    """
+    See uwsim.depth_map.DepthMap.
+    """
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def depth_bits(self) -> int: ...
+    @depth_bits.setter
+    def depth_bits(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def height(self) -> int: ...
+    @height.setter
+    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def horizontal_fov_rad(self) -> float: ...
+    @horizontal_fov_rad.setter
+    def horizontal_fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def range_max_m(self) -> float: ...
+    @range_max_m.setter
+    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def vertical_fov_rad(self) -> float: ...
+    @vertical_fov_rad.setter
+    def vertical_fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def width(self) -> int: ...
+    @width.setter
+    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class RowReduction:
+    """
+    Members:
+
+      MIDDLE
+
+      NEAREST
+    """
+
+    MIDDLE: typing.ClassVar[RowReduction]
+    NEAREST: typing.ClassVar[RowReduction]
+    __members__: typing.ClassVar[dict[str, RowReduction]]
+    @typing.overload
+    def __eq__(self, other: RowReduction) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: RowReduction) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
 class OccupancyMap:
     """
     octomap::OcTree of the system's OctoMap, about an origin in the world.
@@ -1158,6 +1380,24 @@ def decode_depth_string(
     Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
     """
 
+def depth_image(
+    camera: DepthCamera,
+    scene: RayScene,
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    (height, width) float32 along the camera's x axis, inf = nothing. Raises ValueError. Releases the GIL.
+    """
+
+def depth_image_ranges(
+    camera: DepthCamera, depth_m: typing.Any, angles_rad: typing.Any, reduction: RowReduction, interpolate: bool
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    depth_m (height, width), angles_rad (n,) -> (n,) float32, inf = no echo. Raises ValueError.
+    """
+
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
     The published depthArray text: C#'s G7 text of each range, each followed by the letter a.
@@ -1173,6 +1413,21 @@ def filter_range(
     """
     The points whose distance to the origin is in [min_m, max_m]; (n, 3) float32. Raises ValueError. Releases the
     GIL.
+    """
+
+def forward_look(
+    model: ForwardLookingModel,
+    scene: RayScene,
+    water: Water,
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    stream: str,
+    tick: typing.SupportsInt | typing.SupportsIndex,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    (bins, beams) float32, dB re 1 uPa; pose: world from sonar. Raises ValueError. Releases the GIL.
     """
 
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
@@ -1216,6 +1471,39 @@ def sensor_kind(name: str) -> SensorKind:
 def sensor_kinds() -> list[str]:
     """
     The kinds of sensor that are built in.
+    """
+
+def side_scan(
+    model: SideScanModel,
+    scene: RayScene,
+    water: Water,
+    positions_m: typing.Any,
+    orientations_xyzw: typing.Any,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    stream: str,
+    first_ping: typing.SupportsInt | typing.SupportsIndex,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> tuple[
+    numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]
+]:
+    """
+    Poses (n, 3) and (n, 4). (port_db (n, bins), starboard_db (n, bins), altitude_m (n,)), float32. Raises ValueError. Releases the GIL.
+    """
+
+def single_beam(
+    model: SingleBeamModel,
+    scene: RayScene,
+    water: Water,
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    angles_rad: typing.Any,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    stream: str,
+    first_ping: typing.SupportsInt | typing.SupportsIndex,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
+    """
+    angles_rad (n,). (level_db (n, bins), ranges_m (n,)), float32, inf = no echo. Raises ValueError. Releases the GIL.
     """
 
 def solid_properties(vertices_m: typing.Any, triangles: typing.Any) -> SolidProperties:
