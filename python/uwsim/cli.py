@@ -95,6 +95,33 @@ def scenario(
 
 
 @app.command()
+def sonar(
+    scenario: ScenarioName = "lake",
+    pose: Annotated[
+        str | None,
+        typer.Option(
+            help="X,Y,Z[,YAW[,PITCH[,ROLL]]] of the vehicle: metres, degrees, PITCH nose down; its start without."
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The picture, a PNG.")] = Path("sonar.png"),
+    kind: Annotated[
+        str, typer.Option(help="fan (in plan and section), image (forward-looking), side-scan, or all.")
+    ] = "all",
+    sonar_model: SonarModel = None,
+    tilt: Annotated[
+        float | None, typer.Option(help="Nose down [deg]; without, the scenario's for the fan and 12 for the image.")
+    ] = None,
+    track: Annotated[float, typer.Option(help="Length of the side-scan's track, straight ahead [m].")] = 60.0,
+    seed: Seed = None,
+) -> None:
+    """Draw what the sonar sees from somewhere: the fan over the true bed, a sonar image, a side-scan's waterfall."""
+    from uwsim.sonar_view.command import Request, run_sonar
+
+    for line in run_sonar(Request(scenario, out, pose, kind, sonar_model, tilt, track, seed)):
+        typer.echo(line)
+
+
+@app.command()
 def validate(
     suites: Annotated[list[str] | None, typer.Argument(help="Which: dynamics; all without.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,

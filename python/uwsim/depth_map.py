@@ -80,9 +80,7 @@ def depth_images(sim: Place, world_from_sonar: ArrayLike, model: DepthMap) -> ND
     return np.stack(images)
 
 
-def ranges_m(
-    sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: DepthMap
-) -> NDArray[np.float32]:
+def ranges_m(sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: DepthMap) -> NDArray[np.float32]:
     """(n,) float32 ranges at angles (n,) about the sonar's z axis, positive to port; inf = no echo. ValueError."""
     angles = np.asarray(angles_rad, np.float64)
     images, axes = depth_images(sim, world_from_sonar, model), _axes_rad(model)

@@ -279,7 +279,11 @@ def profile(
 
 
 def pose_matrix(
-    position_m: Iterable[float] = (0.0, 0.0, 0.0), *, yaw_rad: float = 0.0, pitch_rad: float = 0.0, roll_rad: float = 0.0
+    position_m: Iterable[float] = (0.0, 0.0, 0.0),
+    *,
+    yaw_rad: float = 0.0,
+    pitch_rad: float = 0.0,
+    roll_rad: float = 0.0,
 ) -> Matrix:
     """(4, 4) from a position and turns about z, then the new y (positive: nose down), then the new x. ValueError."""
     matrix = np.eye(4)

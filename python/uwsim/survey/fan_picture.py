@@ -38,17 +38,17 @@ def sonar_fan(path: Path, world: _core.World, record: SurveyRecord) -> None:
     ping = record.sample_ping
     if ping is None:
         raise ValueError("record.sample_ping = None: must be a ping to be drawn")
-    ends_m, echo = _beam_ends_m(ping, record.range_max_m)
+    ends_m, echo = beam_ends_m(ping, record.range_max_m)
     figure = new_figure(WIDTH_IN, WIDTH_IN)
     plan = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    drawn_in = _draw_plan(figure, plan, world, ping, ends_m, echo)
+    drawn_in = draw_plan(figure, plan, world, ping, ends_m, echo)
     plan.set_position((0.0, 0.0, 1.0, drawn_in / WIDTH_IN))
     section = figure.add_axes((0.0, -(SECTION_IN + 1.3) / WIDTH_IN, 1.0, SECTION_IN / WIDTH_IN))
-    _draw_section(section, world, ping, ends_m, echo)
+    draw_section(section, world, ping, ends_m, echo)
     save_figure(figure, path)
 
 
-def _beam_ends_m(ping: PingSample, range_max_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def beam_ends_m(ping: PingSample, range_max_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return each beam's end in the world (beams, 3), at its echo or the greatest range, and whether it had an echo."""
     echo = np.isfinite(ping.ranges_m) & (ping.ranges_m <= range_max_m)
     lengths = np.where(echo, ping.ranges_m, range_max_m)
@@ -64,7 +64,7 @@ def _level_axes(ping: PingSample) -> NDArray[np.float64]:
     return np.array([[ahead[1], -ahead[0]], ahead])
 
 
-def _draw_plan(
+def draw_plan(
     figure: Figure,
     axes: Axes,
     world: _core.World,
@@ -105,7 +105,7 @@ def _draw_plan(
     return WIDTH_IN * float((high - low)[1] / (high - low)[0])
 
 
-def _draw_section(
+def draw_section(
     axes: Axes, world: _core.World, ping: PingSample, ends_m: NDArray[np.float64], echo: NDArray[np.bool_]
 ) -> None:
     """Draw the vertical plane through the middle beam: terrain, vehicle, and the beams within SECTION_HALF_RAD."""

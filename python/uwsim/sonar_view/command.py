@@ -1,0 +1,168 @@
+"""`uwsim sonar`: a vehicle put somewhere, and what its sonar and an imaging sonar see from there, as one picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import imaging
+from uwsim.imaging import ForwardLooking, SideScan
+from uwsim.simulator import Simulator
+from uwsim.sonar_view.panels import draw_image, draw_waterfall
+from uwsim.survey.fan_picture import SECTION_IN, WIDTH_IN, beam_ends_m, draw_plan, draw_section
+from uwsim.survey.figure_style import new_figure, save_figure
+from uwsim.survey.record import PingSample
+
+KINDS = ("all", "fan", "image", "side-scan")
+POSE_FIELDS = ("X", "Y", "Z", "YAW", "PITCH", "ROLL")
+IMAGE_TILT_DEG = 12.0  # nose down; half the imaging sonar's aperture above and below sees 2 to 22 degrees
+TRACK_M, PING_SPACING_M = 60.0, 0.15
+LOW_IN = 4.2  # height of the side-scan's panel
+GAP_IN = 1.3  # between panels, for titles and legends
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be drawn."""
+
+    scenario: str | Path
+    out: Path
+    pose: str | None = None
+    kind: str = "all"
+    sonar_model: int | None = None
+    tilt_deg: float | None = None
+    track_m: float = TRACK_M
+    seed: int | None = None
+
+
+def run_sonar(request: Request) -> list[str]:
+    """Draw it; returns lines that say what was seen. Raises ValueError or OSError; nothing is half written."""
+    if request.kind not in KINDS:
+        raise ValueError(f"--kind {request.kind}: must be one of {', '.join(KINDS)}")
+    _require_picture(request.out)
+    if not (np.isfinite(request.track_m) and PING_SPACING_M <= request.track_m <= 1000.0):
+        raise ValueError(f"--track {request.track_m:g} m: must be in [{PING_SPACING_M:g}, 1000] m")
+    pose = None if request.pose is None else parsed_pose(request.pose)
+    sim = Simulator(request.scenario, seed=request.seed, sonar_model=request.sonar_model)
+    if pose is not None:
+        try:
+            sim.rov.place(*pose)
+        except ValueError as error:
+            raise ValueError(f"--pose {request.pose}: {error}") from error
+    if request.tilt_deg is not None:
+        sim.rov.sonar.aim(-np.radians(request.tilt_deg))
+    _require_in_the_water(sim)
+    figure, said = _Sheet(sim, request).draw()
+    save_figure(figure, request.out)
+    return [*said, str(request.out)]
+
+
+def parsed_pose(text: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Turn X,Y,Z[,YAW[,PITCH[,ROLL]]], metres and degrees, into a position (3,) and a quaternion (4,). ValueError."""
+    rule = "must be X,Y,Z[,YAW[,PITCH[,ROLL]]]: metres, and degrees about z, y (positive: nose down) and x"
+    try:
+        figures = [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise ValueError(f"--pose {text}: {rule}") from error
+    if not 3 <= len(figures) <= len(POSE_FIELDS):
+        raise ValueError(f"--pose {text}: {len(figures)} numbers; {rule}")
+    if not np.isfinite(figures).all():
+        raise ValueError(f"--pose {text}: must be finite")
+    figures += [0.0] * (len(POSE_FIELDS) - len(figures))
+    turn = Rotation.from_euler("ZYX", figures[3:], degrees=True)
+    return np.array(figures[:3]), np.asarray(turn.as_quat(), np.float64)
+
+
+def _require_picture(out: Path) -> None:
+    """Before anything is computed for nothing."""
+    if out.suffix.lower() != ".png":
+        raise ValueError(f"--out {out}: must end in .png")
+    if out.is_dir() or not out.parent.is_dir():
+        raise OSError(f"--out {out}: " + ("is a folder" if out.is_dir() else f"there is no folder '{out.parent}'"))
+
+
+def _require_in_the_water(sim: Simulator) -> None:
+    """A head in the air or under the ground hears nothing, which makes no picture. Raises ValueError."""
+    x, y, z = (float(value) for value in sim.rov.sonar.ping().world_from_sonar[:3, 3])
+    if z > 0.0:
+        raise ValueError(f"the sonar's head is at z = {z:.2f} m: must be in the water, at or below 0")
+    bed = float(sim.world.height_at([[x, y]])[0])
+    if z < bed:
+        raise ValueError(f"the sonar's head is at z = {z:.2f} m, under the bed, which is at {bed:.2f} m there")
+
+
+class _Sheet:
+    """Panels in one or two columns, each WIDTH_IN wide, from the top down; the picture is cut to what is drawn."""
+
+    def __init__(self, sim: Simulator, request: Request) -> None:
+        self._sim = sim
+        self._request = request
+        self._figure = new_figure(WIDTH_IN, WIDTH_IN)
+        self._said: list[str] = []
+
+    def draw(self) -> tuple[Figure, list[str]]:
+        """Draw what was asked for; returns the figure and what was seen."""
+        kind = self._request.kind
+        if kind in ("all", "fan"):
+            self._fan()
+        right = 1 if kind == "all" else 0
+        top_in = 0.0
+        if kind in ("all", "image"):
+            top_in = self._image(right)
+        if kind in ("all", "side-scan"):
+            self._side_scan(right, top_in)
+        return self._figure, self._said
+
+    def _axes(self, column: int, top_in: float, height_in: float) -> Axes:
+        left = column * (WIDTH_IN + 1.6)
+        return self._figure.add_axes((left / WIDTH_IN, -(top_in + height_in) / WIDTH_IN, 1.0, height_in / WIDTH_IN))
+
+    def _fan(self) -> None:
+        sonar = self._sim.rov.sonar
+        ping = sonar.ping()
+        sample = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, ping.points_sonar_m[ping.valid])
+        ends_m, echo = beam_ends_m(sample, sonar.model.range_max_m)
+        plan = self._axes(0, 0.0, 1.0)
+        height_in = draw_plan(self._figure, plan, self._sim.world, sample, ends_m, echo)
+        plan.set_position((0.0, -height_in / WIDTH_IN, 1.0, height_in / WIDTH_IN))
+        draw_section(self._axes(0, height_in + GAP_IN, SECTION_IN), self._sim.world, sample, ends_m, echo)
+        nearest = f", {ping.ranges_m.min():.2f} to {ping.ranges_m[ping.valid].max():.2f} m" if ping.valid.any() else ""
+        self._said.append(f"fan: {sonar.model.name}: {int(ping.valid.sum())} echoes of {len(echo)} beams{nearest}")
+
+    def _image(self, column: int) -> float:
+        tilt_deg = IMAGE_TILT_DEG if self._request.tilt_deg is None else self._request.tilt_deg
+        model = ForwardLooking()
+        head = self._sim.rov.sonar.ping().world_from_sonar[:3, 3]
+        pose = self._sim.rov.pose.world_from_body @ imaging.pose_matrix(pitch_rad=np.radians(tilt_deg))
+        pose[:3, 3] = head
+        image = imaging.look_ahead(self._sim, pose, model)
+        axes = self._axes(column, 0.0, 1.0)
+        height_in = WIDTH_IN * draw_image(axes, image)
+        place = axes.get_position()
+        axes.set_position((place.x0, -height_in / WIDTH_IN, 1.0, height_in / WIDTH_IN))
+        self._said.append(
+            f"image: {model.frequency_hz / 1e3:.0f} kHz, {model.beams} beams x {model.range_bins} ranges to "
+            f"{model.range_max_m:g} m, {tilt_deg:g} deg nose down"
+        )
+        return height_in + GAP_IN
+
+    def _side_scan(self, column: int, top_in: float) -> None:
+        body = self._sim.rov.pose.world_from_body
+        ahead = np.array([body[0, 0], body[1, 0], 0.0])
+        if not np.linalg.norm(ahead) > 1e-6:
+            raise ValueError("a side-scan's track needs a heading: the vehicle stands on its nose or tail")
+        ahead /= np.linalg.norm(ahead)
+        pings = max(round(self._request.track_m / PING_SPACING_M), 1)
+        track = np.repeat(body[None], pings, axis=0)
+        track[:, :3, 3] += np.arange(pings)[:, None] * PING_SPACING_M * ahead
+        waterfall = imaging.look_aside(self._sim, track, SideScan())
+        draw_waterfall(self._axes(column, top_in, LOW_IN), waterfall, PING_SPACING_M)
+        heard = np.isfinite(waterfall.altitude_m)
+        over = f", {np.median(waterfall.altitude_m[heard]):.2f} m above the bed" if heard.any() else ", no bottom"
+        self._said.append(f"side-scan: {pings} pings over {pings * PING_SPACING_M:g} m straight ahead{over}")

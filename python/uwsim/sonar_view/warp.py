@@ -1,0 +1,79 @@
+"""From range and bearing to pixels: the fan as it lies in the sonar's plane, and levels as greys."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from scipy.ndimage import map_coordinates, uniform_filter1d
+
+from uwsim.imaging import SonarImage
+from uwsim.survey.atomic_file import write_atomically
+
+Levels = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class FanPixels:
+    """An image in the sonar's plane.
+
+    level_db: (height, width) float32, NaN outside the fan; the first row is the farthest ahead, the first column the
+    farthest to port. extent_m: left, right, bottom, top; right is starboard, up is ahead.
+    """
+
+    level_db: Levels
+    extent_m: tuple[float, float, float, float]
+
+
+def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
+    """Warp a forward-looking picture, ranges by bearings, into its plane. Raises ValueError when height is not positive.
+
+    Power is averaged over as many range bins as a pixel covers, then interpolated between its four neighbours.
+    """
+    if height < 1:
+        raise ValueError(f"height = {height} pixels: must be positive")
+    reach, half = image.model.range_max_m, image.model.field_of_view_rad / 2
+    side = reach * (np.sin(half) if half < np.pi / 2 else 1.0)
+    back = min(reach * float(np.cos(half)), 0.0)
+    pixel_m = (reach - back) / height
+    width = max(int(np.ceil(2 * side / pixel_m)), 1)
+    ahead, port = np.meshgrid(
+        reach - (np.arange(height) + 0.5) * pixel_m, side - (np.arange(width) + 0.5) * (2 * side / width), indexing="ij"
+    )
+    ranges, bearings = np.hypot(ahead, port), np.arctan2(port, ahead)
+    power = 10.0 ** (image.level_db.astype(np.float64) / 10.0)
+    power = uniform_filter1d(power, max(round(pixel_m / image.model.bin_m), 1), axis=0, mode="nearest")
+    beams = image.model.beams
+    per_rad = (beams - 1) / image.model.field_of_view_rad if beams > 1 else 0.0
+    places = [ranges / image.model.bin_m - 0.5, (bearings + half) * per_rad]
+    warped = map_coordinates(power, places, order=1, mode="nearest")
+    level_db = np.where((ranges <= reach) & (np.abs(bearings) <= half), 10.0 * np.log10(warped), np.nan)
+    return FanPixels(level_db.astype(np.float32), (-side, side, back, reach))
+
+
+def shown_range(level_db: Levels) -> tuple[float, float]:
+    """Levels that black and white stand for: all but the lowest 4 and the highest 0.3 per cent, 10 dB apart at least."""
+    finite = level_db[np.isfinite(level_db)]
+    if not finite.size:
+        return 0.0, 10.0
+    low, high = (float(value) for value in np.percentile(finite, [4.0, 99.7]))
+    return low, max(high, low + 10.0)
+
+
+def write_grey_png(path: Path, level_db: Levels, limits_db: tuple[float, float] | None = None) -> None:
+    """Write levels (rows, columns) as an 8-bit grey PNG, a pixel a cell, atomically. NaN is black. Raises OSError.
+
+    limits_db: what 0 and 255 stand for; by default shown_range(level_db).
+    """
+    low, high = limits_db or shown_range(level_db)
+    if not high > low:
+        raise ValueError(f"limits_db = {low}, {high} dB: must rise")
+    share = np.nan_to_num((np.asarray(level_db, np.float64) - low) / (high - low), nan=0.0, posinf=1.0, neginf=0.0)
+    grey = np.round(np.clip(share, 0.0, 1.0) * 255.0).astype(np.uint8)
+    buffer = io.BytesIO()
+    Image.fromarray(grey, mode="L").save(buffer, format="PNG")
+    write_atomically(path, buffer.getvalue())
