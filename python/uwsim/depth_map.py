@@ -65,9 +65,9 @@ class DepthMap:
 
 
 def depth_images(sim: Place, world_from_sonar: ArrayLike, model: DepthMap) -> NDArray[np.float32]:
-    """(cameras, height, width) float32: depth along each camera's axis, from starboard to port; inf = nothing. ValueError.
+    """(cameras, height, width) float32: depth along each camera's axis; inf = nothing. Raises ValueError.
 
-    Row 0 is the top one, column 0 the one to port. The sonar's x axis is the middle of all cameras.
+    Cameras from starboard to port about the sonar's x axis; row 0 is the top one, column 0 the one to port.
     """
     camera = model.camera()
     pose = checked_pose(world_from_sonar)

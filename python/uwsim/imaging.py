@@ -12,7 +12,7 @@ or a solid hears only noise.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -116,7 +116,7 @@ class SideScan(Acoustics):
     [SF] starfishsonar.com, "What is a side scan sonar": beams 30 deg below the level, most energy within 60 deg. The
     page's width along the track is 2 deg; the default is that of a longer array. What names no source is assumed.
 
-    planes: of rays across the track, spread over the beam's width. detection_db: over the noise, where the bottom begins.
+    planes: of rays across the track, over the beam's width. detection_db: over the noise, where the bottom begins.
     """
 
     frequency_hz: float = 450e3  # by the name
@@ -154,11 +154,13 @@ class SingleBeam(Acoustics):
 class SonarImage:
     """What a forward-looking sonar sees.
 
-    level_db: (bins, beams) float32, dB re 1 uPa, finite. ranges_m (bins,), bearings_rad (beams,) float64: the cells'
-    middles, bearings about the sonar's z axis, rising from starboard to port. world_from_sonar (4, 4).
+    level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, what noise alone shows on average.
+    ranges_m (bins,), bearings_rad (beams,) float64: the cells' middles, bearings about the sonar's z axis, rising from
+    starboard to port. world_from_sonar (4, 4).
     """
 
     level_db: Levels
+    noise_db: Levels
     ranges_m: NDArray[np.float64]
     bearings_rad: NDArray[np.float64]
     world_from_sonar: Matrix
@@ -169,12 +171,14 @@ class SonarImage:
 class Waterfall:
     """What a side-scan sonar hears along a track, a ping a row.
 
-    port_db, starboard_db: (pings, bins) float32 over slant range, dB re 1 uPa. ranges_m (bins,) float64. altitude_m
-    (pings,) float32: range of the first bottom return, inf where there is none. world_from_sonar (pings, 4, 4).
+    port_db, starboard_db: (pings, bins) float32 over slant range, dB re 1 uPa. noise_db: (bins,) float32, what noise
+    alone shows on average, in the water of the first ping. ranges_m (bins,) float64. altitude_m (pings,) float32: range
+    of the first bottom return, inf where there is none. world_from_sonar (pings, 4, 4).
     """
 
     port_db: Levels
     starboard_db: Levels
+    noise_db: Levels
     ranges_m: NDArray[np.float64]
     altitude_m: NDArray[np.float32]
     world_from_sonar: Matrix
@@ -189,7 +193,7 @@ class Waterfall:
 
         The water column goes; pings without altitude, and cells beyond the greatest range, are NaN.
         """
-        slant_m = np.hypot(self.ranges_m[None, :], np.nan_to_num(self.altitude_m, posinf=np.inf)[:, None])
+        slant_m = np.hypot(self.ranges_m[None, :], self.altitude_m[:, None].astype(np.float64))
         columns = np.floor(np.minimum(slant_m, 1e9) / self.model.bin_m).astype(np.int64)
         inside = columns < self.model.range_bins
         picked = np.where(inside, columns, 0)
@@ -197,7 +201,7 @@ class Waterfall:
             np.where(inside, np.take_along_axis(side, picked, axis=1), np.float32(np.nan))
             for side in (self.port_db, self.starboard_db)
         ]
-        return Waterfall(sides[0], sides[1], self.ranges_m, self.altitude_m, self.world_from_sonar, self.model)
+        return replace(self, port_db=sides[0], starboard_db=sides[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +243,8 @@ def look_ahead(
     )
     half = model.field_of_view_rad / 2
     bearings = np.linspace(-half, half, model.beams) if model.beams > 1 else np.array([-half])
-    return SonarImage(level_db, model.bin_centres_m, bearings, pose, model)
+    noise_db = _noise_db(model, core, sim, float(pose[2, 3]))
+    return SonarImage(level_db, noise_db, model.bin_centres_m, bearings, pose, model)
 
 
 def look_aside(
@@ -259,7 +264,8 @@ def look_aside(
         core, sim.scene, sim.world.water, np.ascontiguousarray(poses[:, :3, 3]), turns, sim.seed, name,
         _whole(first_ping, "first_ping"), sim.threads,
     )  # fmt: skip
-    return Waterfall(port, starboard, model.bin_centres_m, altitude, poses, model)
+    noise_db = _noise_db(model, core, sim, float(poses[0, 2, 3]) if len(poses) else 0.0)
+    return Waterfall(port, starboard, noise_db, model.bin_centres_m, altitude, poses, model)
 
 
 def profile(
@@ -321,6 +327,15 @@ def _whole(value: int, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**63:
         raise ValueError(f"{name} = {value!r}: must be a whole number, not negative")
     return int(value)
+
+
+def _noise_db(model: Acoustics, core: Any, sim: Place, head_z_m: float) -> Levels:
+    """Level of mean noise power with each range's gain (bins,)."""
+    gain_db = np.zeros(model.range_bins)
+    if model.time_varied_gain:
+        absorption_db_m = core.acoustics.absorption_db_m(sim.world.water, head_z_m)
+        gain_db = model.gain_db_decade * np.log10(model.bin_centres_m) + 2.0 * absorption_db_m * model.bin_centres_m
+    return (model.noise_level_db + gain_db).astype(np.float32)
 
 
 def _core_model(model: Acoustics, core: Any) -> Any:

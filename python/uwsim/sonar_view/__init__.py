@@ -1,1 +1,1 @@
-"""Pictures of what sonars see: a multibeam's fan, a forward-looking sonar's image, a side-scan's waterfall, profiles."""
+"""Pictures of what sonars see: a multibeam's fan, a forward-looking image, a side-scan's waterfall."""

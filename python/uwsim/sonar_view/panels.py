@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
@@ -19,7 +21,7 @@ BEARING_STEP_DEG = 30.0
 def draw_image(axes: Axes, image: SonarImage) -> float:
     """Draw a forward-looking picture with range rings and bearings. Returns height over width of what is shown."""
     pixels = fan_pixels(image)
-    low, high = shown_range(pixels.level_db)
+    low, high = shown_range(image.level_db, image.noise_db[:, None])
     left, right, bottom, top = pixels.extent_m
     dress(axes, "Forward-looking sonar", "to starboard [m]", "ahead [m]")
     axes.set_facecolor(NIGHT)
@@ -41,7 +43,7 @@ def draw_image(axes: Axes, image: SonarImage) -> float:
 def _draw_rings(axes: Axes, image: SonarImage) -> None:
     """Arcs at round ranges and spokes at round bearings, which are positive to port."""
     reach, half_deg = image.model.range_max_m, np.degrees(image.model.field_of_view_rad / 2)
-    style = {"color": RING, "alpha": 0.45, "linewidth": 0.7}
+    style: dict[str, Any] = {"color": RING, "alpha": 0.45, "linewidth": 0.7}
     step = _round_step(reach / 4)
     for radius in [*np.arange(step, reach - 0.2 * step, step), reach]:
         arc = Arc((0, 0), 2 * radius, 2 * radius, theta1=90 - half_deg, theta2=90 + half_deg, **style)
@@ -69,7 +71,7 @@ def draw_waterfall(axes: Axes, waterfall: Waterfall, spacing_m: float, *, over_g
     """Draw a side-scan's lines, the first ping below, port to the left; spacing_m lies between pings."""
     shown = waterfall.over_ground() if over_ground else waterfall
     level_db = shown.picture_db()
-    low, high = shown_range(level_db)
+    low, high = shown_range(waterfall.picture_db(), np.concatenate([waterfall.noise_db[::-1], waterfall.noise_db]))
     reach, length = waterfall.model.range_max_m, spacing_m * len(level_db)
     what = "range over ground" if over_ground else "slant range"
     dress(axes, "Side-scan sonar", f"port            {what} [m]            starboard", "along the track [m]")

@@ -16,6 +16,11 @@ from uwsim.survey.atomic_file import write_atomically
 
 Levels = NDArray[np.float32]
 
+BELOW_MEDIAN_DB, ABOVE_MEDIAN_DB = 13.0, 12.0
+ECHO_OVER_NOISE_DB = 6.0
+LEAST_ECHO_SHARE = 0.02
+DARK_DB = 10.0
+
 
 @dataclass(frozen=True, eq=False)
 class FanPixels:
@@ -30,7 +35,7 @@ class FanPixels:
 
 
 def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
-    """Warp a forward-looking picture, ranges by bearings, into its plane. Raises ValueError when height is not positive.
+    """Warp a forward-looking picture, ranges by bearings, into its plane. Raises ValueError unless height is positive.
 
     Power is averaged over as many range bins as a pixel covers, then interpolated between its four neighbours.
     """
@@ -55,21 +60,25 @@ def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
     return FanPixels(level_db.astype(np.float32), (-side, side, back, reach))
 
 
-def shown_range(level_db: Levels) -> tuple[float, float]:
-    """Levels that black and white stand for: all but the lowest 4 and the highest 0.3 per cent, 10 dB apart at least."""
-    finite = level_db[np.isfinite(level_db)]
-    if not finite.size:
-        return 0.0, 10.0
-    low, high = (float(value) for value in np.percentile(finite, [4.0, 99.7]))
-    return low, max(high, low + 10.0)
+def shown_range(level_db: Levels, noise_db: Levels) -> tuple[float, float]:
+    """Levels that black and white stand for, as an operator would set them: about the median of what is no noise.
+
+    level_db, noise_db: of shapes that broadcast. Shadows, where only noise is heard, come out dark; hard targets
+    saturate. With hardly an echo, noise stays near black.
+    """
+    over_db = level_db - noise_db
+    echoes = level_db[np.isfinite(level_db) & (over_db > ECHO_OVER_NOISE_DB)]
+    heard = echoes.size > LEAST_ECHO_SHARE * level_db.size
+    middle = float(np.median(echoes)) if heard else float(np.max(noise_db)) + DARK_DB
+    return middle - BELOW_MEDIAN_DB, middle + ABOVE_MEDIAN_DB
 
 
-def write_grey_png(path: Path, level_db: Levels, limits_db: tuple[float, float] | None = None) -> None:
+def write_grey_png(path: Path, level_db: Levels, limits_db: tuple[float, float]) -> None:
     """Write levels (rows, columns) as an 8-bit grey PNG, a pixel a cell, atomically. NaN is black. Raises OSError.
 
-    limits_db: what 0 and 255 stand for; by default shown_range(level_db).
+    limits_db: what 0 and 255 stand for, see shown_range. Raises ValueError unless they rise.
     """
-    low, high = limits_db or shown_range(level_db)
+    low, high = limits_db
     if not high > low:
         raise ValueError(f"limits_db = {low}, {high} dB: must rise")
     share = np.nan_to_num((np.asarray(level_db, np.float64) - low) / (high - low), nan=0.0, posinf=1.0, neginf=0.0)
