@@ -15,7 +15,8 @@ void bind_sonar(pybind11::module_& m);
 void bind_clouds(pybind11::module_& m);
 void bind_acoustic_multibeam(pybind11::module_& m);
 void bind_imaging(pybind11::module_& m);
-void bind_mapping(pybind11::module_& m);
+void bind_depth_string(pybind11::module_& m);
+void bind_occupancy_map(pybind11::module_& m);
 void bind_sensors(pybind11::module_& m);
 void bind_sim(pybind11::module_& m);
 

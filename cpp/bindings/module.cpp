@@ -15,7 +15,8 @@ PYBIND11_MODULE(_core, m) {
   bind_clouds(m);
   bind_acoustic_multibeam(m);
   bind_imaging(m);
-  bind_mapping(m);
+  bind_depth_string(m);
+  bind_occupancy_map(m);
   bind_sensors(m);
   bind_sim(m);
 }

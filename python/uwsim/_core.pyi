@@ -16,25 +16,22 @@ __all__: list[str] = [
     "Craft",
     "CraftParameters",
     "Current",
-    "DepthCamera",
     "FinParameters",
-    "ForwardLookingModel",
-    "ImagingAcoustics",
+    "InstructionSet",
+    "MapEngine",
+    "MapOptions",
     "MultibeamModel",
     "NoiseSpec",
     "OccupancyMap",
     "Ping",
     "RayHits",
     "RayScene",
-    "RowReduction",
     "SensorKind",
     "SensorParameter",
     "SensorReading",
     "SensorSpec",
-    "SideScanModel",
     "Simulation",
     "SimulationSpec",
-    "SingleBeamModel",
     "SolidProperties",
     "SonarSpec",
     "Telemetry",
@@ -47,19 +44,14 @@ __all__: list[str] = [
     "World",
     "absorption_db_km",
     "decode_depth_string",
-    "depth_image",
-    "depth_image_ranges",
     "encode_depth_string",
     "filter_range",
-    "forward_look",
     "multibeam_model",
     "remove_box",
     "scan_to_points",
     "sea_water_density_kg_m3",
     "sensor_kind",
     "sensor_kinds",
-    "side_scan",
-    "single_beam",
     "solid_properties",
     "sound_speed_m_s",
     "transform_points",
@@ -661,198 +653,20 @@ class MultibeamModel:
         A range at or past it is no echo.
         """
 
-class ImagingAcoustics:
-    """
-    What picture-making sonars share; see uwsim.imaging.Acoustics.
-    """
-
-    time_varied_gain: bool
-    def __init__(self) -> None: ...
-    def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
-        """
-        Of the water at the head [dB/m].
-        """
-    @property
-    def bottom_strength_db(self) -> float: ...
-    @bottom_strength_db.setter
-    def bottom_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def frequency_hz(self) -> float: ...
-    @frequency_hz.setter
-    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def gain_db_decade(self) -> float: ...
-    @gain_db_decade.setter
-    def gain_db_decade(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def looks(self) -> int: ...
-    @looks.setter
-    def looks(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def noise_level_db(self) -> float: ...
-    @noise_level_db.setter
-    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def range_bins(self) -> int: ...
-    @range_bins.setter
-    def range_bins(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def range_max_m(self) -> float: ...
-    @range_max_m.setter
-    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def solid_strength_db(self) -> float: ...
-    @solid_strength_db.setter
-    def solid_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def source_level_db(self) -> float: ...
-    @source_level_db.setter
-    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
-class ForwardLookingModel:
-    """
-    See uwsim.imaging.ForwardLooking.
-    """
-
-    acoustics: ImagingAcoustics
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def beam_width_rad(self) -> float: ...
-    @beam_width_rad.setter
-    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def beams(self) -> int: ...
-    @beams.setter
-    def beams(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def columns_per_beam(self) -> int: ...
-    @columns_per_beam.setter
-    def columns_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def field_of_view_rad(self) -> float: ...
-    @field_of_view_rad.setter
-    def field_of_view_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def rays_per_column(self) -> int: ...
-    @rays_per_column.setter
-    def rays_per_column(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def taper(self) -> float: ...
-    @taper.setter
-    def taper(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def vertical_width_rad(self) -> float: ...
-    @vertical_width_rad.setter
-    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
-class SideScanModel:
-    """
-    See uwsim.imaging.SideScan.
-    """
-
-    acoustics: ImagingAcoustics
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def along_width_rad(self) -> float: ...
-    @along_width_rad.setter
-    def along_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def depression_rad(self) -> float: ...
-    @depression_rad.setter
-    def depression_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def detection_db(self) -> float: ...
-    @detection_db.setter
-    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def planes(self) -> int: ...
-    @planes.setter
-    def planes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def vertical_width_rad(self) -> float: ...
-    @vertical_width_rad.setter
-    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
-class SingleBeamModel:
-    """
-    See uwsim.imaging.SingleBeam.
-    """
-
-    acoustics: ImagingAcoustics
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def beam_width_rad(self) -> float: ...
-    @beam_width_rad.setter
-    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def detection_db(self) -> float: ...
-    @detection_db.setter
-    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def rays_across(self) -> int: ...
-    @rays_across.setter
-    def rays_across(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-
-class DepthCamera:
-    """
-    See uwsim.depth_map.DepthMap.
-    """
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def depth_bits(self) -> int: ...
-    @depth_bits.setter
-    def depth_bits(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def height(self) -> int: ...
-    @height.setter
-    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def horizontal_fov_rad(self) -> float: ...
-    @horizontal_fov_rad.setter
-    def horizontal_fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def range_max_m(self) -> float: ...
-    @range_max_m.setter
-    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def vertical_fov_rad(self) -> float: ...
-    @vertical_fov_rad.setter
-    def vertical_fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def width(self) -> int: ...
-    @width.setter
-    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-
-class RowReduction:
+class MapEngine:
     """
     Members:
 
-      MIDDLE
+      OCTOMAP
 
-      NEAREST
+      BRICKS
     """
 
-    MIDDLE: typing.ClassVar[RowReduction]
-    NEAREST: typing.ClassVar[RowReduction]
-    __members__: typing.ClassVar[dict[str, RowReduction]]
+    BRICKS: typing.ClassVar[MapEngine]
+    OCTOMAP: typing.ClassVar[MapEngine]
+    __members__: typing.ClassVar[dict[str, MapEngine]]
     @typing.overload
-    def __eq__(self, other: RowReduction) -> bool: ...
+    def __eq__(self, other: MapEngine) -> bool: ...
     @typing.overload
     def __eq__(self, other: typing.Any) -> bool: ...
     def __getstate__(self) -> int: ...
@@ -861,7 +675,7 @@ class RowReduction:
     def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def __int__(self) -> int: ...
     @typing.overload
-    def __ne__(self, other: RowReduction) -> bool: ...
+    def __ne__(self, other: MapEngine) -> bool: ...
     @typing.overload
     def __ne__(self, other: typing.Any) -> bool: ...
     def __repr__(self) -> str: ...
@@ -872,18 +686,74 @@ class RowReduction:
     @property
     def value(self) -> int: ...
 
+class InstructionSet:
+    """
+    Forms of the brick engine's inner loops, all with the same result.
+
+    Members:
+
+      BEST
+
+      PORTABLE
+
+      AVX2
+
+      AVX512
+    """
+
+    AVX2: typing.ClassVar[InstructionSet]
+    AVX512: typing.ClassVar[InstructionSet]
+    BEST: typing.ClassVar[InstructionSet]
+    PORTABLE: typing.ClassVar[InstructionSet]
+    __members__: typing.ClassVar[dict[str, InstructionSet]]
+    @typing.overload
+    def __eq__(self, other: InstructionSet) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: InstructionSet) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class MapOptions:
+    """
+    What a map is made of, and its probabilities of hit, miss and clamping.
+    """
+    def __init__(
+        self,
+        *,
+        engine: MapEngine,
+        hit: typing.SupportsFloat | typing.SupportsIndex,
+        miss: typing.SupportsFloat | typing.SupportsIndex,
+        clamping_min: typing.SupportsFloat | typing.SupportsIndex,
+        clamping_max: typing.SupportsFloat | typing.SupportsIndex,
+        instruction_set: InstructionSet,
+    ) -> None: ...
+
 class OccupancyMap:
     """
-    octomap::OcTree of the system's OctoMap, about an origin in the world.
+    OctoMap's octree, about an origin in the world.
     """
     @staticmethod
-    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any) -> OccupancyMap:
+    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any, options: MapOptions) -> OccupancyMap:
         """
         A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of
         OctoMap's. Releases the GIL.
         """
     def __init__(
-        self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any
+        self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any, options: MapOptions
     ) -> None: ...
     def free_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -898,6 +768,18 @@ class OccupancyMap:
         """
         points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64. Raises ValueError,
         inserting nothing, on shapes, on an origin that is not finite and outside OctoMap's cube. Releases the GIL.
+        """
+    def insert_scans(
+        self,
+        points_world_m: typing.Any,
+        counts: typing.Any,
+        origins_world_m: typing.Any,
+        max_range_m: typing.SupportsFloat | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        points_world_m: (n, 3) float32 of all scans; counts: (m,) int64; origins_world_m: (m, 3) float64. Raises
+        ValueError as insert_scan does, inserting none of them. Releases the GIL.
         """
     def occupied_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -919,6 +801,8 @@ class OccupancyMap:
         """
         Atomically. Raises OSError. Releases the GIL.
         """
+    @property
+    def engine(self) -> MapEngine: ...
     @property
     def origin_world_m(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
@@ -1294,14 +1178,6 @@ class Simulation:
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
-    def restore_state(self, state: bytes, scenario: str, build: str) -> None:
-        """
-        Raises ValueError, changing nothing, for a state that is damaged or has other fingerprints.
-        """
-    def save_state(self, scenario: str, build: str) -> bytes:
-        """
-        All that the future depends on beside what the simulation was made of, with fingerprints of that.
-        """
     def set_effort(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,
@@ -1380,24 +1256,6 @@ def decode_depth_string(
     Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
     """
 
-def depth_image(
-    camera: DepthCamera,
-    scene: RayScene,
-    position_m: typing.Any,
-    orientation_xyzw: typing.Any,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    (height, width) float32 along the camera's x axis, inf = nothing. Raises ValueError. Releases the GIL.
-    """
-
-def depth_image_ranges(
-    camera: DepthCamera, depth_m: typing.Any, angles_rad: typing.Any, reduction: RowReduction, interpolate: bool
-) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    depth_m (height, width), angles_rad (n,) -> (n,) float32, inf = no echo. Raises ValueError.
-    """
-
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
     The published depthArray text: C#'s G7 text of each range, each followed by the letter a.
@@ -1413,21 +1271,6 @@ def filter_range(
     """
     The points whose distance to the origin is in [min_m, max_m]; (n, 3) float32. Raises ValueError. Releases the
     GIL.
-    """
-
-def forward_look(
-    model: ForwardLookingModel,
-    scene: RayScene,
-    water: Water,
-    position_m: typing.Any,
-    orientation_xyzw: typing.Any,
-    seed: typing.SupportsInt | typing.SupportsIndex,
-    stream: str,
-    tick: typing.SupportsInt | typing.SupportsIndex,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    (bins, beams) float32, dB re 1 uPa; pose: world from sonar. Raises ValueError. Releases the GIL.
     """
 
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
@@ -1471,39 +1314,6 @@ def sensor_kind(name: str) -> SensorKind:
 def sensor_kinds() -> list[str]:
     """
     The kinds of sensor that are built in.
-    """
-
-def side_scan(
-    model: SideScanModel,
-    scene: RayScene,
-    water: Water,
-    positions_m: typing.Any,
-    orientations_xyzw: typing.Any,
-    seed: typing.SupportsInt | typing.SupportsIndex,
-    stream: str,
-    first_ping: typing.SupportsInt | typing.SupportsIndex,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> tuple[
-    numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]
-]:
-    """
-    Poses (n, 3) and (n, 4). (port_db (n, bins), starboard_db (n, bins), altitude_m (n,)), float32. Raises ValueError. Releases the GIL.
-    """
-
-def single_beam(
-    model: SingleBeamModel,
-    scene: RayScene,
-    water: Water,
-    position_m: typing.Any,
-    orientation_xyzw: typing.Any,
-    angles_rad: typing.Any,
-    seed: typing.SupportsInt | typing.SupportsIndex,
-    stream: str,
-    first_ping: typing.SupportsInt | typing.SupportsIndex,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
-    """
-    angles_rad (n,). (level_db (n, bins), ranges_m (n,)), float32, inf = no echo. Raises ValueError. Releases the GIL.
     """
 
 def solid_properties(vertices_m: typing.Any, triangles: typing.Any) -> SolidProperties:

@@ -33,7 +33,7 @@ LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
     "Embree": (r"embree\d*/", r"cpp/uwsim/world/ray_scene\.cpp"),
     "Bullet": (r"bt\w+\.h|Bullet\w*/|LinearMath/", r"cpp/uwsim/dynamics/(convex_meeting|solid_triangles)\.cpp"),
-    "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/occupancy_map\.cpp"),
+    "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),
 }

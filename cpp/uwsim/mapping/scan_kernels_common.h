@@ -1,7 +1,5 @@
 #pragma once
 
-#include <math.h>  // floor and sqrt become instructions here, not functions that others might link
-
 #include "uwsim/mapping/scan_kernels.h"
 
 /// What the forms of the kernels share, compiled once for each, with internal linkage. Only the files named
@@ -24,7 +22,7 @@ struct Aim {
 inline Kind aim_at(const float point_m[3], const float origin_m[3], double max_range_m, Aim& aim) {
   const float dx = point_m[0] - origin_m[0], dy = point_m[1] - origin_m[1], dz = point_m[2] - origin_m[2];
   const float square = dx * dx + dy * dy + dz * dz;
-  const double distance = sqrt(static_cast<double>(square));
+  const double distance = __builtin_sqrt(static_cast<double>(square));
   const float delta[3] = {dx, dy, dz};
   if (max_range_m < 0 || distance <= max_range_m) {
     // Closer than a float's square can tell is at the origin: OctoMap's own loop might not end.
@@ -37,7 +35,7 @@ inline Kind aim_at(const float point_m[3], const float origin_m[3], double max_r
   for (int axis = 0; axis < 3; ++axis) aim.end_m[axis] = origin_m[axis] + delta[axis] / norm * reach;
   const float ex = aim.end_m[0] - origin_m[0], ey = aim.end_m[1] - origin_m[1], ez = aim.end_m[2] - origin_m[2];
   const float cut[3] = {ex, ey, ez};
-  aim.length_m = static_cast<float>(sqrt(static_cast<double>(ex * ex + ey * ey + ez * ez)));
+  aim.length_m = static_cast<float>(__builtin_sqrt(static_cast<double>(ex * ex + ey * ey + ez * ez)));
   for (int axis = 0; axis < 3; ++axis) aim.direction[axis] = cut[axis] / aim.length_m;
   return kPassing;
 }
@@ -47,7 +45,7 @@ inline void start_rays(const ScanInput& scan, const Rays& rays) {
   const double factor = 1.0 / scan.resolution_m, resolution = scan.resolution_m;
   int origin_key[3];
   for (int axis = 0; axis < 3; ++axis) {
-    origin_key[axis] = static_cast<int>(floor(factor * static_cast<double>(scan.origin_m[axis]))) + 32768;
+    origin_key[axis] = static_cast<int>(__builtin_floor(factor * static_cast<double>(scan.origin_m[axis]))) + 32768;
   }
   const float half = static_cast<float>(resolution * 0.5);  // rounded, as there
   for (std::size_t i = 0; i < scan.count; ++i) {
@@ -55,7 +53,7 @@ inline void start_rays(const ScanInput& scan, const Rays& rays) {
     bool finite = true;
     for (int axis = 0; axis < 3; ++axis) {
       const float world_m = scan.points_world_m[3 * i + static_cast<std::size_t>(axis)];
-      finite = finite && fabsf(world_m) <= 3.402823466e+38f;
+      finite = finite && __builtin_fabsf(world_m) <= 3.402823466e+38f;
       point_m[axis] = static_cast<float>(static_cast<double>(world_m) - scan.tree_origin_world_m[axis]);
     }
     rays.steps[i] = 0;
@@ -67,7 +65,7 @@ inline void start_rays(const ScanInput& scan, const Rays& rays) {
     rays.length[i] = static_cast<double>(aim.length_m);
     std::uint32_t steps = 0, negative = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const int key = static_cast<int>(floor(factor * static_cast<double>(aim.end_m[axis]))) + 32768;
+      const int key = static_cast<int>(__builtin_floor(factor * static_cast<double>(aim.end_m[axis]))) + 32768;
       rays.end_key[axis][i] = static_cast<std::uint16_t>(key);
       steps += static_cast<std::uint32_t>(key > origin_key[axis] ? key - origin_key[axis] : origin_key[axis] - key);
       const double direction = static_cast<double>(aim.direction[axis]);
@@ -75,7 +73,7 @@ inline void start_rays(const ScanInput& scan, const Rays& rays) {
       const double border = direction < 0 ? middle - static_cast<double>(half) : middle + static_cast<double>(half);
       const bool moves = direction > 0 || direction < 0;
       rays.next[axis][i] = moves ? (border - static_cast<double>(scan.origin_m[axis])) / direction : kFar;
-      rays.stride[axis][i] = moves ? resolution / fabs(direction) : kFar;
+      rays.stride[axis][i] = moves ? resolution / __builtin_fabs(direction) : kFar;
       negative |= static_cast<std::uint32_t>(direction < 0) << axis;
     }
     rays.steps[i] = steps;

@@ -1,0 +1,141 @@
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+#include <tuple>
+
+#include "bind.h"
+#include "points.h"
+#include "uwsim/mapping/occupancy_map.h"
+
+namespace uwsim::bindings {
+namespace {
+
+using CountArray = py::array_t<std::int64_t, py::array::c_style>;
+
+/// Whole numbers, (m,): floats are refused, not cut off.
+CountArray as_counts(const py::object& object, const char* name) {
+  const auto any = as_array<double>(object, name, {-1});
+  for (py::ssize_t i = 0; i < any.size(); ++i) {
+    require(any.data()[i] == std::floor(any.data()[i]), name, any.data()[i], "must be whole numbers");
+  }
+  return as_array<std::int64_t>(object, name, {-1});
+}
+
+MapFormat format_named(const std::string& name) {
+  require(name == "bt" || name == "ot", "map.format", "'" + name + "'", "must be 'bt' or 'ot'");
+  return name == "bt" ? MapFormat::bt : MapFormat::ot;
+}
+
+void bind_options(py::module_& m) {
+  py::enum_<MapEngineKind>(m, "MapEngine")
+      .value("OCTOMAP", MapEngineKind::octomap)
+      .value("BRICKS", MapEngineKind::bricks);
+  py::enum_<InstructionSet>(m, "InstructionSet", "Forms of the brick engine's inner loops, all with the same result.")
+      .value("BEST", InstructionSet::best)
+      .value("PORTABLE", InstructionSet::portable)
+      .value("AVX2", InstructionSet::avx2)
+      .value("AVX512", InstructionSet::avx512);
+  py::class_<MapOptions>(m, "MapOptions", "What a map is made of, and its probabilities of hit, miss and clamping.")
+      .def(py::init([](MapEngineKind engine, double hit, double miss, double clamping_min, double clamping_max,
+                       InstructionSet instruction_set) {
+             return MapOptions{engine, {hit, miss, clamping_min, clamping_max}, instruction_set};
+           }),
+           py::kw_only(), py::arg("engine"), py::arg("hit"), py::arg("miss"), py::arg("clamping_min"),
+           py::arg("clamping_max"), py::arg("instruction_set"));
+}
+
+void bind_map(py::module_& m) {
+  py::class_<OccupancyMap>(m, "OccupancyMap", "OctoMap's octree, about an origin in the world.")
+      .def(py::init([](double resolution_m, const py::object& origin_world_m, const MapOptions& options) {
+             return OccupancyMap(resolution_m, as_vector3(origin_world_m, "map.origin_world_m"), options);
+           }),
+           py::arg("resolution_m"), py::arg("origin_world_m"), py::arg("options"))
+      .def_static(
+          "read",
+          [](const std::filesystem::path& path, const py::object& origin_world_m, const MapOptions& options) {
+            const Eigen::Vector3d origin = as_vector3(origin_world_m, "map.origin_world_m");
+            return released([&] { return OccupancyMap::read(path.string(), origin, options); });
+          },
+          py::arg("path"), py::arg("origin_world_m"), py::arg("options"),
+          "A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of\n"
+          "OctoMap's. Releases the GIL.")
+      .def_property_readonly("resolution_m", &OccupancyMap::resolution_m)
+      .def_property_readonly("engine", &OccupancyMap::engine)
+      .def_property_readonly("origin_world_m",
+                             [](const OccupancyMap& map) {
+                               const Eigen::Vector3d origin = map.origin_world_m();
+                               return move_out(std::vector<double>(origin.data(), origin.data() + 3));
+                             })
+      .def(
+          "insert_scan",
+          [](OccupancyMap& map, const py::object& points_world_m, const py::object& origin_world_m,
+             double max_range_m) {
+            const FloatArray points = as_point_rows(points_world_m, "scan.points_world_m");
+            const Eigen::Vector3d origin = as_vector3(origin_world_m, "scan.origin_world_m");
+            released([&] { map.insert_scan(span_of(points), origin, max_range_m); });
+          },
+          py::arg("points_world_m"), py::arg("origin_world_m"), py::arg("max_range_m"),
+          "points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64. Raises ValueError,\n"
+          "inserting nothing, on shapes, on an origin that is not finite and outside OctoMap's cube. Releases the GIL.")
+      .def(
+          "insert_scans",
+          [](OccupancyMap& map, const py::object& points_world_m, const py::object& counts,
+             const py::object& origins_world_m, double max_range_m, int threads) {
+            const FloatArray points = as_point_rows(points_world_m, "scans.points_world_m");
+            const CountArray how_many = as_counts(counts, "scans.counts");
+            const auto origins = as_array<double>(origins_world_m, "scans.origins_world_m", {-1, 3});
+            released(
+                [&] { map.insert_scans(span_of(points), span_of(how_many), span_of(origins), max_range_m, threads); });
+          },
+          py::arg("points_world_m"), py::arg("counts"), py::arg("origins_world_m"), py::arg("max_range_m"),
+          py::arg("threads"),
+          "points_world_m: (n, 3) float32 of all scans; counts: (m,) int64; origins_world_m: (m, 3) float64. Raises\n"
+          "ValueError as insert_scan does, inserting none of them. Releases the GIL.")
+      .def(
+          "occupied_voxels",
+          [](const OccupancyMap& map) { return rows_out(released([&] { return map.occupied_voxels_world_m(); })); },
+          "(n, 3) float64: centres of the finest voxels, world, in Morton order. Releases the GIL.")
+      .def(
+          "free_voxels",
+          [](const OccupancyMap& map) { return rows_out(released([&] { return map.free_voxels_world_m(); })); },
+          "(n, 3) float64: centres of the finest voxels, world, in Morton order. Releases the GIL.")
+      .def(
+          "statistics",
+          [](const OccupancyMap& map) {
+            const MapStatistics s = released([&] { return map.statistics(); });
+            return std::make_tuple(s.occupied_voxels, s.free_voxels, s.nodes, s.memory_bytes);
+          },
+          "(occupied voxels, free voxels, nodes, bytes of memory). Releases the GIL.")
+      .def(
+          "state_at",
+          [](const OccupancyMap& map, const py::object& points_world_m) {
+            const auto points = as_array<double>(points_world_m, "points_world_m", {-1, 3});
+            return move_out(released([&] { return map.state_at(span_of(points)); }));
+          },
+          py::arg("points_world_m"),
+          "points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the "
+          "GIL.")
+      .def(
+          "to_bytes",
+          [](const OccupancyMap& map, const std::string& format) {
+            const MapFormat wanted = format_named(format);
+            return py::bytes(released([&] { return map.to_bytes(wanted); }));
+          },
+          py::arg("format"), "The bytes of a 'bt' or 'ot' file. Releases the GIL.")
+      .def(
+          "write",
+          [](const OccupancyMap& map, const std::filesystem::path& path, const std::string& format) {
+            const MapFormat wanted = format_named(format);
+            released([&] { map.write(path.string(), wanted); });
+          },
+          py::arg("path"), py::arg("format"), "Atomically. Raises OSError. Releases the GIL.");
+}
+
+}  // namespace
+
+void bind_occupancy_map(py::module_& m) {
+  bind_options(m);
+  bind_map(m);
+}
+
+}  // namespace uwsim::bindings
