@@ -1,0 +1,102 @@
+"""The real scans and the real map that liboctomap-dev ships, against what Debian's own programs make of them."""
+
+import bz2
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim.mapping import OccupancyMap
+
+DATA = Path("/usr/share/doc/liboctomap-dev/examples/data")
+SCANS_PER_BATCH = 5
+
+
+def graph2tree(graph, folder, *options):
+    """Insert a scan graph with Debian's program; returns the bytes of its .ot and its .bt."""
+    subprocess.run(
+        ["graph2tree", "-i", graph, "-o", folder / "tree.bt", "-g", *options],
+        check=True,
+        capture_output=True,
+        timeout=120,
+    )
+    return (folder / "tree.bt.ot").read_bytes(), (folder / "tree.bt").read_bytes()
+
+
+def read_graph(path):
+    """Point clouds with their origins, of a graph whose points are in the world: (n, 3) float32 and (3,) each."""
+    data = path.read_bytes()
+    (nodes,) = struct.unpack_from("<I", data)
+    at, scans = 4, []
+
+    def vectors(count, numbers):
+        # each is a count of its numbers, and so many float64
+        nonlocal at
+        rows = np.frombuffer(data, dtype=[("n", "<u4"), ("x", "<f8", numbers)], count=count, offset=at)
+        at += rows.nbytes
+        return rows["x"]
+
+    for _ in range(nodes):
+        (points,) = struct.unpack_from("<I", data, at)
+        at += 4
+        cloud = vectors(points, 3).astype(np.float32)
+        origin = vectors(1, 3)[0]
+        vectors(1, 4)
+        at += 4
+        scans.append((cloud, origin))
+    return scans
+
+
+def spherical_scan(folder):
+    return DATA / "spherical_scan.graph"
+
+
+def laser_scan(folder):
+    """scan.dat is points alone: cut into scans that are seen from somewhere inside."""
+    points = np.loadtxt(bz2.open(DATA / "scan.dat.bz2", "rt"))
+    log = folder / "scan.log"
+    with log.open("w") as file:
+        for i, part in enumerate(np.array_split(points, 12)):
+            file.write(f"NODE {0.1 * i} {-0.05 * i} 0 0 0 0\n")
+            np.savetxt(file, part, fmt="%.9g")
+    subprocess.run(["log2graph", log, folder / "scan.graph"], check=True, capture_output=True, timeout=60)
+    return folder / "scan.graph"
+
+
+@pytest.mark.parametrize("options", [("-res", "0.1"), ("-res", "0.05", "-m", "4"), ("-res", "0.3", "-m", "2.5")])
+@pytest.mark.parametrize("make_graph", [spherical_scan, laser_scan])
+def test_maps_of_real_scans_are_those_of_graph2tree(make_graph, options, tmp_path):
+    graph = make_graph(tmp_path)
+    expected = graph2tree(graph, tmp_path, *options)
+    scans = read_graph(graph)
+    values = dict(zip(options[::2], map(float, options[1::2]), strict=True))
+    range_m = values.get("-m", np.inf)
+
+    for engine in ("octomap", "bricks"):
+        one_by_one = OccupancyMap(values["-res"], engine=engine)
+        for points, origin in scans:
+            one_by_one.insert_scan(points, origin, range_m)
+        assert (one_by_one.to_bytes("ot"), one_by_one.to_bytes("bt")) == expected
+
+    together = OccupancyMap(values["-res"])
+    for first in range(0, len(scans), SCANS_PER_BATCH):
+        batch = scans[first : first + SCANS_PER_BATCH]
+        clouds, origins = zip(*batch, strict=True)
+        together.insert_scans(np.concatenate(clouds), [len(c) for c in clouds], origins, range_m, threads=2)
+    assert (together.to_bytes("ot"), together.to_bytes("bt")) == expected
+    assert together.statistics().nodes > 300
+
+
+@pytest.mark.parametrize("engine", ["octomap", "bricks"])
+def test_real_map_survives_being_read(engine, tmp_path):
+    occupancy_map = OccupancyMap.read(DATA / "geb079.bt", engine=engine)
+    assert occupancy_map.statistics().occupied_voxels > 10_000
+    subprocess.run(
+        ["convert_octree", DATA / "geb079.bt", tmp_path / "theirs.ot"], check=True, capture_output=True, timeout=60
+    )
+    assert occupancy_map.to_bytes("ot") == (tmp_path / "theirs.ot").read_bytes()
+    assert occupancy_map.to_bytes("bt").partition(b"\ndata\n")[2] == (DATA / "geb079.bt").read_bytes().partition(
+        b"\ndata\n"
+    )[2]
