@@ -46,8 +46,12 @@ __all__: list[str] = [
     "decode_depth_string",
     "encode_depth_string",
     "filter_range",
+    "ground_plane",
     "multibeam_model",
+    "pass_through",
+    "register_cloud",
     "remove_box",
+    "remove_outliers",
     "scan_to_points",
     "sea_water_density_kg_m3",
     "sensor_kind",
@@ -55,6 +59,7 @@ __all__: list[str] = [
     "solid_properties",
     "sound_speed_m_s",
     "transform_points",
+    "voxel_grid",
 ]
 
 class Waves:
@@ -1273,9 +1278,42 @@ def filter_range(
     GIL.
     """
 
+def ground_plane(
+    points_m: typing.Any,
+    distance_m: typing.SupportsFloat | typing.SupportsIndex,
+    max_slope_rad: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"], float, numpy.ndarray]:
+    """
+    pcl::RandomSampleConsensus: normal (3,) that looks up, offset [m] with normal . p + offset = 0, and the inliers
+    (n,) bool. points_m: (n, 3) float32, finite. Raises ValueError. Releases the GIL.
+    """
+
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
+    """
+
+def pass_through(
+    points_m: typing.Any,
+    axis: typing.SupportsInt | typing.SupportsIndex,
+    min_m: typing.SupportsFloat | typing.SupportsIndex,
+    max_m: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    pcl::PassThrough: the points whose coordinate 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32. Points that are
+    not finite drop out. Raises ValueError. Releases the GIL.
+    """
+
+def register_cloud(
+    source_m: typing.Any,
+    target_m: typing.Any,
+    guess: typing.Any,
+    max_distance_m: typing.SupportsFloat | typing.SupportsIndex,
+    max_iterations: typing.SupportsInt | typing.SupportsIndex,
+) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
+    """
+    pcl::IterativeClosestPoint: target_from_source (4, 4), rms [m] and share of the points within reach, iterations,
+    converged. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Raises ValueError. Releases the GIL.
     """
 
 def remove_box(
@@ -1284,6 +1322,16 @@ def remove_box(
     """
     pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)
     float64. Points that are not finite drop out. Raises ValueError. Releases the GIL.
+    """
+
+def remove_outliers(
+    points_m: typing.Any,
+    neighbours: typing.SupportsInt | typing.SupportsIndex,
+    deviations: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    pcl::StatisticalOutlierRemoval; (n, 3) float32. Points that are not finite drop out. Raises ValueError. Releases
+    the GIL.
     """
 
 def scan_to_points(
@@ -1336,4 +1384,12 @@ def transform_points(
     """
     pcl::transformPointCloud: (n, 3) float32 in, (n, 3) float32 out. target_from_source: (4, 4) float64, rigid.
     Raises ValueError. Releases the GIL.
+    """
+
+def voxel_grid(
+    points_m: typing.Any, voxel_m: typing.SupportsFloat | typing.SupportsIndex
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m; (n, 3) float32 in, (k, 3) float32 out.
+    Points that are not finite drop out. Raises ValueError. Releases the GIL.
     """

@@ -23,6 +23,8 @@ app = typer.Typer(
 # Exit codes; 2 is typer's own for wrong options.
 FAILED, STUCK, INTERRUPTED = 1, 3, 130
 
+PASS_ON: dict[str, Any] = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+
 ScenarioName = Annotated[str, typer.Argument(help="A packaged scenario's name, or the path of a YAML file.")]
 Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.")]
 SonarModel = Annotated[int | None, typer.Option(help="EM 2040 variant 1 to 4; replaces the scenario's.")]
@@ -155,7 +157,7 @@ def decompose(
 
 
 # Options, --help among them, are the benchmark's own.
-@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []})
+@app.command(context_settings=PASS_ON)
 def bench(
     context: typer.Context, name: Annotated[str, typer.Argument(help="Which benchmark; none lists them.")] = ""
 ) -> None:
@@ -169,6 +171,15 @@ def bench(
         raise ValueError(f"benchmark '{name}': unknown; there are: {known}")
     sys.argv = [f"uwsim bench {name}", *context.args]
     runpy.run_path(str(folder / f"{name}.py"), run_name="__main__")
+
+
+# Its commands have options of their own, --help among them; they are loaded when one is called.
+@app.command(name="map", context_settings=PASS_ON)
+def map_(context: typer.Context) -> None:
+    """Look into, convert, score, draw and compare maps: info, convert, score, render, diff, slice."""
+    from uwsim.maps.cli import app as map_app
+
+    map_app(args=context.args, prog_name="uwsim map", standalone_mode=True)
 
 
 def _bench_folder() -> Path:

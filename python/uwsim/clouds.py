@@ -38,7 +38,7 @@ class Mapped(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class GroundPlane:
-    """normal . p + offset_m = 0: normal (3,), of length 1, looks up. inliers: (n,) bool, the points it was fitted to."""
+    """normal . p + offset_m = 0: normal (3,), of length 1, looks up. inliers: (n,) bool, the points fitted."""
 
     normal: NDArray[np.float64]
     offset_m: float

@@ -13,8 +13,8 @@ from PIL import Image
 from rich.console import Console
 
 from uwsim import _core
-from uwsim.survey import scene_picture
 from uwsim.atomic_file import write_atomically
+from uwsim.survey import scene_picture
 from uwsim.survey.pictures import draw_pictures
 from uwsim.survey.record import PingSample, SurveyRecord
 from uwsim.survey.report import write_report

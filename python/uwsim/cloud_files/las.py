@@ -48,8 +48,8 @@ def decode(data: bytes) -> NDArray[np.float64]:
 def _require_records(data: bytes) -> None:
     """Refuse headers that promise more variable length records than there are bytes: laspy would read them all.
 
-    Offsets as in the LAS specification 1.4: header size and start of the points at 94, number of records at 100, that of
-    the extended ones at 243.
+    Offsets as laspy reads them: header size and start of the points at 94, number of records at 100, that of the
+    extended ones at 243.
     """
     if not data.startswith(b"LASF") or len(data) < 227:
         raise ValueError("no LAS header")

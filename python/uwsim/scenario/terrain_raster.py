@@ -79,6 +79,28 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
     return _heights(raster, elevations, spec)
 
 
+@dataclass(frozen=True)
+class RasterPlace:
+    """Where a raster terrain's world lies on Earth.
+
+    crs: None for plain metres. origin: the world's, (x, y) in that. units_per_m: of it for each simulated metre.
+    """
+
+    crs: CRS | None
+    origin: tuple[float, float]
+    units_per_m: float
+
+
+def raster_place(spec: RasterTerrain) -> RasterPlace:
+    """Return the place of a raster terrain. One in degrees is placed in the metres it was projected to."""
+    raster = _read(spec)
+    h, w = raster.elevations.shape
+    centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
+    if raster.is_geographic:
+        return RasterPlace(_metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
+    return RasterPlace(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
+
+
 def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
     h, w = raster.elevations.shape
     column, row = _mapped(~raster.file_from_pixel, *centre)

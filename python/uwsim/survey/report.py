@@ -12,7 +12,7 @@ from uwsim.atomic_file import write_atomically
 from uwsim.survey.pictures import Picture
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.score import MapScore
-from uwsim.survey.table import coverage, distance, key_figures, minutes, survey_warnings
+from uwsim.survey.table import coverage, distance, key_figures, minutes, order_met, order_rows, survey_warnings
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -31,11 +31,23 @@ def write_report(
         highlights=_highlights(record, score),
         warnings=survey_warnings(record, score),
         figures=key_figures(record, score, free_voxel_count),
+        orders=order_rows(score),
+        order_met=order_met(score),
+        judged=_judged(score),
         setup=_setup(record),
         stages=_stages(record),
         pictures=[(picture, _data_uri(picture.path)) for picture in pictures],
     )
     write_atomically(path, page.encode("utf-8"))
+
+
+def _judged(score: MapScore) -> str:
+    """Say which cells of the seabed were judged, and which were not."""
+    if score.seabed is None:
+        return "The map is empty."
+    judged, obstructed = int(score.seabed.judged.sum()), int(score.seabed.obstructed.sum())
+    cell = f"{score.resolution_m:g} x {score.resolution_m:g} m"
+    return f"{judged:,} cells of {cell} were judged; {obstructed:,} lie under an obstacle and were not."
 
 
 def _highlights(record: SurveyRecord, score: MapScore) -> list[tuple[str, str]]:

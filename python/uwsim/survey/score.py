@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.survey.seabed import SeabedError, seabed_error, seabed_grid
 from uwsim.survey.true_surface import SurfaceSamples, packed, surface_tiles, unpacked, voxel_centres_m, voxel_keys
 
 POSE_SPACING_M = 0.25
 VISIBILITY_TOLERANCE_M = 0.01
+TOUCH_M = 1.0e-3  # what lies so close to a voxel may lie in it: points are rounded on their way into the map
+HALVINGS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,12 +22,17 @@ class MapScore:
     """A map against the true surface.
 
     coverage: share in [0, 1] of the visible truth voxels that have an occupied voxel within one; 0 when none was
-    visible. Distances are from the centres of the occupied voxels to the nearest point of the true surface, nan for an
-    empty map. visible_voxels: (v,), the truth voxels that could have been seen, packed keys on the grid of voxels of
-    resolution_m; covered: (v,), which of them were.
+    visible. recall: the share of them that are occupied themselves. precision: the share of the occupied voxels that
+    the true surface runs through. Distances are from the centres of the occupied voxels to the nearest point of the
+    true surface; these and precision are nan for an empty map. visible_voxels: (v,), the truth voxels that could have
+    been seen, packed keys on the grid of voxels of resolution_m; covered: (v,), which of them were. false_centres_m:
+    (f, 3), occupied voxels that hold no true surface. seabed: the depths of the occupied voxels, in cells as wide as a
+    voxel, against the terrain; None for an empty map.
     """
 
     coverage: float
+    precision: float
+    recall: float
     occupied_voxels: int
     distance_mean_m: float
     distance_p95_m: float
@@ -32,6 +40,8 @@ class MapScore:
     resolution_m: float
     visible_voxels: NDArray[np.int64]
     covered: NDArray[np.bool_]
+    false_centres_m: NDArray[np.float64]
+    seabed: SeabedError | None
 
     @property
     def visible_truth_voxels(self) -> int:
@@ -63,6 +73,9 @@ def score_map(
     range_max_m of any flown position in path_world_m (n, 3), the share with an occupied voxel within one (itself or its
     26 neighbours) on the map's grid, floor(x / resolution).
 
+    Precision: an occupied voxel is right when the true surface runs through it or past it within TOUCH_M, wherever it
+    lies. What lies under the terrain counts as surface here (a map that holds it would have been told so).
+
     Distance: exact, from each occupied voxel's centre to the true surface, wherever the voxel lies. A voxel's centre is
     off the surface that runs through it by up to half its diagonal (0.43 m at 0.5 m), about a quarter of its width on
     average: a perfect map does not score zero.
@@ -74,18 +87,48 @@ def score_map(
     occupied = np.unique(packed(_grid_keys(occupied_centres_m, resolution_m)))
     visible = _visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
     covered = _has_neighbour(visible, occupied)
-    distances = rays.distance_m(np.asarray(occupied_centres_m, np.float64)) if len(occupied_centres_m) else np.empty(0)
-    some = len(distances) > 0
+    centres = np.ascontiguousarray(occupied_centres_m, np.float64)
+    some = len(centres) > 0
+    distances = rays.distance_m(centres) if some else np.empty(0)
+    right = _holds_surface(rays, centres, distances, resolution_m)
+    seabed = seabed_error(world, rays, seabed_grid(centres, resolution_m), area_world_m) if some else None
     return MapScore(
         coverage=float(covered.mean()) if len(covered) else 0.0,
-        occupied_voxels=len(occupied_centres_m),
+        precision=float(right.mean()) if some else float("nan"),
+        recall=float(np.isin(visible, occupied).mean()) if len(visible) else 0.0,
+        occupied_voxels=len(centres),
         distance_mean_m=float(distances.mean()) if some else float("nan"),
         distance_p95_m=float(np.percentile(distances, 95.0)) if some else float("nan"),
         distance_max_m=float(distances.max()) if some else float("nan"),
         resolution_m=resolution_m,
         visible_voxels=visible,
         covered=covered,
+        false_centres_m=centres[~right],
+        seabed=seabed,
     )
+
+
+def _holds_surface(
+    rays: _core.RayScene, centres_m: NDArray[np.float64], distances_m: NDArray[np.float64], edge_m: float
+) -> NDArray[np.bool_]:
+    """Return which cubes about centres (n, 3), `distances_m` (n,) from the surface, it runs through: (n,) bool.
+
+    Within half an edge it does, past half a diagonal it does not; what is between is halved along each axis, and
+    decided by its eight parts, HALVINGS times at most.
+    """
+    holds = np.zeros(len(centres_m), bool)
+    of, half_m = np.arange(len(centres_m)), edge_m / 2.0
+    corners = half_m * (np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3))
+    for halving in range(HALVINGS + 1):
+        holds[of[distances_m <= half_m + TOUCH_M]] = True
+        open_yet = (distances_m <= np.sqrt(3.0) * half_m + TOUCH_M) & ~holds[of]
+        of, centres_m = of[open_yet], centres_m[open_yet]
+        if halving == HALVINGS or not len(of):
+            break
+        centres_m = (centres_m[:, None] + corners).reshape(-1, 3)
+        of, corners, half_m = np.repeat(of, 8), corners / 2.0, half_m / 2.0
+        distances_m = rays.distance_m(centres_m)
+    return holds
 
 
 def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[np.int64]:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
 from uwsim.survey.record import SurveyRecord
+from uwsim.survey.s44 import ORDERS, share_within
 from uwsim.survey.score import MapScore
 
 GOOD_COVERAGE = 0.95
@@ -26,11 +28,44 @@ def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) ->
         ("collisions", f"{record.collision_count:,}"),
         ("occupied voxels", f"{score.occupied_voxels:,}"),
         ("free voxels", f"{free_voxel_count:,}"),
+        *score_figures(score),
+    ]
+
+
+def score_figures(score: MapScore) -> list[tuple[str, str]]:
+    """Return (what, value with unit) of a map against the truth."""
+    seabed = score.seabed
+    return [
         ("coverage", coverage(score)),
+        ("recall of visible voxels", share(score.recall if score.visible_truth_voxels else math.nan)),
+        ("precision of occupied voxels", share(score.precision)),
         ("map to true surface, mean", distance(score.distance_mean_m)),
         ("map to true surface, 95th percentile", distance(score.distance_p95_m)),
         ("map to true surface, max", distance(score.distance_max_m)),
+        ("seabed too deep by, mean", distance(seabed.mean_m if seabed else math.nan)),
+        ("seabed error, 95th percentile", distance(seabed.p95_m if seabed else math.nan)),
+        ("vertical order of IHO S-44", order_met(score)),
     ]
+
+
+def order_rows(score: MapScore) -> list[tuple[str, str, str]]:
+    """Return (order, vertical uncertainty that it allows at the median depth, share of cells that keep to theirs)."""
+    seabed = score.seabed
+    if seabed is None or not seabed.judged.any():
+        return []
+    median_m = np.array([np.median(seabed.depths_m)])
+    return [
+        (order.name, distance(order.tvu_m(median_m)[0]), share(share_within(order, seabed.errors_m, seabed.depths_m)))
+        for order in ORDERS
+    ]
+
+
+def order_met(score: MapScore) -> str:
+    """Write the strictest order whose vertical uncertainty holds for 95 % of the seabed's cells."""
+    if score.seabed is None or not score.seabed.judged.any():
+        return "-"
+    order = score.seabed.best_order
+    return "none" if order is None else order.name
 
 
 def summary_table(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> Table:
@@ -79,6 +114,11 @@ def minutes(seconds: float) -> str:
 def distance(metres: float) -> str:
     """Write metres to the millimetre; a dash where nothing was measured."""
     return "-" if math.isnan(metres) else f"{metres:.3f} m"
+
+
+def share(value: float) -> str:
+    """Write a share in per cent, rounded down, so that 100 % is all; a dash where there was nothing to share."""
+    return "-" if math.isnan(value) else f"{math.floor(value * 1000.0 + 1e-9) / 10.0:.1f} %"
 
 
 def coverage(score: MapScore) -> str:

@@ -1,0 +1,1 @@
+"""What `uwsim map` does with finished maps: tell, convert, score, draw, compare and cut them."""
