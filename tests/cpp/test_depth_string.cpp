@@ -50,6 +50,40 @@ TEST(DepthString, RoundsTiesAwayFromZero) {
   EXPECT_EQ(text_of(1234566.5f), "1234567a");  // to even would be 1234566
 }
 
+/// The C library's %.7g, of a double one step up so that ties go away from zero.
+std::string by_printf(float value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.7ga", std::nextafter(static_cast<double>(value), 1e300));
+  return text;
+}
+
+TEST(DepthString, AgreesWithPrintfOnEveryKindOfFloat) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> exponent(-4.2f, 6.2f);
+  for (int k = 0; k < 300'000; ++k) {
+    const float value = std::pow(10.0f, exponent(random));
+    if (value >= 1e-4f && value < 9.9e6f) {
+      ASSERT_EQ(text_of(value), by_printf(value));
+    }
+  }
+  for (const float power :
+       {1e-4f, 1e-3f, 1e-2f, 0.1f, 1.0f, 10.0f, 100.0f, 1e3f, 1e4f, 1e5f, 1e6f, 8.5f, 54.9f, 95.0f}) {
+    float value = power;
+    for (int k = 0; k < 200; ++k) value = std::nextafter(value, 0.0f);
+    for (int k = 0; k < 400; ++k, value = std::nextafter(value, kInf)) {
+      if (value >= 1e-4f) {
+        ASSERT_EQ(text_of(value), by_printf(value));
+      }
+    }
+  }
+  for (std::uint32_t k = 1; k < 4'000'000; k += 7) {  // ties and all short decimals of a sonar's resolution
+    const float value = static_cast<float>(k) / 65536;
+    if (value >= 1e-4f) {
+      ASSERT_EQ(text_of(value), by_printf(value));
+    }
+  }
+}
+
 TEST(DepthString, ReadsBackWithinHalfOfTheSeventhDigit) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(0.0f, 54.8f);
