@@ -23,7 +23,7 @@ BLUEROV2_WU = Coefficients(
     linear_damping=(4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
     quadratic_damping=(18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
     centre_of_buoyancy_m=(0.0, 0.0, 0.02),
-    source="Wu 2018, 6-DoF Modelling and Control of a Remotely Operated Vehicle, Flinders University",
+    source="Wu 2018, Flinders University, as OsloMet OceanLab has it; volume of MarineGym; mass assumed",
 )
 
 BLUEROV2_TANK = Coefficients(
@@ -34,20 +34,21 @@ BLUEROV2_TANK = Coefficients(
     linear_damping=(0.09, 0.26, 0.19, 0.895, 0.287, 4.64),
     quadratic_damping=(34.96, 103.25, 74.23, 0.084, 0.028, 0.43),
     centre_of_buoyancy_m=(0.0, 0.0, 0.02),
-    source="bluerov2_dynamics, fossen/parameters.py; centre of buoyancy of Wu 2018",
+    source="Nan Fernandez-Ayala 2025, bluerov2_dynamics, fossen/parameters.py; centre of buoyancy assumed",
 )
 
-# Fossen takes the hull for a spheroid; damping in sway, heave, pitch and yaw is its cross-flow drag (Prestero 2001).
+# Fossen takes the hull for a spheroid; damping in sway, heave, pitch and yaw is its cross-flow drag (Prestero 2001, as
+# Ariza Ramirez 2018 works it through).
 REMUS_100 = Coefficients(
     mass_kg=31.03,
     volume_m3=31.03 / 1026,
-    inertia_kg_m2=(0.11203, 4.0279, 4.0279),
+    inertia_kg_m2=(0.11202, 4.0278, 4.0278),
     added_mass=(0.84, 29.4, 29.4, 0.0336, 3.43, 3.43),
     linear_damping=(0.0, 0.0, 0.0, 0.59, 10.8, 0.0),
     quadratic_damping=(6.11, 171.5, 171.5, 0.0, 22.0, 22.0),
     centre_of_mass_m=(0.0, 0.0, -0.02),
     water_density_kg_m3=1026.0,
-    source="Fossen, PythonVehicleSimulator and MSS remus100",
+    source="Fossen, PythonVehicleSimulator, vehicles/remus100.py",
 )
 
 PUBLISHED = {
