@@ -23,7 +23,8 @@ UNITS = ("m/s",) * 3 + ("rad/s",) * 3
 FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
 SLOWEST, SLOW = 0.01, 0.3  # where linear damping shows: at most these speeds
 DECAY_S, FALL_S, TURN_S = 6.0, 60.0, 40.0
-DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE = 1e-4, 1e-4, 1e-3
+PUSH_M_S2, PUSH_S = 0.01, 0.05  # gentle and short, so that drag counts for less than 1e-4
+DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE, MASS_TOLERANCE = 1e-4, 1e-4, 1e-3, 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,7 @@ def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[C
     curves = [*_decays(name, sim), fall]
     turn = _turning(name, used)
     checks = [_decay_check(curve) for curve in curves]
-    return [*checks, *_terminal_check(fall), *_turning_checks(turn)], [*curves, turn]
+    return [_mass_check(name, used), *checks, *_terminal_check(fall), *_turning_checks(turn)], [*curves, turn]
 
 
 def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
@@ -108,6 +109,24 @@ def _straight(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
     return model.model_copy(
         update={"max_force_n": wrench[:3], "max_torque_nm": wrench[3:], "thrusters": {}, "fins": {}}
     )
+
+
+def _mass_check(name: str, model: VehicleModel) -> Check:
+    """The mass, from the speed that a known force ahead gives in a short time, less the published added mass.
+
+    A centre of mass below the line of the force lets the body pitch, which makes it a little lighter to push. A vehicle
+    that is trimmed neutral has no mass in its file: its volume and the water say it.
+    """
+    body = PUBLISHED[name]
+    force_n = PUSH_M_S2 * (body.mass_kg + body.added_mass[0])
+    sim = deep_water(_straight(model, (force_n, 0.0, 0.0, 0.0, 0.0, 0.0)), density_kg_m3=body.water_density_kg_m3)
+    sim.rov.set_effort(surge=1.0)
+    reached = fly(sim, (0.0,) * 6, PUSH_S).velocities[-1, 0]
+    slowed_n = 0.5 * body.linear_damping[0] * reached  # on average over the push
+    moved_kg = (force_n - slowed_n) * PUSH_S / reached
+    pitched_kg = body.mass[0, 4] ** 2 / body.mass[4, 4]
+    mass_kg = float(moved_kg + pitched_kg - body.added_mass[0])
+    return relative(name, "mass", body.mass_kg, mass_kg, MASS_TOLERANCE, "kg")
 
 
 def _turning(name: str, model: VehicleModel) -> Curve:
