@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "arrays.h"
@@ -161,6 +163,13 @@ void bind_world(py::module_& m) {
           py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
           "vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. Returns the label. Raises ValueError.")
       .def_property_readonly("label_names", &World::label_names, "Names by label: nothing, terrain, then the solids'.")
+      .def(
+          "solid_around",
+          [](const World& world, const Eigen::Vector3d& point_world_m) -> std::optional<std::string> {
+            const Solid* const solid = world.solid_around(point_world_m);
+            return solid ? std::optional(solid->name) : std::nullopt;
+          },
+          py::arg("point_world_m"), "(3,) -> the name of a closed solid that the point is inside of, or None.")
       .def("height_at", &height_at, py::arg("xy_m"), "(n, 2) -> (n,) float64 terrain height; NaN outside.")
       .def_property_readonly(
           "terrain_extent_m",

@@ -274,6 +274,12 @@ class World:
         """
         heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). Raises ValueError on shape, non-finite heights or spacing.
         """
+    def solid_around(
+        self, point_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
+    ) -> str | None:
+        """
+        (3,) -> the name of a closed solid that the point is inside of, or None.
+        """
     def surface_mesh(
         self,
     ) -> tuple[

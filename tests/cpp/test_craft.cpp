@@ -117,5 +117,13 @@ TEST(Craft, CoefficientsThatMakeNoSenseAreRefusedByName) {
   EXPECT_THROW(p.check(), InvalidValue);
 }
 
+TEST(Craft, ACentreOfMassBesideTheHullIsRefused) {
+  CraftParameters p = neutral_box();
+  p.centre_of_mass_body_m = {0, 0.4, -0.3};  // in its surface
+  EXPECT_NO_THROW(Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))));
+  p.centre_of_mass_body_m.z() = -0.31;
+  EXPECT_THROW(Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))), InvalidValue);
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -127,6 +127,30 @@ TEST(Simulation, ThePanelAgreesWithGeometryAndWarnsAtItsThresholds) {
   EXPECT_EQ(sim.collisions(0), 1u);
 }
 
+TEST(Simulation, NoVehicleIsPutInsideASolid) {
+  World world = flat_world();
+  TriangleMesh rock = testing::box(4, 4, 4);
+  for (Eigen::Vector3d& v : rock.vertices_m) v += Eigen::Vector3d(10, 0, -8);
+  world.add_solid("rock", rock);
+  Simulation sim = simulation(world);
+  sim.add_vehicle(neutral_vehicle(false));
+  BodyState state;
+  state.world_from_body.position_m = {9, 1, -7};
+  try {
+    sim.set_state(0, state);
+    ADD_FAILURE() << "it must be refused";
+  } catch (const InvalidValue& error) {
+    EXPECT_STREQ(error.what(), "vehicle 'rov' position_m =  9  1 -7: must be outside 'rock'");
+  }
+  EXPECT_EQ(sim.state(0).world_from_body.position_m, Eigen::Vector3d(0, 0, -8)) << "it stays where it was";
+  state.world_from_body.position_m = {7.5, 1, -7};
+  EXPECT_NO_THROW(sim.set_state(0, state));
+  VehicleSpec second = neutral_vehicle(false);
+  second.name = "second";
+  second.start_world_from_body.position_m = {10, 0, -8};
+  EXPECT_THROW(sim.add_vehicle(second), InvalidValue);
+}
+
 TEST(Simulation, EffortsBeyondOneAndWhatIsNotFiniteStayOutside) {
   Simulation sim = simulation(flat_world());
   sim.add_vehicle(neutral_vehicle(false));

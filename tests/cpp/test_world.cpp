@@ -43,6 +43,41 @@ TEST(World, RefusesWhatIsNotFiniteAndNamesTakenTwice) {
   EXPECT_THROW(world.add_solid("terrain", testing::box(1, 1, 1)), InvalidValue);
 }
 
+TEST(World, KnowsWhichClosedSolidAPointIsIn) {
+  World world;
+  TriangleMesh box = testing::box(2, 2, 2), ball = testing::sphere(1, 12), bowl = ball;
+  for (Eigen::Vector3d& v : ball.vertices_m) v.x() += 5;
+  for (Eigen::Vector3d& v : bowl.vertices_m) v.x() -= 5;
+  std::erase_if(bowl.triangles, [&](const Triangle& t) { return bowl.vertices_m[t[0]].z() > 0.7; });
+  world.add_solid("box", box);
+  world.add_solid("ball", ball);
+  world.add_solid("bowl", bowl);
+  const auto name_at = [&](const Eigen::Vector3d& p) {
+    const Solid* const solid = world.solid_around(p);
+    return solid ? solid->name : "";
+  };
+  EXPECT_EQ(name_at({0.99, -0.99, 0.99}), "box");
+  EXPECT_EQ(name_at({1.01, 0, 0}), "");
+  EXPECT_EQ(name_at({5, 0, 0}), "ball");
+  EXPECT_EQ(name_at({5.8, 0.8, 0}), "") << "in its box, not in it";
+  EXPECT_EQ(name_at({-5, 0, 0}), "") << "open: one may be in a bowl";
+  EXPECT_NEAR(winding_number(box, {0.3, 0.2, -0.9}), 1, 1e-12);
+  EXPECT_NEAR(winding_number(box, {3, 0.2, -0.9}), 0, 1e-12);
+}
+
+TEST(Water, CurrentsTogetherAreHeldToTenMetresASecond) {
+  Water water;
+  water.current_world_m_s = {4, 0, 0};
+  water.currents.push_back(tidal_current({0, 5.9, 0}, 44712, 0));
+  EXPECT_NO_THROW(water.check());
+  water.currents.push_back(gusty_current({0.1, 0, 0}, 3, 0));
+  EXPECT_THROW(water.check(), InvalidValue);
+  water.currents.back() = layered_current({0, 5}, {{0, 0, 0}, {0, 0.2, 0}});
+  EXPECT_THROW(water.check(), InvalidValue);
+  water.currents.back() = gridded_current({{0}, {0}, {0}, {{0, 0, 0.2}}});
+  EXPECT_THROW(water.check(), InvalidValue);
+}
+
 TEST(Water, PressureIsHydrostaticAndTemperatureLinear) {
   Water water;
   water.density_kg_m3 = 1025;

@@ -115,6 +115,16 @@ def test_starts_below_the_bed_or_beside_the_terrain_are_refused() -> None:
         moved((11, 0, 0))
 
 
+def test_a_start_inside_an_obstacle_is_refused(tmp_path: Path) -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    path = tmp_path / "blocked.yaml"
+    path.write_text(text.replace("position_m: [3, 0, -4.5]", "position_m: [-5.8, 0.1, -2.2]"))
+    with pytest.raises(
+        ScenarioError, match=r"blocked.yaml:\d+: vehicles\[0\] starts at \(-6, 0, -2\) m: .*outside 'box'"
+    ):
+        build_world(load(path))
+
+
 FAR_GATE = "{kind: gate, name: far, position_m: [0, 50], width_m: 2, height_m: 1}"
 
 

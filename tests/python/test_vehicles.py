@@ -134,6 +134,25 @@ def test_a_mesh_far_from_the_published_volume_is_refused(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("centre_of_mass_m: [0.0, 0.0, 0.0]", "centre_of_mass_m: [0.0, 0.0, -0.5]"),
+        ("centre_of_buoyancy_m: [0.0, 0.0, 0.01]", "centre_of_buoyancy_m: [0.0, 3.0, 0.0]"),
+    ],
+)
+def test_a_centre_of_mass_or_buoyancy_beside_the_hull_is_refused(tmp_path: Path, old: str, new: str) -> None:
+    text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
+    assert old in text
+    path = tmp_path / "odd.yaml"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(
+        ScenarioError, match=r"centre_of_mass_m = \(.*\) m: must be in the box round the hull"
+    ) as raised:
+        rigid_body(load_vehicle(path), 1000.0)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         ("mass_kg: 13.5", "mass_kg: -13.5", r"mass_kg = -13\.5 kg: must be in"),

@@ -1,5 +1,6 @@
 """A scenario's water: what it says is what the native world has; what makes no sense is refused by its key."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +139,9 @@ def test_what_makes_no_sense_is_refused_by_its_key(tmp_path: Path) -> None:
     assert "current[0].sigma_m_s[1] = -1 m/s" in refusal(
         {"current": [{"kind": "gusts", "sigma_m_s": [0.1, -1.0, 0.0], "correlation_time_s": 3.0}]}
     )
+    assert "surface.depth_m = 100 m: must be at most 30 m, as deep as the terrain is" in refusal(
+        {"surface": {"kind": "airy", "amplitude_m": 0.1, "period_s": 3.0, "depth_m": 100.0}}
+    )
     levels = [{"depth_m": 3.0, "temperature_deg_c": 9.0}, {"depth_m": 3.0, "temperature_deg_c": 8.0}]
     told = refusal({"profile": {"kind": "table", "levels": levels}})
     assert "profile.levels[1].depth_m = 3 m: must be deeper than the level before" in told
@@ -148,6 +152,29 @@ def test_what_makes_no_sense_is_refused_by_its_key(tmp_path: Path) -> None:
     assert "2 rows for 2 x 2 x 1 places" in refusal({"current": {"kind": "grid", "file": "bad.csv"}}, tmp_path)
     (tmp_path / "bad.npz").write_bytes(b"no")
     assert "not a .npz file" in refusal({"current": {"kind": "grid", "file": "bad.npz"}}, tmp_path)
+
+
+STEADY = {"kind": "uniform", "velocity_m_s": [4.0, 0.0, 0.0]}
+TIDE = {"kind": "tidal", "amplitude_m_s": [4.0, 0.0, 0.0]}
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"kind": "tidal", "amplitude_m_s": [0.0, 4.0, 0.0]},
+        {"kind": "gusts", "sigma_m_s": [1.0, 0.0, 0.0], "correlation_time_s": 3.0},
+        {
+            "kind": "layers",
+            "levels": [{"depth_m": 0.0, "velocity_m_s": [0, 0, 0]}, {"depth_m": 9, "velocity_m_s": [3, 0, 0]}],
+        },
+    ],
+    ids=lambda more: more["kind"],
+)
+def test_currents_that_vary_are_bounded_together_with_the_steady_ones(more: dict[str, Any]) -> None:
+    built({"current": [STEADY, TIDE]})
+    built({"current": [STEADY, more]})
+    told = refusal({"current": [STEADY, TIDE, more]})
+    assert re.match(r"water\.current = 1[12](\.\d+)?: .*must be at most 10 m/s", told)
 
 
 @pytest.mark.parametrize(

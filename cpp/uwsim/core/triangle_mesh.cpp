@@ -1,5 +1,7 @@
 #include "uwsim/core/triangle_mesh.h"
 
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <unordered_map>
 
@@ -28,6 +30,17 @@ SolidProperties solid_properties(const TriangleMesh& mesh) {
   const Eigen::Matrix3d about_centroid = second - volume * solid.centroid_m * solid.centroid_m.transpose();
   solid.inertia_per_density_m5 = about_centroid.trace() * Eigen::Matrix3d::Identity() - about_centroid;
   return solid;
+}
+
+double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& point_m) {
+  double half_angles = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices_m[t[0]] - point_m, b = mesh.vertices_m[t[1]] - point_m,
+                          c = mesh.vertices_m[t[2]] - point_m;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    half_angles += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return half_angles / (2 * std::numbers::pi);
 }
 
 void require_well_formed(const TriangleMesh& mesh, std::string_view path) {

@@ -29,6 +29,10 @@ struct SolidProperties {
 /// Sums signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2); here in closed tetrahedron form).
 SolidProperties solid_properties(const TriangleMesh& mesh);
 
+/// How often a surface goes round a point, the sum of its triangles' solid angles over 4 pi (van Oosterom and Strackee
+/// 1983, IEEE Trans. Biomed. Eng. 30(2)): 1 inside a closed mesh, 0 outside, something between of an open one.
+double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& point_m);
+
 /// Throws InvalidValue unless the mesh has triangles, finite vertices and indices in range.
 void require_well_formed(const TriangleMesh& mesh, std::string_view path);
 

@@ -53,6 +53,7 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   for (const Vehicle& other : vehicles_) require(other.name != spec.name, "vehicles.name", spec.name, "must be unique");
   require_unique_names(spec.sensors, "vehicle.sensors.name");
   require_unique_names(spec.sonars, "vehicle.sonars.name");
+  require_free("vehicle '" + spec.name + "' start", spec.start_world_from_body.position_m);
   Vehicle vehicle;
   vehicle.name = spec.name;
   vehicle.craft = spec.craft;
@@ -124,6 +125,14 @@ Vehicle& Simulation::changeable(std::size_t index) { return item(vehicles_, inde
 
 const BodyState& Simulation::state(std::size_t index) const { return bodies_.state(vehicle(index).body); }
 
+/// Nothing pushes out what starts inside a thing: what touches a surface is pushed off the side it is on.
+void Simulation::require_free(const std::string& path, const Eigen::Vector3d& position) const {
+  const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
+  require(!(position.z() <= bed_m), path, position.transpose(), "must be above the ground");
+  const Solid* const around = world_.solid_around(position);
+  if (around != nullptr) require(false, path, position.transpose(), "must be outside '" + around->name + "'");
+}
+
 void Simulation::set_state(std::size_t index, const BodyState& state) {
   Vehicle& moved = changeable(index);
   const std::string path = "vehicle '" + moved.name + "'";
@@ -135,8 +144,7 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
           "must be within 1000 km of the origin");
   require(state.velocity_body.cwiseAbs().maxCoeff() <= kFastest, path + " velocity_body",
           state.velocity_body.transpose(), "must be at most 100 m/s and rad/s");
-  const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
-  require(!(position.z() <= bed_m), path + " position_m", position.transpose(), "must be above the ground");
+  require_free(path + " position_m", position);
   BodyState placed = state;
   if (!moved.released) placed.velocity_body.setZero();  // held: nothing moves it
   bodies_.set_state(moved.body, placed);

@@ -31,6 +31,7 @@ class Simulation {
  public:
   Simulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec);
 
+  /// Throws InvalidValue where the spec breaks a rule, or starts under the ground or inside a closed solid.
   std::size_t add_vehicle(const VehicleSpec& spec);
 
   /// Throws InvalidValue when a state stops being finite.
@@ -44,7 +45,7 @@ class Simulation {
 
   const BodyState& state(std::size_t vehicle) const;
   /// Puts the vehicle somewhere at once; its propellers go on turning, and what its sensors have sampled stays sampled.
-  /// Throws InvalidValue when not finite, absurdly far away or fast, or under the ground.
+  /// Throws InvalidValue when not finite, absurdly far away or fast, under the ground or inside a closed solid.
   void set_state(std::size_t vehicle, const BodyState& state);
   /// Leaves the station; does nothing when already free.
   void release(std::size_t vehicle);
@@ -78,6 +79,7 @@ class Simulation {
   double mission_time_s(const Vehicle& vehicle) const;
   Moment moment(const Vehicle& vehicle) const;
   std::shared_ptr<const AcousticMultibeam> acoustics_of(const SonarSpec& sonar, const std::string& vehicle) const;
+  void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   void step_once();
   void drive(Vehicle& vehicle);
 

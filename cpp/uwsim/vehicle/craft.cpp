@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -33,6 +34,21 @@ Vector6d coriolis(const Vector6d& momentum, const Vector6d& velocity) {
   Vector6d c;
   c << w.cross(linear), v.cross(linear) + w.cross(angular);
   return c;
+}
+
+/// No body's centre of mass is farther out than what it is made of.
+void require_inside_box(const Eigen::Vector3d& centre_of_mass_m, const TriangleMesh& hull) {
+  Eigen::Vector3d low = hull.vertices_m.front(), high = low;
+  for (const Eigen::Vector3d& v : hull.vertices_m) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const bool inside =
+      (centre_of_mass_m.array() >= low.array()).all() && (centre_of_mass_m.array() <= high.array()).all();
+  if (inside) return;
+  std::ostringstream rule;
+  rule << "must be in the box round the hull, from (" << low.transpose() << ") to (" << high.transpose() << ") m";
+  require(false, "vehicle.centre_of_mass_m", centre_of_mass_m.transpose(), rule.str());
 }
 
 double smallest_eigenvalue(const Matrix6d& m) {
@@ -76,6 +92,7 @@ void CraftParameters::check() const {
 Craft::Craft(CraftParameters parameters, BuoyantHull hull)
     : parameters_(std::move(parameters)), hull_(std::move(hull)) {
   parameters_.check();
+  require_inside_box(parameters_.centre_of_mass_body_m, hull_.mesh_body());
   rigid_mass_ = rigid_body_mass(parameters_);
   inverse_mass_under_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
 }

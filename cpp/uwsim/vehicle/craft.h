@@ -37,7 +37,7 @@ struct CraftParameters {
 /// with the submerged fraction of the hull. For constant coefficients, deeply submerged or slowly surfacing.
 class Craft {
  public:
-  /// Throws InvalidValue from the parameters' and the hull's checks.
+  /// Throws InvalidValue from the parameters' and the hull's checks, and where the centre of mass is beside the hull.
   Craft(CraftParameters parameters, BuoyantHull hull);
 
   const CraftParameters& parameters() const { return parameters_; }

@@ -21,6 +21,12 @@ void check_velocities(const std::vector<Eigen::Vector3d>& velocities, const std:
   }
 }
 
+double largest(const std::vector<Eigen::Vector3d>& velocities) {
+  double most_m_s = 0;
+  for (const Eigen::Vector3d& v : velocities) most_m_s = std::max(most_m_s, v.norm());
+  return most_m_s;
+}
+
 void check_rising(const std::vector<double>& axis, const std::string& path) {
   require(!axis.empty(), path, 0, "must have at least one value");
   for (std::size_t k = 0; k < axis.size(); ++k) {
@@ -49,6 +55,7 @@ class LayeredCurrent : public Current {
     const Between b(depths_m_, -p.z());
     return {.velocity_m_s = velocity_m_s_[b.first] + b.fraction * (velocity_m_s_[b.second] - velocity_m_s_[b.first])};
   }
+  double bound_m_s() const override { return largest(velocity_m_s_); }
 
  private:
   std::vector<double> depths_m_;
@@ -63,6 +70,7 @@ class TidalCurrent : public Current {
     const double phase = omega_rad_s_ * time_s + phase_rad_;
     return {std::sin(phase) * amplitude_m_s_, omega_rad_s_ * std::cos(phase) * amplitude_m_s_};
   }
+  double bound_m_s() const override { return amplitude_m_s_.norm(); }
 
  private:
   Eigen::Vector3d amplitude_m_s_;
@@ -95,6 +103,7 @@ class GustyCurrent : public Current {
     }
     return sample;
   }
+  double bound_m_s() const override { return 3 * sigma_m_s_.norm(); }
 
  private:
   static constexpr int kLevels = 9;
@@ -140,6 +149,7 @@ class GriddedCurrent : public Current {
     const Eigen::Vector3d low = sheet(z.first);
     return {.velocity_m_s = low + z.fraction * (sheet(z.second) - low)};
   }
+  double bound_m_s() const override { return largest(grid_.velocity_m_s); }
 
  private:
   CurrentGrid grid_;

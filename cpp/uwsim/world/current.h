@@ -18,6 +18,8 @@ class Current {
  public:
   virtual ~Current() = default;
   virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
+  /// Its largest speed anywhere, ever; of gusts, which have none, at three standard deviations [m/s].
+  virtual double bound_m_s() const = 0;
 };
 
 /// Steady, linear in depth between levels, constant above the first and below the last. All throw InvalidValue, naming

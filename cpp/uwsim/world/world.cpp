@@ -1,5 +1,6 @@
 #include "uwsim/world/world.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -14,8 +15,25 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
   require(!name.empty(), "solid.name", "''", "must not be empty");
   require(solids_.size() + kTerrain + 1 < std::numeric_limits<Label>::max(), "solids", solids_.size(), "too many");
   for (const std::string& known : label_names()) require(known != name, "solid.name", name, "must be unique");
-  solids_.push_back(std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world), std::move(shapes)}));
+  Eigen::Vector3d low = mesh_world.vertices_m[mesh_world.triangles[0][0]], high = low;
+  for (const Triangle& t : mesh_world.triangles) {
+    for (const std::uint32_t v : t) {
+      low = low.cwiseMin(mesh_world.vertices_m[v]);
+      high = high.cwiseMax(mesh_world.vertices_m[v]);
+    }
+  }
+  solids_.push_back(std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world), std::move(shapes), low, high}));
   return static_cast<Label>(kTerrain + solids_.size());
+}
+
+const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
+  constexpr double kOnce = 1 - 1e-6;  // an open mesh goes round nothing wholly
+  for (const auto& solid : solids_) {
+    const bool in_box = (point_world_m.array() >= solid->low_world_m.array()).all() &&
+                        (point_world_m.array() <= solid->high_world_m.array()).all();
+    if (in_box && std::abs(winding_number(solid->mesh_world, point_world_m)) > kOnce) return solid.get();
+  }
+  return nullptr;
 }
 
 std::vector<std::string> World::label_names() const {

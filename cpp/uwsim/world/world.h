@@ -23,6 +23,7 @@ struct Solid {
   std::string name;
   TriangleMesh mesh_world;
   std::vector<RoundShape> shapes;
+  Eigen::Vector3d low_world_m, high_world_m;  ///< the box round it
 };
 
 /// The one world that feeds physics and rays: what the sonar sees is what the vehicle hits.
@@ -37,6 +38,8 @@ class World {
 
   const std::shared_ptr<const Heightfield>& terrain() const { return terrain_; }
   const std::vector<std::shared_ptr<const Solid>>& solids() const { return solids_; }
+  /// The first closed solid that the point is inside of, or null. Open meshes have no inside.
+  const Solid* solid_around(const Eigen::Vector3d& point_world_m) const;
   /// Names by label: "nothing", "terrain", then the solids'.
   std::vector<std::string> label_names() const;
 

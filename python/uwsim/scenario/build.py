@@ -28,7 +28,14 @@ def build_world(scenario: Scenario) -> _core.World:
     if scenario.station.mesh is not None:
         with place("station", "mesh"):
             world.add_solid("station", *_station_mesh(scenario.station))
-    world.water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
+    for index, vehicle in enumerate(scenario.vehicles):
+        point_m, _ = start_pose(scenario, vehicle)
+        if (name := world.solid_around(point_m)) is not None:
+            with place("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+                x, y, z = point_m
+                raise ScenarioError(f"vehicles[{index}] starts at ({x:g}, {y:g}, {z:g}) m: must be outside '{name}'")
+    with place("water"):
+        world.water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
     return world
 
 

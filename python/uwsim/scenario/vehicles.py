@@ -82,8 +82,12 @@ def _closed_hull(
 
 
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
-    """Mass properties: what the model gives, the rest from the hull as a solid of even density."""
+    """Mass properties: what the model gives, the rest from the hull as a solid of even density.
+
+    Raises ScenarioError, also where the centre of mass is beside the hull.
+    """
     hull = trimesh.Trimesh(*vehicle_hull(model), process=False)
+    _require_mass_inside(model, hull.bounds)
     volume = float(hull.volume)
     density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
     mass = model.mass_kg if density is None else density * volume
@@ -98,4 +102,16 @@ def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
         centre_of_buoyancy_m=np.asarray(hull.center_mass, np.float64),
         centre_of_mass_m=np.asarray(model.centre_of_mass_m),
         inertia_kg_m2=np.asarray(inertia, np.float64),
+    )
+
+
+def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> None:
+    """box_m: (2, 3), round the hull where it is placed: about its centre of buoyancy."""
+    centre = np.asarray(model.centre_of_mass_m)
+    if np.all(centre >= box_m[0]) and np.all(centre <= box_m[1]):
+        return
+    mass, low, high = (", ".join(f"{value:.4g}" for value in point) for point in (centre, *box_m))
+    raise ScenarioError(
+        f"vehicle '{model.name}': centre_of_mass_m = ({mass}) m: must be in the box round the hull, from ({low}) to "
+        f"({high}) m, which is placed by its centre_of_buoyancy_m"
     )

@@ -22,6 +22,7 @@ from uwsim.scenario.water_spec import (
     LayeredCurrent,
     LinearProfile,
     ProfileSpec,
+    StillSurface,
     TableProfile,
     TidalCurrent,
     UniformCurrent,
@@ -62,6 +63,8 @@ def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Wate
 
 def _waves(water: Water, bottom_depth_m: float, seed: int) -> _core.Waves | None:
     surface = water.surface
+    if not isinstance(surface, StillSurface):
+        _require_water_as_deep(surface.depth_m, bottom_depth_m)
     if isinstance(surface, AirySurface):
         return _core.Waves.airy(
             surface.amplitude_m,
@@ -82,6 +85,14 @@ def _waves(water: Water, bottom_depth_m: float, seed: int) -> _core.Waves | None
             surface.depth_m or bottom_depth_m,
         )
     return None
+
+
+def _require_water_as_deep(depth_m: float | None, bottom_depth_m: float) -> None:
+    if depth_m is not None and depth_m > bottom_depth_m + 1e-3:  # terrains are of single precision
+        raise ScenarioError(
+            f"water.surface.depth_m = {depth_m:g} m: must be at most {bottom_depth_m:g} m, as deep as the terrain is",
+            at=("surface", "depth_m"),
+        )
 
 
 def steady_current_m_s(water: Water) -> Floats:

@@ -30,7 +30,7 @@ class AirySurface(Model):
     """One linear wave.
 
     heading_deg: towards which it runs, from east, counter-clockwise. depth_m: of the water under it, by default the
-    terrain's deepest point.
+    terrain's deepest point, and no deeper.
     """
 
     kind: Literal["airy"]
@@ -204,7 +204,7 @@ class Water(Model):
     """The water: without more, still, even and with one steady current.
 
     Without a profile it is of one density and salinity, and its temperature is linear from the surface to the terrain's
-    deepest point. current_world_m_s and every current add up.
+    deepest point. current_world_m_s and every current add up, to 10 m/s at most, gusts taken at three sigma.
     """
 
     density_kg_m3: Density = 1000.0
