@@ -9,6 +9,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
+from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.fields import (
     AssetFile,
     Degrees,
@@ -19,7 +20,6 @@ from uwsim.scenario.fields import (
     Point3,
     broken,
 )
-from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.material_spec import NamedMaterial
 from uwsim.scenario.messages import validated
 from uwsim.scenario.obstacle_spec import ObstacleSpec

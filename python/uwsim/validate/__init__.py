@@ -12,6 +12,7 @@ from uwsim.validate.check import Check
 
 SUITES = {
     "dynamics": "uwsim.validate.dynamics",
+    "sonar": "uwsim.validate.sonar",
 }
 
 

@@ -1,0 +1,51 @@
+"""Pictures of the sonar suite: depths over frequency, and the share of detections over depth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from uwsim.validate.sonar_depth import ARRAYS, FREQUENCIES_KHZ, TABLE_M, WATERS, Cell, Fit
+from uwsim.validate.sonar_instrument import detected_share
+
+
+def draw_depths(fit: Fit, simulated: dict[Cell, float], path: Path) -> None:
+    """The manufacturer's, the fitted formula's and the simulated instrument's, over frequency."""
+    figure, panels = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", sharey=True)
+    for panel, array in zip(panels, ARRAYS, strict=True):
+        for colour, water in zip(("tab:blue", "tab:green"), WATERS, strict=True):
+            cells = [Cell(array, khz, water) for khz in FREQUENCIES_KHZ]
+            panel.plot(
+                FREQUENCIES_KHZ, [TABLE_M[c] for c in cells], "o", ms=11, mfc="none", c=colour, label=f"table, {water}"
+            )
+            panel.plot(
+                FREQUENCIES_KHZ, [fit.depth_m(c) for c in cells], "-", c=colour, label=f"formula, fitted, {water}"
+            )
+            panel.plot(
+                FREQUENCIES_KHZ, [simulated[c] for c in cells], "x", c=colour, label=f"simulated, as shipped, {water}"
+            )
+        panel.set(title=array, xlabel="frequency [kHz]", yscale="log")
+        panel.grid(alpha=0.3, which="both")
+    panels[0].set_ylabel("greatest depth [m]")
+    panels[1].legend(fontsize=8)
+    figure.suptitle("Greatest depth over flat rock, straight below, cold water")
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+
+
+def draw_detections(path: Path) -> None:
+    """Of the shipped instruments, straight below."""
+    figure, panel = plt.subplots(figsize=(8, 5), layout="constrained")
+    for khz in FREQUENCIES_KHZ:
+        cell = Cell(ARRAYS[0], khz, "ocean")
+        about_m = cell.stated_depth_m()
+        depths_m = about_m * np.linspace(0.5, 1.3, 33)
+        panel.plot(depths_m, detected_share(cell, depths_m.tolist()), label=f"{khz} kHz")
+        panel.axvline(about_m, c="k", lw=0.6, ls=":")
+    panel.set(xlabel="depth [m]", ylabel="share detected", xscale="log", title=f"{ARRAYS[0]}, cold ocean, flat rock")
+    panel.grid(alpha=0.3, which="both")
+    panel.legend()
+    figure.savefig(path, dpi=120)
+    plt.close(figure)

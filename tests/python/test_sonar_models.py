@@ -1,0 +1,190 @@
+"""Sonar models: what YAML files may say, which frequency and mode a scenario chooses, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator, _core
+from uwsim.scenario import ScenarioError, load
+from uwsim.scenario.build import build_world, label_names
+from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.sonar_spec import load_sonar
+
+POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+MODEL = """
+name: mine
+beams: 101
+noise: {level_db: 40}
+frequencies:
+  - frequency_khz: 450
+    field_of_view_deg: 120
+    range_max_m: 60
+    beam_width_along_deg: 1.0
+    beam_width_across_deg: 1.0
+    pulse_length_s: 2.0e-5
+    bandwidth_hz: 50000
+    source_level_db: 205
+    directivity_index_db: 20
+"""
+
+
+def pool(folder: Path, sonar: str, *, more: str = "") -> Path:
+    path = folder / "pool.yaml"
+    path.write_text(POOL.replace("{model: 2, tilt_deg: 20}", sonar) + more)
+    return path
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_the_wires_four_are_files_that_say_what_the_core_says(number: int) -> None:
+    file, core = load_sonar(number).core_model(), _core.multibeam_model(number)
+    for field in ("number", "beams", "range_max_m", "range_limit_m", "frequency_hz", "dual_swath"):
+        assert getattr(file, field) == getattr(core, field)
+    assert file.field_of_view_rad == pytest.approx(core.field_of_view_rad, rel=1e-12)
+    assert file.tilt_rate_rad_s == pytest.approx(core.tilt_rate_rad_s, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["em2040-04", "em2040-07"])
+def test_the_physical_instruments_have_five_frequencies_and_figures_at_each(name: str) -> None:
+    model = load_sonar(name)
+    assert [band.frequency_khz for band in model.frequencies] == [200, 300, 400, 600, 700]
+    for band in model.frequencies:
+        assert model.core_acoustics(band.frequency_khz).figures.frequency_hz == 1e3 * band.frequency_khz
+        assert model.core_model(band.frequency_khz).number == 0
+    with pytest.raises(ValueError, match="frequency_khz: missing: em2040-0. works at 200, 300, 400, 600, 700 kHz"):
+        model.core_model()
+
+
+def test_a_scenario_chooses_model_frequency_and_mode(tmp_path: Path) -> None:
+    path = pool(tmp_path, "{model: em2040-04, frequency_khz: 300, mode: physics, tilt_deg: 40}")
+    sonar = Simulator(path).rov.sonar
+    assert (sonar.mode, sonar.model.beams, sonar.model.frequency_hz) == ("physics", 400, 300e3)
+    ping = sonar.ping()
+    assert isinstance(ping, _core.PhysicsPing) and ping.ranges_m.shape == (400,)
+    assert Simulator("pool").rov.sonar.mode == "geometry"
+
+
+def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_it_says(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(
+        MODEL + "mounting: {position_m: [0, 0, -0.5], yaw_pitch_roll_deg: [90, 0, 0]}\n"
+    )
+    sim = Simulator(pool(tmp_path, "{model: mine.yaml}"))
+    ping = sim.rov.sonar.ping()
+    assert sim.rov.sonar.model.beams == 101
+    mount = load(pool(tmp_path, "{model: 2}")).vehicles[0].model.sonar
+    assert mount is not None
+    body_from_sonar = np.linalg.inv(sim.rov.pose.world_from_body) @ ping.world_from_sonar
+    assert body_from_sonar[:3, 3] == pytest.approx(np.add(mount.position_m, (0, 0, -0.5)))
+    assert body_from_sonar[:3, 0] == pytest.approx([0, 1, 0], abs=1e-12)  # yaw 90: looks to port
+
+
+@pytest.mark.parametrize(
+    ("given", "instead", "told"),
+    [
+        ("beams: 101", "beams: 0", "mine.yaml:3: beams = 0: must be in [2, 8192]"),
+        ("field_of_view_deg: 120", "field_of_view_deg: 361", ":7: frequencies[0].field_of_view_deg = 361 deg: must be"),
+        ("frequency_khz: 450", "frequency_khz: -450", ":6: frequencies[0].frequency_khz = -450 kHz: must be in [1"),
+        ("range_max_m: 60", "range_max_m: 0", ":8: frequencies[0].range_max_m = 0 m: must be in [0.1, 12000] m"),
+        ("range_max_m: 60", "range_max_m: .nan", ":8: frequencies[0].range_max_m = nan m: must be in"),
+        (
+            "range_max_m: 60",
+            "range_max_m: 60\n    range_limit_m: 61",
+            "range_limit_m = 61 m: must be at most range_max",
+        ),
+        ("beam_width_along_deg: 1.0", "beam_width_along_deg: 0", "beam_width_along_deg = 0 deg: must be in [0.01"),
+        ("    source_level_db: 205\n", "", "frequencies[0].source_level_db: missing: physics mode needs it"),
+        (
+            "pulse_length_s: 2.0e-5",
+            "pulse_length_s: 1.0e-6",
+            "pulse_length_s = 1e-06 s: must be at least 1 / bandwidth",
+        ),
+        ("bandwidth_hz: 50000", "bandwidth_hz: 500000", "bandwidth_hz = 500000 Hz: must be at most the frequency"),
+        ("{level_db: 40}", "{levl_db: 40}", ":4: noise.levl_db: unknown key; did you mean 'level_db'?"),
+        ("beams: 101", "beams: many", ":3: beams = 'many': must be a whole number"),
+        ("name: mine", "name: mine\nping_rate_max_hz: -5", "ping_rate_max_hz = -5 Hz: must be in [0.01, 1000] Hz"),
+        ("frequencies:", "frequencis:", "frequencis: unknown key; did you mean 'frequencies'?"),
+    ],
+)
+def test_a_models_mistake_is_told_with_file_line_value_unit_and_rule(
+    given: str, instead: str, told: str, tmp_path: Path
+) -> None:
+    assert given in MODEL
+    path = tmp_path / "mine.yaml"
+    path.write_text(MODEL.replace(given, instead, 1))
+    with pytest.raises(ScenarioError) as error:
+        load_sonar(path)
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("sonar", "told"),
+    [
+        ("{model: em2040-05}", "unknown sonar 'em2040-05': expected one of"),
+        ("{model: nowhere/mine.yaml}", "nowhere/mine.yaml: no such file"),
+        ("{model: em2040-04}", "frequency_khz: missing: em2040-04 works at 200, 300"),
+        ("{model: em2040-04, frequency_khz: 500}", "frequency_khz = 500 kHz: em2040-04 works at 200, 300"),
+        ("{model: 2, frequency_khz: 600}", "frequency_khz = 600 kHz: em2040-2 works at 700 kHz"),
+        ("{model: 2, mode: phsics}", "sonar.mode = 'phsics': must be 'geometry' or 'physics'"),
+        ("{model: 2, bending: true}", "sonar.bending = true: is for `mode: physics` only"),
+        ("{model: 2, mode: physics, rays_per_beam: 2}", "rays_per_beam = 2: must be in [4, 64]"),
+    ],
+)
+def test_a_scenarios_mistake_about_its_sonar_is_told(sonar: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError) as error:
+        load(pool(tmp_path, sonar))
+    assert told in str(error.value) and "pool.yaml:" in str(error.value)
+
+
+def test_a_model_without_acoustics_is_for_geometry_mode_alone(tmp_path: Path) -> None:
+    (tmp_path / "fan.yaml").write_text(MODEL[: MODEL.index("    beam_width_along_deg")])
+    assert Simulator(pool(tmp_path, "{model: fan.yaml}")).rov.sonar.model.beams == 101
+    with pytest.raises(ScenarioError, match="mine at 450 kHz: beam_width_along_deg: missing: physics mode needs it"):
+        load(pool(tmp_path, "{model: fan.yaml, mode: physics}"))
+
+
+def test_materials_are_named_by_what_they_are_of(tmp_path: Path) -> None:
+    physics = "{model: 2, mode: physics, tilt_deg: 90}"
+
+    def levels(materials: str) -> float:
+        sim = Simulator(pool(tmp_path, physics, more=f"materials: {materials}\n"))
+        sim.rov.release()
+        sim.rov.place((-6.5, 5.0, -2.0))
+        return float(np.median(sim.rov.sonar.ping().intensity_db))
+
+    assert levels("{terrain: rock}") - levels("{terrain: mud}") == pytest.approx(14.0, abs=1.5)
+    loud = "{terrain: {strength_db: -20, relief: 0.1}}"
+    assert levels(loud) - levels("{box: steel}") == pytest.approx(10.0, abs=0.5)
+    for materials, told in (
+        ("{terrain: sandd}", "materials.terrain = 'sandd': must be one of rock, gravel"),
+        ("{bax: sand}", "materials.bax: nothing of this name; did you mean 'box'?"),
+        ("{terrain: {strength_db: 50}}", "materials.terrain.strength_db = 50 dB: must be in [-100, 30] dB"),
+    ):
+        with pytest.raises(ScenarioError) as error:
+            load(pool(tmp_path, physics, more=f"materials: {materials}\n"))
+        assert told in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["pool", "lake"])
+def test_labels_are_told_before_the_world_is_built(name: str) -> None:
+    scenario = load(name)
+    assert label_names(scenario) == build_world(scenario).label_names
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("beams", 0),
+        ("field_of_view_rad", 7.0),
+        ("frequency_hz", -1.0),
+        ("range_max_m", math.nan),
+        ("ping_rate_max_hz", 0.0),
+    ],
+)
+def test_the_core_refuses_a_fan_that_is_none(field: str, value: float) -> None:
+    figures = {"name": "x", "beams": 3, "field_of_view_rad": 1.0, "range_max_m": 50.0, "frequency_hz": 4e5}
+    with pytest.raises(ValueError, match=f"sonar.{field} = "):
+        _core.MultibeamModel(**{**figures, field: value})  # type: ignore[arg-type]
