@@ -104,7 +104,9 @@ def sonar(
         typer.Option(help="X,Y,Z[,YAW[,PITCH[,ROLL]]] of the vehicle [m, deg; PITCH is nose down]; its start without."),
     ] = None,
     out: Annotated[Path, typer.Option(help="The picture, a PNG.")] = Path("sonar.png"),
-    kind: Annotated[str, typer.Option(help="fan (plan and section), image (forward-looking), side-scan, all.")] = "all",
+    kind: Annotated[
+        str, typer.Option(help="fan (plan and section), image (forward-looking), side-scan, profile, all.")
+    ] = "all",
     sonar_model: SonarModel = None,
     tilt: Annotated[
         float | None, typer.Option(help="Nose down [deg]; without, the scenario's for the fan and 12 for the image.")

@@ -208,11 +208,13 @@ class Waterfall:
 class Profiles:
     """What a single beam hears at each of its angles.
 
-    level_db: (angles, bins) float32, dB re 1 uPa. ranges_m: (angles,) float32, inf = no echo. angles_rad (angles,)
-    float64 about the sonar's z axis, positive to port. bin_centres_m (bins,) float64. world_from_sonar (4, 4).
+    level_db: (angles, bins) float32, dB re 1 uPa. noise_db: (bins,) float32, what noise alone shows on average.
+    ranges_m: (angles,) float32, inf = no echo. angles_rad (angles,) float64 about the sonar's z axis, positive to port.
+    bin_centres_m (bins,) float64. world_from_sonar (4, 4).
     """
 
     level_db: Levels
+    noise_db: Levels
     ranges_m: NDArray[np.float32]
     angles_rad: NDArray[np.float64]
     bin_centres_m: NDArray[np.float64]
@@ -281,7 +283,8 @@ def profile(
         core, sim.scene, sim.world.water, *_split(pose), angles, sim.seed, name, _whole(first_ping, "first_ping"),
         sim.threads,
     )  # fmt: skip
-    return Profiles(level_db, ranges_m, angles, model.bin_centres_m, pose, model)
+    noise_db = _noise_db(model, core, sim, float(pose[2, 3]))
+    return Profiles(level_db, noise_db, ranges_m, angles, model.bin_centres_m, pose, model)
 
 
 def pose_matrix(

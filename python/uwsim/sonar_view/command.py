@@ -12,18 +12,20 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import imaging
-from uwsim.imaging import ForwardLooking, SideScan
+from uwsim.imaging import ForwardLooking, SideScan, SingleBeam
 from uwsim.simulator import Simulator
-from uwsim.sonar_view.panels import draw_image, draw_waterfall
+from uwsim.sonar_view.panels import draw_image, draw_profiles, draw_waterfall
 from uwsim.survey.fan_picture import SECTION_IN, WIDTH_IN, beam_ends_m, draw_plan, draw_section
 from uwsim.survey.figure_style import new_figure, save_figure
 from uwsim.survey.record import PingSample
 
-KINDS = ("all", "fan", "image", "side-scan")
+KINDS = ("all", "fan", "image", "side-scan", "profile")
 POSE_FIELDS = ("X", "Y", "Z", "YAW", "PITCH", "ROLL")
 IMAGE_TILT_DEG = 12.0  # nose down; half the imaging sonar's aperture above and below sees 2 to 22 degrees
 TRACK_M, PING_SPACING_M = 60.0, 0.15
-LOW_IN = 4.2  # height of the side-scan's panel
+PROFILE_HALF_DEG, PROFILE_STEP_DEG = 60.0, 0.9  # half the beam's width
+PROFILE_REACH_M, PROFILE_BIN_M = 50.0, 0.01
+LOW_IN = 5.8  # height of the side-scan's panel: 60 m of track to 100 m across at one scale
 GAP_IN = 1.3  # between panels, for titles and legends
 
 
@@ -98,7 +100,7 @@ def _require_in_the_water(sim: Simulator) -> None:
 
 
 class _Sheet:
-    """Panels in one or two columns, each WIDTH_IN wide, from the top down; the picture is cut to what is drawn."""
+    """Panels in one or two columns, each WIDTH_IN wide, from the top down; saving cuts it to what is drawn."""
 
     def __init__(self, sim: Simulator, request: Request) -> None:
         self._sim = sim
@@ -109,21 +111,22 @@ class _Sheet:
     def draw(self) -> tuple[Figure, list[str]]:
         """Draw what was asked for; returns the figure and what was seen."""
         kind = self._request.kind
+        right, left_in, right_in = (1 if kind == "all" else 0), 0.0, 0.0
         if kind in ("all", "fan"):
-            self._fan()
-        right = 1 if kind == "all" else 0
-        top_in = 0.0
+            left_in = self._fan()
+        if kind in ("all", "profile"):
+            left_in = self._profile(left_in)
         if kind in ("all", "image"):
-            top_in = self._image(right)
+            right_in = self._image(right)
         if kind in ("all", "side-scan"):
-            self._side_scan(right, top_in)
+            self._side_scan(right, right_in, max(left_in - GAP_IN - right_in, LOW_IN) if kind == "all" else LOW_IN)
         return self._figure, self._said
 
     def _axes(self, column: int, top_in: float, height_in: float) -> Axes:
         left = column * (WIDTH_IN + 1.6)
         return self._figure.add_axes((left / WIDTH_IN, -(top_in + height_in) / WIDTH_IN, 1.0, height_in / WIDTH_IN))
 
-    def _fan(self) -> None:
+    def _fan(self) -> float:
         sonar = self._sim.rov.sonar
         ping = sonar.ping()
         sample = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, ping.points_sonar_m[ping.valid])
@@ -134,6 +137,23 @@ class _Sheet:
         draw_section(self._axes(0, height_in + GAP_IN, SECTION_IN), self._sim.world, sample, ends_m, echo)
         nearest = f", {ping.ranges_m.min():.2f} to {ping.ranges_m[ping.valid].max():.2f} m" if ping.valid.any() else ""
         self._said.append(f"fan: {sonar.model.name}: {int(ping.valid.sum())} echoes of {len(echo)} beams{nearest}")
+        return height_in + GAP_IN + SECTION_IN + GAP_IN
+
+    def _profile(self, top_in: float) -> float:
+        """Step a pencil beam across the track, from straight below out to either side."""
+        model = SingleBeam(range_max_m=PROFILE_REACH_M, range_bins=round(PROFILE_REACH_M / PROFILE_BIN_M))
+        body, head = self._sim.rov.pose.world_from_body, self._sim.rov.sonar.ping().world_from_sonar[:3, 3]
+        pose = imaging.pose_matrix(head, yaw_rad=np.arctan2(body[1, 0], body[0, 0]), pitch_rad=np.pi / 2)
+        angles = np.radians(np.arange(-PROFILE_HALF_DEG, PROFILE_HALF_DEG + 1e-6, PROFILE_STEP_DEG))
+        profiles = imaging.profile(self._sim, pose, angles, model)
+        aside = np.linspace(-PROFILE_REACH_M, PROFILE_REACH_M, 800)
+        bed = self._sim.world.height_at(head[:2] - aside[:, None] * pose[:2, 1]) - head[2]
+        echo = np.isfinite(profiles.ranges_m)
+        found_m = profiles.ranges_m[echo] * np.cos(profiles.angles_rad[echo])
+        depth_m = 1.3 * float(found_m.max()) if echo.any() else PROFILE_REACH_M
+        draw_profiles(self._axes(0, top_in, SECTION_IN), profiles, np.stack([aside, bed], axis=1), depth_m)
+        self._said.append(f"profile: {model.frequency_hz / 1e3:.0f} kHz, {echo.sum()} echoes of {len(angles)} pings")
+        return top_in + SECTION_IN + GAP_IN
 
     def _image(self, column: int) -> float:
         tilt_deg = IMAGE_TILT_DEG if self._request.tilt_deg is None else self._request.tilt_deg
@@ -152,7 +172,7 @@ class _Sheet:
         )
         return height_in + GAP_IN
 
-    def _side_scan(self, column: int, top_in: float) -> None:
+    def _side_scan(self, column: int, top_in: float, height_in: float) -> None:
         body = self._sim.rov.pose.world_from_body
         ahead = np.array([body[0, 0], body[1, 0], 0.0])
         if not np.linalg.norm(ahead) > 1e-6:
@@ -162,7 +182,7 @@ class _Sheet:
         track = np.repeat(body[None], pings, axis=0)
         track[:, :3, 3] += np.arange(pings)[:, None] * PING_SPACING_M * ahead
         waterfall = imaging.look_aside(self._sim, track, SideScan())
-        draw_waterfall(self._axes(column, top_in, LOW_IN), waterfall, PING_SPACING_M)
+        draw_waterfall(self._axes(column, top_in, height_in), waterfall, PING_SPACING_M)
         heard = np.isfinite(waterfall.altitude_m)
         over = f", {np.median(waterfall.altitude_m[heard]):.2f} m above the bed" if heard.any() else ", no bottom"
         self._said.append(f"side-scan: {pings} pings over {pings * PING_SPACING_M:g} m straight ahead{over}")

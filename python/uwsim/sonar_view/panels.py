@@ -8,14 +8,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Arc
+from numpy.typing import NDArray
 
-from uwsim.imaging import SonarImage, Waterfall
+from uwsim.imaging import Profiles, SonarImage, Waterfall
 from uwsim.sonar_view.warp import fan_pixels, shown_range
-from uwsim.survey.figure_style import dress
+from uwsim.survey.figure_style import ACCENT, add_legend, dress
 
 AMBER = LinearSegmentedColormap.from_list("amber", ["#000000", "#4a2503", "#c47a1a", "#ffd98a", "#fffbe8"])
 NIGHT, RING = "#0b0f14", "#9fd3e6"
 BEARING_STEP_DEG = 30.0
+SHOWN_BINS = 500
 
 
 def draw_image(axes: Axes, image: SonarImage) -> float:
@@ -87,6 +89,35 @@ def draw_waterfall(axes: Axes, waterfall: Waterfall, spacing_m: float, *, over_g
         for side in (-1, 1):
             seen = np.where(np.isfinite(waterfall.altitude_m), waterfall.altitude_m, np.nan)
             axes.plot(side * seen, along, color=RING, linewidth=0.7, alpha=0.8)
+
+
+def draw_profiles(axes: Axes, profiles: Profiles, bed_m: NDArray[np.float64], depth_m: float) -> None:
+    """Draw a single beam's echoes in the plane that it steps in, the ranges found, and the true bed.
+
+    The head looks down with its y axis to port; angles rise evenly. bed_m: (n, 2), to starboard of the head and above
+    it. depth_m: how far below the head is shown.
+    """
+    together = max(profiles.model.range_bins // SHOWN_BINS, 1)
+    bins = profiles.model.range_bins // together
+    power = 10.0 ** (profiles.level_db[:, : bins * together].astype(np.float64) / 10.0)
+    level_db = (10.0 * np.log10(power.reshape(len(power), bins, together).mean(axis=2))).astype(np.float32)
+    edges_m = np.arange(bins + 1) * together * profiles.model.bin_m
+    step_rad = profiles.angles_rad[1] - profiles.angles_rad[0]
+    turns = np.append(profiles.angles_rad, profiles.angles_rad[-1] + step_rad) - step_rad / 2
+    low, high = shown_range(level_db, profiles.noise_db[: bins * together : together])
+    dress(axes, "Profiling sonar, across the track", "to starboard of the sonar [m]", "above it [m]")
+    axes.set_facecolor(NIGHT)
+    x, z = -np.outer(np.sin(turns), edges_m), -np.outer(np.cos(turns), edges_m)
+    axes.pcolormesh(x, z, level_db, cmap=AMBER, vmin=low, vmax=high, rasterized=True)
+    axes.plot(bed_m[:, 0], bed_m[:, 1], color=RING, linewidth=1.0, label="true seabed")
+    found_x, found_z = (-profiles.ranges_m * turn(profiles.angles_rad) for turn in (np.sin, np.cos))
+    echo = np.isfinite(profiles.ranges_m)
+    axes.scatter(found_x[echo], found_z[echo], s=9, color=ACCENT, linewidths=0, label=f"ranges found ({echo.sum()})")
+    box = axes.get_position()
+    half_m = 0.53 * depth_m * box.width / box.height  # in a square figure: one scale for both axes
+    axes.set_xlim(-half_m, half_m)
+    axes.set_ylim(-depth_m, 0.06 * depth_m)
+    add_legend(axes, 2)
 
 
 def _round_step(about: float) -> float:
