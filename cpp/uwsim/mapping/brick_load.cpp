@@ -62,13 +62,15 @@ class Loader {
   void fill_voxels(Brick& brick, std::uint64_t first, unsigned count, float log_odds) {
     const std::size_t word = first >> 6;
     const std::uint64_t bits = (count == 64 ? kAll : (std::uint64_t{1} << count) - 1) << (first & 63);
+    const std::uint64_t known = brick.known[word];
     brick.known[word] |= bits;
     if (log_odds <= store_.model().lowest) brick.low[word] |= bits;
-    if (count == 64 && log_odds == store_.model().lowest) return;
+    if (brick.block[word] == kNone && log_odds == store_.model().lowest) return;
     Blocks& supply = supply_.blocks(1);
     if (brick.block[word] == kNone) {
       brick.block[word] = supply.free[--supply.free_count];
-      std::fill_n(supply.at(brick.block[word]), 64, 0.0f);
+      float* const block = supply.at(brick.block[word]);
+      for (int i = 0; i < 64; ++i) block[i] = known >> i & 1 ? store_.model().lowest : 0.0f;
     }
     std::fill_n(supply.at(brick.block[word]) + (first & 63), count, log_odds);
   }

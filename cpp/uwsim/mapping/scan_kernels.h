@@ -23,7 +23,7 @@ struct SensorModel {
 };
 
 /// 8 x 8 x 8 voxels in Morton order: word w holds the 4 x 4 x 4 voxels w, which share one block of 64 log-odds. A word
-/// has no block while nothing in it is known, nor when all of it is known and at `SensorModel::lowest` exactly.
+/// needs no block while all that is known in it is at `SensorModel::lowest` exactly: most of the water of a survey.
 struct alignas(64) Brick {
   std::uint64_t known[8];
   std::uint64_t low[8];  ///< known, and at or below the lowest log-odds: a miss changes nothing
@@ -107,7 +107,7 @@ struct UpdateInput {
   const Entry* entries;
   std::size_t count;
   const std::uint64_t* masks;
-  std::uint8_t* emptied;  ///< one an entry: set if a block became uniform
+  std::uint8_t* emptied;  ///< one an entry: set if a block was given back
   Blocks* blocks;         ///< with at least 8 free ones an entry
 };
 

@@ -32,13 +32,11 @@ struct Avx2 {
   static std::uint64_t miss(float* block, std::uint64_t todo, const SensorModel& model) {
     const __m256 add = _mm256_set1_ps(model.miss), lowest = _mm256_set1_ps(model.lowest),
                  highest = _mm256_set1_ps(model.highest);
-    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     std::uint64_t low = 0;
     for (int i = 0; i < 8; ++i) {
       const std::uint64_t eight = todo >> (8 * i) & 0xff;
       if (eight == 0) continue;
-      const __m256i spread = _mm256_set1_epi32(static_cast<int>(eight));
-      const __m256i lanes = _mm256_cmpeq_epi32(_mm256_and_si256(spread, bit), bit);
+      const __m256i lanes = lanes_of(eight);
       const __m256 old = _mm256_load_ps(block + 8 * i);
       const __m256 next = _mm256_min_ps(_mm256_max_ps(_mm256_add_ps(old, add), lowest), highest);
       _mm256_store_ps(block + 8 * i, _mm256_blendv_ps(old, next, _mm256_castsi256_ps(lanes)));
@@ -48,12 +46,27 @@ struct Avx2 {
     return low;
   }
 
-  static bool all_equal(const float* block, float value) {
+  static void fill(float* block, std::uint64_t bits, float value) {
+    const __m256 values = _mm256_set1_ps(value);
+    for (int i = 0; i < 8; ++i) {
+      _mm256_store_ps(block + 8 * i, _mm256_and_ps(values, _mm256_castsi256_ps(lanes_of(bits >> (8 * i)))));
+    }
+  }
+
+  static bool all_equal(const float* block, std::uint64_t bits, float value) {
     const __m256 wanted = _mm256_set1_ps(value);
     for (int i = 0; i < 8; ++i) {
-      if (_mm256_movemask_ps(_mm256_cmp_ps(_mm256_load_ps(block + 8 * i), wanted, _CMP_NEQ_UQ))) return false;
+      const int other = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_load_ps(block + 8 * i), wanted, _CMP_NEQ_UQ));
+      if (static_cast<unsigned>(other) & (bits >> (8 * i) & 0xff)) return false;
     }
     return true;
+  }
+
+ private:
+  /// The lowest eight bits as lanes.
+  static __m256i lanes_of(std::uint64_t bits) {
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(static_cast<int>(bits)), bit), bit);
   }
 };
 

@@ -35,10 +35,18 @@ struct Avx512 {
     return low;
   }
 
-  static bool all_equal(const float* block, float value) {
+  static void fill(float* block, std::uint64_t bits, float value) {
+    const __m512 values = _mm512_set1_ps(value);
+    for (int i = 0; i < 4; ++i) {
+      _mm512_store_ps(block + 16 * i, _mm512_maskz_mov_ps(static_cast<__mmask16>(bits >> (16 * i)), values));
+    }
+  }
+
+  static bool all_equal(const float* block, std::uint64_t bits, float value) {
     const __m512 wanted = _mm512_set1_ps(value);
     for (int i = 0; i < 4; ++i) {
-      if (_mm512_cmp_ps_mask(_mm512_load_ps(block + 16 * i), wanted, _CMP_NEQ_UQ)) return false;
+      const __mmask16 lanes = static_cast<__mmask16>(bits >> (16 * i));
+      if (_mm512_mask_cmp_ps_mask(lanes, _mm512_load_ps(block + 16 * i), wanted, _CMP_NEQ_UQ)) return false;
     }
     return true;
   }

@@ -166,20 +166,20 @@ inline float clamped(float value, const SensorModel& model) {
   return value < model.lowest ? model.lowest : value > model.highest ? model.highest : value;
 }
 
-/// The block of a word that is about to change.
+/// The block of a word that is about to change. Ops::fill(block, bits, value): value where there are bits, else zero.
+template <typename Ops>
 inline float* block_of(Brick& brick, int word, const UpdateInput& in) {
   if (brick.block[word] == kNone) {
     brick.block[word] = in.blocks->free[--in.blocks->free_count];
-    float* const block = in.blocks->at(brick.block[word]);
-    const float value = brick.known[word] ? in.model.lowest : 0.0f;
-    for (int i = 0; i < 64; ++i) block[i] = value;
+    Ops::fill(in.blocks->at(brick.block[word]), brick.known[word], in.model.lowest);
   }
   return in.blocks->at(brick.block[word]);
 }
 
 /// OctoMap's updateNode for each bit: nothing for a known voxel at the limit, else add and clamp.
+template <typename Ops>
 inline void hit_word(Brick& brick, int word, std::uint64_t hits, const UpdateInput& in) {
-  float* const block = block_of(brick, word, in);
+  float* const block = block_of<Ops>(brick, word, in);
   for (std::uint64_t bits = hits; bits != 0; bits &= bits - 1) {
     const std::uint64_t bit = bits & -bits;
     float& value = block[__builtin_ctzll(bits)];
@@ -193,7 +193,7 @@ inline void hit_word(Brick& brick, int word, std::uint64_t hits, const UpdateInp
 }
 
 /// Ops::miss(block, todo, model) adds misses and tells which voxels are at or below the lowest after it;
-/// Ops::all_equal(block, value).
+/// Ops::all_equal(block, bits, value).
 template <typename Ops>
 inline void update_bricks(const UpdateInput& in) {
   const std::uint64_t* masks = in.masks;
@@ -211,17 +211,17 @@ inline void update_bricks(const UpdateInput& in) {
       // A miss of no weight changes only what was unknown.
       const std::uint64_t todo = free & ~(in.model.miss < 0 ? brick.low[word] : brick.known[word]);
       if (todo == 0) continue;
-      float* const block = block_of(brick, word, in);
+      float* const block = block_of<Ops>(brick, word, in);
       brick.low[word] |= Ops::miss(block, todo, in.model);
       brick.known[word] |= todo;
-      if ((brick.low[word] & brick.known[word]) == ~std::uint64_t{0} && Ops::all_equal(block, in.model.lowest)) {
+      if (brick.low[word] == brick.known[word] && Ops::all_equal(block, brick.known[word], in.model.lowest)) {
         in.blocks->free[in.blocks->free_count++] = brick.block[word];
         brick.block[word] = kNone;
         in.emptied[i] = 1;
       }
     }
     for (unsigned words = entry.hit_words; words != 0; words &= words - 1) {
-      hit_word(brick, __builtin_ctz(words), mask[at++], in);
+      hit_word<Ops>(brick, __builtin_ctz(words), mask[at++], in);
     }
   }
 }

@@ -38,9 +38,13 @@ struct Portable {
     return low;
   }
 
-  static bool all_equal(const float* block, float value) {
-    for (int i = 0; i < 64; ++i) {
-      if (block[i] != value) return false;
+  static void fill(float* block, std::uint64_t bits, float value) {
+    for (int i = 0; i < 64; ++i) block[i] = bits >> i & 1 ? value : 0.0f;
+  }
+
+  static bool all_equal(const float* block, std::uint64_t bits, float value) {
+    for (; bits != 0; bits &= bits - 1) {
+      if (block[__builtin_ctzll(bits)] != value) return false;
     }
     return true;
   }
