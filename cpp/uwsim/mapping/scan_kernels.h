@@ -76,7 +76,7 @@ struct Rays {
 /// an axis are mirrored there, so that every step adds one.
 struct WalkInput {
   const Rays* rays;
-  const std::uint32_t* order;        ///< rays to walk, by their steps; padded to a multiple of 16 by repeating the last
+  const std::uint32_t* order;        ///< rays to walk, by their steps; padded to a multiple of 32 by repeating the last
   std::size_t count;                 ///< without the padding
   const std::uint64_t* end_address;  ///< of each ray, mirrored
   std::uint64_t origin_address;

@@ -54,17 +54,19 @@ struct Avx512 {
 
 /// A step of eight rays: the axis whose face comes first, z before y before x where they tie, as in OctoMap.
 struct Eight {
-  __m512d tx, ty, tz, dx, dy, dz;
+  __m512d tx, ty, tz, dx, dy, dz, length;
 
-  static __m512d gather(const double* column, __m256i rays) { return _mm512_i32gather_pd(rays, column, 8); }
-
-  Eight(const Rays& rays, __m256i which)
-      : tx(gather(rays.next[0], which)),
-        ty(gather(rays.next[1], which)),
-        tz(gather(rays.next[2], which)),
-        dx(gather(rays.stride[0], which)),
-        dy(gather(rays.stride[1], which)),
-        dz(gather(rays.stride[2], which)) {}
+  void start(const Rays& rays, const std::uint32_t* which) {
+    const __m256i index = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(which));
+    const auto gather = [&](const double* column) { return _mm512_i32gather_pd(index, column, 8); };
+    tx = gather(rays.next[0]);
+    ty = gather(rays.next[1]);
+    tz = gather(rays.next[2]);
+    dx = gather(rays.stride[0]);
+    dy = gather(rays.stride[1]);
+    dz = gather(rays.stride[2]);
+    length = gather(rays.length);
+  }
 
   struct Axes {
     __mmask8 x, y;
@@ -80,131 +82,165 @@ struct Eight {
     return {along_x, along_y};
   }
 
-  __mmask8 ends(__m512d length) const {
+  __mmask8 ends() const {
     return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ);
   }
 };
 
-/// Words that rays have left, with the bits they set there, until they are put down.
+/// Half words of the table that rays have left, with the bits they set there, until they are put down.
 struct Pending {
-  static constexpr std::size_t kRoom = 2048;
+  using HalfWord __attribute__((may_alias)) = std::uint32_t;
+  static constexpr std::size_t kRoom = 4096;
 
-  explicit Pending(const WalkInput& in) : table(in.table), touched(in.touched) {}
+  HalfWord* table;
+  std::uint8_t* touched;
+  alignas(64) std::uint32_t halves[kRoom];
+  alignas(64) std::uint32_t masks[kRoom];
 
-  void add(__mmask16 which, __m512i word, __m512i low_mask, __m512i high_mask) {
-    const __mmask8 low = static_cast<__mmask8>(which), high = static_cast<__mmask8>(which >> 8);
-    _mm512_storeu_si512(words + count, _mm512_maskz_compress_epi32(which, word));
-    _mm512_storeu_si512(masks + count, _mm512_maskz_compress_epi64(low, low_mask));
-    _mm512_storeu_si512(masks + count + static_cast<std::size_t>(__builtin_popcount(low)),
-                        _mm512_maskz_compress_epi64(high, high_mask));
-    count += static_cast<std::size_t>(__builtin_popcount(which));
-    if (count > kRoom - 16) put();
-  }
-
-  void put() {
-    for (std::size_t i = 0; i < count; ++i) {
-      table[words[i]] |= masks[i];
-      touched[words[i] >> 3] = 1;
+  /// Neighbours are often of one word, and each would have to wait for the one before it: so they take turns with
+  /// others, from far apart.
+  void put(std::size_t count) {
+    constexpr std::size_t kTurns = 8;
+    const std::size_t stride = count / kTurns;
+    for (std::size_t i = 0; i < stride; ++i) {
+      for (std::size_t turn = 0; turn < kTurns; ++turn) put_one(turn * stride + i);
     }
-    count = 0;
+    for (std::size_t i = kTurns * stride; i < count; ++i) put_one(i);
   }
 
-  std::uint64_t* const table;
-  std::uint8_t* const touched;
-  std::size_t count = 0;
-  alignas(64) std::uint32_t words[kRoom + 16];
-  alignas(64) std::uint64_t masks[kRoom + 16];
+  void put_one(std::size_t i) {
+    table[halves[i]] |= masks[i];
+    touched[halves[i] >> 4] = 1;
+  }
 };
 
-/// Sixteen rays side by side.
-class Sixteen {
- public:
-  Sixteen(const WalkInput& in, const std::uint32_t* rays, Pending& pending)
-      : pending_(pending),
-        low_(*in.rays, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(rays))),
-        high_(*in.rays, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(rays + 8))),
-        axis_x_(_mm512_set1_epi32(static_cast<int>(in.axis_mask[0]))),
-        axis_y_(_mm512_set1_epi32(static_cast<int>(in.axis_mask[1]))),
-        axis_z_(_mm512_set1_epi32(static_cast<int>(in.axis_mask[2]))) {
-    alignas(64) std::uint32_t mirror[16], end[16];
-    alignas(64) double length[16];
+/// Sixteen rays side by side. What is pending is counted by the caller, in a register.
+struct Sixteen {
+  Eight low, high;
+  __m512i mirror, end, address, half, mask;
+  __mmask16 walking;
+
+  void start(const WalkInput& in, const std::uint32_t* rays) {
+    low.start(*in.rays, rays);
+    high.start(*in.rays, rays + 8);
+    alignas(64) std::uint32_t mirrors[16], ends[16];
     for (int lane = 0; lane < 16; ++lane) {
-      const std::uint32_t ray = rays[lane];
-      mirror[lane] = static_cast<std::uint32_t>(mirror_of(in, in.rays->negative[ray]));
-      end[lane] = static_cast<std::uint32_t>(in.end_address[ray]);
-      length[lane] = in.rays->length[ray];
-      const std::uint32_t steps = untested(in.rays->steps[ray]);
-      untested_ = steps < untested_ ? steps : untested_;
+      mirrors[lane] = static_cast<std::uint32_t>(mirror_of(in, in.rays->negative[rays[lane]]));
+      ends[lane] = static_cast<std::uint32_t>(in.end_address[rays[lane]]);
     }
-    mirror_ = _mm512_load_si512(mirror);
-    end_ = _mm512_load_si512(end);
-    low_length_ = _mm512_load_pd(length);
-    high_length_ = _mm512_load_pd(length + 8);
+    mirror = _mm512_load_si512(mirrors);
+    end = _mm512_load_si512(ends);
     const __m512i origin = _mm512_set1_epi32(static_cast<int>(in.origin_address));
-    address_ = _mm512_xor_si512(origin, mirror_);
-    word_ = _mm512_srli_epi32(origin, 6);
+    address = _mm512_xor_si512(origin, mirror);
+    half = _mm512_srli_epi32(origin, 5);
+    mask = _mm512_rolv_epi32(_mm512_set1_epi32(1), origin);
+    walking = 0xffff;
   }
 
-  void walk() {
-    mark(0xffff);
-    for (std::uint32_t k = 1; k < untested_; ++k) {
-      step();
-      mark(0xffff);
-    }
-    for (__mmask16 walking = 0xffff;;) {
-      step();
-      const __mmask16 past = _mm512_kunpackb(high_.ends(high_length_), low_.ends(low_length_));
-      walking &= static_cast<__mmask16>(~(past | _mm512_cmpeq_epi32_mask(address_, end_)));
-      if (!walking) break;
-      mark(walking);
-    }
-    pending_.add(0xffff, word_, low_mask_, high_mask_);
-  }
-
- private:
-  void step() {
-    const Eight::Axes low = low_.step(), high = high_.step();
-    const __mmask16 along_x = _mm512_kunpackb(high.x, low.x), along_y = _mm512_kunpackb(high.y, low.y);
-    const __m512i axis = _mm512_mask_mov_epi32(_mm512_mask_mov_epi32(axis_z_, along_x, axis_x_), along_y, axis_y_);
-    const __m512i others_full = _mm512_ternarylogic_epi32(address_, axis, axis, 0xf3);  // address | ~axis
+  void step(__m512i axis_x, __m512i axis_y, __m512i axis_z) {
+    const Eight::Axes below = low.step(), above = high.step();
+    const __mmask16 along_x = _mm512_kunpackb(above.x, below.x), along_y = _mm512_kunpackb(above.y, below.y);
+    const __m512i axis = _mm512_mask_mov_epi32(_mm512_mask_mov_epi32(axis_z, along_x, axis_x), along_y, axis_y);
+    const __m512i others_full = _mm512_ternarylogic_epi32(address, axis, axis, 0xf3);  // address | ~axis
     const __m512i stepped = _mm512_sub_epi32(others_full, _mm512_set1_epi32(-1));
-    address_ = _mm512_ternarylogic_epi32(axis, stepped, address_, 0xca);  // axis ? stepped : address
+    address = _mm512_ternarylogic_epi32(axis, stepped, address, 0xca);  // axis ? stepped : address
   }
 
-  void mark(__mmask16 walking) {
-    const __m512i real = _mm512_xor_si512(address_, mirror_);
-    const __m512i word = _mm512_srli_epi32(real, 6);
-    const __mmask16 left = _mm512_mask_cmpneq_epi32_mask(walking, word, word_);
-    pending_.add(left, word_, low_mask_, high_mask_);
-    const __m512i one = _mm512_set1_epi64(1);
-    const __m512i low_bit = _mm512_rolv_epi64(one, _mm512_cvtepu32_epi64(_mm512_castsi512_si256(real)));
-    const __m512i high_bit = _mm512_rolv_epi64(one, _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(real, 1)));
-    const __mmask8 low = static_cast<__mmask8>(walking), high = static_cast<__mmask8>(walking >> 8);
-    const __mmask8 low_stays = static_cast<__mmask8>(~left), high_stays = static_cast<__mmask8>(~left >> 8);
-    low_mask_ = _mm512_maskz_mov_epi64(low_stays, low_mask_);
-    high_mask_ = _mm512_maskz_mov_epi64(high_stays, high_mask_);
-    low_mask_ = _mm512_mask_or_epi64(low_mask_, low, low_mask_, low_bit);
-    high_mask_ = _mm512_mask_or_epi64(high_mask_, high, high_mask_, high_bit);
-    word_ = _mm512_mask_mov_epi32(word_, walking, word);
+  /// Marks the voxels where all rays are now.
+  std::size_t mark(Pending& pending, std::size_t count) {
+    const __m512i real = _mm512_xor_si512(address, mirror);
+    const __m512i next = _mm512_srli_epi32(real, 5);
+    const __mmask16 stays = _mm512_cmpeq_epi32_mask(next, half);
+    count = leave(pending, count, _knot_mask16(stays));
+    const __m512i bit = _mm512_rolv_epi32(_mm512_set1_epi32(1), real);
+    mask = _mm512_mask_or_epi32(bit, stays, mask, bit);
+    half = next;
+    return count;
   }
 
-  Pending& pending_;
-  Eight low_, high_;
-  const __m512i axis_x_, axis_y_, axis_z_;
-  __m512i mirror_, end_, address_, word_;
-  __m512d low_length_, high_length_;
-  __m512i low_mask_ = _mm512_setzero_si512(), high_mask_ = _mm512_setzero_si512();
-  std::uint32_t untested_ = ~0u;
+  /// The same where rays are still walking.
+  std::size_t mark_walking(Pending& pending, std::size_t count) {
+    const __m512i real = _mm512_xor_si512(address, mirror);
+    const __m512i next = _mm512_srli_epi32(real, 5);
+    const __mmask16 left = _mm512_mask_cmpneq_epi32_mask(walking, next, half);
+    count = leave(pending, count, left);
+    const __m512i bit = _mm512_rolv_epi32(_mm512_set1_epi32(1), real);
+    mask = _mm512_maskz_mov_epi32(_knot_mask16(left), mask);
+    mask = _mm512_mask_or_epi32(mask, walking, mask, bit);
+    half = _mm512_mask_mov_epi32(half, walking, next);
+    return count;
+  }
+
+  /// False when all have come to their end.
+  bool go_on() {
+    const __mmask16 past = _mm512_kunpackb(high.ends(), low.ends());
+    walking &= static_cast<__mmask16>(~(past | _mm512_cmpeq_epi32_mask(address, end)));
+    return walking != 0;
+  }
+
+  std::size_t leave(Pending& pending, std::size_t count, __mmask16 which) const {
+    _mm512_storeu_si512(pending.halves + count, _mm512_maskz_compress_epi32(which, half));
+    _mm512_storeu_si512(pending.masks + count, _mm512_maskz_compress_epi32(which, mask));
+    return count + static_cast<std::size_t>(__builtin_popcount(which));
+  }
 };
+
+std::size_t walk_to_the_end(Sixteen rays, __m512i axis_x, __m512i axis_y, __m512i axis_z, Pending& pending,
+                            std::size_t count) {
+  for (;;) {
+    rays.step(axis_x, axis_y, axis_z);
+    if (!rays.go_on()) break;
+    count = rays.mark_walking(pending, count);
+    if (count > Pending::kRoom / 2) {
+      pending.put(count);
+      count = 0;
+    }
+  }
+  return rays.leave(pending, count, 0xffff);
+}
+
+/// Two times sixteen rays: while the ones wait for a comparison, the others go on.
+void walk_side_by_side(const WalkInput& in, const std::uint32_t* rays, Pending& pending) {
+  const __m512i axis_x = _mm512_set1_epi32(static_cast<int>(in.axis_mask[0])),
+                axis_y = _mm512_set1_epi32(static_cast<int>(in.axis_mask[1])),
+                axis_z = _mm512_set1_epi32(static_cast<int>(in.axis_mask[2]));
+  Sixteen a, b;
+  a.start(in, rays);
+  b.start(in, rays + 16);
+  std::uint32_t steps = ~0u;
+  for (int lane = 0; lane < 32; ++lane) {
+    const std::uint32_t mine = untested(in.rays->steps[rays[lane]]);
+    steps = mine < steps ? mine : steps;
+  }
+  std::size_t count = 0;
+  for (--steps; steps > 0;) {
+    const std::uint32_t some = steps < 64 ? steps : 64;  // their marks fit half the room
+    steps -= some;
+    for (std::uint32_t k = 0; k < some; ++k) {
+      a.step(axis_x, axis_y, axis_z);
+      b.step(axis_x, axis_y, axis_z);
+      count = a.mark(pending, count);
+      count = b.mark(pending, count);
+    }
+    if (count > Pending::kRoom / 4) {
+      pending.put(count);
+      count = 0;
+    }
+  }
+  count = walk_to_the_end(a, axis_x, axis_y, axis_z, pending, count);
+  count = walk_to_the_end(b, axis_x, axis_y, axis_z, pending, count);
+  pending.put(count);
+}
 
 void walk(const WalkInput& in) {
   if (!in.table) {
     for (std::size_t i = 0; i < in.count; ++i) walk_one(in, in.order[i]);
     return;
   }
-  Pending pending(in);
-  for (std::size_t i = 0; i < in.count; i += 16) Sixteen(in, in.order + i, pending).walk();
-  pending.put();
+  Pending pending;
+  pending.table = reinterpret_cast<Pending::HalfWord*>(in.table);
+  pending.touched = in.touched;
+  for (std::size_t i = 0; i < in.count; i += 32) walk_side_by_side(in, in.order + i, pending);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 constexpr int kChunkBits = 18;  // of a voxel's address within its chunk of 64 x 64 x 64
 /// The table's addresses have 32 bits: two times 512 MB of addresses, of which only what rays touch takes memory.
 constexpr int kTableBits = 32;
-constexpr std::size_t kLanes = 16;
+constexpr std::size_t kLanes = 32;
 
 constexpr std::array<std::uint32_t, 64> kSpread = [] {
   std::array<std::uint32_t, 64> table{};
