@@ -45,7 +45,7 @@ def test_xyz_keeps_float64_too(tmp_path):
 
 
 def test_las_keeps_millimetres_far_from_zero(tmp_path):
-    points = np.random.default_rng(2).normal(0.0, 500.0, (500, 3)) + [456_789.0, 5_432_100.0, -60.0]
+    points = np.random.default_rng(2).normal([456_789.0, 5_432_100.0, -60.0], 500.0, (500, 3))
     write_cloud(tmp_path / "cloud.las", points)
     assert np.abs(read_cloud(tmp_path / "cloud.las") - points).max() <= 0.0005 + 1e-8
     with laspy.open(tmp_path / "cloud.las") as file:

@@ -72,7 +72,7 @@ def test_pass_through_keeps_the_slab_with_its_faces():
 
 def test_lonely_points_are_outliers_and_the_rest_stays_in_its_order():
     crowd = (some_points(2000, half_m=1.0) + FAR).astype(np.float32)
-    lonely = (FAR + [[9.0, 0, 0], [0, -9.0, 0], [0, 0, 9.0]]).astype(np.float32)
+    lonely = (FAR + np.diag([9.0, -9.0, 9.0])).astype(np.float32)
     kept = clouds.remove_outliers(np.concatenate([lonely, crowd, [[np.nan] * 3]]).astype(np.float32), 8, 3.0)
     assert not (kept[:, None] == lonely).all(axis=2).any()
     at = [int(np.flatnonzero((crowd == p).all(axis=1))[0]) for p in kept[::50]]
@@ -153,7 +153,7 @@ def test_a_scan_finds_its_place_in_a_map():
 
 def test_too_few_iterations_are_told():
     there = bumpy_bed(800)
-    found = clouds.register(there + [0.3, 0.2, 0.1], there, max_distance_m=2.0, max_iterations=2)
+    found = clouds.register(there + np.array([0.3, 0.2, 0.1]), there, max_distance_m=2.0, max_iterations=2)
     assert not found.converged
     assert found.iterations == 2
 

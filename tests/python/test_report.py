@@ -19,7 +19,7 @@ from uwsim.survey.pictures import draw_pictures
 from uwsim.survey.record import PingSample, SurveyRecord
 from uwsim.survey.report import write_report
 from uwsim.survey.score import score_map
-from uwsim.survey.table import key_figures, summary_table
+from uwsim.survey.table import key_figures, order_rows, summary_table
 
 AREA = np.array([[-8.0, -6.0], [8.0, -6.0], [8.0, 6.0], [-8.0, 6.0]])
 NO_VOXELS = np.empty((0, 3))
@@ -97,7 +97,10 @@ def test_the_report_is_well_formed_and_shows_every_figure_and_picture(world, rec
     assert "map (beside the rest) 32.0 s" in shown, "two threads: the map has one of its own"
     assert "mission and the rest 54.1 s" in shown
 
-    assert len(pictures) == 4
+    assert len(pictures) == 5
+    assert "The seabed by IHO S-44" in shown
+    for name, allowed, cells in order_rows(score):
+        assert f"{name} {allowed} {cells}" in shown
     embedded = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
     assert [base64.b64decode(text) for text in embedded] == [picture.path.read_bytes() for picture in pictures]
 
@@ -116,7 +119,8 @@ def test_a_survey_without_pings_says_so(world, record, tmp_path):
         simulated_s=0.0, stopped_because="interrupted",
     )  # fmt: skip
     _, pictures, page = survey(world, nothing, tmp_path, NO_VOXELS)
-    assert [picture.path.name for picture in pictures] == ["truth_and_map.png", "map_from_above.png"]
+    names = ["truth_and_map.png", "map_from_above.png", "where_it_is_wrong.png"]
+    assert [picture.path.name for picture in pictures] == names
     shown = texts(page)
     assert "ended before its first ping" in shown
     assert "The map is empty" in shown
@@ -149,7 +153,7 @@ def test_an_area_of_no_size_has_pictures_too(world, record, tmp_path, size_m):
 def test_one_ping_and_one_voxel_are_enough(world, record, tmp_path):
     short = dataclasses.replace(record, ping_count=1, path_world_m=record.path_world_m[:1])
     _, pictures, page = survey(world, short, tmp_path, np.array([[0.25, 0.25, -19.75]]))
-    assert len(pictures) == 3
+    assert len(pictures) == 4
     assert "first ping" not in texts(page)
 
 

@@ -124,3 +124,75 @@ def test_surface_out_of_reach_of_the_path_does_not_count_towards_the_limit(monke
     assert score(plane(0.2), [], path=np.array([[0.0, 0.0, 1.2]]), range_max_m=1.5).visible_truth_voxels > 0
     with pytest.raises(ValueError, match=r"must be at most 0\.0001 million"):
         score(plane(0.2), [])
+
+
+def test_a_perfect_map_has_precision_and_recall_1():
+    world = plane(0.2)
+    perfect = score(world, score(world, []).visible_centres_m)
+    assert (perfect.precision, perfect.recall) == (1.0, 1.0)
+    assert len(perfect.false_centres_m) == 0
+
+
+def test_recall_is_strict_where_coverage_is_lenient():
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    above = score(world, truth + np.array([0.0, 0.0, VOXEL_M]))
+    assert (above.coverage, above.recall, above.precision) == (1.0, 0.0, 0.0)
+    assert len(above.false_centres_m) == len(truth)
+    half = score(world, truth[::2])
+    assert half.recall == 0.5
+    assert half.precision == 1.0
+
+
+def test_false_voxels_are_found_among_right_ones():
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    floating = truth[:100] + np.array([0.0, 0.0, 6.0 * VOXEL_M])
+    mixed = score(world, np.concatenate([truth, floating]))
+    assert mixed.precision == pytest.approx(len(truth) / (len(truth) + 100))
+    assert np.array_equal(mixed.false_centres_m, floating)
+
+
+def test_a_voxel_is_right_exactly_when_the_surface_runs_through_it():
+    """A tilted plane through voxels on a grid, against the exact test of a plane and a cube."""
+    normal = np.array([0.3, -0.5, 1.0])
+    x, y = np.meshgrid(np.arange(-10.0, 11.0), np.arange(-10.0, 11.0))
+    world = _core.World()
+    world.set_terrain((-(normal[0] * x + normal[1] * y)).astype(np.float32), 1.0, (-10.0, -10.0))
+    axis = (np.arange(-8, 8) + 0.5) * VOXEL_M
+    cubes = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    depth_of_cut = np.abs(normal).sum() * VOXEL_M / 2.0 - np.abs(cubes @ normal)
+    sure = np.abs(depth_of_cut) > 0.03 * np.linalg.norm(normal)  # HALVINGS leaves 1/32 of a voxel open
+    right = cubes[sure & (depth_of_cut > 0)]
+    wrong = cubes[sure & (depth_of_cut < 0)]
+    assert min(len(right), len(wrong)) > 400
+    found = score(world, np.concatenate([right, wrong]))
+    assert np.array_equal(found.false_centres_m, wrong)
+
+
+def test_a_shift_of_the_map_is_the_seabeds_error():
+    world = plane(-20.25)
+    truth = score(world, [], path=np.array([[0.0, 0.0, -15.0]])).visible_centres_m
+    for voxels in (-2, 0, 1):
+        seabed = score(world, truth - np.array([0.0, 0.0, voxels * VOXEL_M])).seabed
+        assert seabed.judged.sum() == len(truth)
+        assert seabed.errors_m == pytest.approx(voxels * VOXEL_M)
+        assert seabed.depths_m == pytest.approx(20.25)
+        assert (seabed.mean_m, seabed.p95_m) == pytest.approx((voxels * VOXEL_M, abs(voxels) * VOXEL_M))
+
+
+def test_cells_under_an_obstacle_and_outside_the_polygon_are_not_judged():
+    world = plane(0.25)
+    world.add_solid("slab", *box((-1.05, -1.05, 2.0), (1.05, 1.05, 2.2)))
+    flat = np.stack(np.meshgrid(*[(np.arange(-20, 20) + 0.5) * VOXEL_M] * 2), axis=-1).reshape(-1, 2)
+    seabed = score(world, np.column_stack([flat, np.full(len(flat), 0.25)])).seabed
+    assert seabed.obstructed.sum() == 6 * 6  # every cell that the slab reaches into
+    assert seabed.judged.sum() == 20 * 20 - 36
+    assert (seabed.grid.count > 0).sum() == 40 * 40
+
+
+def test_an_empty_map_has_no_seabed_and_no_precision():
+    empty = score(plane(0.2), [])
+    assert empty.seabed is None
+    assert np.isnan(empty.precision)
+    assert empty.recall == 0.0

@@ -68,7 +68,7 @@ def write_depth_tiff(path: Path, grid: SeabedGrid, where: Georeference) -> None:
             file.set_band_description(1, "depth")
             file.set_band_description(2, "count")
             file.units = ("m", "")
-            file.update_tags(AREA_OR_POINT="Area", VERTICAL_DATUM="mean water surface of the simulated world, z = 0")
+            file.update_tags(VERTICAL_DATUM="mean water surface of the simulated world, z = 0")
             file.update_tags(1, STATISTIC="median of the points in the cell", POSITIVE="down")
             file.update_tags(2, STATISTIC="number of points in the cell")
             if where.crs is None:

@@ -44,15 +44,11 @@ def where_it_is_wrong(path: Path, score: MapScore, area_world_m: NDArray[np.floa
         limit_m = LIMIT_VOXELS * score.resolution_m
         limits = Normalize(-limit_m, limit_m, clip=True)
         _draw_errors(axes, score.seabed, limits)
-        add_colour_bar(
-            figure,
-            axes,
-            limits,
-            ERRORS,
-            f"depth in the map less true depth [m]; rounding to voxels: {score.resolution_m / 2.0:g} m",
-        )
+        name = f"depth in the map less true depth [m]; rounding to voxels: {score.resolution_m / 2.0:g} m"
+        add_colour_bar(figure, axes, limits, ERRORS, name)
     else:
-        axes.text(*(low + size / 2.0), "no seabed to judge", ha="center", va="center", fontsize=14, color=FAINT_INK)
+        east_m, north_m = (low + size / 2.0).tolist()
+        axes.text(east_m, north_m, "no seabed to judge", ha="center", va="center", fontsize=14, color=FAINT_INK)
     axes.add_patch(Polygon(area_world_m, closed=True, fill=False, edgecolor=INK, linewidth=1.0, linestyle=(0, (5, 3))))
     _draw_voxels(axes, score)
     add_legend(axes, 3)
