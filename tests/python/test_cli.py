@@ -37,10 +37,14 @@ def test_a_survey_leaves_a_map_a_report_and_pictures(tmp_path: Path) -> None:
     for words in ("simulated time", "real-time factor", "pings", "echoes", "occupied voxels", "coverage", "95th"):
         assert words in result.stdout
     assert len(OccupancyMap.read(out / "map.bt").occupied_voxels()) > 100
+    scored = uwsim("map", "score", str(out / "map.bt"), "--scenario", "pool")
+    assert scored.returncode == 0, scored.stderr
+    coverage = next(line for line in result.stdout.splitlines() if "coverage" in line)
+    assert coverage.split("│")[2].strip() in scored.stdout, "the map alone scores as it did when it was flown"
     report = (out / "report.html").read_text()
     assert "data:image/png;base64," in report
     assert "seed" in report
-    assert {path.suffix for path in out.iterdir()} == {".bt", ".html", ".png"}
+    assert {path.suffix for path in out.iterdir()} == {".bt", ".html", ".npz", ".png"}
 
 
 def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
@@ -165,7 +169,7 @@ def test_a_disk_that_is_full_after_the_map_says_so_and_shows_the_table(tmp_path:
     result = uwsim("survey", "pool", "--out", str(tmp_path), "--mission-time", "5", preexec_fn=small_files_only)
     assert "is complete" in refused(result)
     assert "coverage" in result.stdout
-    assert [path.name for path in tmp_path.iterdir()] == ["map.bt"]
+    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz"}
 
 
 def test_scenarios_are_listed_and_described() -> None:

@@ -296,6 +296,7 @@ def test_a_map_of_too_many_cubes_is_drawn_in_larger_ones(folder, tmp_path, monke
         (["slice", "empty.bt", "--z", "0"], r"the map is empty"),
         (["score", "pool.bt", "--scenario", "pol"], r"did you mean 'pool'"),
         (["score", "pool.bt", "--scenario", "pool", "--track", "text.bt"], r"text.bt': not a sound track"),
+        (["score", "pool.bt", "--scenario", "pool", "--track", "lake.npz"], r"is of scenario 'lake', not of 'pool'"),
         (["score", "pool.bt", "--scenario", "pool", "--origin", "0.1", "0", "0"], r"off the grid"),
     ],
 )
@@ -304,6 +305,7 @@ def test_a_mistake_is_named_and_leaves_nothing(folder, tmp_path, monkeypatch, ar
         (tmp_path / name).write_bytes((folder / name).read_bytes())
     (tmp_path / "torn.bt").write_bytes((folder / "pool.bt").read_bytes()[:-10])
     (tmp_path / "text.bt").write_text("no map at all")
+    Track(np.zeros((1, 3)), np.eye(3)[:, :2], 10.0, "lake").write(tmp_path / "lake.npz")
     write_cloud(tmp_path / "cloud.ply", [[1.0, 2.0, 3.0]])
     (tmp_path / "torn.ply").write_bytes((tmp_path / "cloud.ply").read_bytes()[:-1])
     before = {path.name for path in tmp_path.iterdir()}
@@ -331,12 +333,12 @@ def test_the_shell_sees_one_line_and_an_exit_code(folder, tmp_path):
 
 def test_a_track_comes_back_and_a_broken_one_is_refused(tmp_path):
     path = tmp_path / "track.npz"
-    track = Track(np.random.default_rng(0).normal(size=(50, 3)), np.array([[0.0, 0], [1, 0], [0, 1]]), 54.9)
+    track = Track(np.random.default_rng(0).normal(size=(50, 3)), np.array([[0.0, 0], [1, 0], [0, 1]]), 54.9, "pool")
     track.write(path)
     back = Track.read(path)
     assert np.array_equal(back.path_world_m, track.path_world_m)
     assert np.array_equal(back.area_world_m, track.area_world_m)
-    assert back.range_max_m == 54.9
+    assert (back.range_max_m, back.scenario_name) == (54.9, "pool")
     whole = path.read_bytes()
     track.write(path)
     assert path.read_bytes() == whole

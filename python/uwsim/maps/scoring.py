@@ -107,7 +107,10 @@ def draw_score(path: Path, scored: ScoredMap) -> None:
 
 def _track(path: Path, scenario: Scenario) -> Track:
     if path.suffix.lower() not in FORMATS:
-        return Track.read(path)
+        track = Track.read(path)
+        if track.scenario_name not in ("", scenario.name):
+            raise ValueError(f"'{path}': is of scenario '{track.scenario_name}', not of '{scenario.name}'")
+        return track
     known = _from_scenario(scenario)
     return Track(read_cloud(path), known.area_world_m, known.range_max_m)
 

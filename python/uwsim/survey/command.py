@@ -28,6 +28,7 @@ from uwsim.survey.record import SurveyRecord
 from uwsim.survey.report import write_report
 from uwsim.survey.score import score_map
 from uwsim.survey.table import summary_table
+from uwsim.survey.track import TRACK, Track
 
 REPORT = "report.html"
 AUTOSAVE_S = 30.0
@@ -245,6 +246,7 @@ def _report(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, out: 
     _print(f"ended because {record.stopped_because}")
     try:
         with progress.status("drawing the report"):
+            Track.of(record).write(out / TRACK)
             pictures = draw_pictures(out, sim.world, record, score, occupied)
             write_report(out / REPORT, record, score, free_voxels, pictures)
     except OSError as error:

@@ -42,8 +42,8 @@ def score_figures(score: MapScore) -> list[tuple[str, str]]:
         ("map to true surface, mean", distance(score.distance_mean_m)),
         ("map to true surface, 95th percentile", distance(score.distance_p95_m)),
         ("map to true surface, max", distance(score.distance_max_m)),
-        ("seabed too deep by, mean", distance(seabed.mean_m if seabed else math.nan)),
-        ("seabed error, 95th percentile", distance(seabed.p95_m if seabed else math.nan)),
+        ("seabed depth error, mean (+: too deep)", distance(seabed.mean_m if seabed else math.nan)),
+        ("seabed depth error, 95th percentile", distance(seabed.p95_m if seabed else math.nan)),
         ("vertical order of IHO S-44", order_met(score)),
     ]
 

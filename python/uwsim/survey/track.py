@@ -23,17 +23,18 @@ VERSION = 1
 class Track:
     """path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
 
-    range_max_m: how far the sonar saw.
+    range_max_m: how far the sonar saw. scenario_name: of the place; empty when it is not known.
     """
 
     path_world_m: NDArray[np.float64]
     area_world_m: NDArray[np.float64]
     range_max_m: float
+    scenario_name: str = ""
 
     @classmethod
     def of(cls, record: SurveyRecord) -> Self:
         """Take it from a survey's record."""
-        return cls(record.path_world_m, record.area_world_m, record.range_max_m)
+        return cls(record.path_world_m, record.area_world_m, record.range_max_m, record.scenario_name)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a NumPy archive, atomically; the same track gives the same bytes. Raises OSError."""
@@ -44,6 +45,7 @@ class Track:
             path_world_m=np.asarray(self.path_world_m, np.float64),
             area_world_m=np.asarray(self.area_world_m, np.float64),
             range_max_m=np.float64(self.range_max_m),
+            scenario_name=np.str_(self.scenario_name),
         )
         write_atomically(Path(path), file.getvalue())
 
@@ -66,6 +68,7 @@ class Track:
             if int(file["version"]) != VERSION:
                 raise ValueError(f"version = {int(file['version'])}: must be {VERSION}")
             path, area, reach = file["path_world_m"], file["area_world_m"], float(file["range_max_m"])
+            name = str(file["scenario_name"])
         for name, array, columns, least in (("path_world_m", path, 3, 0), ("area_world_m", area, 2, 3)):
             if array.dtype != np.float64 or array.ndim != 2 or array.shape[1] != columns or len(array) < least:
                 raise ValueError(f"{name}: {array.dtype} {array.shape}, expected float64 (n, {columns})")
@@ -73,4 +76,4 @@ class Track:
                 raise ValueError(f"{name}: must be finite")
         if not 0.0 < reach < np.inf:
             raise ValueError(f"range_max_m = {reach} m: must be positive")
-        return cls(path, area, reach)
+        return cls(path, area, reach, name)
