@@ -68,7 +68,7 @@ class Track:
             if int(file["version"]) != VERSION:
                 raise ValueError(f"version = {int(file['version'])}: must be {VERSION}")
             path, area, reach = file["path_world_m"], file["area_world_m"], float(file["range_max_m"])
-            name = str(file["scenario_name"])
+            scenario_name = str(file["scenario_name"])
         for name, array, columns, least in (("path_world_m", path, 3, 0), ("area_world_m", area, 2, 3)):
             if array.dtype != np.float64 or array.ndim != 2 or array.shape[1] != columns or len(array) < least:
                 raise ValueError(f"{name}: {array.dtype} {array.shape}, expected float64 (n, {columns})")
@@ -76,4 +76,4 @@ class Track:
                 raise ValueError(f"{name}: must be finite")
         if not 0.0 < reach < np.inf:
             raise ValueError(f"range_max_m = {reach} m: must be positive")
-        return cls(path, area, reach, name)
+        return cls(path, area, reach, scenario_name)
