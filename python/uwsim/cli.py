@@ -178,7 +178,7 @@ def bench(
 # Its commands have options of their own, --help among them; they are loaded when one is called.
 @app.command(name="map", context_settings=PASS_ON)
 def map_(context: typer.Context) -> None:
-    """Look into, convert, score, draw and compare maps: info, convert, score, render, diff, slice."""
+    """Look into, convert, score, draw and compare maps: info, convert, merge, score, render, diff, slice."""
     from uwsim.maps.cli import app as map_app
 
     map_app(args=context.args, prog_name="uwsim map", standalone_mode=True)

@@ -227,6 +227,18 @@ def test_a_map_and_itself_do_not_differ_and_the_exit_code_says_so(folder):
     assert runner.invoke(app, other[:-1]).exit_code == 0
 
 
+@pytest.mark.skipif(not hasattr(OccupancyMap, "merge"), reason="this engine cannot add maps up yet")
+def test_maps_of_parts_merge_into_the_map_of_the_whole(folder, tmp_path):
+    run("merge", folder / "part.bt", folder / "pool.bt", "--out", tmp_path / "both.ot")
+    run("merge", folder / "pool.bt", folder / "part.bt", "--out", tmp_path / "too.ot")
+    assert (tmp_path / "both.ot").read_bytes() == (tmp_path / "too.ot").read_bytes()
+    found = difference(OccupancyMap.read(tmp_path / "both.ot"), OccupancyMap.read(folder / "pool.bt"))
+    assert found.counts[:, 2].sum() == 0, "nothing is known that neither knew"
+    assert found.counts[2].sum() == 0, "nothing is forgotten"
+    run("merge", folder / "pool.ot", folder / "empty.bt", "--out", tmp_path / "same.ot")
+    assert (tmp_path / "same.ot").read_bytes() == (folder / "pool.ot").read_bytes()
+
+
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
 def test_a_cut_holds_the_states_of_its_layer(folder, tmp_path, axis):
     occupancy = OccupancyMap.read(folder / "pool.bt")
@@ -289,6 +301,13 @@ def test_a_map_of_too_many_cubes_is_drawn_in_larger_ones(folder, tmp_path, monke
         (["render", "pool.bt", "--out", "new.jpg"], r"picture 'new.jpg': must end in \.png"),
         (["diff", "pool.bt", "coarse.bt"], r"resolution_m = 0.25 and 0.5 m: must be the same"),
         (["diff", "empty.bt", "empty.bt", "--out", "new.png"], r"nothing to draw"),
+        (["merge", "pool.bt", "--out", "new.ot"], r"1 map given: must be two or more"),
+        (["merge", "pool.bt", "pool.bt", "--out", "new.ply"], r"--out 'new.ply': must end in \.bt or \.ot"),
+        (
+            ["merge", "pool.bt", "coarse.bt", "--out", "new.ot"],
+            r"'pool.bt' and 'coarse.bt': resolution_m = 0.25 and 0.5",
+        ),
+        (["merge", "pool.bt", "torn.bt", "--out", "new.ot"], r"torn.bt"),
         (["slice", "pool.bt"], r"0 of them given, must be one"),
         (["slice", "pool.bt", "--x", "1", "--z", "-2"], r"2 of them given, must be one"),
         (["slice", "pool.bt", "--z", "50"], r"z = 50 m: must be in \["),

@@ -56,6 +56,17 @@ def convert(
 
 
 @app.command()
+def merge(
+    sources: Annotated[list[Path], typer.Argument(help="Two maps or more, of one resolution.")],
+    out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")],
+) -> None:
+    """Make one map of several, the sum of their log-odds. Give .ot files if there are any: a .bt knows no degrees."""
+    from uwsim.maps.merge import merge_files
+
+    typer.echo(f"{out}: {merge_files(sources, out):,} occupied voxels")
+
+
+@app.command()
 def score(
     source: MapFile,
     scenario: Annotated[str, typer.Option(help="The scenario it was made in: a packaged one's name or a YAML file.")],
