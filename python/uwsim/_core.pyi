@@ -10,19 +10,21 @@ import os
 import typing
 
 __all__: list[str] = [
+    "AcousticMultibeam",
+    "AcousticSpec",
     "ActuatorsSpec",
     "BodyState",
+    "BottomMaterial",
     "CollisionShape",
     "Craft",
     "CraftParameters",
     "Current",
+    "Detection",
     "FinParameters",
-    "InstructionSet",
-    "MapEngine",
-    "MapOptions",
     "MultibeamModel",
     "NoiseSpec",
     "OccupancyMap",
+    "PhysicsPing",
     "Ping",
     "RayHits",
     "RayScene",
@@ -33,7 +35,9 @@ __all__: list[str] = [
     "Simulation",
     "SimulationSpec",
     "SolidProperties",
+    "SonarFigures",
     "SonarSpec",
+    "SoundSpeedProfile",
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
@@ -44,23 +48,130 @@ __all__: list[str] = [
     "World",
     "absorption_db_km",
     "decode_depth_string",
+    "detection_probability",
     "encode_depth_string",
     "filter_range",
-    "ground_plane",
     "multibeam_model",
-    "pass_through",
-    "register_cloud",
+    "nadir_area_m2",
+    "nadir_snr_db",
     "remove_box",
-    "remove_outliers",
     "scan_to_points",
     "sea_water_density_kg_m3",
     "sensor_kind",
     "sensor_kinds",
     "solid_properties",
     "sound_speed_m_s",
+    "sound_speed_profile",
+    "soundings",
     "transform_points",
-    "voxel_grid",
 ]
+
+class SoundSpeedProfile:
+    """
+    Speed of sound by depth: linear between levels, constant above and below them.
+    """
+    @staticmethod
+    def even(speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> SoundSpeedProfile:
+        """
+        One speed everywhere: straight rays.
+        """
+    def __init__(self, depths_m: typing.Any, speeds_m_s: typing.Any) -> None:
+        """
+        Each (n,), depths rising. Raises ValueError that names the level.
+        """
+    def at(self, depth_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        Speed [m/s] at a depth [m].
+        """
+
+class SonarFigures:
+    """
+    What an active sonar sends, hears and decides by. Levels re 1 uPa (at 1 m).
+    """
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    def range_cell_m(self, sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    @property
+    def bandwidth_hz(self) -> float: ...
+    @bandwidth_hz.setter
+    def bandwidth_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beam_width_across_rad(self) -> float:
+        """
+        -3 dB, one way: of a receiving beam, within the fan's plane
+        """
+    @beam_width_across_rad.setter
+    def beam_width_across_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beam_width_along_rad(self) -> float:
+        """
+        -3 dB, one way: of the transmitter, across the fan's plane
+        """
+    @beam_width_along_rad.setter
+    def beam_width_along_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_threshold_db(self) -> float:
+        """
+        The signal-to-noise ratio that is detected half of the time.
+        """
+    @detection_threshold_db.setter
+    def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def directivity_index_db(self) -> float: ...
+    @directivity_index_db.setter
+    def directivity_index_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def figure_db(self) -> float:
+        """
+        SL + processing gain + DI - NL
+        """
+    @property
+    def frequency_hz(self) -> float: ...
+    @frequency_hz.setter
+    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def noise_level_db(self) -> float:
+        """
+        In the receiver's band.
+        """
+    @noise_level_db.setter
+    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def processing_gain_db(self) -> float:
+        """
+        10 log10 (bandwidth x length)
+        """
+    @property
+    def pulse_length_s(self) -> float: ...
+    @pulse_length_s.setter
+    def pulse_length_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def source_level_db(self) -> float: ...
+    @source_level_db.setter
+    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class BottomMaterial:
+    """
+    What a bottom gives back.
+    """
+    def __init__(
+        self,
+        strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
+        relief: typing.SupportsFloat | typing.SupportsIndex = 0.1,
+    ) -> None: ...
+    @property
+    def relief(self) -> float:
+        """
+        rms slope of its relief across a footprint
+        """
+    @property
+    def strength_db(self) -> float:
+        """
+        Of a square metre at normal incidence; Lambert's law.
+        """
 
 class Waves:
     """
@@ -273,12 +384,6 @@ class World:
     ) -> None:
         """
         heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). Raises ValueError on shape, non-finite heights or spacing.
-        """
-    def solid_around(
-        self, point_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
-    ) -> str | None:
-        """
-        (3,) -> the name of a closed solid that the point is inside of, or None.
         """
     def surface_mesh(
         self,
@@ -634,6 +739,23 @@ class MultibeamModel:
     """
     A multibeam's fan, evenly spread about the head's forward axis.
     """
+    def __init__(
+        self,
+        *,
+        name: str,
+        beams: typing.SupportsInt | typing.SupportsIndex,
+        field_of_view_rad: typing.SupportsFloat | typing.SupportsIndex,
+        range_max_m: typing.SupportsFloat | typing.SupportsIndex,
+        frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
+        range_limit_m: typing.SupportsFloat | typing.SupportsIndex | None = None,
+        number: typing.SupportsInt | typing.SupportsIndex = 0,
+        dual_swath: bool = False,
+        ping_rate_max_hz: typing.SupportsFloat | typing.SupportsIndex = 50.0,
+        tilt_rate_rad_s: typing.SupportsFloat | typing.SupportsIndex = 0.0872665,
+    ) -> None:
+        """
+        Raises ValueError that names the field.
+        """
     @property
     def angle_increment_rad(self) -> float: ...
     @property
@@ -651,7 +773,12 @@ class MultibeamModel:
     @property
     def number(self) -> int:
         """
-        1..4, as on the wire
+        1..4, as on the wire; 0: not of the wire
+        """
+    @property
+    def ping_rate_max_hz(self) -> float:
+        """
+        Of the electronics.
         """
     @property
     def range_limit_m(self) -> float:
@@ -663,21 +790,31 @@ class MultibeamModel:
         """
         A range at or past it is no echo.
         """
+    @property
+    def tilt_rate_rad_s(self) -> float: ...
 
-class MapEngine:
+class Detection:
     """
+    How a beam's range was found.
+
     Members:
 
-      OCTOMAP
+      NONE
 
-      BRICKS
+      AMPLITUDE
+
+      PHASE
+
+      FALSE : Noise was taken for an echo.
     """
 
-    BRICKS: typing.ClassVar[MapEngine]
-    OCTOMAP: typing.ClassVar[MapEngine]
-    __members__: typing.ClassVar[dict[str, MapEngine]]
+    AMPLITUDE: typing.ClassVar[Detection]
+    FALSE: typing.ClassVar[Detection]
+    NONE: typing.ClassVar[Detection]
+    PHASE: typing.ClassVar[Detection]
+    __members__: typing.ClassVar[dict[str, Detection]]
     @typing.overload
-    def __eq__(self, other: MapEngine) -> bool: ...
+    def __eq__(self, other: Detection) -> bool: ...
     @typing.overload
     def __eq__(self, other: typing.Any) -> bool: ...
     def __getstate__(self) -> int: ...
@@ -686,7 +823,7 @@ class MapEngine:
     def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def __int__(self) -> int: ...
     @typing.overload
-    def __ne__(self, other: MapEngine) -> bool: ...
+    def __ne__(self, other: Detection) -> bool: ...
     @typing.overload
     def __ne__(self, other: typing.Any) -> bool: ...
     def __repr__(self) -> str: ...
@@ -697,74 +834,166 @@ class MapEngine:
     @property
     def value(self) -> int: ...
 
-class InstructionSet:
+class PhysicsPing:
     """
-    Forms of the brick engine's inner loops, all with the same result.
-
-    Members:
-
-      BEST
-
-      PORTABLE
-
-      AVX2
-
-      AVX512
+    One multibeam ping in physics mode: Ping's arrays and more, read-only, a value a beam.
     """
-
-    AVX2: typing.ClassVar[InstructionSet]
-    AVX512: typing.ClassVar[InstructionSet]
-    BEST: typing.ClassVar[InstructionSet]
-    PORTABLE: typing.ClassVar[InstructionSet]
-    __members__: typing.ClassVar[dict[str, InstructionSet]]
-    @typing.overload
-    def __eq__(self, other: InstructionSet) -> bool: ...
-    @typing.overload
-    def __eq__(self, other: typing.Any) -> bool: ...
-    def __getstate__(self) -> int: ...
-    def __hash__(self) -> int: ...
-    def __index__(self) -> int: ...
-    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def __int__(self) -> int: ...
-    @typing.overload
-    def __ne__(self, other: InstructionSet) -> bool: ...
-    @typing.overload
-    def __ne__(self, other: typing.Any) -> bool: ...
-    def __repr__(self) -> str: ...
-    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def __str__(self) -> str: ...
     @property
-    def name(self) -> str: ...
+    def angles_rad(self) -> numpy.ndarray:
+        """
+        (beams,) float32, about +z of the sonar, positive to port
+        """
     @property
-    def value(self) -> int: ...
+    def detections(self) -> numpy.ndarray:
+        """
+        (beams,) uint8, values of Detection
+        """
+    @property
+    def incidence_rad(self) -> numpy.ndarray:
+        """
+        (beams,) float32 in [0, pi/2], true; NaN = no detection, or a false one
+        """
+    @property
+    def intensity_db(self) -> numpy.ndarray:
+        """
+        (beams,) float32, received level less source level, with speckle and noise; -inf = no detection
+        """
+    @property
+    def labels(self) -> numpy.ndarray:
+        """
+        (beams,) uint16, true, see World.label_names; 0 where false
+        """
+    @property
+    def model(self) -> int:
+        """
+        EM 2040 variant 1..4; 0: not of the wire
+        """
+    @property
+    def points_sonar_m(self) -> numpy.ndarray:
+        """
+        (beams, 3) float32, the range along the beam's axis; NaN = no detection
+        """
+    @property
+    def ranges_m(self) -> numpy.ndarray:
+        """
+        (beams,) float32, sound speed at the head x half the travel time; inf = no detection
+        """
+    @property
+    def snr_db(self) -> numpy.ndarray:
+        """
+        (beams,) float32, over the noise, at the detector; -inf = none
+        """
+    @property
+    def time_ns(self) -> int: ...
+    @property
+    def travel_time_s(self) -> numpy.ndarray:
+        """
+        (beams,) float32, two-way; inf = no detection
+        """
+    @property
+    def valid(self) -> numpy.ndarray:
+        """
+        (beams,) bool: detected, be it falsely
+        """
+    @property
+    def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        (4, 4) float64, at transmission
+        """
 
-class MapOptions:
+class AcousticSpec:
     """
-    What a map is made of, and its probabilities of hit, miss and clamping.
+    What makes a multibeam an acoustic instrument.
+    """
+
+    false_detections: bool
+    figures: SonarFigures
+    range_noise: bool
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    @property
+    def acidity_ph(self) -> float: ...
+    @acidity_ph.setter
+    def acidity_ph(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bending(self) -> bool:
+        """
+        Whether the sound speed's profile bends the beams.
+        """
+    @bending.setter
+    def bending(self, arg0: bool) -> None: ...
+    @property
+    def bottom(self) -> BottomMaterial:
+        """
+        Of what has no line in `materials`.
+        """
+    @bottom.setter
+    def bottom(self, arg0: BottomMaterial) -> None: ...
+    @property
+    def materials(self) -> list[BottomMaterial]:
+        """
+        By label, see World.label_names.
+        """
+    @materials.setter
+    def materials(self, arg0: collections.abc.Sequence[BottomMaterial]) -> None: ...
+    @property
+    def rays_per_beam(self) -> int:
+        """
+        1, or 4 to 64
+        """
+    @rays_per_beam.setter
+    def rays_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class AcousticMultibeam:
+    """
+    A multibeam in physics mode by itself, without a vehicle. Pings do not depend on threads.
     """
     def __init__(
         self,
-        *,
-        engine: MapEngine,
-        hit: typing.SupportsFloat | typing.SupportsIndex,
-        miss: typing.SupportsFloat | typing.SupportsIndex,
-        clamping_min: typing.SupportsFloat | typing.SupportsIndex,
-        clamping_max: typing.SupportsFloat | typing.SupportsIndex,
-        instruction_set: InstructionSet,
-    ) -> None: ...
+        model: MultibeamModel,
+        spec: AcousticSpec,
+        water: Water,
+        seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        name: str = "sonar",
+    ) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    def ping(
+        self,
+        scene: RayScene,
+        position_world_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        velocity_world_m_s: typing.Any = (0.0, 0.0, 0.0),
+        rate_world_rad_s: typing.Any = (0.0, 0.0, 0.0),
+        tick: typing.SupportsInt | typing.SupportsIndex = 0,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> PhysicsPing:
+        """
+        One ping of the head at a pose (3,), (4,), moving (3,), (3,) in world axes. Random draws are keyed by tick.
+        Raises ValueError. Releases the GIL.
+        """
+    @property
+    def profile(self) -> SoundSpeedProfile:
+        """
+        Speed of sound of its water.
+        """
 
 class OccupancyMap:
     """
-    OctoMap's octree, about an origin in the world.
+    octomap::OcTree of the system's OctoMap, about an origin in the world.
     """
     @staticmethod
-    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any, options: MapOptions) -> OccupancyMap:
+    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any) -> OccupancyMap:
         """
         A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of
         OctoMap's. Releases the GIL.
         """
     def __init__(
-        self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any, options: MapOptions
+        self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any
     ) -> None: ...
     def free_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -779,18 +1008,6 @@ class OccupancyMap:
         """
         points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64. Raises ValueError,
         inserting nothing, on shapes, on an origin that is not finite and outside OctoMap's cube. Releases the GIL.
-        """
-    def insert_scans(
-        self,
-        points_world_m: typing.Any,
-        counts: typing.Any,
-        origins_world_m: typing.Any,
-        max_range_m: typing.SupportsFloat | typing.SupportsIndex,
-        threads: typing.SupportsInt | typing.SupportsIndex,
-    ) -> None:
-        """
-        points_world_m: (n, 3) float32 of all scans; counts: (m,) int64; origins_world_m: (m, 3) float64. Raises
-        ValueError as insert_scan does, inserting none of them. Releases the GIL.
         """
     def occupied_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -812,8 +1029,6 @@ class OccupancyMap:
         """
         Atomically. Raises OSError. Releases the GIL.
         """
-    @property
-    def engine(self) -> MapEngine: ...
     @property
     def origin_world_m(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
@@ -962,13 +1177,17 @@ class SonarSpec:
     def __init__(
         self,
         name: str,
-        model: typing.SupportsInt | typing.SupportsIndex,
+        model: MultibeamModel,
         position_m: typing.Any,
         orientation_xyzw: typing.Any,
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-    ) -> None: ...
+        acoustics: AcousticSpec | None = None,
+    ) -> None:
+        """
+        acoustics: in physics mode; without, in geometry mode.
+        """
     @property
-    def model(self) -> int: ...
+    def model(self) -> MultibeamModel: ...
     @property
     def name(self) -> str: ...
 
@@ -1139,6 +1358,15 @@ class Simulation:
     A world with vehicles, advanced by fixed steps; vehicles by index.
     """
     def __init__(self, world: World, scene: RayScene, spec: SimulationSpec) -> None: ...
+    def acoustic_ping(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sonar: typing.SupportsInt | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> PhysicsPing:
+        """
+        Of a sonar in physics mode. Raises ValueError in geometry mode. Releases the GIL.
+        """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
         Returns the vehicle's index.
@@ -1175,6 +1403,9 @@ class Simulation:
         """
         Two (6,): the largest wrench about each axis alone, ahead and astern, magnitudes [N, N m].
         """
+    def in_physics_mode(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
+    ) -> bool: ...
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping: ...
@@ -1267,6 +1498,15 @@ def decode_depth_string(
     Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
     """
 
+def detection_probability(
+    snr: typing.SupportsFloat | typing.SupportsIndex,
+    looks: typing.SupportsFloat | typing.SupportsIndex,
+    detection_threshold_db: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    snr: a ratio, not dB. looks: independent ones that the echo holds.
+    """
+
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
     The published depthArray text: C#'s G7 text of each range, each followed by the letter a.
@@ -1284,42 +1524,30 @@ def filter_range(
     GIL.
     """
 
-def ground_plane(
-    points_m: typing.Any,
-    distance_m: typing.SupportsFloat | typing.SupportsIndex,
-    max_slope_rad: typing.SupportsFloat | typing.SupportsIndex,
-) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"], float, numpy.ndarray]:
-    """
-    pcl::RandomSampleConsensus: normal (3,) that looks up, offset [m] with normal . p + offset = 0, and the inliers
-    (n,) bool. points_m: (n, 3) float32, finite. Raises ValueError. Releases the GIL.
-    """
-
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
     """
 
-def pass_through(
-    points_m: typing.Any,
-    axis: typing.SupportsInt | typing.SupportsIndex,
-    min_m: typing.SupportsFloat | typing.SupportsIndex,
-    max_m: typing.SupportsFloat | typing.SupportsIndex,
-) -> numpy.typing.NDArray[numpy.float32]:
+def nadir_area_m2(
+    sonar: SonarFigures,
+    bottom: BottomMaterial,
+    range_m: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
     """
-    pcl::PassThrough: the points whose coordinate 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32. Points that are
-    not finite drop out. Raises ValueError. Releases the GIL.
+    Bottom straight below that scatters one range cell's worth [m2].
     """
 
-def register_cloud(
-    source_m: typing.Any,
-    target_m: typing.Any,
-    guess: typing.Any,
-    max_distance_m: typing.SupportsFloat | typing.SupportsIndex,
-    max_iterations: typing.SupportsInt | typing.SupportsIndex,
-) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
+def nadir_snr_db(
+    sonar: SonarFigures,
+    bottom: BottomMaterial,
+    range_m: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+    absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
     """
-    pcl::IterativeClosestPoint: target_from_source (4, 4), rms [m] and share of the points within reach, iterations,
-    converged. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Raises ValueError. Releases the GIL.
+    The active sonar equation straight below [dB].
     """
 
 def remove_box(
@@ -1328,16 +1556,6 @@ def remove_box(
     """
     pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)
     float64. Points that are not finite drop out. Raises ValueError. Releases the GIL.
-    """
-
-def remove_outliers(
-    points_m: typing.Any,
-    neighbours: typing.SupportsInt | typing.SupportsIndex,
-    deviations: typing.SupportsFloat | typing.SupportsIndex,
-) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    pcl::StatisticalOutlierRemoval; (n, 3) float32. Points that are not finite drop out. Raises ValueError. Releases
-    the GIL.
     """
 
 def scan_to_points(
@@ -1384,18 +1602,24 @@ def sound_speed_m_s(
     Speed of sound in water [m/s], Mackenzie 1981.
     """
 
+def sound_speed_profile(water: Water) -> SoundSpeedProfile:
+    """
+    The water's speed of sound by depth: as its profile gives it, else Mackenzie's.
+    """
+
+def soundings(
+    directions_world: typing.Any, travel_time_s: typing.Any, origin_world_m: typing.Any, profile: SoundSpeedProfile
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Points (n, 3) float64, world, that a survey computes: sound traced along directions_world (n, 3), as sent, for
+    half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN where the time
+    is not finite. Raises ValueError. Releases the GIL.
+    """
+
 def transform_points(
     points_source_m: typing.Any, target_from_source: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
     pcl::transformPointCloud: (n, 3) float32 in, (n, 3) float32 out. target_from_source: (4, 4) float64, rigid.
     Raises ValueError. Releases the GIL.
-    """
-
-def voxel_grid(
-    points_m: typing.Any, voxel_m: typing.SupportsFloat | typing.SupportsIndex
-) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m; (n, 3) float32 in, (k, 3) float32 out.
-    Points that are not finite drop out. Raises ValueError. Releases the GIL.
     """

@@ -1,4 +1,4 @@
-"""Physics mode through the simulator: repeatable, honest about time and motion; soundings with right and wrong water."""
+"""Physics mode through the simulator: repeatable, honest about time and motion; soundings in right and wrong water."""
 
 from __future__ import annotations
 
@@ -100,11 +100,11 @@ def test_what_cannot_be_sounded_is_refused(tmp_path: Path) -> None:
         SoundSpeedProfile([0, 10, 5], [1480, 1480, 1480])
     with pytest.raises(ValueError, match="ping is a Ping: must be of `mode: physics`"):
         sound_points(Simulator("pool").rov.sonar.ping(), SoundSpeedProfile.even(1480.0))  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="origin_world_m = .*: must be finite and under water"):
+    with pytest.raises(ValueError, match=r"origin_world_m = .*: must be finite and under water"):
         _core.soundings([[1, 0, 0]], [0.1], (0, 0, 1), SoundSpeedProfile.even(1480.0))
     with pytest.raises(ValueError, match=r"travel_time_s\[0\] = -1: s: must be in"):
         _core.soundings([[1, 0, 0]], [-1.0], (0, 0, -1), SoundSpeedProfile.even(1480.0))
-    with pytest.raises(ValueError, match="sonar.mode = geometry: must be physics"):
+    with pytest.raises(ValueError, match=r"sonar\.mode = geometry: must be physics"):
         Simulator("pool")._core.acoustic_ping(0, 0)
 
 

@@ -54,7 +54,7 @@ def test_the_physical_instruments_have_five_frequencies_and_figures_at_each(name
     for band in model.frequencies:
         assert model.core_acoustics(band.frequency_khz).figures.frequency_hz == 1e3 * band.frequency_khz
         assert model.core_model(band.frequency_khz).number == 0
-    with pytest.raises(ValueError, match="frequency_khz: missing: em2040-0. works at 200, 300, 400, 600, 700 kHz"):
+    with pytest.raises(ValueError, match=r"frequency_khz: missing: em2040-0. works at 200, 300, 400, 600, 700 kHz"):
         model.core_model()
 
 

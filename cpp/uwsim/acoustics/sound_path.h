@@ -27,21 +27,35 @@ class SoundPath {
 
   const SoundState& state() const { return state_; }
   /// [1/m], of the arc that comes next; positive bends down.
-  double curvature_1_m() const;
-  /// Length to the end of this layer along the arc, or to the surface where that comes first; infinity where the ray
-  /// never leaves.
-  double to_boundary_m() const;
-  /// Goes on by `length_m`, at most to_boundary_m() [m]. Returns whether the surface was reached: there is no beyond.
-  bool advance(double length_m);
-  /// State `length_m` ahead in this layer, without going there.
+  double curvature_1_m() const { return curvature_1_m_; }
+  /// Speed of sound where it is [m/s].
+  double speed_m_s() const { return layer().at(state_.depth_m); }
+
+  /// A part of the arc within one layer.
+  struct Step {
+    SoundState end;
+    bool leaves = false;  ///< ends on the layer's boundary, or at the surface
+  };
+  /// The way ahead: `length_max_m` of it, or less where the layer or the water ends before; infinity asks for the whole
+  /// layer, and gets an infinite length where the ray never leaves it.
+  Step step(double length_max_m) const;
+  /// Goes it. Returns whether the surface was reached: there is no beyond.
+  bool take(const Step& step);
+  /// State `length_m` ahead in this layer.
   SoundState ahead(double length_m) const;
   /// Length along this layer's arc after which `time_s` more have passed.
   double length_after(double time_s) const;
 
  private:
+  const SoundLayer& layer() const { return profile_->layers()[layer_]; }
+  double to_boundary_m() const;
+  void enter(std::size_t layer);
+
   const SoundSpeedProfile* profile_;
-  std::size_t layer_;
+  std::size_t layer_ = 0;
   double snell_s_m_;  ///< cos(dip) / c
+  double curvature_1_m_ = 0;
+  double cosine_, sine_;  ///< of the dip
   SoundState state_;
 };
 

@@ -29,6 +29,12 @@ void check(const BottomMaterial& bottom, const std::string& path) {
   require(bottom.relief >= 0 && bottom.relief <= 2, path + ".relief", bottom.relief, "must be in [0, 2]");
 }
 
+/// The chance that noise passes the threshold in any of a beam's range cells.
+double false_alarm(const SonarFigures& sonar, double range_max_m, double sound_speed_m_s) {
+  const double alone = false_alarm_probability(sonar.detection_threshold_db);
+  return -std::expm1(std::log1p(-alone) * range_max_m / sonar.range_cell_m(sound_speed_m_s));
+}
+
 AcousticPing empty_ping(std::size_t beams) {
   return {std::vector<float>(beams, kInfinity),  std::vector<float>(3 * beams, kNone),
           std::vector<float>(beams, kNone),      std::vector<float>(beams, -kInfinity),
@@ -56,6 +62,8 @@ struct AcousticMultibeam::Moment {
   double turn_rad_s;       // of the fan, about its normal
   double sound_speed_m_s;  // at the head
   float cell_m;
+  float spacing_rad;   // of a beam's rays
+  double false_alarm;  // the chance that noise passes the threshold somewhere in a beam
   std::uint64_t tick;
 };
 
@@ -67,7 +75,12 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
       footprint_(fan, spec.figures.beam_width_across_rad, spec.figures.beam_width_along_rad, spec.rays_per_beam),
       profile_(sound_speed_profile(water)),
       absorption_(absorption_column(water, spec.figures.frequency_hz, spec.acidity_ph, bottom_m)),
-      system_ratio_(std::pow(10, spec.figures.figure_db() / 10)) {
+      figure_db_(spec.figures.figure_db()),
+      system_ratio_(std::pow(10, figure_db_ / 10)),
+      threshold_ratio_(std::pow(10, spec.figures.detection_threshold_db / 10)),
+      share_sr_(static_cast<float>(spec.figures.beam_solid_angle_sr() / spec.rays_per_beam)),
+      width_rad_(
+          static_cast<float>(std::sqrt(spec.figures.beam_width_along_rad * spec.figures.beam_width_across_rad))) {
   const auto add = [this](const BottomMaterial& material) {
     strengths_.push_back(ratio(material.strength_db));
     reliefs_.push_back(static_cast<float>(material.relief));
@@ -76,24 +89,23 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
   add(spec.bottom);
 }
 
-RayEcho AcousticMultibeam::echo_of(const Moment& now, double length_m, double range_m, double cosine, double depth_m,
+RayEcho AcousticMultibeam::echo_of(const Moment& now, float length_m, float range_m, float cosine, double depth_m,
                                    Label label) const {
   const std::size_t material = std::min<std::size_t>(label, strengths_.size() - 1);
-  const SonarFigures& sonar = spec_.figures;
-  const auto length = std::max(static_cast<float>(length_m), kLeastRange_m);
-  const auto cos_i = std::clamp(static_cast<float>(cosine), 1e-3f, 1.0f);
-  const double absorption_db_m = absorption_.mean_db_m(-now.world_from_sonar.position_m.z(), depth_m);
-  const auto lost = std::exp(static_cast<float>(-0.2 * std::numbers::ln10 * absorption_db_m) * length);
-  const auto share = static_cast<float>(sonar.beam_solid_angle_sr() / footprint_.rays());
-  const float slant = std::sqrt(1 - cos_i * cos_i) / cos_i;
-  const float patch_m = footprint_.rays() > 1 ? length * static_cast<float>(footprint_.spacing_rad()) * slant : 0;
-  const float width_m =
-      length * static_cast<float>(std::sqrt(sonar.beam_width_along_rad * sonar.beam_width_across_rad));
-  const float relief_m = reliefs_[material] * width_m * cos_i;
+  const float length = std::max(length_m, kLeastRange_m);
+  const float cos_i = std::clamp(cosine, 1e-3f, 1.0f);
+  const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(-now.world_from_sonar.position_m.z(), depth_m));
+  constexpr float kTwoWay = -0.2f * std::numbers::ln10_v<float>;
+  const float lost = std::exp(kTwoWay * absorption_db_m * length);
+  const float patch_m = length * now.spacing_rad;
+  const float relief_m = reliefs_[material] * length * width_rad_;
+  // The patch between rays is drawn out by the slant, tan i; relief shows along the ray, cos i.
+  const float square = cos_i * cos_i;
   RayEcho echo;
-  echo.range_m = static_cast<float>(range_m);
-  echo.energy = share * strengths_[material] * cos_i * lost / (length * length);
-  echo.width_m = std::sqrt(now.cell_m * now.cell_m + patch_m * patch_m + relief_m * relief_m);
+  echo.range_m = range_m;
+  echo.energy = share_sr_ * strengths_[material] * cos_i * lost / (length * length);
+  echo.width_m =
+      std::sqrt(now.cell_m * now.cell_m + patch_m * patch_m * (1 - square) / square + relief_m * relief_m * square);
   echo.cosine = cos_i;
   echo.label = label;
   return echo;
@@ -124,14 +136,14 @@ void AcousticMultibeam::cast_straight(const Moment& now, const Eigen::Matrix3Xf&
     for (std::size_t lane = 0; lane < count; ++lane) {
       RayEcho& echo = echoes[first + lane];
       echo.energy = 0;
-      const double length_m = met.distance_m[lane];
-      const double z = head.z() + length_m * packet.direction_z[lane];
+      const float length_m = met.distance_m[lane];
+      const double z = head.z() + double{length_m} * packet.direction_z[lane];
       if (!(length_m < farthest) || z > 0) continue;
       const Eigen::Vector3f way(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
       const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
-      const double cosine = std::abs(normal.dot(way)) / normal.norm();
+      const float cosine = std::abs(normal.dot(way)) / normal.norm();
       // Out to the bottom, and back to where the head is by then.
-      const double half = moves ? 0.5 * (1 + (way - 2 * now.mach).norm()) : 1;
+      const float half = moves ? 0.5f * (1 + (way - 2 * now.mach).norm()) : 1;
       echo = echo_of(now, length_m, half * length_m, cosine, -z, static_cast<Label>(met.label[lane]));
     }
   }
@@ -154,7 +166,8 @@ void AcousticMultibeam::cast_along_arcs(const Moment& now, const Eigen::Matrix3X
     const double cosine = std::abs(normal.dot(hit.arrival_world)) / normal.norm();
     const double half = 0.5 * (1 + (directions[k] - 2 * now.mach.cast<double>()).norm());
     echoes[k] =
-        echo_of(now, hit.length_m, half * now.sound_speed_m_s * hit.time_s, cosine, -hit.point_world_m.z(), hit.label);
+        echo_of(now, static_cast<float>(hit.length_m), static_cast<float>(half * now.sound_speed_m_s * hit.time_s),
+                static_cast<float>(cosine), -hit.point_world_m.z(), hit.label);
   }
 }
 
@@ -172,6 +185,8 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
                    motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
                    c,
                    static_cast<float>(spec_.figures.range_cell_m(c)),
+                   spec_.rays_per_beam > 1 ? static_cast<float>(footprint_.spacing_rad()) : 0,
+                   spec_.false_detections ? false_alarm(spec_.figures, fan_.range_max_m, c) : 0,
                    tick};
   const auto rays = static_cast<std::size_t>(footprint_.rays());
   parallel_ranges(beams * rays, threads,
@@ -216,7 +231,6 @@ void AcousticMultibeam::ping_beams(const Moment& now, std::size_t first, std::si
 }
 
 void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEcho& echo, AcousticPing& ping) const {
-  const double dt_db = spec_.figures.detection_threshold_db;
   const auto index = static_cast<std::uint32_t>(2 * beam);
   Detection found = Detection::kNone;
   double range_m = 0, intensity = 0;
@@ -226,7 +240,7 @@ void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEc
     const double extent_m = echo.extent_m(now.cell_m);
     const double looks = std::max(1.0, extent_m / now.cell_m);
     intensity = fading_intensity(snr, looks, fading);
-    if (intensity > intensity_threshold(dt_db, looks)) {
+    if (intensity > fading_intensity(threshold_ratio_, looks, 0)) {
       const double by_amplitude_m = amplitude_range_std_m(extent_m, now.cell_m, snr);
       const double by_phase_m = phase_range_std_m(extent_m, now.cell_m, snr);
       const bool phase = looks >= kPhaseLooks && by_phase_m < by_amplitude_m;
@@ -235,13 +249,11 @@ void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEc
       if (spec_.range_noise) range_m += error * (phase ? by_phase_m : by_amplitude_m);
     }
   }
-  if (spec_.false_detections) {
-    const double alone = false_alarm_probability(dt_db);
-    const double any = -std::expm1(std::log1p(-alone) * fan_.range_max_m / now.cell_m);
-    const double draw = stream_.uniform(now.tick, index + 1);
+  const double draw = now.false_alarm > 0 ? stream_.uniform(now.tick, index + 1) : 1;
+  if (draw < now.false_alarm) {
     // What passes a threshold by chance passes it by an exponential's draw; where, anywhere.
-    const double chance = intensity_threshold(dt_db, 1) - std::log(draw / any);
-    if (draw < any && (found == Detection::kNone || chance > intensity)) {
+    const double chance = fading_intensity(threshold_ratio_, 1, 0) - std::log(draw / now.false_alarm);
+    if (found == Detection::kNone || chance > intensity) {
       found = Detection::kFalse;
       intensity = chance;
       range_m = fan_.range_max_m * stream_.uniform(now.tick, index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams));
@@ -253,8 +265,9 @@ void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEc
   Eigen::Map<Eigen::Vector3f>(ping.points_sonar_m.data() + 3 * beam) =
       range * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   ping.travel_time_s[beam] = static_cast<float>(2 * range_m / now.sound_speed_m_s);
-  ping.intensity_db[beam] = static_cast<float>(10 * std::log10(intensity / system_ratio_));
-  ping.snr_db[beam] = static_cast<float>(10 * std::log10(intensity));
+  const double level_db = 10 * std::log10(intensity);
+  ping.intensity_db[beam] = static_cast<float>(level_db - figure_db_);
+  ping.snr_db[beam] = static_cast<float>(level_db);
   ping.valid[beam] = 1;
   ping.detections[beam] = static_cast<std::uint8_t>(found);
   if (found == Detection::kFalse) return;

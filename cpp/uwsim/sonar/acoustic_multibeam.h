@@ -88,7 +88,7 @@ class AcousticMultibeam {
   void ping_beams(const Moment& now, std::size_t first, std::size_t last, AcousticPing& ping) const;
   void cast_straight(const Moment& now, const Eigen::Matrix3Xf& directions_world, std::span<RayEcho> echoes) const;
   void cast_along_arcs(const Moment& now, const Eigen::Matrix3Xf& directions_world, std::span<RayEcho> echoes) const;
-  RayEcho echo_of(const Moment& now, double length_m, double range_m, double cosine, double depth_m, Label label) const;
+  RayEcho echo_of(const Moment& now, float length_m, float range_m, float cosine, double depth_m, Label label) const;
   void detect(const Moment& now, std::size_t beam, const BeamEcho& echo, AcousticPing& ping) const;
 
   MultibeamModel fan_;
@@ -97,7 +97,11 @@ class AcousticMultibeam {
   BeamFootprint footprint_;
   SoundSpeedProfile profile_;
   AbsorptionColumn absorption_;
+  double figure_db_;
   double system_ratio_;                     ///< signal over noise of an echo that lost nothing
+  double threshold_ratio_;                  ///< DT likewise
+  float share_sr_;                          ///< of the beam's solid angle, a ray's
+  float width_rad_;                         ///< of the beam, the root of both widths' product
   std::vector<float> strengths_, reliefs_;  ///< by label, as ratios of intensity; the last is everything else's
 };
 

@@ -28,34 +28,32 @@ Eigen::Vector3d level(const Eigen::Vector3d& direction_world) {
 struct Traveller {
   Eigen::Vector3d level_world;
   SoundPath path;
-  SoundState next;  // the end of the chord that is cast
+  SoundPath::Step next;  // the chord that is cast
   double chord_m = 0;
   int chords = 0;
   bool done = false;
 
-  Eigen::Vector3d at(const SoundState& state, const Eigen::Vector3d& origin_world_m) const {
-    return {origin_world_m.x() + state.across_m * level_world.x(),
-            origin_world_m.y() + state.across_m * level_world.y(), -state.depth_m};
+  /// From where the ray started.
+  Eigen::Vector3d at(const SoundState& state, double start_depth_m) const {
+    return {state.across_m * level_world.x(), state.across_m * level_world.y(), start_depth_m - state.depth_m};
   }
 };
 
-/// Chooses the next chord: to the layer's end, the millimetre's or the time's, whichever comes first.
-double chord_length_m(const SoundPath& path, double time_max_s) {
+/// The next chord: to the layer's end, the millimetre's or the time's, whichever comes first.
+SoundPath::Step chord(const SoundPath& path, double time_max_s) {
   const double curvature = std::abs(path.curvature_1_m());
-  const double straight_m = curvature > 0 ? std::sqrt(8 * kSag_m / curvature) : kInfinity;
-  double length_m = std::min(path.to_boundary_m(), straight_m);
   const double left_s = time_max_s - path.state().time_s;
-  constexpr double kFastest_m_s = 1800;  // an upper bound, to look at the time only near its end
-  if (length_m > kFastest_m_s * left_s || path.ahead(length_m).time_s - path.state().time_s > left_s) {
-    length_m = path.length_after(left_s);
-  }
-  return length_m;
+  constexpr double kFastest_m_s = 1800;
+  const double straight_m = curvature > 0 ? std::sqrt(8 * kSag_m / curvature) : kInfinity;
+  const SoundPath::Step step = path.step(std::min(straight_m, kFastest_m_s * left_s));
+  return step.end.time_s <= time_max_s ? step : SoundPath::Step{path.ahead(path.length_after(left_s)), false};
 }
 
-void aim(RayPacket& packet, std::size_t lane, const Traveller& ray, const Eigen::Vector3d& origin_world_m) {
-  const Eigen::Vector3d from = ray.at(ray.path.state(), origin_world_m) - origin_world_m;
-  const Eigen::Vector3d chord = ray.at(ray.next, origin_world_m) - origin_world_m - from;
-  const Eigen::Vector3f start = from.cast<float>(), way = (chord / ray.chord_m).cast<float>();
+void aim(RayPacket& packet, std::size_t lane, Traveller& ray, double start_depth_m) {
+  const Eigen::Vector3d from = ray.at(ray.path.state(), start_depth_m);
+  const Eigen::Vector3d along = ray.at(ray.next.end, start_depth_m) - from;
+  ray.chord_m = along.norm();
+  const Eigen::Vector3f start = from.cast<float>(), way = (along / ray.chord_m).cast<float>();
   packet.origin_x[lane] = start.x();
   packet.origin_y[lane] = start.y();
   packet.origin_z[lane] = start.z();
@@ -69,12 +67,12 @@ void aim(RayPacket& packet, std::size_t lane, const Traveller& ray, const Eigen:
 
 void arrive(const Traveller& ray, double distance_m, const Eigen::Vector3d& origin_world_m, SoundHit& hit) {
   const SoundState& start = ray.path.state();
-  const double length_m = (ray.next.length_m - start.length_m) * std::min(1.0, distance_m / ray.chord_m);
-  const SoundState there = ray.path.ahead(length_m);
-  const Eigen::Vector3d from = ray.at(start, origin_world_m);
+  const double share = distance_m / ray.chord_m;
+  const SoundState there = ray.path.ahead((ray.next.end.length_m - start.length_m) * std::min(1.0, share));
+  const Eigen::Vector3d from = ray.at(start, -origin_world_m.z()), to = ray.at(ray.next.end, -origin_world_m.z());
   hit.length_m = there.length_m;
   hit.time_s = there.time_s;
-  hit.point_world_m = from + (ray.at(ray.next, origin_world_m) - from) * (distance_m / ray.chord_m);
+  hit.point_world_m = origin_world_m + from + (to - from) * share;
   hit.arrival_world = std::cos(there.dip_rad) * ray.level_world - std::sin(there.dip_rad) * Eigen::Vector3d::UnitZ();
 }
 
@@ -98,14 +96,12 @@ std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile,
     for (std::size_t k = 0; k < hits.size(); ++k) {
       Traveller& ray = *rays[k];
       if (ray.done) continue;
-      const double length_m = chord_length_m(ray.path, time_max_s);
-      if (!(length_m > 1e-9) || ++ray.chords > kChordsMax) {
+      ray.next = chord(ray.path, time_max_s);
+      if (!(ray.next.end.length_m - ray.path.state().length_m > 1e-9) || ++ray.chords > kChordsMax) {
         ray.done = true;
         continue;
       }
-      ray.next = ray.path.ahead(length_m);
-      ray.chord_m = (ray.at(ray.next, origin_world_m) - ray.at(ray.path.state(), origin_world_m)).norm();
-      aim(packet, k, ray, origin_world_m);
+      aim(packet, k, ray, -origin_world_m.z());
       going = true;
       ++cast;
     }
@@ -120,7 +116,7 @@ std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile,
         hits[k].label = static_cast<Label>(met.label[k]);
         ray.done = true;
       } else {
-        ray.done = ray.path.advance(ray.next.length_m - ray.path.state().length_m);
+        ray.done = ray.path.take(ray.next);
       }
     }
   }
