@@ -129,7 +129,7 @@ def _figures(ways: list[Way]) -> dict[str, dict[str, float]]:
 
 
 def _table(ways: list[Way], model: _core.MultibeamModel, places: int) -> Table:
-    """Cost relative to rays; errors of beams that echo in both; beams without an echo, or with one that is not there."""
+    """Cost relative to rays; errors where both echo; beams that lost their echo, and echoes that are not there."""
     table = Table(title=f"{model.name}: {places} pings over the lake", title_justify="left", pad_edge=False, box=None)
     table.add_column("depth image", no_wrap=True)
     for column in ("rays", "us", "cost", "mean mm", "95 % mm", "max m", "lost", "made up"):
@@ -137,7 +137,7 @@ def _table(ways: list[Way], model: _core.MultibeamModel, places: int) -> Table:
     for name, figure in _figures(ways).items():
         row = [f"{figure['rays']:,.0f}", f"{1e6 * figure['ping_s']:.0f}", f"{figure['cost_ratio']:.2f}"]
         if "mean_m" in figure:
-            row += [f"{1e3 * figure['mean_m']:.2f}", f"{1e3 * figure['percentile_95_m']:.2f}", f"{figure['max_m']:.2f}"]
+            row += [f"{1e3 * figure['mean_m']:.1f}", f"{1e3 * figure['percentile_95_m']:.1f}", f"{figure['max_m']:.2f}"]
             row += [f"{figure['missed']:.0f}", f"{figure['invented']:.0f}"]
         table.add_row(name, *row)
     return table

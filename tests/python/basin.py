@@ -1,0 +1,20 @@
+"""A flat bed with boxes on it, and what an imaging sonar needs of a simulator."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import trimesh
+
+from uwsim import _core
+
+BED_M = -20.0
+
+
+def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]], threads: int = 1) -> SimpleNamespace:
+    """A flat bed with boxes, (middle, size), on it."""
+    world = _core.World()
+    world.set_terrain(np.full((2, 2), BED_M, np.float32), 600.0, (-300.0, -300.0))
+    for k, (middle_m, size_m) in enumerate(boxes):
+        box = trimesh.creation.box(size_m)
+        world.add_solid(f"box{k}", box.vertices + np.array(middle_m), box.faces)
+    return SimpleNamespace(world=world, scene=_core.RayScene(world), seed=3, threads=threads, time_ns=0)

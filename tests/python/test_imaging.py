@@ -1,0 +1,162 @@
+"""Imaging sonars through their Python face: arrays, poses, refusals. Their laws are tests/cpp's."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from basin import BED_M, basin
+from uwsim import Simulator, imaging
+from uwsim.imaging import ForwardLooking, SideScan, SingleBeam
+
+HEIGHT_M = 8.0
+HEAD = imaging.pose_matrix((0.0, 0.0, BED_M + HEIGHT_M))
+LOOK = ForwardLooking(beams=64, range_bins=200, rays_per_column=100)
+SIDE = SideScan(range_bins=500)
+
+
+def test_a_picture_has_a_level_for_each_range_and_bearing() -> None:
+    image = imaging.look_ahead(basin(), HEAD, LOOK)
+    assert image.level_db.shape == (200, 64)
+    assert image.level_db.dtype == np.float32
+    assert np.isfinite(image.level_db).all()
+    assert image.ranges_m[[0, -1]] == pytest.approx([0.1, 39.9])
+    assert np.degrees(image.bearings_rad[[0, -1]]) == pytest.approx([-65.0, 65.0])
+
+
+def test_a_target_to_port_has_a_positive_bearing_and_one_behind_is_not_seen() -> None:
+    model = replace(LOOK, looks=0, beams=131, range_bins=400)
+    for bearing_deg in (40.0, -25.0):
+        bearing = np.radians(bearing_deg)
+        middle = (15 * np.cos(bearing), 15 * np.sin(bearing), BED_M + HEIGHT_M)
+        sim = basin((middle, (0.2, 0.2, 0.2)), ((-10.0, 0.0, -12.0), (1.0, 1.0, 1.0)))
+        image = imaging.look_ahead(sim, HEAD, model)
+        row, column = np.unravel_index(np.argmax(image.level_db - image.noise_db[:, None]), image.level_db.shape)
+        assert image.ranges_m[row] == pytest.approx(14.9, abs=0.15)
+        assert np.degrees(image.bearings_rad[column]) == pytest.approx(bearing_deg, abs=1.0)
+
+
+def test_where_nothing_echoes_the_mean_power_is_the_noise() -> None:
+    image = imaging.look_ahead(basin(), imaging.pose_matrix((0.0, 0.0, -1.0), pitch_rad=-1.0), LOOK)
+    power = 10.0 ** ((image.level_db - image.noise_db[:, None]) / 10.0)
+    assert power.mean() == pytest.approx(1.0, abs=0.03)  # 12,800 cells
+    assert power.std() == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_picture_is_the_same_again_and_on_more_threads_and_another_later() -> None:
+    sims = [basin(), basin(threads=3)]
+    first, again = (imaging.look_ahead(sim, HEAD, LOOK).level_db for sim in sims)
+    assert np.array_equal(first, again)
+    sims[0].time_ns = 5_000_000
+    assert not np.array_equal(first, imaging.look_ahead(sims[0], HEAD, LOOK).level_db)
+    assert np.array_equal(first, imaging.look_ahead(sims[0], HEAD, LOOK, number=0).level_db)
+    assert not np.array_equal(first, imaging.look_ahead(sims[1], HEAD, LOOK, name="another").level_db)
+
+
+def test_a_waterfall_is_the_same_in_one_call_or_in_many() -> None:
+    sim = basin()
+    track = [imaging.pose_matrix((x, 0.0, -12.0)) for x in (0.0, 0.5, 1.0)]
+    whole = imaging.look_aside(sim, track, SIDE)
+    parts = [imaging.look_aside(sim, [pose], SIDE, first_ping=k) for k, pose in enumerate(track)]
+    assert whole.picture_db().shape == (3, 1000)
+    assert np.array_equal(whole.picture_db(), np.concatenate([part.picture_db() for part in parts]))
+    assert whole.altitude_m == pytest.approx([8.0] * 3, abs=0.1)
+    assert imaging.look_aside(sim, [], SIDE).picture_db().shape == (0, 1000)
+
+
+def test_port_is_left_in_the_picture_and_over_ground_a_target_is_where_it_stands() -> None:
+    sim = basin(((0.0, 25.0, BED_M + 0.25), (4.0, 0.5, 0.5)))
+    waterfall = imaging.look_aside(sim, [HEAD], replace(SIDE, looks=0, solid_strength_db=0.0))
+    ground = waterfall.over_ground()
+    assert np.argmax(waterfall.picture_db()[0]) < 500
+    slant_m, ground_m = (waterfall.ranges_m[np.nanargmax(side.port_db[0, 200:]) + 200] for side in (waterfall, ground))
+    assert slant_m == pytest.approx(np.hypot(24.75, HEIGHT_M - 0.25), abs=0.3)
+    assert ground_m == pytest.approx(24.75, abs=0.3)
+    beyond = np.sqrt(SIDE.range_max_m**2 - HEIGHT_M**2)
+    assert np.isnan(ground.starboard_db[0, waterfall.ranges_m > beyond + 0.1]).all()
+    assert np.isfinite(ground.starboard_db[0, waterfall.ranges_m < beyond - 0.2]).all()
+
+
+def test_without_a_bottom_nothing_lies_over_ground() -> None:
+    waterfall = imaging.look_aside(basin(), [imaging.pose_matrix((0.0, 0.0, 1.0))], SIDE)
+    assert np.isinf(waterfall.altitude_m).all()
+    assert np.isnan(waterfall.over_ground().picture_db()).all()
+
+
+def test_a_single_beam_profiles_the_bed_below() -> None:
+    down = imaging.pose_matrix((0.0, 0.0, BED_M + HEIGHT_M), pitch_rad=np.pi / 2)
+    profiles = imaging.profile(basin(), down, np.radians([-40.0, 0.0, 30.0]))
+    assert profiles.level_db.shape == (3, 2000)
+    assert profiles.points_world_m[:, 2] == pytest.approx([BED_M] * 3, abs=0.15)
+    assert profiles.points_world_m[2, 1] == pytest.approx(HEIGHT_M * np.tan(np.radians(30.0)), abs=0.2)
+    nothing = imaging.profile(basin(), HEAD, [0.0])
+    assert np.isinf(nothing.ranges_m).all()
+    assert np.isnan(nothing.points_world_m).all()
+
+
+def test_an_imaging_sonar_rides_on_a_vehicle() -> None:
+    sim = Simulator("pool", seed=4)
+    sim.rov.place((0.0, 0.0, -3.0))
+    head = sim.rov.pose.world_from_body @ imaging.pose_matrix((0.5, 0.0, -0.2), pitch_rad=0.3)
+    image = imaging.look_ahead(sim, head, replace(LOOK, range_max_m=10.0))
+    over_db = image.level_db - image.noise_db[:, None]
+    assert np.median(over_db[image.ranges_m > 4.0]) > 15.0
+
+
+def test_poses_turn_as_rep_103_says() -> None:
+    assert imaging.pose_matrix(yaw_rad=np.pi / 2)[:3, 0] == pytest.approx([0, 1, 0])
+    assert imaging.pose_matrix(pitch_rad=np.pi / 2)[:3, 0] == pytest.approx([0, 0, -1])
+    assert imaging.pose_matrix(roll_rad=np.pi / 2)[:3, 1] == pytest.approx([0, 0, 1])
+
+
+BAD_POSES = {
+    "shape": np.eye(3),
+    "finite": np.full((4, 4), np.nan),
+    "rotation": np.diag([2.0, 1.0, 1.0, 1.0]),
+    "mirror": np.diag([-1.0, 1.0, 1.0, 1.0]),
+    "last row": np.eye(4) + np.eye(4)[[3, 2, 1, 0]] * 0.1,
+}
+
+
+@pytest.mark.parametrize("pose", BAD_POSES.values(), ids=BAD_POSES.keys())
+def test_what_is_no_pose_is_refused(pose: np.ndarray) -> None:
+    with pytest.raises(ValueError, match="world_from_sonar"):
+        imaging.look_ahead(basin(), pose, LOOK)
+    with pytest.raises(ValueError, match=r"worlds_from_sonar\[1\]"):
+        imaging.look_aside(basin(), [np.eye(4), pose], SIDE)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("beams", 0),
+        ("beams", 12.5),
+        ("beams", "many"),
+        ("range_bins", 10**9),
+        ("frequency_hz", -750e3),
+        ("frequency_hz", float("nan")),
+        ("field_of_view_rad", np.radians(361.0)),
+        ("range_max_m", float("inf")),
+        ("looks", 17),
+        ("noise_level_db", None),
+        ("rays_per_column", 10**6),
+    ],
+)
+def test_a_bad_figure_is_named(field: str, value: object) -> None:
+    with pytest.raises(ValueError, match=rf"sonar\.{field}"):
+        imaging.look_ahead(basin(), HEAD, replace(LOOK, **{field: value}))
+
+
+def test_bad_angles_and_numbers_are_refused() -> None:
+    with pytest.raises(ValueError, match="angles_rad"):
+        imaging.profile(basin(), HEAD, [0.0, np.nan])
+    with pytest.raises(ValueError, match="angles_rad"):
+        imaging.profile(basin(), HEAD, np.zeros((2, 2)))
+    with pytest.raises(ValueError, match="number = -1"):
+        imaging.look_ahead(basin(), HEAD, LOOK, number=-1)
+    with pytest.raises(ValueError, match="first_ping"):
+        imaging.look_aside(basin(), [HEAD], SIDE, first_ping=0.5)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"sonar\.detection_db"):
+        imaging.profile(basin(), HEAD, [0.0], SingleBeam(detection_db=-1.0))
+    with pytest.raises(ValueError, match=r"sonar\.depression_rad"):
+        imaging.look_aside(basin(), [HEAD], SideScan(depression_rad=2.0))
