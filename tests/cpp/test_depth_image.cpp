@@ -103,6 +103,13 @@ TEST(DepthImage, NothingIsSeenBeyondTheFarPlaneAboveTheWaterOrOutOfTheView) {
   for (const float depth : depth_image(camera(32, 1), scene, at({0, 0, 2}, 60 * kDegree)).depth_m) {
     EXPECT_TRUE(std::isinf(depth)) << "a dry camera";
   }
+  World world;
+  TriangleMesh ship = testing::box(2, 40, 4);
+  for (auto& v : ship.vertices_m) v += Eigen::Vector3d(10, 0, 3);
+  world.add_solid("dry", ship);
+  for (const float depth : depth_image(camera(32, 8), RayScene(world), at({0, 0, -0.5}, -15 * kDegree)).depth_m) {
+    EXPECT_TRUE(std::isinf(depth)) << "what stands above the water";
+  }
   const DepthImage down = depth_image(camera(32, 1), scene, at({0, 0, -15}, 60 * kDegree));
   const std::array angles{50 * kDegree, 100 * kDegree, std::numbers::pi};
   for (const float range : depth_image_ranges(down, angles, RowReduction::kMiddle, true)) {

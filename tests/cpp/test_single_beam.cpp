@@ -53,11 +53,13 @@ TEST(SingleBeam, SpeckleDoesNotMoveTheRangeByMoreThanTheFootprint) {
   std::vector<double> angles(200, 30 * kDegree);
   const auto profiles = ping(model, flat_bed(-20), downwards(-12), angles);
   const double range = 8 / std::cos(30 * kDegree), footprint = range * std::tan(30 * kDegree) * model.beam_width_rad;
-  double mean = 0;
+  double mean = 0, variance = 0;
   for (const float found : profiles.ranges_m) {
     EXPECT_NEAR(found, range, footprint);
     mean += found / 200;
+    variance += (found - range) * (found - range) / 200;
   }
+  EXPECT_LT(std::sqrt(variance), 0.1 * footprint) << "the centroid averages over the footprint's bins";
   EXPECT_NEAR(mean, range, 0.02);
   EXPECT_EQ(profiles.ranges_m, ping(model, flat_bed(-20), downwards(-12), angles, 3).ranges_m);
 }
