@@ -13,6 +13,7 @@ from uwsim.validate.check import Check
 SUITES = {
     "dynamics": "uwsim.validate.dynamics",
     "sonar": "uwsim.validate.sonar",
+    "imaging": "uwsim.validate.imaging",
 }
 
 
