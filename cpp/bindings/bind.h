@@ -11,6 +11,7 @@ void bind_acoustics(pybind11::module_& m);
 void bind_water(pybind11::module_& m);
 void bind_world(pybind11::module_& m);
 void bind_vehicle(pybind11::module_& m);
+void bind_camera(pybind11::module_& m);
 void bind_sonar(pybind11::module_& m);
 void bind_clouds(pybind11::module_& m);
 void bind_acoustic_multibeam(pybind11::module_& m);

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, m) {
   bind_imaging(m);
   bind_depth_string(m);
   bind_occupancy_map(m);
+  bind_camera(m);
   bind_sensors(m);
   bind_sim(m);
 }

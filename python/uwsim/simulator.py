@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from uwsim import _core
 from uwsim.assembly import vehicle_spec
 from uwsim.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario import Scenario, build_world, load
+from uwsim.scenario.optics_spec import Optics
+from uwsim.studio import Studio
 from uwsim.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # of a step, by which a duration may miss a whole number of steps
@@ -27,7 +29,7 @@ class Simulator:
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
     Reading, pinging and looking at telemetry do not advance time, and repeated at one time give the same sample.
-    One call at a time owns the simulator; others wait.
+    One call at a time owns the simulator; others wait. cameras: the station's, by name.
     """
 
     def __init__(
@@ -44,15 +46,28 @@ class Simulator:
         self.world = build_world(self.scenario)
         self.scene = _core.RayScene(self.world)
         self._core = _core.Simulation(self.world, self.scene, _simulation_spec(self.scenario))
+        self._studio = Studio(self.scenario, self.world, self.scene, self._core, self.threads)
+        self.cameras = self._studio.station_cameras()
         self.vehicles: dict[str, Vehicle] = {}
         for vehicle in self.scenario.vehicles:
             spec = vehicle_spec(self.scenario, vehicle)
-            self.vehicles[vehicle.name] = Vehicle(self._core, self._core.add_vehicle(spec), spec)
+            index = self._core.add_vehicle(spec)
+            cameras, lamps = self._studio.cameras_of(index), self._studio.lamps_of(index)
+            self.vehicles[vehicle.name] = Vehicle(self._core, index, spec, cameras, lamps)
 
     @property
     def rov(self) -> Vehicle:
         """The scenario's first vehicle."""
         return next(iter(self.vehicles.values()))
+
+    @property
+    def optics(self) -> Optics:
+        """The light that cameras see by, as the scenario has it or as last set."""
+        return self._studio.optics
+
+    def set_optics(self, **changes: Any) -> None:
+        """Change the light from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
+        self._studio.optics = self._studio.optics.with_changes(changes)
 
     @property
     def seed(self) -> int:

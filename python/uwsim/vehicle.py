@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.cameras import Camera, Lamp
 from uwsim.instruments import Sensor, Sonar
 
 Vector = NDArray[np.float64]
@@ -48,16 +49,26 @@ class Thruster:
 class Vehicle:
     """One vehicle of a simulator; see Simulator.vehicles.
 
-    sensors: by name, such as "imu" or "depth". sonars: by name; sonar: the first.
+    sensors: by name, such as "imu" or "depth". sonars: by name; sonar: the first. cameras: by name. lamps: by the name of
+    their switch.
     Commands are held until the next; one that raises ValueError changes nothing.
     """
 
-    def __init__(self, simulation: _core.Simulation, index: int, spec: _core.VehicleSpec) -> None:
+    def __init__(
+        self,
+        simulation: _core.Simulation,
+        index: int,
+        spec: _core.VehicleSpec,
+        cameras: Mapping[str, Camera] | None = None,
+        lamps: Mapping[str, Lamp] | None = None,
+    ) -> None:
         self._simulation = simulation
         self._index = index
         self.name: str = spec.name
         self.sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
         self.sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
+        self.cameras = dict(cameras or {})
+        self.lamps = dict(lamps or {})
         self._craft: _core.Craft = spec.craft
 
     @property

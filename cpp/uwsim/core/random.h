@@ -21,6 +21,10 @@ class RandomStream {
   /// Two independent standard normals, of which the first is `normal`'s: one draw's cost.
   std::array<double, 2> normals(std::uint64_t tick, std::uint32_t index = 0) const;
 
+  /// What, with tick and index, makes the counter: for code that draws sixteen at once.
+  std::uint64_t key() const { return key_; }
+  std::uint32_t stream() const { return stream_; }
+
  private:
   std::uint64_t key_;
   std::uint32_t stream_;

@@ -21,6 +21,7 @@ from uwsim.scenario.fields import (
     YawPitchRoll,
     broken,
 )
+from uwsim.scenario.optics_spec import Material, MaterialSpec
 
 MAX_BEND_DEG = 120.0
 LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -34,6 +35,7 @@ class Pipeline(Model):
 
     kind: Literal["pipeline"]
     name: Name
+    material: MaterialSpec = Material(kind="concrete")
     points_m: Annotated[tuple[Point2, ...], Field(min_length=2, max_length=1000)]
     radius_m: Annotated[float, InRange(0.02, 10, "m")]
     buried_fraction: Annotated[float, InRange(0, 0.95)] = 0.2
@@ -62,6 +64,7 @@ class Gate(Model):
 
     kind: Literal["gate"]
     name: Name
+    material: MaterialSpec = Material(kind="paint")
     position_m: Point2
     yaw_deg: Degrees = 0.0
     width_m: Annotated[float, InRange(0.2, 200, "m")]
@@ -85,6 +88,7 @@ class Box(Model):
 
     kind: Literal["box"]
     name: Name
+    material: MaterialSpec = Material(kind="concrete")
     position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     size_m: tuple[Size, Size, Size]
@@ -95,6 +99,7 @@ class Cylinder(Model):
 
     kind: Literal["cylinder"]
     name: Name
+    material: MaterialSpec = Material(kind="steel")
     position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     radius_m: Size
@@ -110,6 +115,7 @@ class MeshObstacle(Model):
 
     kind: Literal["mesh"]
     name: Name
+    material: MaterialSpec = Material(kind="steel")
     file: AssetFile
     position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL

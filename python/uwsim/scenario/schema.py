@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.camera_spec import STATION_CAMERA, CameraMounts
 from uwsim.scenario.fields import (
     AssetFile,
     Degrees,
@@ -23,6 +24,7 @@ from uwsim.scenario.fields import (
 from uwsim.scenario.material_spec import NamedMaterial
 from uwsim.scenario.messages import validated
 from uwsim.scenario.obstacle_spec import ObstacleSpec
+from uwsim.scenario.optics_spec import Ground, Material, MaterialSpec, Optics
 from uwsim.scenario.origin import Origin
 from uwsim.scenario.paths import did_you_mean
 from uwsim.scenario.polygon import area, crossing_edges, narrowest_width
@@ -44,13 +46,16 @@ class Station(Model):
 
     position_m: of its own origin, on the water line. yaw_deg: of its x axis from east, counter-clockwise.
     mesh: closed or not, in the station's frame; without one the station is a point. dock_m: where a docked
-    vehicle's origin is held, in the station's frame; the vehicle looks along the station's x.
+    vehicle's origin is held, in the station's frame; the vehicle looks along the station's x. cameras: by name, in the
+    station's frame.
     """
 
     position_m: Point3
     yaw_deg: Degrees = 0.0
     mesh: AssetFile | None = None
     dock_m: Point3 = (0.0, 0.0, 0.0)
+    material: MaterialSpec = Material(kind="paint", colour=(0.75, 0.42, 0.07))
+    cameras: CameraMounts = {"station": STATION_CAMERA}
 
 
 class StartPose(Model):
@@ -186,7 +191,9 @@ class Scenario(Model):
     step_s: Annotated[float, InRange(0.0005, 0.02, "s")] = 0.005
     mission_time_s: Annotated[float, InRange(1, 1e6, "s")] = 3600.0
     water: Water = Water()
+    optics: Optics = Optics()
     terrain: TerrainSpec
+    ground: Ground = Ground()
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
     station: Station
     materials: dict[Name, NamedMaterial] = Field(default_factory=dict)

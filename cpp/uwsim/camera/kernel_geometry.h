@@ -1,0 +1,109 @@
+#pragma once
+
+#include "uwsim/camera/kernel.h"
+#include "uwsim/camera/lanes.h"
+
+/// From pixels to rays and from hits to points. Included by kernel_*.cpp only.
+namespace uwsim::camera {
+namespace {
+
+UWSIM_LANES Vector load(const Row3& row) { return {load(row.x.at), load(row.y.at), load(row.z.at)}; }
+UWSIM_LANES void store(Row3& row, Vector v) {
+  store(row.x.at, v.x);
+  store(row.y.at, v.y);
+  store(row.z.at, v.z);
+}
+UWSIM_LANES Vector zero() { return {Float{}, Float{}, Float{}}; }
+UWSIM_LANES Vector ones() { return {splat(1), splat(1), splat(1)}; }
+
+/// Turbulent water bends rays a little: three waves over the picture that move with time. A look, not a measured model.
+UWSIM_LANES void wobble(const Shot& shot, Float& x, Float& y) {
+  const float t = shot.wobble_phase, a = shot.wobble_rad;
+  const Float first = sine(x * 23.0f + y * 11.0f + 2.1f * t), second = sine(y * 31.0f - x * 7.0f + 2.9f * t + 1.3f);
+  const Float third = sine((x + y) * 47.0f - 4.3f * t + 0.7f);
+  x += a * (first + 0.5f * third);
+  y += a * (second - 0.5f * third);
+}
+
+void aim_at(const Shot& shot, Float x, Float y, Block& block) {
+  if (shot.wobble_rad > 0) wobble(shot, x, y);
+  const Vector ray = spread(shot.right) * x + spread(shot.down) * y + spread(shot.ahead);
+  store(block.direction, unit(ray));
+  store(block.origin, zero());
+  store(block.through, ones());
+  store(block.light, zero());
+  store(block.veil_beam, zero());
+  for (int k = 0; k < kLanes; ++k) block.wet.at[k] = shot.camera_wet ? -1 : 0;
+}
+
+/// Lane k is pixel (left + k % 4, top + k / 4); those beyond the picture's edge are idle and repeat the edge.
+void aim_pixels(const Shot& shot, int left, int top, int scale, Block& block) {
+  Float x, y;
+  for (int k = 0; k < kLanes; ++k) {
+    const int u = left + scale * (k % kBlockSide), v = top + scale * (k / kBlockSide);
+    block.active.at[k] = u < shot.width && v < shot.height ? -1 : 0;
+    const int row = v < shot.height ? v : shot.height - 1, column = u < shot.width ? u : shot.width - 1;
+    x[k] = shot.ray_x[row * shot.width + column];
+    y[k] = shot.ray_y[row * shot.width + column];
+  }
+  aim_at(shot, x, y, block);
+}
+
+void aim(const Shot& shot, int left, int top, Block& block) { aim_pixels(shot, left, top, 1, block); }
+void aim_shafts(const Shot& shot, int left, int top, int scale, Block& block) {
+  aim_pixels(shot, left, top, scale, block);
+}
+
+UWSIM_LANES Double to_double(Float x) { return __builtin_convertvector(x, Double); }
+
+/// On terrain the distance is solved again in double over the plane of the triangle that was named: floats err by 1e-4 m.
+void place(const Shot& shot, Block& block) {
+  const Vector origin = load(block.origin), way = load(block.direction);
+  bool on_terrain = false;
+  if (shot.heights != nullptr) {
+    Double h0{}, slope_x{}, slope_y{}, node_x{}, node_y{};
+    for (int k = 0; k < kLanes; ++k) {
+      if (block.label[k] != shot.terrain_label || !block.active.at[k]) continue;
+      on_terrain = true;
+      const std::uint32_t cell = block.primitive[k] / 2;
+      const auto row = static_cast<std::uint32_t>(shot.terrain_nx - 1);
+      const std::uint32_t j = cell / row, i = cell - j * row;
+      const bool upper = block.primitive[k] & 1;
+      const float* corner = shot.heights + static_cast<std::size_t>(j) * shot.terrain_nx + i;
+      const double h10 = corner[1], h01 = corner[shot.terrain_nx];
+      const double base = upper ? corner[shot.terrain_nx + 1] : corner[0];
+      h0[k] = base;
+      slope_x[k] = upper ? base - h01 : h10 - base;
+      slope_y[k] = upper ? base - h10 : h01 - base;
+      node_x[k] = static_cast<double>(i + upper);
+      node_y[k] = static_cast<double>(j + upper);
+    }
+    if (on_terrain) {
+      slope_x /= shot.terrain_spacing;
+      slope_y /= shot.terrain_spacing;
+      const Double x = to_double(origin.x) - (shot.terrain_x + node_x * shot.terrain_spacing);
+      const Double y = to_double(origin.y) - (shot.terrain_y + node_y * shot.terrain_spacing);
+      const Double above = shot.anchor_z + to_double(origin.z) - (h0 + slope_x * x + slope_y * y);
+      const Double sinking = slope_x * to_double(way.x) + slope_y * to_double(way.y) - to_double(way.z);
+      const Float nx = __builtin_convertvector(-slope_x, Float), ny = __builtin_convertvector(-slope_y, Float);
+      const Vector normal = unit({nx, ny, splat(1)});
+      for (int k = 0; k < kLanes; ++k) {
+        if (block.label[k] != shot.terrain_label || !block.active.at[k]) continue;
+        // Within 0.1 degree of tangency the plane says less about the distance than the ray tree does.
+        const double steepness = sinking[k] * normal.z[k];
+        const double distance = above[k] / sinking[k];
+        if (steepness > 1.7e-3 || steepness < -1.7e-3) block.distance.at[k] = static_cast<float>(distance > 0 ? distance : 0);
+        block.normal.x.at[k] = normal.x[k];
+        block.normal.y.at[k] = normal.y[k];
+        block.normal.z.at[k] = normal.z[k];
+      }
+    }
+  }
+  const Float distance = load(block.distance.at);
+  const Int hit = distance < 1e30f;
+  store(block.point, origin + way * select(hit, distance, Float{}));
+  store(block.normal, unit(load(block.normal)));
+}
+
+}  // namespace
+}  // namespace uwsim::camera

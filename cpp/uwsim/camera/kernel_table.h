@@ -1,0 +1,16 @@
+#pragma once
+
+#include "uwsim/camera/kernel_film.h"
+#include "uwsim/camera/kernel_lamp.h"
+
+/// All kernels of one build. Included by kernel_*.cpp only.
+namespace uwsim::camera {
+namespace {
+
+constexpr Kernels table(const char* name) {
+  return {name,          aim,       aim_shafts, place,        pass_water, go_on,  sky, light_by_day,
+          light_by_lamp, add_light, lamp_veil,  shaft_sample, expose,     develop};
+}
+
+}  // namespace
+}  // namespace uwsim::camera

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstdint>
+
+/// Arithmetic on sixteen pixels at once, in the compiler's own vector types: one source, compiled for several kinds of
+/// CPU (kernel_*.cpp). Every operation is one IEEE operation a lane, without fused multiply-add, so that all builds of it
+/// give the same bits. Only for those files: everything here is local to the file that includes it.
+namespace uwsim::camera {
+namespace {
+
+constexpr int kLanes = 16;
+
+using Float = float __attribute__((vector_size(64)));
+using Int = std::int32_t __attribute__((vector_size(64)));
+using Unsigned = std::uint32_t __attribute__((vector_size(64)));
+using Double = double __attribute__((vector_size(128)));
+using Wide = std::uint64_t __attribute__((vector_size(128)));
+
+#define UWSIM_LANES static inline __attribute__((always_inline))
+
+UWSIM_LANES Float splat(float value) { return Float{} + value; }
+UWSIM_LANES Float load(const float* from) {
+  Float value;
+  __builtin_memcpy(&value, from, sizeof(value));
+  return value;
+}
+UWSIM_LANES void store(float* to, Float value) { __builtin_memcpy(to, &value, sizeof(value)); }
+UWSIM_LANES Int load(const std::int32_t* from) {
+  Int value;
+  __builtin_memcpy(&value, from, sizeof(value));
+  return value;
+}
+UWSIM_LANES void store(std::int32_t* to, Int value) { __builtin_memcpy(to, &value, sizeof(value)); }
+
+/// Masks are -1 and 0.
+UWSIM_LANES Float select(Int mask, Float yes, Float no) { return mask ? yes : no; }
+UWSIM_LANES bool any(Int mask) {
+  std::int32_t found = 0;
+  for (int k = 0; k < kLanes; ++k) found |= mask[k];
+  return found != 0;
+}
+UWSIM_LANES Float min(Float a, Float b) { return a < b ? a : b; }
+UWSIM_LANES Float max(Float a, Float b) { return a > b ? a : b; }
+UWSIM_LANES Float clamp(Float x, float low, float high) { return min(max(x, splat(low)), splat(high)); }
+UWSIM_LANES Float abs(Float x) { return x < 0 ? -x : x; }
+UWSIM_LANES Int to_int(Float x) { return __builtin_convertvector(x, Int); }
+UWSIM_LANES Float to_float(Int x) { return __builtin_convertvector(x, Float); }
+UWSIM_LANES Int floor_int(Float x) {
+  const Int whole = to_int(x);
+  return whole + (to_float(whole) > x);
+}
+UWSIM_LANES Float square_root(Float x) {
+  Float root;
+  for (int k = 0; k < kLanes; ++k) root[k] = __builtin_sqrtf(x[k]);
+  return root;
+}
+UWSIM_LANES Float mix(Float a, Float b, Float share) { return a + (b - a) * share; }
+UWSIM_LANES Float smooth(Float x) {
+  const Float t = clamp(x, 0, 1);
+  return t * t * (3 - 2 * t);
+}
+
+/// e^x by 2^k times a Taylor polynomial on [-ln 2 / 2, ln 2 / 2]; relative error below 3e-7 on [-87, 88], 0 below.
+UWSIM_LANES Float exponential(Float x) {
+  const Float bounded = clamp(x, -87, 88);
+  const Int k = floor_int(bounded * 1.44269504f + 0.5f);
+  const Float whole = to_float(k);
+  const Float r = bounded - whole * 0.693359375f + whole * 2.12194440e-4f;
+  Float p = splat(1.0f / 720);
+  p = p * r + 1.0f / 120;
+  p = p * r + 1.0f / 24;
+  p = p * r + 1.0f / 6;
+  p = p * r + 0.5f;
+  p = p * r + 1;
+  p = p * r + 1;
+  const Float value = p * (Float)((k + 127) << 23);
+  return select(x < -87, Float{}, value);
+}
+
+/// Natural logarithm of a positive normal number, within 2e-7 absolute and relative: 2 artanh of (m - 1) / (m + 1).
+UWSIM_LANES Float logarithm(Float x) {
+  const Int bits = (Int)x;
+  Int exponent = (bits >> 23) - 127;
+  Float m = (Float)((bits & 0x007fffff) | 0x3f800000);
+  const Int high = m > 1.41421356f;
+  m = select(high, m * 0.5f, m);
+  exponent -= high;
+  const Float s = (m - 1) / (m + 1), z = s * s;
+  const Float series = 2 * s * (1 + z * (1.0f / 3 + z * (0.2f + z * (1.0f / 7 + z * (1.0f / 9)))));
+  return series + to_float(exponent) * 0.69314718f;
+}
+
+/// Sine within 1e-6, for |x| up to some 1e4.
+UWSIM_LANES Float sine(Float x) {
+  const Float turns = to_float(floor_int(x * 0.159154943f + 0.5f));
+  Float r = x - turns * 6.28125f - turns * 1.93530718e-3f;
+  r = select(r > 1.57079633f, 3.14159265f - r, r);
+  r = select(r < -1.57079633f, -3.14159265f - r, r);
+  const Float z = r * r;
+  return r * (1 + z * (-1.0f / 6 + z * (1.0f / 120 + z * (-1.0f / 5040 + z * (1.0f / 362880 - z * (1.0f / 39916800))))));
+}
+UWSIM_LANES Float cosine(Float x) { return sine(x + 1.57079633f); }
+
+/// Arc tangent within 2e-6: reduced to |x| <= 0.4142, then its series.
+UWSIM_LANES Float arc_tangent(Float x) {
+  const Float size = abs(x);
+  const Int steep = size > 2.41421356f, middle = size > 0.41421356f;
+  const Float reduced =
+      select(steep, -1 / max(size, splat(1e-20f)), select(middle, (size - 1) / (size + 1), size));
+  const Float base = select(steep, splat(1.57079633f), select(middle, splat(0.785398163f), Float{}));
+  const Float z = reduced * reduced;
+  const Float series =
+      reduced * (1 + z * (-0.333329491f + z * (0.199777106f + z * (-0.138776856f + z * 8.05374449e-2f))));
+  const Float angle = base + series;
+  return select(x < 0, -angle, angle);
+}
+
+struct Vector {
+  Float x, y, z;
+};
+UWSIM_LANES Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+UWSIM_LANES Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+UWSIM_LANES Vector operator*(Vector a, Float s) { return {a.x * s, a.y * s, a.z * s}; }
+UWSIM_LANES Vector operator*(Vector a, Vector b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+UWSIM_LANES Float dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+UWSIM_LANES Vector unit(Vector a) { return a * (1 / square_root(max(dot(a, a), splat(1e-30f)))); }
+UWSIM_LANES Vector select(Int mask, Vector a, Vector b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+UWSIM_LANES Vector spread(const float* xyz) { return {splat(xyz[0]), splat(xyz[1]), splat(xyz[2])}; }
+UWSIM_LANES Vector exponential(Vector a) { return {exponential(a.x), exponential(a.y), exponential(a.z)}; }
+
+/// A whole number as a number in [0, 1), by a mixer of the PCG family (Jarzynski and Olano 2020, "Hash Functions for
+/// GPU Rendering"): looks random, for textures; noise draws from Philox.
+UWSIM_LANES Unsigned hash(Unsigned x) {
+  const Unsigned state = x * 747796405u + 2891336453u;
+  const Unsigned word = ((state >> 13) ^ state) * 277803737u;
+  return (word >> 16) ^ word;
+}
+UWSIM_LANES Float hash_unit(Unsigned x) { return __builtin_convertvector((Int)(hash(x) >> 8), Float) * 0x1p-24f; }
+
+}  // namespace
+}  // namespace uwsim::camera

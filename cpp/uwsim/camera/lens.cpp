@@ -1,0 +1,98 @@
+#include "uwsim/camera/lens.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <string>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+struct Distorted {
+  Eigen::Vector2d point;
+  Eigen::Matrix2d slope;
+};
+
+Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
+  const double x = ray.x(), y = ray.y(), r2 = x * x + y * y;
+  const double radial = 1 + r2 * (l.k1 + r2 * (l.k2 + r2 * l.k3));
+  const double growth = 2 * (l.k1 + r2 * (2 * l.k2 + r2 * 3 * l.k3));  // d radial / dx = growth x
+  Distorted d;
+  d.point = {x * radial + 2 * l.p1 * x * y + l.p2 * (r2 + 2 * x * x),
+             y * radial + l.p1 * (r2 + 2 * y * y) + 2 * l.p2 * x * y};
+  const double across = growth * x * y + 2 * l.p1 * x + 2 * l.p2 * y;
+  d.slope << radial + growth * x * x + 2 * l.p1 * y + 6 * l.p2 * x, across, across,
+      radial + growth * y * y + 6 * l.p1 * y + 2 * l.p2 * x;
+  return d;
+}
+
+}  // namespace
+
+void Lens::check() const {
+  const auto side = [](const char* name, int pixels) {
+    require(pixels >= 1 && pixels <= kLargestSide, std::string("camera.") + name, pixels, "must be in [1, 8192] pixels");
+  };
+  side("width", width);
+  side("height", height);
+  for (const double f : {fx, fy}) {
+    require(f >= 1 && f <= 1e6, "camera.focal_length", f, "must be in [1, 1e6] pixels");
+  }
+  require(std::isfinite(cx) && std::isfinite(cy) && std::abs(cx) <= 1e6 && std::abs(cy) <= 1e6, "camera.principal_point",
+          cx, "must be finite, within 1e6 pixels");
+  for (const double k : {k1, k2, p1, p2, k3}) {
+    require(std::isfinite(k) && std::abs(k) <= 100, "camera.distortion", k, "must be in [-100, 100]");
+  }
+  // Along the border, where distortion is strongest, and on rings within.
+  for (const double part : {0.25, 0.5, 0.75, 1.0}) {
+    for (int k = 0; k < 64; ++k) {
+      const double s = k % 16 / 8.0 - 1;
+      const Eigen::Vector2d edge = k < 16   ? Eigen::Vector2d(s, -1)
+                                   : k < 32 ? Eigen::Vector2d(1, s)
+                                   : k < 48 ? Eigen::Vector2d(-s, 1)
+                                            : Eigen::Vector2d(-1, -s);
+      const Eigen::Vector2d middle(0.5 * (width - 1), 0.5 * (height - 1));
+      unproject(*this, middle + part * edge.cwiseProduct(Eigen::Vector2d(0.5 * width, 0.5 * height)));
+    }
+  }
+}
+
+Eigen::Vector2d project(const Lens& lens, const Eigen::Vector2d& ray, bool distort) {
+  const Eigen::Vector2d bent = distort ? distorted(lens, ray).point : ray;
+  return {lens.fx * bent.x() + lens.cx, lens.fy * bent.y() + lens.cy};
+}
+
+Eigen::Vector2d unproject(const Lens& lens, const Eigen::Vector2d& pixel, bool distort) {
+  const Eigen::Vector2d bent((pixel.x() - lens.cx) / lens.fx, (pixel.y() - lens.cy) / lens.fy);
+  if (!distort) return bent;
+  Eigen::Vector2d ray = bent;
+  for (int k = 0; k < 50; ++k) {
+    const Distorted d = distorted(lens, ray);
+    const double bend = d.slope.determinant();
+    if (!(bend > 1e-3)) break;  // beyond the fold
+    const Eigen::Vector2d step = d.slope.inverse() * (bent - d.point);
+    ray += step;
+    if (step.norm() < 1e-13 * (1 + ray.norm())) return ray;
+  }
+  const double error = (distorted(lens, ray).point - bent).norm();
+  require(error < 1e-10 && distorted(lens, ray).slope.determinant() > 1e-3, "camera.distortion", pixel.transpose(),
+          "is a pixel that no ray meets: the distortion folds the image over; make it smaller");
+  return ray;
+}
+
+RayTable ray_table(const Lens& lens, bool distort) {
+  RayTable table;
+  const auto count = static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
+  table.x.reserve(count);
+  table.y.reserve(count);
+  for (int v = 0; v < lens.height; ++v) {
+    for (int u = 0; u < lens.width; ++u) {
+      const Eigen::Vector2d ray = unproject(lens, {u, v}, distort);
+      table.x.push_back(static_cast<float>(ray.x()));
+      table.y.push_back(static_cast<float>(ray.y()));
+    }
+  }
+  return table;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,124 @@
+#include "uwsim/camera/particles.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace uwsim {
+namespace {
+
+constexpr double kCell_m = 0.25;
+constexpr double kReach_m = 2.5, kNearest_m = 0.15;
+constexpr double kAlbedo = 0.5;
+constexpr double kAperture_rad_m = 0.0015;  // blur of what is near, radians times metres
+
+std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 2014)
+  x += 0x9e3779b97f4a7c15ull;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+double unit_of(std::uint64_t bits, int part) { return static_cast<double>((bits >> (16 * part)) & 0xffff) / 65536; }
+
+/// Radiance of a speck: daylight from all round and each lamp that shines on it, dimmed on the way to the eye.
+std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::Shot& shot) {
+  std::array<float, 3> light;
+  const float depth = std::max(0.0f, shot.surface_z - (at.z() + shot.camera_z)), range = at.norm();
+  for (int band = 0; band < 3; ++band) {
+    light[band] = 0.5f * shot.total_level[band] * std::exp(-shot.kd[band] * depth);
+  }
+  for (int k = 0; k < shot.lamp_count; ++k) {
+    const camera::LampLight& lamp = shot.lamps[k];
+    const Eigen::Vector3f from = at - Eigen::Map<const Eigen::Vector3f>(lamp.position);
+    const float distance = std::max(from.norm(), 0.05f);
+    const float cone = from.dot(Eigen::Map<const Eigen::Vector3f>(lamp.axis)) / distance;
+    const float edge = std::clamp((cone - lamp.cos_outer) / (lamp.cos_inner - lamp.cos_outer), 0.0f, 1.0f);
+    const float spot = edge * edge * (3 - 2 * edge) / (distance * distance);
+    for (int band = 0; band < 3; ++band) light[band] += lamp.intensity[band] * spot * std::exp(-shot.c[band] * distance);
+  }
+  for (int band = 0; band < 3; ++band) {
+    const float through = shot.has_attenuation ? std::exp(-shot.c[band] * range) : 1.0f;
+    light[band] *= static_cast<float>(kAlbedo / std::numbers::pi) * through;
+  }
+  return light;
+}
+
+}  // namespace
+
+std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                          const Exposure& exposure, const camera::Shot& shot) {
+  std::vector<Speck> found;
+  if (!shot.camera_wet || !exposure.effects.has(Effect::kParticles)) return found;
+  const Eigen::Vector3d eye = exposure.world_from_camera.position_m;
+  const Eigen::Vector3d drift = scene.world().water.flow_at(eye, exposure.time_s).velocity_m_s * exposure.time_s;
+  const Eigen::Vector3d lattice_eye = eye - drift;
+  const Eigen::Matrix3d optical_from_world = [&] {
+    const Eigen::Matrix3d turn = exposure.world_from_camera.rotation();
+    Eigen::Matrix3d rows;
+    rows << -turn.col(1).transpose(), -turn.col(2).transpose(), turn.col(0).transpose();
+    return rows;
+  }();
+  const Lens& lens = camera.lens();
+  const bool distort = exposure.effects.has(Effect::kDistortion);
+  const double chance = optics.particles_per_m3 * kCell_m * kCell_m * kCell_m;
+  const std::uint64_t key = mixed(scene.seed() ^ 0x5eedca11);
+  const auto first = ((lattice_eye.array() - kReach_m) / kCell_m).floor().cast<std::int64_t>().eval();
+  const auto count = static_cast<std::int64_t>(2 * kReach_m / kCell_m) + 2;
+  for (std::int64_t k = 0; k < count * count * count; ++k) {
+    const Eigen::Array<std::int64_t, 3, 1> cell =
+        first + Eigen::Array<std::int64_t, 3, 1>(k % count, k / count % count, k / (count * count));
+    const std::uint64_t bits = mixed(mixed(mixed(key ^ static_cast<std::uint64_t>(cell.x())) ^
+                                           static_cast<std::uint64_t>(cell.y())) ^
+                                     static_cast<std::uint64_t>(cell.z()));
+    const std::uint64_t more = mixed(bits);
+    if (unit_of(bits, 3) >= chance) continue;
+    const Eigen::Vector3d own(unit_of(bits, 0), unit_of(bits, 1), unit_of(bits, 2));
+    const double turn = exposure.time_s * (0.3 + 0.4 * unit_of(more, 0)) + 2 * std::numbers::pi * unit_of(more, 1);
+    const Eigen::Vector3d swirl = 0.02 * Eigen::Vector3d(std::sin(turn), std::cos(turn), std::sin(1.3 * turn));
+    const Eigen::Vector3d at = (cell.cast<double>().matrix() + own) * kCell_m + swirl - lattice_eye;
+    const Eigen::Vector3d seen = optical_from_world * at;
+    if (seen.z() < kNearest_m || at.norm() > kReach_m || at.z() + eye.z() > shot.surface_z) continue;
+    const Eigen::Vector2d ray(seen.x() / seen.z(), seen.y() / seen.z());
+    if (ray.norm() > 3) continue;
+    const Eigen::Vector2d pixel = project(lens, ray, distort);
+    const double size_m = 2e-4 * std::exp(1.6 * unit_of(more, 2));
+    const double sharp = lens.fx * size_m / seen.z(), blur = 0.6 + lens.fx * kAperture_rad_m / seen.z();
+    const double radius = sharp + blur;
+    if (!(pixel.x() > -radius && pixel.y() > -radius && pixel.x() < lens.width + radius &&
+          pixel.y() < lens.height + radius)) {
+      continue;
+    }
+    // Far specks fade, so that none appears at once.
+    const double fade = std::clamp(3 * (1 - at.norm() / kReach_m), 0.0, 1.0);
+    const auto share = static_cast<float>(3 * fade * sharp * sharp / (radius * radius));
+    const std::array<float, 3> light = light_on(at.cast<float>(), shot);
+    found.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(seen.z()),
+                     static_cast<float>(radius), {share * light[0], share * light[1], share * light[2]}});
+  }
+  return found;
+}
+
+void add_specks(const std::vector<Speck>& specks, const std::vector<float>& depth_m, const camera::Shot& shot,
+                int first, int last, const camera::Film& film) {
+  for (const Speck& speck : specks) {
+    const int top = std::max(first, static_cast<int>(std::ceil(speck.v - speck.radius)));
+    const int bottom = std::min(last - 1, static_cast<int>(std::floor(speck.v + speck.radius)));
+    const int left = std::max(0, static_cast<int>(std::ceil(speck.u - speck.radius)));
+    const int right = std::min(shot.width - 1, static_cast<int>(std::floor(speck.u + speck.radius)));
+    for (int v = top; v <= bottom; ++v) {
+      for (int u = left; u <= right; ++u) {
+        const int at = v * shot.width + u;
+        if (depth_m[static_cast<std::size_t>(at)] < speck.depth_m) continue;
+        const float du = static_cast<float>(u) - speck.u, dv = static_cast<float>(v) - speck.v;
+        const float in = 1 - (du * du + dv * dv) / (speck.radius * speck.radius);
+        if (in <= 0) continue;
+        film.red[at] += speck.light[0] * in * in;
+        film.green[at] += speck.light[1] * in * in;
+        film.blue[at] += speck.light[2] * in * in;
+      }
+    }
+  }
+}
+
+}  // namespace uwsim

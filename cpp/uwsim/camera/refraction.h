@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <optional>
+
+namespace uwsim {
+
+/// Snell's law: the way on of a ray along unit `direction` through a surface of unit `normal` (towards where the ray
+/// comes from), from index n_from into n_to. None: totally reflected.
+inline std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal,
+                                                double n_from, double n_to) {
+  const double ratio = n_from / n_to, cosine = -direction.dot(normal);
+  const double sine2 = ratio * ratio * (1 - cosine * cosine);
+  if (sine2 >= 1) return std::nullopt;
+  return ratio * direction + (ratio * cosine - std::sqrt(1 - sine2)) * normal;
+}
+
+/// Fresnel's reflectance of unpolarised light that meets the surface at this cosine of incidence; 1 beyond the critical
+/// angle (Hecht, "Optics", ch. 4).
+inline double fresnel_reflectance(double cosine, double n_from, double n_to) {
+  const double sine2 = (n_from / n_to) * (n_from / n_to) * (1 - cosine * cosine);
+  if (sine2 >= 1) return 1;
+  const double beyond = std::sqrt(1 - sine2);
+  const double s = (n_from * cosine - n_to * beyond) / (n_from * cosine + n_to * beyond);
+  const double p = (n_from * beyond - n_to * cosine) / (n_from * beyond + n_to * cosine);
+  return 0.5 * (s * s + p * p);
+}
+
+}  // namespace uwsim

@@ -1,0 +1,282 @@
+#include "uwsim/camera/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "uwsim/camera/particles.h"
+#include "uwsim/camera/parts.h"
+#include "uwsim/camera/shafts.h"
+#include "uwsim/camera/shot.h"
+#include "uwsim/camera/tracer.h"
+#include "uwsim/core/check.h"
+#include "uwsim/core/random.h"
+
+namespace uwsim {
+namespace {
+
+using camera::Block;
+using camera::kBlockPixels;
+using camera::kBlockSide;
+using camera::Mask;
+
+constexpr double kWorldEnd_m = 1e6;
+constexpr double kMiddleGrey = 0.18;
+// Of the fixed exposure, at which white in full sun (radiance 1 / pi) comes out at 0.8.
+constexpr double kSunnyGain = 0.8 * 3.14159265358979;
+constexpr double kLeastGain = 0.25 * kSunnyGain, kMostGain = 2e4 * kSunnyGain;
+constexpr double kMostShutter = 30 * kSunnyGain;  // a gain that a longer shutter time gives; more is amplified, with noise
+
+class Rendering {
+ public:
+  Rendering(const CameraScene& scene, const Camera& camera, const Optics& optics, const Exposure& exposure)
+      : scene_(scene),
+        camera_(camera),
+        optics_(optics),
+        exposure_(exposure),
+        threads_(std::clamp(exposure.threads, 1, 256)),
+        costs_(static_cast<std::size_t>(threads_)),
+        begun_(std::chrono::steady_clock::now()),
+        prepared_(scene, camera, optics, exposure),
+        shot_(prepared_.shot),
+        tracer_(scene, prepared_, exposure),
+        classes_(scene.classes_by_label()) {
+    costs_[0].seconds[kPrepare] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+  }
+
+  Picture take(PictureCost* cost) {
+    const auto pixels = static_cast<std::size_t>(shot_.width) * static_cast<std::size_t>(shot_.height);
+    picture_.width = shot_.width;
+    picture_.height = shot_.height;
+    picture_.depth_m.resize(pixels);
+    picture_.normals_world.resize(3 * pixels);
+    picture_.labels.resize(pixels);
+    picture_.classes.resize(pixels);
+    if (!exposure_.geometry_only) {
+      for (std::vector<float>& plane : planes_) plane.resize(pixels);
+      film_ = {planes_[0].data(), planes_[1].data(), planes_[2].data()};
+      if (on(Effect::kShafts) && shot_.camera_wet && shot_.has_backscatter && shot_.beam_level[1] > 0) {
+        shafts_ = cast_shafts(shot_, tracer_, kernels_, exposure_, costs_);
+        shot_.shafts = shafts_.data();
+        shot_.shaft_width = (shot_.width + kBlockSide - 1) / kBlockSide;
+      }
+    }
+    const int rows = (shot_.height + kBlockSide - 1) / kBlockSide;
+    brightness_.assign(static_cast<std::size_t>(rows), 0.0);
+    for_rows(rows, threads_, [&](int row, int worker) { render_row(row, costs_[static_cast<std::size_t>(worker)]); });
+    if (!exposure_.geometry_only) finish();
+    if (cost != nullptr) *cost = total_cost();
+    return std::move(picture_);
+  }
+
+ private:
+  bool on(Effect effect) const { return exposure_.effects.has(effect); }
+
+  void render_row(int row, PictureCost& cost) {
+    StageClock clock(exposure_.measure, cost);
+    Block block;
+    HitPacket hits;
+    for (int left = 0; left < shot_.width; left += kBlockSide) {
+      const int top = row * kBlockSide;
+      kernels_.aim(shot_, left, top, block);
+      tracer_.cast(block, hits, RayOrder::kCoherent);
+      cost.primary_rays += count(block.active);
+      clock.add(kPrimary);
+      place(block);
+      write_geometry(left, top, block);
+      clock.add(kDepth);
+      if (exposure_.geometry_only) continue;
+      const Mask seen = block.active;
+      shade(block, hits, true, cost, clock);
+      if (any(block.onward)) follow_onward(block, hits, cost, clock);
+      camera::Row log_brightness;
+      kernels_.expose(shot_, left, top, block, film_, log_brightness);
+      double& sum = brightness_[static_cast<std::size_t>(row)];
+      for (int k = 0; k < kBlockPixels; ++k) sum += seen.at[k] ? static_cast<double>(log_brightness.at[k]) : 0.0;
+      clock.add(kFilm);
+    }
+  }
+
+  void place(Block& block) const {
+    const auto beside = [](std::uint32_t label) { return label > kTerrain; };
+    if (std::any_of(std::begin(block.label), std::end(block.label), beside)) tracer_.refine(block);
+    kernels_.place(shot_, block);
+  }
+
+  void follow_onward(Block& block, HitPacket& hits, PictureCost& cost, StageClock& clock) {
+    kernels_.go_on(shot_, block);
+    clock.add(kWater);
+    tracer_.cast(block, hits, RayOrder::kIncoherent);
+    cost.onward_rays += count(block.active);
+    clock.add(kPrimary);
+    place(block);
+    clock.add(kDepth);
+    shade(block, hits, false, cost, clock);
+  }
+
+  /// What the water, the surfaces, daylight and lamps add along one straight piece of each ray.
+  void shade(Block& block, const HitPacket& hits, bool first, PictureCost& cost, StageClock& clock) {
+    kernels_.pass_water(shot_, block);
+    kernels_.sky(shot_, block);
+    clock.add(kWater);
+    if (any(block.lit)) {
+      dress(block, hits);
+      kernels_.light_by_day(shot_, block);
+      clock.add(kSurfaces);
+      test_light(block, cost.sun_rays);
+      clock.add(kSun);
+      for (int lamp = 0; lamp < shot_.lamp_count; ++lamp) {
+        kernels_.light_by_lamp(shot_, lamp, block);
+        clock.add(kLampLight);
+        if (any(block.wants)) test_light(block, cost.lamp_rays);
+        clock.add(kLampShadows);
+      }
+    }
+    if (first && shot_.has_backscatter && shot_.camera_wet) {
+      for (int lamp = 0; lamp < shot_.lamp_count; ++lamp) kernels_.lamp_veil(shot_, lamp, block);
+      clock.add(kLampLight);
+    }
+  }
+
+  void test_light(Block& block, std::uint64_t& rays) const {
+    Mask blocked{};
+    if (on(Effect::kShadows) && any(block.wants)) {
+      rays += count(block.wants);
+      tracer_.occluded(block, blocked, RayOrder::kCoherent);
+    }
+    kernels_.add_light(shot_, blocked, block);
+  }
+
+  void dress(Block& block, const HitPacket& hits) const {
+    for (int k = 0; k < kBlockPixels; ++k) {
+      block.material.at[k] = CameraScene::material_of(block.label[k]);
+      block.has_given.at[k] = 0;
+    }
+    if (!scene_.has_textures()) return;
+    for (int k = 0; k < kBlockPixels; ++k) {
+      const Texture* texture = scene_.texture_of(block.label[k]);
+      if (texture == nullptr) continue;
+      const auto lane = static_cast<std::size_t>(k);
+      const std::array<float, 3> colour = texture->at(block.primitive[k], hits.u[lane], hits.v[lane]);
+      block.has_given.at[k] = -1;
+      block.given.x.at[k] = colour[0], block.given.y.at[k] = colour[1], block.given.z.at[k] = colour[2];
+    }
+  }
+
+  void write_geometry(int left, int top, const Block& block) {
+    for (int k = 0; k < kBlockPixels; ++k) {
+      if (!block.active.at[k]) continue;
+      const auto at = static_cast<std::size_t>((top + k / kBlockSide) * shot_.width + left + k % kBlockSide);
+      const float ahead = block.direction.x.at[k] * shot_.ahead[0] + block.direction.y.at[k] * shot_.ahead[1] +
+                          block.direction.z.at[k] * shot_.ahead[2];
+      picture_.depth_m[at] = block.distance.at[k] * ahead;
+      picture_.normals_world[3 * at] = block.normal.x.at[k];
+      picture_.normals_world[3 * at + 1] = block.normal.y.at[k];
+      picture_.normals_world[3 * at + 2] = block.normal.z.at[k];
+      picture_.labels[at] = static_cast<std::uint16_t>(block.label[k]);
+      picture_.classes[at] = classes_[block.label[k]];
+    }
+  }
+
+  void finish();
+  void keep_radiance(int row);
+  double gain() const;
+  PictureCost total_cost() const;
+
+  const CameraScene& scene_;
+  const Camera& camera_;
+  const Optics& optics_;
+  const Exposure& exposure_;
+  int threads_;
+  std::vector<PictureCost> costs_;
+  std::chrono::steady_clock::time_point begun_;
+  PreparedShot prepared_;
+  camera::Shot& shot_;
+  Tracer tracer_;
+  const camera::Kernels& kernels_ = camera::kernels();
+  std::vector<std::uint8_t> classes_;
+  Picture picture_;
+  std::array<std::vector<float>, 3> planes_;
+  camera::Film film_{};
+  std::vector<float> shafts_;
+  std::vector<double> brightness_;  // of each row of blocks, so that their sum does not depend on who did which
+};
+
+/// Exposure, automatic so that the picture's mean (of the logarithm) comes out as middle grey.
+double Rendering::gain() const {
+  const double correction = camera_.sensor().exposure;
+  if (!on(Effect::kExposure)) return kSunnyGain * correction;
+  double sum = 0;
+  for (const double row : brightness_) sum += row;
+  const double mean = std::exp(sum / static_cast<double>(picture_.depth_m.size()));
+  return std::clamp(correction * kMiddleGrey / mean, kLeastGain, kMostGain);
+}
+
+void Rendering::finish() {
+  StageClock clock(exposure_.measure, costs_[0]);
+  const std::vector<Speck> drifting = specks(scene_, camera_, optics_, exposure_, shot_);
+  clock.add(kSpecks);
+  const ImageSensor& sensor = camera_.sensor();
+  picture_.gain = gain();
+  picture_.rgb.resize(3 * picture_.depth_m.size());
+  if (exposure_.keep_radiance) picture_.radiance.resize(picture_.rgb.size());
+  const RandomStream random(scene_.seed(), camera_.name() + "/noise");
+  camera::Developing developing{};
+  developing.gain = static_cast<float>(picture_.gain);
+  developing.iso = static_cast<float>(std::max(1.0, picture_.gain / kMostShutter));
+  developing.vignetting = on(Effect::kVignetting) ? static_cast<float>(sensor.vignetting) : 0;
+  developing.full_well = static_cast<float>(sensor.full_well);
+  developing.read_noise = static_cast<float>(sensor.read_noise);
+  developing.has_noise = on(Effect::kNoise);
+  developing.key = random.key();
+  developing.stream = random.stream();
+  developing.tick = exposure_.tick;
+  constexpr int kRows = 16;
+  for_rows((shot_.height + kRows - 1) / kRows, threads_, [&](int band, int worker) {
+    StageClock own(exposure_.measure, costs_[static_cast<std::size_t>(worker)]);
+    const int first = band * kRows, last = std::min(shot_.height, first + kRows);
+    add_specks(drifting, picture_.depth_m, shot_, first, last, film_);
+    own.add(kSpecks);
+    for (int row = first; row < last; ++row) {
+      kernels_.develop(shot_, developing, film_, row, picture_.rgb.data());
+      if (exposure_.keep_radiance) keep_radiance(row);
+    }
+    own.add(kFilm);
+  });
+}
+
+void Rendering::keep_radiance(int row) {
+  const auto first = static_cast<std::size_t>(row) * static_cast<std::size_t>(shot_.width);
+  for (std::size_t at = first; at < first + static_cast<std::size_t>(shot_.width); ++at) {
+    for (std::size_t band = 0; band < 3; ++band) picture_.radiance[3 * at + band] = planes_[band][at];
+  }
+}
+
+PictureCost Rendering::total_cost() const {
+  PictureCost total;
+  for (const PictureCost& cost : costs_) total.add(cost);
+  return total;
+}
+
+}  // namespace
+
+void Optics::check() const {
+  water.check();
+  require(particles_per_m3 >= 0 && particles_per_m3 <= 64, "optics.particles_per_m3", particles_per_m3,
+          "must be in [0, 64] 1/m3");
+}
+
+Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const Exposure& exposure,
+               PictureCost* cost) {
+  optics.check();
+  const Pose& pose = exposure.world_from_camera;
+  const Eigen::Vector3d& eye = pose.position_m;
+  const std::string path = "camera '" + camera.name() + "' position_m";
+  require(eye.allFinite() && pose.orientation.coeffs().allFinite(), path, eye.transpose(), "must be finite");
+  require(eye.cwiseAbs().maxCoeff() <= kWorldEnd_m, path, eye.transpose(), "must be within 1000 km of the origin");
+  if (const auto& terrain = scene.world().terrain()) {
+    require(!(eye.z() < terrain->height_at(eye.x(), eye.y())), path, eye.transpose(), "must be above the ground");
+  }
+  return Rendering(scene, camera, optics, exposure).take(cost);
+}
+
+}  // namespace uwsim

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace uwsim {
+
+/// An image that a mesh carries, 8-bit sRGB, rows from the top; and where each triangle's corners lie on it, in [0, 1]
+/// from the lower left, repeating.
+struct Texture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+  std::vector<float> corners;  ///< triangles x 3 corners x (s, t)
+
+  /// Throws InvalidValue.
+  void check() const;
+  /// Albedo at barycentric (u, v) of a triangle, between its four nearest pixels.
+  std::array<float, 3> at(std::uint32_t triangle, float u, float v) const;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,159 @@
+#include "uwsim/camera/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+using camera::Block;
+using camera::Mask;
+
+constexpr float kFarthest_m = 1e5f;
+constexpr float kNearest_m = 1e-3f;  // a shadow ray starts off its own surface
+constexpr double kRefineTo_m = 1e5;
+
+template <typename Row>
+void copy(RayPacket::Lanes& to, const Row& from) {
+  std::copy(std::begin(from.at), std::end(from.at), to.begin());
+}
+
+RayPacket packet_of(const camera::Row3& origin, const camera::Row3& direction, const Mask& active) {
+  RayPacket rays;
+  copy(rays.origin_x, origin.x), copy(rays.origin_y, origin.y), copy(rays.origin_z, origin.z);
+  copy(rays.direction_x, direction.x), copy(rays.direction_y, direction.y), copy(rays.direction_z, direction.z);
+  std::copy(std::begin(active.at), std::end(active.at), rays.active.begin());
+  return rays;
+}
+
+}  // namespace
+
+Tracer::Tracer(const CameraScene& scene, const PreparedShot& prepared, const Exposure& exposure)
+    : rays_(scene.rays()), anchor_world_m_(prepared.anchor_world_m) {
+  const std::size_t poses = exposure.world_from_bodies.size();
+  require(poses == 0 || poses == scene.bodies().size(), "bodies", poses, "must be a pose for each body, or none");
+  const auto first_label = static_cast<std::uint32_t>(scene.world().solids().size() + kTerrain + 1);
+  for (std::size_t k = 0; k < poses; ++k) {
+    if (exposure.hidden == k) continue;
+    const Body& body = scene.bodies()[k];
+    const Pose& pose = exposure.world_from_bodies[k];
+    const Pose back = pose.inverse();
+    bodies_.push_back({body.hull.get(), first_label + static_cast<std::uint32_t>(k), back, back.rotation().cast<float>(),
+                       back.point(anchor_world_m_), (pose.point(body.middle_body_m) - anchor_world_m_).cast<float>(),
+                       static_cast<float>(body.radius_m)});
+  }
+}
+
+bool Tracer::comes_near(const RayPacket& rays, const MovedBody& body) {
+  int near = 0;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const float x = body.middle_m.x() - rays.origin_x[k], y = body.middle_m.y() - rays.origin_y[k];
+    const float z = body.middle_m.z() - rays.origin_z[k];
+    const float along = x * rays.direction_x[k] + y * rays.direction_y[k] + z * rays.direction_z[k];
+    const float apart2 = x * x + y * y + z * z - along * along;
+    near |= rays.active[k] & static_cast<int>(apart2 < body.radius_m * body.radius_m && along > -body.radius_m &&
+                                              along < rays.far_m[k] + body.radius_m);
+  }
+  return near != 0;
+}
+
+RayPacket Tracer::turned(const RayPacket& rays, const MovedBody& body) {
+  RayPacket own = rays;
+  const Eigen::Matrix3f& t = body.turn;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const Eigen::Vector3f origin = t * Eigen::Vector3f(rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]);
+    const Eigen::Vector3f way = t * Eigen::Vector3f(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+    own.origin_x[k] = origin.x(), own.origin_y[k] = origin.y(), own.origin_z[k] = origin.z();
+    own.direction_x[k] = way.x(), own.direction_y[k] = way.y(), own.direction_z[k] = way.z();
+  }
+  return own;
+}
+
+void Tracer::cast(Block& block, HitPacket& hits, RayOrder order) const {
+  RayPacket rays = packet_of(block.origin, block.direction, block.active);
+  rays.near_m.fill(0);
+  rays.far_m.fill(kFarthest_m);
+  rays_.cast(anchor_world_m_, rays, hits, order);
+  for (const MovedBody& body : bodies_) {
+    if (!comes_near(rays, body)) continue;
+    HitPacket own;
+    body.hull->cast(body.anchor_body_m, turned(rays, body), own, order);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (!rays.active[k] || !(own.distance_m[k] < hits.distance_m[k])) continue;
+      const Eigen::Vector3f normal =
+          body.turn.transpose() * Eigen::Vector3f(own.normal_x[k], own.normal_y[k], own.normal_z[k]);
+      hits.distance_m[k] = own.distance_m[k];
+      hits.label[k] = body.label;
+      hits.primitive[k] = own.primitive[k];
+      hits.normal_x[k] = normal.x(), hits.normal_y[k] = normal.y(), hits.normal_z[k] = normal.z();
+    }
+  }
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const bool met = rays.active[k] && hits.label[k] != kNothing;
+    block.distance.at[k] = met ? hits.distance_m[k] : std::numeric_limits<float>::infinity();
+    block.label[k] = met ? hits.label[k] : kNothing;
+    block.primitive[k] = hits.primitive[k];
+    block.normal.x.at[k] = met ? hits.normal_x[k] : 0;
+    block.normal.y.at[k] = met ? hits.normal_y[k] : 0;
+    block.normal.z.at[k] = met ? hits.normal_z[k] : 0;
+  }
+}
+
+void Tracer::refine(Block& block) const {
+  std::array<Ray, kPacketRays> rays;
+  std::array<RayHit, kPacketRays> hits;
+  std::array<std::size_t, kPacketRays> lanes;
+  const auto ray_of = [&](std::size_t k) {
+    const Eigen::Vector3d from(block.origin.x.at[k], block.origin.y.at[k], block.origin.z.at[k]);
+    const Eigen::Vector3d way(block.direction.x.at[k], block.direction.y.at[k], block.direction.z.at[k]);
+    return Ray{anchor_world_m_ + from, way.normalized()};
+  };
+  const auto solve = [&](const RayScene& scene, std::uint32_t label, const MovedBody* body) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const bool ours = body != nullptr ? block.label[k] == label : block.label[k] > kTerrain && block.label[k] < label;
+      if (!ours) continue;
+      lanes[count] = k;
+      rays[count] = ray_of(k);
+      if (body != nullptr) {
+        rays[count] = {body->body_from_world.point(rays[count].origin_world_m),
+                       body->body_from_world.direction(rays[count].direction_world)};
+      }
+      ++count;
+    }
+    if (count == 0) return;
+    scene.cast({rays.data(), count}, kRefineTo_m, {hits.data(), count});
+    for (std::size_t k = 0; k < count; ++k) {
+      if (std::isfinite(hits[k].distance_m)) block.distance.at[lanes[k]] = static_cast<float>(hits[k].distance_m);
+    }
+  };
+  std::uint32_t bodies_from = std::numeric_limits<std::uint32_t>::max();
+  for (const MovedBody& body : bodies_) bodies_from = std::min(bodies_from, body.label);
+  solve(rays_, bodies_from, nullptr);
+  for (const MovedBody& body : bodies_) solve(*body.hull, body.label, &body);
+}
+
+void Tracer::occluded(const Block& block, Mask& blocked, RayOrder order) const {
+  RayPacket rays = packet_of(block.point, block.to_light, block.wants);
+  rays.near_m.fill(kNearest_m);
+  copy(rays.far_m, block.light_distance);
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // off the surface, on the eye's side
+    const float lift = 1e-3f + 2e-5f * std::abs(block.distance.at[k]);
+    rays.origin_x[k] += lift * block.normal.x.at[k];
+    rays.origin_y[k] += lift * block.normal.y.at[k];
+    rays.origin_z[k] += lift * block.normal.z.at[k];
+  }
+  std::array<std::int32_t, kPacketRays> found;
+  rays_.occluded(anchor_world_m_, rays, found, order);
+  std::copy(found.begin(), found.end(), std::begin(blocked.at));
+  for (const MovedBody& body : bodies_) {
+    if (!comes_near(rays, body)) continue;
+    body.hull->occluded(body.anchor_body_m, turned(rays, body), found, order);
+    for (std::size_t k = 0; k < kPacketRays; ++k) blocked.at[k] |= found[k];
+  }
+}
+
+}  // namespace uwsim

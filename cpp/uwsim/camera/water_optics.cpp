@@ -1,0 +1,71 @@
+#include "uwsim/camera/water_optics.h"
+
+#include <array>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+struct Type {
+  const char* name;
+  std::array<double, 3> kd, a, b;  // 600, 550, 450 nm
+};
+
+constexpr std::array<Type, 10> kTypes = {{
+    {"I", {.235, .063, .019}, {.228, .062, .018}, {.0012, .0017, .0038}},
+    {"IA", {.24, .067, .026}, {.228, .0622, .0221}, {.0028, .0035, .0063}},
+    {"IB", {.245, .072, .036}, {.227, .0655, .0407}, {.118, .122, .135}},
+    {"II", {.26, .089, .068}, {.231, .0724, .0623}, {.170, .177, .195}},
+    {"III", {.295, .12, .135}, {.241, .0878, .112}, {.278, .287, .309}},
+    {"1C", {.30, .12, .25}, {.248, .0988, .148}, {.416, .427, .455}},
+    {"3C", {.33, .19, .39}, {.268, .128, .200}, {.627, .644, .686}},
+    {"5C", {.40, .30, .56}, {.285, .159, .313}, {1.16, 1.19, 1.27}},
+    {"7C", {.48, .46, .89}, {.301, .195, .542}, {2.03, 2.35, 3.30}},
+    {"9C", {.60, .63, 1.6}, {.390, .348, .943}, {2.69, 3.12, 4.39}},
+}};
+
+Bands bands(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
+
+}  // namespace
+
+void WaterOptics::check() const {
+  const auto require_positive = [](const char* name, const Bands& values) {
+    require(values.isFinite().all() && (values > 0).all() && (values < 100).all(), std::string("optics.") + name,
+            values.transpose(), "must be above 0 and below 100 1/m in each band");
+  };
+  require_positive("diffuse_attenuation", diffuse_attenuation);
+  require_positive("absorption", absorption);
+  require_positive("scattering", scattering);
+  require(refractive_index >= 1 && refractive_index <= 2, "optics.refractive_index", refractive_index,
+          "must be in [1, 2]");
+}
+
+WaterOptics jerlov_water(std::string_view type) {
+  for (const Type& known : kTypes) {
+    if (type == known.name) return {bands(known.kd), bands(known.a), bands(known.b)};
+  }
+  std::string names;
+  for (const Type& known : kTypes) names += (names.empty() ? "" : ", ") + std::string(known.name);
+  require(false, "optics.jerlov", type, "must be one of " + names);
+  return {};
+}
+
+const std::vector<std::string>& jerlov_types() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Type& known : kTypes) all.emplace_back(known.name);
+    return all;
+  }();
+  return names;
+}
+
+Bands molecular_scattering() { return bands(kTypes[0].b); }
+
+Bands upwelling_share(const WaterOptics& water) {
+  const Bands molecular = molecular_scattering().min(water.scattering);
+  const Bands back = 0.5 * molecular + 0.018 * (water.scattering - molecular);
+  return (0.33 * back / water.absorption).min(0.3);
+}
+
+}  // namespace uwsim

@@ -1,0 +1,66 @@
+"""Cameras and lamps, as read from a vehicle's YAML file or from a scenario's station."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from uwsim.scenario.fields import InRange, Model, Name, Point3, YawPitchRoll
+
+LARGEST_SIDE = 8192
+FORWARD: tuple[float, float, float] = (0.0, 0.0, 0.0)
+Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
+Coefficient = Annotated[float, InRange(-100, 100)]
+Share = Annotated[float, InRange(0, 1)]
+Colour = tuple[Share, Share, Share]
+
+
+class CameraMount(Model):
+    """A camera: where it sits and looks (along its x; yaw 90 looks to port, pitch 90 down), its lens and its sensor.
+
+    horizontal_fov_deg: of the image's width before distortion; pixels are square. distortion: k1, k2, p1, p2, k3 of
+    Brown and Conrady's model, as OpenCV has them. exposure: a factor on the automatic exposure (or on the fixed one).
+    full_well, read_noise: electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: how far turbulence
+    bends a ray.
+    """
+
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = FORWARD
+    width: Pixels = 640
+    height: Pixels = 360
+    horizontal_fov_deg: Annotated[float, InRange(1, 170, "deg")] = 80.0
+    distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    exposure: Annotated[float, InRange(0.001, 1000)] = 1.0
+    full_well: Annotated[float, InRange(1, 1e9, "electrons")] = 8000.0
+    read_noise: Annotated[float, InRange(0, 1e6, "electrons")] = 6.0
+    vignetting: Share = 0.5
+    wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] = 0.8
+
+
+class LampSpot(Model):
+    """Where one of a switch's lamps sits; it shines along its x, as a camera looks."""
+
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = FORWARD
+
+
+class Lamps(Model):
+    """Lamps on one switch, alike but for their places.
+
+    flux_lm: of each. half_angle_deg: of the cone, beyond which it is dark. soft_share: of that angle, over which light
+    falls off. colour: relative to daylight's white, red, green, blue.
+    """
+
+    spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
+    flux_lm: Annotated[float, InRange(0, 1e6, "lm")]
+    half_angle_deg: Annotated[float, InRange(1, 85, "deg")] = 35.0
+    soft_share: Annotated[float, InRange(0.01, 1)] = 0.5
+    colour: Colour = (1.0, 0.96, 0.9)
+
+
+CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
+LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
+
+STATION_CAMERA = CameraMount(position_m=(1.8, 0.0, 5.0), yaw_pitch_roll_deg=(0.0, 12.0, 0.0), horizontal_fov_deg=75.0)
+"""On the packaged station's mast, over the water ahead of it."""

@@ -1,0 +1,95 @@
+"""What light is like in a scenario, and what its surfaces are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator
+
+from uwsim import _core
+from uwsim.scenario.camera_spec import Colour
+from uwsim.scenario.fields import Degrees, InRange, Model, broken
+from uwsim.scenario.paths import did_you_mean
+
+PerMetre = Annotated[float, InRange(1e-4, 100, "1/m")]
+PerBand = tuple[PerMetre, PerMetre, PerMetre]
+
+
+def _known(names: list[str]) -> AfterValidator:
+    def check(value: str) -> str:
+        if value not in names:
+            raise broken(f"must be one of {', '.join(names)}{did_you_mean(value, names)}")
+        return value
+
+    return AfterValidator(check)
+
+
+MaterialName = Annotated[str, _known(_core.material_names())]
+
+
+class Material(Model):
+    """What a surface is made of; colour: its albedo, red, green and blue, instead of the material's own."""
+
+    kind: MaterialName
+    colour: Colour | None = None
+
+
+def _named(value: object) -> object:
+    return {"kind": value} if isinstance(value, str) else value
+
+
+MaterialSpec = Annotated[Material, BeforeValidator(_named)]
+"""A material's name, or kind and colour."""
+
+
+class Ground(Model):
+    """What the terrain is made of: under water, where it is steep, and above the water."""
+
+    bed: MaterialName = "sand"
+    steep: MaterialName = "rock"
+    land: MaterialName = "land"
+
+
+class WaterCoefficients(Model):
+    """A water of one's own, red (600 nm), green (550 nm), blue (450 nm): Kd of daylight, absorption, scattering."""
+
+    diffuse_attenuation: PerBand
+    absorption: PerBand
+    scattering: PerBand
+
+
+def _jerlov(value: object) -> object:
+    if not isinstance(value, str):
+        raise broken(f"must be one of {', '.join(_core.jerlov_types())}")
+    return value
+
+
+class Optics(Model):
+    """Light, as cameras see it.
+
+    jerlov: the water's type, unless coefficients are given. sun_azimuth_deg: towards the sun, from east,
+    counter-clockwise. wind_m_s, wind_heading_deg: the breeze that ruffles the surface, and towards where it blows;
+    ripples bend light only, vehicles feel the waves of `water.surface`. particles_per_m3: that are seen one by one.
+    """
+
+    jerlov: Annotated[str, BeforeValidator(_jerlov), _known(_core.jerlov_types())] = "III"
+    coefficients: WaterCoefficients | None = None
+    sun_elevation_deg: Annotated[float, InRange(-6, 90, "deg")] = 55.0
+    sun_azimuth_deg: Degrees = 120.0
+    wind_m_s: Annotated[float, InRange(0, 14, "m/s")] = 3.0
+    wind_heading_deg: Degrees = 20.0
+    particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
+
+    def water(self) -> _core.WaterOptics:
+        """Return the coefficients as the core takes them."""
+        own = self.coefficients
+        if own is None:
+            return _core.WaterOptics.jerlov(self.jerlov)
+        return _core.WaterOptics(own.diffuse_attenuation, own.absorption, own.scattering)
+
+    def with_changes(self, changes: Mapping[str, Any]) -> Optics:
+        """Copy with some figures replaced and checked. Raises ScenarioError."""
+        from uwsim.scenario.messages import validated
+
+        return validated(Optics, {**{key: getattr(self, key) for key in type(self).model_fields}, **changes})
