@@ -28,6 +28,7 @@ struct PictureArrays {
   py::array rgb, radiance, depth_m, normals_world, labels, classes;
   double gain;
   PictureCost cost;
+  py::bytes packets;
 };
 
 PictureArrays arrays_of(Picture&& picture, const PictureCost& cost) {
@@ -89,7 +90,7 @@ PictureArrays take(const CameraScene& scene, const Camera& camera, const Optics&
                    const py::object& orientation_xyzw, double time_s, std::uint64_t tick,
                    const std::vector<std::string>& effects, std::vector<Lamp> lamps, const py::object& body_positions_m,
                    const py::object& body_orientations_xyzw, std::optional<std::size_t> hidden_body, bool geometry_only,
-                   bool keep_radiance, bool measure, int threads) {
+                   bool keep_radiance, bool measure, bool record, int threads) {
   Exposure exposure;
   exposure.world_from_camera = as_pose(position_m, orientation_xyzw, "camera");
   require(std::isfinite(time_s), "time_s", time_s, "must be finite");
@@ -104,12 +105,18 @@ PictureArrays take(const CameraScene& scene, const Camera& camera, const Optics&
   exposure.measure = measure;
   require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
   exposure.threads = threads;
+  RayRecord packets;
+  if (record) exposure.record = &packets;
   PictureCost cost;
   Picture picture = [&] {
     const py::gil_scoped_release unlocked;
     return render(scene, camera, optics, exposure, &cost);
   }();
-  return arrays_of(std::move(picture), cost);
+  PictureArrays out = arrays_of(std::move(picture), cost);
+  static_assert(sizeof(RayRecord::Packet) == 580);
+  const auto* bytes = reinterpret_cast<const char*>(packets.packets.data());
+  out.packets = py::bytes(bytes, packets.packets.size() * sizeof(RayRecord::Packet));
+  return out;
 }
 
 void bind_optics(py::module_& m) {
@@ -141,7 +148,8 @@ void bind_optics(py::module_& m) {
                              [](const WaterOptics& w) { return w.diffuse_attenuation.matrix().eval(); })
       .def_property_readonly("absorption", [](const WaterOptics& w) { return w.absorption.matrix().eval(); })
       .def_property_readonly("scattering", [](const WaterOptics& w) { return w.scattering.matrix().eval(); })
-      .def_property_readonly("beam_attenuation", [](const WaterOptics& w) { return w.beam_attenuation().matrix().eval(); })
+      .def_property_readonly("beam_attenuation",
+                             [](const WaterOptics& w) { return w.beam_attenuation().matrix().eval(); })
       .def_readonly("refractive_index", &WaterOptics::refractive_index);
 
   py::class_<Optics>(m, "Optics", "What light is like: the water, the sun, the wind on the surface, what drifts.")
@@ -216,6 +224,8 @@ void bind_camera_parts(py::module_& m) {
             return rays;
           },
           "How many were cast, by kind.")
+      .def_readonly("packets", &PictureArrays::packets,
+                    "What was cast, as tools/bench/native/embree_bare_rays reads it")
       .def_property_readonly(
           "stage_s",
           [](const PictureArrays& p) -> py::typing::Dict<py::str, py::float_> {
@@ -258,7 +268,8 @@ void bind_camera(py::module_& m) {
           },
           py::arg("label"), py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
           py::arg("texture_image") = py::none(), py::arg("texture_corners") = py::none(),
-          "colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the lower "
+          "colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the "
+          "lower "
           "left. Raises ValueError.")
       .def(
           "set_ground",
@@ -270,19 +281,18 @@ void bind_camera(py::module_& m) {
           "add_body",
           [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,
              const std::string& material_name, const py::object& colour) {
-            return scene.add_body(
-                std::move(name), {as_points(vertices_body_m, "vertices_body_m"), as_triangles(triangles, "triangles")},
-                {material(material_name, colour_of(colour)), SurfaceClass::kVehicle, nullptr});
+            return scene.add_body(std::move(name),
+                                  {as_points(vertices_body_m, "vertices_body_m"), as_triangles(triangles, "triangles")},
+                                  {material(material_name, colour_of(colour)), SurfaceClass::kVehicle, nullptr});
           },
           py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
           py::arg("colour") = py::none(), "Returns the body's index.")
       .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, then the bodies'.")
       .def("render", &take, py::arg("camera"), py::arg("optics"), py::arg("position_m"), py::arg("orientation_xyzw"),
            py::arg("time_s"), py::arg("tick"), py::arg("effects"), py::arg("lamps") = std::vector<Lamp>{},
-           py::arg("body_positions_m") = py::none(),
-           py::arg("body_orientations_xyzw") = py::none(), py::arg("hidden_body") = py::none(),
-           py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
-           py::arg("threads") = 1,
+           py::arg("body_positions_m") = py::none(), py::arg("body_orientations_xyzw") = py::none(),
+           py::arg("hidden_body") = py::none(), py::arg("geometry_only") = false, py::arg("keep_radiance") = false,
+           py::arg("measure") = false, py::arg("record") = false, py::arg("threads") = 1,
            "One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. "
            "body_positions_m: (n, 3), body_orientations_xyzw: (n, 4), of all bodies or none. Same bytes whatever the "
            "number of threads. Releases the GIL. Raises ValueError.");

@@ -10,21 +10,22 @@ import os
 import typing
 
 __all__: list[str] = [
-    "AcousticMultibeam",
-    "AcousticSpec",
     "ActuatorsSpec",
     "BodyState",
-    "BottomMaterial",
+    "Camera",
+    "CameraScene",
     "CollisionShape",
     "Craft",
     "CraftParameters",
     "Current",
-    "Detection",
     "FinParameters",
+    "LampLight",
+    "Lens",
     "MultibeamModel",
     "NoiseSpec",
     "OccupancyMap",
-    "PhysicsPing",
+    "Optics",
+    "Picture",
     "Ping",
     "RayHits",
     "RayScene",
@@ -35,25 +36,25 @@ __all__: list[str] = [
     "Simulation",
     "SimulationSpec",
     "SolidProperties",
-    "SonarFigures",
     "SonarSpec",
-    "SoundSpeedProfile",
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
     "VehicleSpec",
     "Water",
+    "WaterOptics",
     "WaterProfile",
     "Waves",
     "World",
     "absorption_db_km",
     "decode_depth_string",
-    "detection_probability",
+    "effect_names",
     "encode_depth_string",
     "filter_range",
+    "jerlov_types",
+    "material_names",
     "multibeam_model",
-    "nadir_area_m2",
-    "nadir_snr_db",
+    "refracted",
     "remove_box",
     "scan_to_points",
     "sea_water_density_kg_m3",
@@ -61,117 +62,9 @@ __all__: list[str] = [
     "sensor_kinds",
     "solid_properties",
     "sound_speed_m_s",
-    "sound_speed_profile",
-    "soundings",
+    "surface_class_names",
     "transform_points",
 ]
-
-class SoundSpeedProfile:
-    """
-    Speed of sound by depth: linear between levels, constant above and below them.
-    """
-    @staticmethod
-    def even(speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> SoundSpeedProfile:
-        """
-        One speed everywhere: straight rays.
-        """
-    def __init__(self, depths_m: typing.Any, speeds_m_s: typing.Any) -> None:
-        """
-        Each (n,), depths rising. Raises ValueError that names the level.
-        """
-    def at(self, depth_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
-        """
-        Speed [m/s] at a depth [m].
-        """
-
-class SonarFigures:
-    """
-    What an active sonar sends, hears and decides by. Levels re 1 uPa (at 1 m).
-    """
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError that names the field.
-        """
-    def range_cell_m(self, sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
-    @property
-    def bandwidth_hz(self) -> float: ...
-    @bandwidth_hz.setter
-    def bandwidth_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def beam_width_across_rad(self) -> float:
-        """
-        -3 dB, one way: of a receiving beam, within the fan's plane
-        """
-    @beam_width_across_rad.setter
-    def beam_width_across_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def beam_width_along_rad(self) -> float:
-        """
-        -3 dB, one way: of the transmitter, across the fan's plane
-        """
-    @beam_width_along_rad.setter
-    def beam_width_along_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def detection_threshold_db(self) -> float:
-        """
-        The signal-to-noise ratio that is detected half of the time.
-        """
-    @detection_threshold_db.setter
-    def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def directivity_index_db(self) -> float: ...
-    @directivity_index_db.setter
-    def directivity_index_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def figure_db(self) -> float:
-        """
-        SL + processing gain + DI - NL
-        """
-    @property
-    def frequency_hz(self) -> float: ...
-    @frequency_hz.setter
-    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def noise_level_db(self) -> float:
-        """
-        In the receiver's band.
-        """
-    @noise_level_db.setter
-    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def processing_gain_db(self) -> float:
-        """
-        10 log10 (bandwidth x length)
-        """
-    @property
-    def pulse_length_s(self) -> float: ...
-    @pulse_length_s.setter
-    def pulse_length_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def source_level_db(self) -> float: ...
-    @source_level_db.setter
-    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
-class BottomMaterial:
-    """
-    What a bottom gives back.
-    """
-    def __init__(
-        self,
-        strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
-        relief: typing.SupportsFloat | typing.SupportsIndex = 0.1,
-    ) -> None: ...
-    @property
-    def relief(self) -> float:
-        """
-        rms slope of its relief across a footprint
-        """
-    @property
-    def strength_db(self) -> float:
-        """
-        Of a square metre at normal incidence; Lambert's law.
-        """
 
 class Waves:
     """
@@ -739,23 +632,6 @@ class MultibeamModel:
     """
     A multibeam's fan, evenly spread about the head's forward axis.
     """
-    def __init__(
-        self,
-        *,
-        name: str,
-        beams: typing.SupportsInt | typing.SupportsIndex,
-        field_of_view_rad: typing.SupportsFloat | typing.SupportsIndex,
-        range_max_m: typing.SupportsFloat | typing.SupportsIndex,
-        frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
-        range_limit_m: typing.SupportsFloat | typing.SupportsIndex | None = None,
-        number: typing.SupportsInt | typing.SupportsIndex = 0,
-        dual_swath: bool = False,
-        ping_rate_max_hz: typing.SupportsFloat | typing.SupportsIndex = 50.0,
-        tilt_rate_rad_s: typing.SupportsFloat | typing.SupportsIndex = 0.0872665,
-    ) -> None:
-        """
-        Raises ValueError that names the field.
-        """
     @property
     def angle_increment_rad(self) -> float: ...
     @property
@@ -773,12 +649,7 @@ class MultibeamModel:
     @property
     def number(self) -> int:
         """
-        1..4, as on the wire; 0: not of the wire
-        """
-    @property
-    def ping_rate_max_hz(self) -> float:
-        """
-        Of the electronics.
+        1..4, as on the wire
         """
     @property
     def range_limit_m(self) -> float:
@@ -790,196 +661,214 @@ class MultibeamModel:
         """
         A range at or past it is no echo.
         """
+
+class WaterOptics:
+    """
+    A water's coefficients [1/m], (3,) in the order red, green, blue.
+    """
+    @staticmethod
+    def jerlov(type: str) -> WaterOptics:
+        """
+        Of a Jerlov type (sources in water_optics.h). Raises ValueError for an unknown one.
+        """
+    def __init__(
+        self,
+        diffuse_attenuation: typing.Any,
+        absorption: typing.Any,
+        scattering: typing.Any,
+        refractive_index: typing.SupportsFloat | typing.SupportsIndex = 1.333,
+    ) -> None: ...
     @property
-    def tilt_rate_rad_s(self) -> float: ...
+    def absorption(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def beam_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def diffuse_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def refractive_index(self) -> float: ...
+    @property
+    def scattering(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
 
-class Detection:
+class Optics:
     """
-    How a beam's range was found.
-
-    Members:
-
-      NONE
-
-      AMPLITUDE
-
-      PHASE
-
-      FALSE : Noise was taken for an echo.
+    What light is like: the water, the sun, the wind on the surface, what drifts.
     """
+    def __init__(
+        self,
+        water: WaterOptics,
+        sun_elevation_rad: typing.SupportsFloat | typing.SupportsIndex,
+        sun_azimuth_rad: typing.SupportsFloat | typing.SupportsIndex,
+        wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
+        particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) of the daylight just below a flat surface; 1 is the sun's outside the air.
+        """
+    @property
+    def to_sun_below_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def to_sun_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def water(self) -> WaterOptics: ...
 
-    AMPLITUDE: typing.ClassVar[Detection]
-    FALSE: typing.ClassVar[Detection]
-    NONE: typing.ClassVar[Detection]
-    PHASE: typing.ClassVar[Detection]
-    __members__: typing.ClassVar[dict[str, Detection]]
-    @typing.overload
-    def __eq__(self, other: Detection) -> bool: ...
-    @typing.overload
-    def __eq__(self, other: typing.Any) -> bool: ...
-    def __getstate__(self) -> int: ...
-    def __hash__(self) -> int: ...
-    def __index__(self) -> int: ...
-    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def __int__(self) -> int: ...
-    @typing.overload
-    def __ne__(self, other: Detection) -> bool: ...
-    @typing.overload
-    def __ne__(self, other: typing.Any) -> bool: ...
-    def __repr__(self) -> str: ...
-    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def __str__(self) -> str: ...
+class Lens:
+    """
+    As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.
+    """
+    def __init__(
+        self,
+        width: typing.SupportsInt | typing.SupportsIndex,
+        height: typing.SupportsInt | typing.SupportsIndex,
+        fx: typing.SupportsFloat | typing.SupportsIndex,
+        fy: typing.SupportsFloat | typing.SupportsIndex,
+        cx: typing.SupportsFloat | typing.SupportsIndex,
+        cy: typing.SupportsFloat | typing.SupportsIndex,
+        distortion: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(5)"
+        ] = [0.0, 0.0, 0.0, 0.0, 0.0],
+    ) -> None:
+        """
+        distortion: k1, k2, p1, p2, k3.
+        """
+
+class Camera:
+    """
+    Lens and sensor. Raises ValueError that names the figure.
+    """
+    def __init__(
+        self,
+        name: str,
+        lens: Lens,
+        exposure: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        full_well: typing.SupportsFloat | typing.SupportsIndex = 8000.0,
+        read_noise: typing.SupportsFloat | typing.SupportsIndex = 6.0,
+        vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
+        wobble_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0008,
+    ) -> None: ...
     @property
     def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
-class PhysicsPing:
+class LampLight:
     """
-    One multibeam ping in physics mode: Ping's arrays and more, read-only, a value a beam.
+    A spot lamp that shines along its x; irradiance 1 is taken as 1e5 lx.
+    """
+    def __init__(
+        self,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        flux_lm: typing.SupportsFloat | typing.SupportsIndex,
+        half_angle_rad: typing.SupportsFloat | typing.SupportsIndex,
+        soft_share: typing.SupportsFloat | typing.SupportsIndex,
+        colour: typing.Any,
+    ) -> None: ...
+
+class Picture:
+    """
+    Read-only arrays of one pass, rows from the top; see picture.h.
     """
     @property
-    def angles_rad(self) -> numpy.ndarray:
+    def classes(self) -> numpy.ndarray:
         """
-        (beams,) float32, about +z of the sonar, positive to port
-        """
-    @property
-    def detections(self) -> numpy.ndarray:
-        """
-        (beams,) uint8, values of Detection
+        (H, W) uint8, see surface_class_names()
         """
     @property
-    def incidence_rad(self) -> numpy.ndarray:
+    def depth_m(self) -> numpy.ndarray:
         """
-        (beams,) float32 in [0, pi/2], true; NaN = no detection, or a false one
+        (H, W) float32 along the optical axis, inf = nothing
         """
     @property
-    def intensity_db(self) -> numpy.ndarray:
+    def gain(self) -> float:
         """
-        (beams,) float32, received level less source level, with speckle and noise; -inf = no detection
+        exposure that made rgb of radiance
         """
     @property
     def labels(self) -> numpy.ndarray:
         """
-        (beams,) uint16, true, see World.label_names; 0 where false
+        (H, W) uint16, see CameraScene.label_names
         """
     @property
-    def model(self) -> int:
+    def normals_world(self) -> numpy.ndarray:
         """
-        EM 2040 variant 1..4; 0: not of the wire
-        """
-    @property
-    def points_sonar_m(self) -> numpy.ndarray:
-        """
-        (beams, 3) float32, the range along the beam's axis; NaN = no detection
+        (H, W, 3) float32, 0 = nothing
         """
     @property
-    def ranges_m(self) -> numpy.ndarray:
+    def packets(self) -> bytes:
         """
-        (beams,) float32, sound speed at the head x half the travel time; inf = no detection
-        """
-    @property
-    def snr_db(self) -> numpy.ndarray:
-        """
-        (beams,) float32, over the noise, at the detector; -inf = none
+        What was cast, as tools/bench/native/embree_bare_rays reads it
         """
     @property
-    def time_ns(self) -> int: ...
-    @property
-    def travel_time_s(self) -> numpy.ndarray:
+    def radiance(self) -> numpy.ndarray:
         """
-        (beams,) float32, two-way; inf = no detection
+        (H, W, 3) float32 before exposure, where asked for
         """
     @property
-    def valid(self) -> numpy.ndarray:
+    def rays(self) -> dict[str, int]:
         """
-        (beams,) bool: detected, be it falsely
+        How many were cast, by kind.
         """
     @property
-    def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+    def rgb(self) -> numpy.ndarray:
         """
-        (4, 4) float64, at transmission
+        (H, W, 3) uint8, sRGB; (0, W, 3) where geometry alone was asked for
+        """
+    @property
+    def stage_s(self) -> dict[str, float]:
+        """
+        Seconds of all threads together by stage, where measured.
         """
 
-class AcousticSpec:
+class CameraScene:
     """
-    What makes a multibeam an acoustic instrument.
+    The world that feeds physics and rays, with looks; and the vehicles. A snapshot of the world.
     """
-
-    false_detections: bool
-    figures: SonarFigures
-    range_noise: bool
-    def __init__(self) -> None: ...
-    def check(self) -> None:
+    def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def add_body(
+        self, name: str, vertices_body_m: typing.Any, triangles: typing.Any, material: str, colour: typing.Any = None
+    ) -> int:
         """
-        Raises ValueError that names the field.
+        Returns the body's index.
         """
-    @property
-    def acidity_ph(self) -> float: ...
-    @acidity_ph.setter
-    def acidity_ph(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def bending(self) -> bool:
-        """
-        Whether the sound speed's profile bends the beams.
-        """
-    @bending.setter
-    def bending(self, arg0: bool) -> None: ...
-    @property
-    def bottom(self) -> BottomMaterial:
-        """
-        Of what has no line in `materials`.
-        """
-    @bottom.setter
-    def bottom(self, arg0: BottomMaterial) -> None: ...
-    @property
-    def materials(self) -> list[BottomMaterial]:
-        """
-        By label, see World.label_names.
-        """
-    @materials.setter
-    def materials(self, arg0: collections.abc.Sequence[BottomMaterial]) -> None: ...
-    @property
-    def rays_per_beam(self) -> int:
-        """
-        1, or 4 to 64
-        """
-    @rays_per_beam.setter
-    def rays_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-
-class AcousticMultibeam:
-    """
-    A multibeam in physics mode by itself, without a vehicle. Pings do not depend on threads.
-    """
-    def __init__(
+    def render(
         self,
-        model: MultibeamModel,
-        spec: AcousticSpec,
-        water: Water,
-        seed: typing.SupportsInt | typing.SupportsIndex = 0,
-        name: str = "sonar",
+        camera: Camera,
+        optics: Optics,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        time_s: typing.SupportsFloat | typing.SupportsIndex,
+        tick: typing.SupportsInt | typing.SupportsIndex,
+        effects: collections.abc.Sequence[str],
+        lamps: collections.abc.Sequence[LampLight] = [],
+        body_positions_m: typing.Any = None,
+        body_orientations_xyzw: typing.Any = None,
+        hidden_body: typing.SupportsInt | typing.SupportsIndex | None = None,
+        geometry_only: bool = False,
+        keep_radiance: bool = False,
+        measure: bool = False,
+        record: bool = False,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> Picture:
+        """
+        One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. body_positions_m: (n, 3), body_orientations_xyzw: (n, 4), of all bodies or none. Same bytes whatever the number of threads. Releases the GIL. Raises ValueError.
+        """
+    def set_ground(self, bed: str, steep: str, land: str) -> None: ...
+    def set_look(
+        self,
+        label: typing.SupportsInt | typing.SupportsIndex,
+        material: str,
+        surface_class: str,
+        colour: typing.Any = None,
+        texture_image: typing.Any = None,
+        texture_corners: typing.Any = None,
     ) -> None:
         """
-        Raises ValueError that names the field.
-        """
-    def ping(
-        self,
-        scene: RayScene,
-        position_world_m: typing.Any,
-        orientation_xyzw: typing.Any,
-        velocity_world_m_s: typing.Any = (0.0, 0.0, 0.0),
-        rate_world_rad_s: typing.Any = (0.0, 0.0, 0.0),
-        tick: typing.SupportsInt | typing.SupportsIndex = 0,
-        threads: typing.SupportsInt | typing.SupportsIndex = 1,
-    ) -> PhysicsPing:
-        """
-        One ping of the head at a pose (3,), (4,), moving (3,), (3,) in world axes. Random draws are keyed by tick.
-        Raises ValueError. Releases the GIL.
+        colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the lower left. Raises ValueError.
         """
     @property
-    def profile(self) -> SoundSpeedProfile:
+    def label_names(self) -> list[str]:
         """
-        Speed of sound of its water.
+        World.label_names, then the bodies'.
         """
 
 class OccupancyMap:
@@ -1177,17 +1066,13 @@ class SonarSpec:
     def __init__(
         self,
         name: str,
-        model: MultibeamModel,
+        model: typing.SupportsInt | typing.SupportsIndex,
         position_m: typing.Any,
         orientation_xyzw: typing.Any,
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        acoustics: AcousticSpec | None = None,
-    ) -> None:
-        """
-        acoustics: in physics mode; without, in geometry mode.
-        """
+    ) -> None: ...
     @property
-    def model(self) -> MultibeamModel: ...
+    def model(self) -> int: ...
     @property
     def name(self) -> str: ...
 
@@ -1358,15 +1243,6 @@ class Simulation:
     A world with vehicles, advanced by fixed steps; vehicles by index.
     """
     def __init__(self, world: World, scene: RayScene, spec: SimulationSpec) -> None: ...
-    def acoustic_ping(
-        self,
-        vehicle: typing.SupportsInt | typing.SupportsIndex,
-        sonar: typing.SupportsInt | typing.SupportsIndex,
-        threads: typing.SupportsInt | typing.SupportsIndex = 1,
-    ) -> PhysicsPing:
-        """
-        Of a sonar in physics mode. Raises ValueError in geometry mode. Releases the GIL.
-        """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
         Returns the vehicle's index.
@@ -1403,9 +1279,6 @@ class Simulation:
         """
         Two (6,): the largest wrench about each axis alone, ahead and astern, magnitudes [N, N m].
         """
-    def in_physics_mode(
-        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
-    ) -> bool: ...
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping: ...
@@ -1498,15 +1371,7 @@ def decode_depth_string(
     Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
     """
 
-def detection_probability(
-    snr: typing.SupportsFloat | typing.SupportsIndex,
-    looks: typing.SupportsFloat | typing.SupportsIndex,
-    detection_threshold_db: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    snr: a ratio, not dB. looks: independent ones that the echo holds.
-    """
-
+def effect_names() -> list[str]: ...
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
     The published depthArray text: C#'s G7 text of each range, each followed by the letter a.
@@ -1524,30 +1389,25 @@ def filter_range(
     GIL.
     """
 
+def jerlov_types() -> list[str]:
+    """
+    Names of the Jerlov water types.
+    """
+
+def material_names() -> list[str]: ...
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
     """
 
-def nadir_area_m2(
-    sonar: SonarFigures,
-    bottom: BottomMaterial,
-    range_m: typing.SupportsFloat | typing.SupportsIndex,
-    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
+def refracted(
+    direction: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+    n_from: typing.SupportsFloat | typing.SupportsIndex,
+    n_to: typing.SupportsFloat | typing.SupportsIndex,
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
     """
-    Bottom straight below that scatters one range cell's worth [m2].
-    """
-
-def nadir_snr_db(
-    sonar: SonarFigures,
-    bottom: BottomMaterial,
-    range_m: typing.SupportsFloat | typing.SupportsIndex,
-    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
-    absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    The active sonar equation straight below [dB].
+    Snell's law; normal points to where the ray comes from. None where it is totally reflected.
     """
 
 def remove_box(
@@ -1602,20 +1462,7 @@ def sound_speed_m_s(
     Speed of sound in water [m/s], Mackenzie 1981.
     """
 
-def sound_speed_profile(water: Water) -> SoundSpeedProfile:
-    """
-    The water's speed of sound by depth: as its profile gives it, else Mackenzie's.
-    """
-
-def soundings(
-    directions_world: typing.Any, travel_time_s: typing.Any, origin_world_m: typing.Any, profile: SoundSpeedProfile
-) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    Points (n, 3) float64, world, that a survey computes: sound traced along directions_world (n, 3), as sent, for
-    half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN where the time
-    is not finite. Raises ValueError. Releases the GIL.
-    """
-
+def surface_class_names() -> list[str]: ...
 def transform_points(
     points_source_m: typing.Any, target_from_source: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:

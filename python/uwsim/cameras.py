@@ -17,9 +17,9 @@ from uwsim.scenario.camera_spec import CameraMount, Lamps
 
 Floats = NDArray[np.float64]
 EFFECTS: tuple[str, ...] = tuple(_core.effect_names())
-"""What may be switched in a picture, by name: attenuation, backscatter, sunlight (Kd and refraction of daylight), surface
-(refraction and reflection there), shadows, lamps, caustics, shafts, particles, wobble, distortion, vignetting, exposure
-(automatic; 1 without), noise."""
+"""What may be switched in a picture, by name: attenuation, backscatter, sunlight (Kd and refraction of daylight),
+surface (refraction and reflection there), shadows, lamps, caustics, shafts, particles, wobble, distortion, vignetting,
+exposure (automatic; 1 without), noise."""
 
 BODY_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """Turns the optical frame (x right, y down, z ahead) into the mount's (x ahead, y left, z up)."""
@@ -59,10 +59,10 @@ class CameraInfo:
 class Frame:
     """One picture; arrays are read-only and of one pass.
 
-    rgb: (H, W, 3) uint8, sRGB, (0, W, 3) where geometry alone was taken. depth_m: (H, W) float32 along the optical axis,
-    inf for nothing. normals_world: (H, W, 3) float32, of the winding side, 0 for nothing. labels: (H, W) uint16, classes:
-    (H, W) uint8, indices into label_names and class_names. Depth, normals, labels and classes are of the first solid on
-    each pixel's straight ray, water and its surface being clear; colour follows the light through the surface.
+    rgb: (H, W, 3) uint8, sRGB, (0, W, 3) where geometry alone was taken. depth_m: (H, W) float32 along the optical
+    axis, inf for nothing. normals_world: (H, W, 3) float32, of the winding side, 0 for nothing. labels: (H, W) uint16,
+    classes: (H, W) uint8, indices into label_names and class_names. Depth, normals, labels and classes are of the first
+    solid on each pixel's straight ray, water and its surface being clear; colour follows the light through the surface.
     radiance: (H, W, 3) float32 before exposure, where asked for; irradiance 1 is the sun's outside the air.
     """
 
@@ -125,7 +125,7 @@ class Frame:
 
 
 class Lamp:
-    """Lamps on one switch, such as rov.lamps["front"]. They shine from the vehicle in what its cameras and others see."""
+    """Lamps on one switch, such as rov.lamps["front"]. Every camera sees their light."""
 
     def __init__(self, name: str, spec: Lamps) -> None:
         self.name = name
@@ -214,10 +214,10 @@ class Camera:
     ) -> Frame:
         """Take a picture of now.
 
-        effects: "on", "off" (the plain scene, dry and under the open sky) or the names that are on; without: names that
-        are off. geometry_only: depth, normals, labels and classes only. radiance: keep it. measure: fill stage_s.
-        Raises ValueError for unknown effects and where the camera is below the ground; inside another solid it sees that
-        solid's inner side.
+        effects: "on", "off" (the plain scene, dry and under the open sky) or the names that are on; without: names
+        that are off. geometry_only: depth, normals, labels and classes only. radiance: keep it. measure: fill stage_s.
+        Raises ValueError for unknown effects and where the camera is below the ground; inside another solid it sees
+        that solid's inner side.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
@@ -242,7 +242,7 @@ class Camera:
             geometry_only,
             radiance,
             measure,
-            threads or self._stage.threads,
+            threads=threads or self._stage.threads,
         )
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn.as_matrix(), position
@@ -279,5 +279,7 @@ class Camera:
         lens = _core.Lens(
             mount.width, mount.height, self._focal, self._focal, float(k[0, 2]), float(k[1, 2]), list(mount.distortion)
         )
-        sensor: dict[str, Any] = {key: getattr(mount, key) for key in ("exposure", "full_well", "read_noise", "vignetting")}
+        sensor: dict[str, Any] = {
+            key: getattr(mount, key) for key in ("exposure", "full_well", "read_noise", "vignetting")
+        }
         return _core.Camera(self.name, lens, **sensor, wobble_rad=1e-3 * mount.wobble_mrad)

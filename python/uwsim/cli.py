@@ -140,6 +140,37 @@ def validate(
 
 
 @app.command()
+def camera(
+    scenario: ScenarioName = "lake",
+    out: Annotated[Path, typer.Option(help="The picture: .png or .jpg.")] = Path("camera.png"),
+    effects: Annotated[
+        str, typer.Option(help="A picture for each, side by side: on, off, or names joined by + (comma-separated).")
+    ] = "on",
+    name: Annotated[str, typer.Option("--camera", help="Which: front, down, station, or another by name.")] = "front",
+    pose: Annotated[str | None, typer.Option(help="Of the vehicle: x,y,z [m],yaw,pitch,roll [deg].")] = None,
+    jerlov: Annotated[str | None, typer.Option(help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.")] = None,
+    sun: Annotated[float | None, typer.Option(help="The sun's elevation [deg].")] = None,
+    lamps: Annotated[str, typer.Option(help="Lamps that are on, comma-separated: front, down.")] = "",
+    at: Annotated[float, typer.Option(help="Simulated seconds to let pass first.")] = 0.0,
+    seed: Seed = None,
+    threads: Threads = None,
+) -> None:
+    """Take pictures, with and without the water's effects."""
+    from uwsim.gallery import Wish, draw
+
+    try:
+        place = None if pose is None else [float(part) for part in pose.split(",")]
+    except ValueError:
+        raise ValueError(f"pose = {pose!r}: must be six numbers: x,y,z,yaw,pitch,roll") from None
+    wanted = [part for part in effects.split(",") if part]
+    if not wanted:
+        raise ValueError(f"effects = {effects!r}: must name at least one picture")
+    wish = Wish(name, wanted, place, jerlov, sun, [part for part in lamps.split(",") if part], at)
+    frames = draw(scenario, wish, out, seed=seed, threads=threads)
+    typer.echo(f"{out}: {len(frames)} x {frames[0].info.width} x {frames[0].info.height} pixels, camera '{name}'")
+
+
+@app.command()
 def decompose(
     mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.")],
     out: Annotated[Path | None, typer.Option(help="Where to write; MESH.pieces.obj beside it by default.")] = None,

@@ -49,8 +49,8 @@ class Thruster:
 class Vehicle:
     """One vehicle of a simulator; see Simulator.vehicles.
 
-    sensors: by name, such as "imu" or "depth". sonars: by name; sonar: the first. cameras: by name. lamps: by the name of
-    their switch.
+    sensors: by name, such as "imu" or "depth". sonars: by name; sonar: the first. cameras: by name.
+    lamps: by the name of their switch.
     Commands are held until the next; one that raises ValueError changes nothing.
     """
 

@@ -25,6 +25,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
     "dynamics": {"core", "world", "vehicle"},
     "sensors": {"core", "world", "acoustics"},
     "sonar": {"core", "world", "acoustics"},
+    "camera": {"core", "world"},
     "sim": {"core", "world", "vehicle", "acoustics", "dynamics", "sensors", "sonar"},
 }
 

@@ -10,11 +10,11 @@ namespace uwsim {
 
 /// How light becomes bytes.
 struct ImageSensor {
-  double exposure = 1;          ///< of the fixed exposure, and a correction of the automatic one
-  double full_well = 8000;      ///< electrons at full scale and base gain: assumed, a small sensor's
-  double read_noise = 6;        ///< electrons: assumed
-  double vignetting = 0.5;      ///< share of the cos^4 law: assumed, for lenses that correct some of it
-  double wobble_rad = 8e-4;     ///< greatest bend of a ray by turbulence: assumed
+  double exposure = 1;       ///< of the fixed exposure, and a correction of the automatic one
+  double full_well = 8000;   ///< electrons at full scale and base gain: assumed, a small sensor's
+  double read_noise = 6;     ///< electrons: assumed
+  double vignetting = 0.5;   ///< share of the cos^4 law: assumed, for lenses that correct some of it
+  double wobble_rad = 8e-4;  ///< greatest bend of a ray by turbulence: assumed
 };
 
 /// A camera: lens and sensor. Its frame is x ahead, y left, z up, as a body's; the optical frame looks along it.
@@ -37,11 +37,11 @@ class Camera {
 
 /// A spot lamp: even within the inner angle, dark from the outer on, smooth between.
 struct Lamp {
-  Pose world_from_lamp;            ///< shines along x
+  Pose world_from_lamp;  ///< shines along x
   double flux_lm = 10'000;
-  double half_angle_rad = 0.6;     ///< where it is dark
-  double soft_share = 0.4;         ///< of the half angle, over which it falls off
-  Bands colour = Bands::Ones();    ///< relative to daylight's white
+  double half_angle_rad = 0.6;   ///< where it is dark
+  double soft_share = 0.4;       ///< of the half angle, over which it falls off
+  Bands colour = Bands::Ones();  ///< relative to daylight's white
 
   void check() const;
 };

@@ -19,8 +19,7 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
 }
 
 void CameraScene::set_look(Label label, const SurfaceLook& look) {
-  require(label > kTerrain && label < world_.solids().size() + kTerrain + 1, "label", label,
-          "must be a solid's label");
+  require(label > kTerrain && label < world_.solids().size() + kTerrain + 1, "label", label, "must be a solid's label");
   if (look.texture) {
     look.texture->check();
     const std::size_t triangles = world_.solids()[label - kTerrain - 1]->mesh_world.triangles.size();
@@ -45,7 +44,8 @@ std::size_t CameraScene::add_body(std::string name, const TriangleMesh& hull_bod
   own.add_solid(name, hull_body_m);
   Eigen::Vector3d low = hull_body_m.vertices_m.front(), high = low;
   for (const Eigen::Vector3d& v : hull_body_m.vertices_m) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  Body body{std::move(name), std::make_shared<const RayScene>(own), 0.5 * (low + high), 0.5 * (high - low).norm(), look};
+  Body body{std::move(name), std::make_shared<const RayScene>(own), 0.5 * (low + high), 0.5 * (high - low).norm(),
+            look};
   materials_.push_back(look.material);
   classes_.push_back(static_cast<std::uint8_t>(look.kind));
   textures_.push_back(nullptr);
@@ -66,8 +66,12 @@ std::shared_ptr<const Ripples::Moment> CameraScene::ripples(double wind_m_s, dou
   const std::lock_guard alone(mutex_);
   const bool same_wind = kept_ && kept_->wind_m_s == wind_m_s && kept_->towards_rad == towards_rad;
   if (same_wind && kept_->time_s == time_s && kept_->index == index) return kept_->moment;
-  Kept now{wind_m_s, towards_rad, time_s, index,
-           same_wind ? kept_->ripples : std::make_shared<const Ripples>(wind_m_s, towards_rad, seed_), nullptr};
+  Kept now{wind_m_s,
+           towards_rad,
+           time_s,
+           index,
+           same_wind ? kept_->ripples : std::make_shared<const Ripples>(wind_m_s, towards_rad, seed_),
+           nullptr};
   now.moment = std::make_shared<const Ripples::Moment>(now.ripples->at(time_s, index, threads));
   kept_ = std::move(now);
   return kept_->moment;

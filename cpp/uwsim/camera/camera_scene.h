@@ -39,8 +39,8 @@ struct Body {
   SurfaceLook look;
 };
 
-/// The world that feeds physics and rays, with what light needs to know of it; and the vehicles, which rays of the world
-/// pass. Labels as World::label_names, then the bodies'.
+/// The world that feeds physics and rays, with what light needs to know of it; and the vehicles, which rays of the
+/// world pass. Labels as World::label_names, then the bodies'.
 class CameraScene {
  public:
   CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed);

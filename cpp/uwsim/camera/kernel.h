@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-/// What the pixel kernels read and write: plain figures and arrays, so that they can be compiled for several kinds of CPU
-/// (kernel_*.cpp) and mean the same in each. Positions are metres from the camera, along world axes; x, y, z and red,
-/// green, blue in order; light in the units of daylight.h.
+/// What the pixel kernels read and write: plain figures and arrays, so that they can be compiled for several kinds of
+/// CPU (kernel_*.cpp) and mean the same in each. Positions are metres from the camera, along world axes; x, y, z and
+/// red, green, blue in order; light in the units of daylight.h.
 namespace uwsim::camera {
 
 inline constexpr int kBlockSide = 4;
@@ -52,50 +52,50 @@ struct Shot {
   float right[3], down[3], ahead[3];
   float pixel_rad;  ///< across one pixel, about
   float wobble_rad, wobble_phase;
-  float camera_z, surface_z;        ///< world; of the surface above or below the camera
-  float texture_x, texture_y;       ///< camera in the frame of textures and ripples, which repeat
-  double terrain_x, terrain_y;      ///< first node relative to the camera
+  float camera_z, surface_z;    ///< world; of the surface above or below the camera
+  float texture_x, texture_y;   ///< camera in the frame of textures and ripples, which repeat
+  double terrain_x, terrain_y;  ///< first node relative to the camera
   double terrain_spacing, anchor_z;
-  const float* heights;             ///< null: no terrain
+  const float* heights;  ///< null: no terrain
   int terrain_nx;
   std::uint32_t terrain_label;
 
   int has_surface, camera_wet, has_depth_light, has_attenuation, has_backscatter, has_caustics;
-  float index;                      ///< of refraction
-  float c[3], kd[3], kb[3];         ///< beam; daylight; of it the sun's own beam
+  float index;               ///< of refraction
+  float c[3], kd[3], kb[3];  ///< beam; daylight; of it the sun's own beam
   float particle_b[3], molecule_b[3];
-  float upwelling[3];               ///< share of downwelling light that comes back up
+  float upwelling[3];                                  ///< share of downwelling light that comes back up
   float beam_level[3], total_level[3], to_sun_wet[3];  ///< just below the surface
   float beam[3], sky[3], to_sun[3];                    ///< in air
-  const float *caustics, *slopes;   ///< Ripples::Moment's, null: flat
-  float bend;                       ///< 1 - 1 / index
+  const float *caustics, *slopes;                      ///< Ripples::Moment's, null: flat
+  float bend;                                          ///< 1 - 1 / index
   WaveWindow waves;
 
   const MaterialRow* materials;
-  int terrain_rock, terrain_dry;    ///< rows of steep and of dry ground; its row is that of the label
+  int terrain_rock, terrain_dry;  ///< rows of steep and of dry ground; its row is that of the label
   int lamp_count;
   const LampLight* lamps;
-  int shaft_width;                  ///< blocks a row of the shafts' picture, 0: none
+  int shaft_width;  ///< blocks a row of the shafts' picture, 0: none
   const float* shafts;
 };
 
 /// Sixteen pixels on their way from a ray to a colour.
 struct Block {
   Row3 origin, direction;
-  Row distance;           ///< along the ray to what was hit, infinity for nothing
-  Row reach;              ///< to where this piece of the ray ends: hit, surface or afar
-  Row3 normal;            ///< unit, of the winding side; then towards the eye, with bumps
+  Row distance;  ///< along the ray to what was hit, infinity for nothing
+  Row reach;     ///< to where this piece of the ray ends: hit, surface or afar
+  Row3 normal;   ///< unit, of the winding side; then towards the eye, with bumps
   Mask active, wet, lit, onward;
   Mask material;
   alignas(64) std::uint32_t label[kBlockPixels], primitive[kBlockPixels];
-  Row3 point, albedo, given;   ///< given: a texture's colour where has_given
+  Row3 point, albedo, given;  ///< given: a texture's colour where has_given
   Mask has_given;
-  Row3 through, light;    ///< what of later light reaches the eye, and what has
-  Row3 veil_beam;         ///< part of the veil that the sun's beam makes
-  Row3 share;             ///< irradiance by the light under test, if nothing is in its way
+  Row3 through, light;  ///< what of later light reaches the eye, and what has
+  Row3 veil_beam;       ///< part of the veil that the sun's beam makes
+  Row3 share;           ///< irradiance by the light under test, if nothing is in its way
   Row3 to_light;
   Row light_distance;
-  Mask wants;             ///< lanes whose shadow ray is worth casting
+  Mask wants;  ///< lanes whose shadow ray is worth casting
 };
 
 /// Light before exposure, planes of width x height.
@@ -131,7 +131,7 @@ struct Kernels {
 /// The fastest that this CPU runs; all give the same bits.
 const Kernels& kernels();
 const Kernels& baseline_kernels();
-const Kernels* avx2_kernels();    ///< null where not compiled in
+const Kernels* avx2_kernels();  ///< null where not compiled in
 const Kernels* avx512_kernels();
 
 }  // namespace uwsim::camera

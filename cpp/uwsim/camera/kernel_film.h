@@ -53,7 +53,8 @@ struct Words {
 UWSIM_LANES Words philox(Unsigned c0, Unsigned c1, Unsigned c2, Unsigned c3, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key), k1 = static_cast<std::uint32_t>(key >> 32);
   for (int round = 0; round < 10; ++round) {
-    const Wide p0 = __builtin_convertvector(c0, Wide) * 0xD2511F53ull, p1 = __builtin_convertvector(c2, Wide) * 0xCD9E8D57ull;
+    const Wide p0 = __builtin_convertvector(c0, Wide) * 0xD2511F53ull,
+               p1 = __builtin_convertvector(c2, Wide) * 0xCD9E8D57ull;
     const Unsigned high0 = __builtin_convertvector(p0 >> 32, Unsigned), low0 = __builtin_convertvector(p0, Unsigned);
     const Unsigned high1 = __builtin_convertvector(p1 >> 32, Unsigned), low1 = __builtin_convertvector(p1, Unsigned);
     c0 = high1 ^ c1 ^ k0;

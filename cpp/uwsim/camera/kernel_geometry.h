@@ -56,7 +56,8 @@ void aim_shafts(const Shot& shot, int left, int top, int scale, Block& block) {
 
 UWSIM_LANES Double to_double(Float x) { return __builtin_convertvector(x, Double); }
 
-/// On terrain the distance is solved again in double over the plane of the triangle that was named: floats err by 1e-4 m.
+/// On terrain the distance is solved again in double over the plane of the triangle that was named: floats err by 1e-4
+/// m.
 void place(const Shot& shot, Block& block) {
   const Vector origin = load(block.origin), way = load(block.direction);
   bool on_terrain = false;
@@ -92,7 +93,8 @@ void place(const Shot& shot, Block& block) {
         // Within 0.1 degree of tangency the plane says less about the distance than the ray tree does.
         const double steepness = sinking[k] * normal.z[k];
         const double distance = above[k] / sinking[k];
-        if (steepness > 1.7e-3 || steepness < -1.7e-3) block.distance.at[k] = static_cast<float>(distance > 0 ? distance : 0);
+        if (steepness > 1.7e-3 || steepness < -1.7e-3)
+          block.distance.at[k] = static_cast<float>(distance > 0 ? distance : 0);
         block.normal.x.at[k] = normal.x[k];
         block.normal.y.at[k] = normal.y[k];
         block.normal.z.at[k] = normal.z[k];

@@ -20,7 +20,8 @@ UWSIM_LANES void cone_crossing(const LampLight& lamp, Vector way, Float end, Flo
   const Float safe = select(abs(a) < 1e-6f, splat(1e-6f), a);
   const Float t1 = (-b - root) / safe, t2 = (-b + root) / safe;
   const Float low = min(t1, t2), high = max(t1, t2);
-  // Outside the cone's own directions a ray is in it between the roots; along them, beyond the last or before the first.
+  // Outside the cone's own directions a ray is in it between the roots; along them, beyond the last or before the
+  // first.
   const Int crosses = a < 0;
   from = select(crosses, low, select(da > 0, high, splat(0)));
   to = select(crosses, high, select(da > 0, end, low));
@@ -67,8 +68,8 @@ void lamp_veil(const Shot& shot, int index, Block& block) {
   store(block.light, select(crosses, light + added, light));
 }
 
-/// A point of each ray between two shares of what is worth sampling of it: how much its light weighs, the caustics there,
-/// and a shadow ray to the sun.
+/// A point of each ray between two shares of what is worth sampling of it: how much its light weighs, the caustics
+/// there, and a shadow ray to the sun.
 void shaft_sample(const Shot& shot, float from, float to, std::uint32_t salt, Block& block, Row& weight, Row& caustic) {
   const Vector way = load(block.direction);
   const Float length = min(load(block.reach.at), splat(3 / shot.c[1]));

@@ -10,7 +10,8 @@ constexpr float kPatch_per_m = 0.7f;
 constexpr float kShadowReach_m = 5.0f;  // above the water: what stands higher casts no shadow into it
 constexpr float kWorthAShadow = 2e-3f;  // of the water's own brightness: less is not missed
 
-/// Value noise in [0, 1]: hashed values at whole points, smoothly between them. Repeats every 256 m at whole frequencies.
+/// Value noise in [0, 1]: hashed values at whole points, smoothly between them. Repeats every 256 m at whole
+/// frequencies.
 UWSIM_LANES Float value_noise(Vector p, std::uint32_t salt) {
   const Int i = floor_int(p.x), j = floor_int(p.y), k = floor_int(p.z);
   const Float u = p.x - to_float(i), v = p.y - to_float(j), w = p.z - to_float(k);
@@ -18,9 +19,7 @@ UWSIM_LANES Float value_noise(Vector p, std::uint32_t salt) {
   const Unsigned x0 = (Unsigned)i * 0x8da6b343u, x1 = x0 + 0x8da6b343u;
   const Unsigned y0 = (Unsigned)j * 0xd8163841u, y1 = y0 + 0xd8163841u;
   const Unsigned z0 = (Unsigned)k * 0xcb1ab31fu + salt, z1 = z0 + 0xcb1ab31fu;
-  const auto row = [&](Unsigned y, Unsigned z) {
-    return mix(hash_unit(x0 ^ y ^ z), hash_unit(x1 ^ y ^ z), su);
-  };
+  const auto row = [&](Unsigned y, Unsigned z) { return mix(hash_unit(x0 ^ y ^ z), hash_unit(x1 ^ y ^ z), su); };
   return mix(mix(row(y0, z0), row(y1, z0), sv), mix(row(y0, z1), row(y1, z1), sv), sw);
 }
 
@@ -30,8 +29,8 @@ struct Look {
 };
 
 UWSIM_LANES Look look_of(const MaterialRow& m) {
-  return {spread(m.base),       spread(m.other),    splat(m.contrast),   splat(m.fine_per_m),
-          splat(m.bump), splat(m.ripple_m), splat(m.ripple_tilt)};
+  return {spread(m.base), spread(m.other),   splat(m.contrast),   splat(m.fine_per_m),
+          splat(m.bump),  splat(m.ripple_m), splat(m.ripple_tilt)};
 }
 
 UWSIM_LANES Look look_of(const MaterialRow* rows, Int index) {
@@ -49,7 +48,8 @@ UWSIM_LANES Look look_of(const MaterialRow* rows, Int index) {
   return look;
 }
 
-/// Fills albedo and bends the normal: patches of two sizes, sand ripples; all fade where a pixel is as large as they are.
+/// Fills albedo and bends the normal: patches of two sizes, sand ripples; all fade where a pixel is as large as they
+/// are.
 void paint(const Shot& shot, Block& block) {
   const Vector point = load(block.point), way = load(block.direction);
   Vector normal = load(block.normal);
@@ -64,16 +64,18 @@ void paint(const Shot& shot, Block& block) {
   const Look look = look_of(shot.materials, material);
   const Float fine_near = clamp(1.5f - 1.5f * pixel_m * look.fine_per_m, 0, 1);
   const Float fine = value_noise(place * look.fine_per_m, 91u) - 0.5f;
-  const Float grain = value_noise(place * (look.fine_per_m * 6.0f), 53u) - 0.5f;
-  const Float grain_near = clamp(1.5f - 9.0f * pixel_m * look.fine_per_m, 0, 1);
-  const Float patches = (large - 0.5f) * 1.1f + fine * fine_near * 0.8f + grain * grain_near * 0.7f;
+  const Float grain = value_noise(place * (look.fine_per_m * 9.0f), 53u) - 0.5f;
+  const Float grain_near = clamp(1.5f - 13.0f * pixel_m * look.fine_per_m, 0, 1);
+  const Float patches = (large - 0.5f) * 0.9f + fine * fine_near * 0.7f + grain * grain_near * 0.9f;
   const Float share = clamp(0.5f + look.contrast * patches, 0, 1);
   Vector albedo = {mix(look.base.x, look.other.x, share), mix(look.base.y, look.other.y, share),
                    mix(look.base.z, look.other.z, share)};
   albedo = select(load(block.has_given.at), load(block.given), albedo);
   const Float ripple_near = clamp(1.5f - 4.0f * pixel_m / max(look.ripple_m, splat(1e-3f)), 0, 1);
-  const Float crest = (place.x * 0.83f + place.y * 0.56f + 0.35f * large) * (2 * kPi) / max(look.ripple_m, splat(0.02f));
-  const Float ripple = select(look.ripple_m > 0, look.ripple_tilt * ripple_near * cosine(crest) * (0.4f + large), Float{});
+  const Float crest =
+      (place.x * 0.83f + place.y * 0.56f + 0.35f * large) * (2 * kPi) / max(look.ripple_m, splat(0.02f));
+  const Float ripple =
+      select(look.ripple_m > 0, look.ripple_tilt * ripple_near * cosine(crest) * (0.4f + large), Float{});
   const Vector bent = {normal.x - ripple * 0.83f + look.bump * fine_near * fine,
                        normal.y - ripple * 0.56f + look.bump * grain_near * grain, normal.z};
   store(block.normal, unit(bent));
@@ -102,7 +104,8 @@ UWSIM_LANES Float caustic_at(const Shot& shot, Vector point) {
   const Int i0 = floor_int(u), j0 = floor_int(v);
   const Float fu = u - to_float(i0), fv = v - to_float(j0);
   const Int wrap = Int{} + (kCausticCells - 1);
-  const Int i = i0 & wrap, i1 = (i0 + 1) & wrap, j = (j0 & wrap) * kCausticCells, j1 = ((j0 + 1) & wrap) * kCausticCells;
+  const Int i = i0 & wrap, i1 = (i0 + 1) & wrap, j = (j0 & wrap) * kCausticCells,
+            j1 = ((j0 + 1) & wrap) * kCausticCells;
   const Float level = 1.44269504f * logarithm(max(path * (1 / kCausticFirst_m), splat(1)));
   const Float bounded = clamp(level, 0, kCausticLevels - 1.001f);
   const Int lower = to_int(bounded);
@@ -148,7 +151,8 @@ void light_by_day(const Shot& shot, Block& block) {
   store(block.share, beam);
   const Vector to_sun = select(under, spread(shot.to_sun_wet), spread(shot.to_sun));
   store(block.to_light, to_sun);
-  store(block.light_distance.at, select(under, max(depth, Float{}) * (1 / shot.to_sun_wet[2]) + kShadowReach_m, splat(3000.0f)));
+  store(block.light_distance.at,
+        select(under, max(depth, Float{}) * (1 / shot.to_sun_wet[2]) + kShadowReach_m, splat(3000.0f)));
   const Float worth = beam.x + beam.y + beam.z;
   const Float around = light.x + light.y + light.z;
   store(block.wants.at, lit & (worth > kWorthAShadow * around) & (worth > 1e-9f));

@@ -28,9 +28,9 @@ UWSIM_LANES Vector scattered(const Shot& shot, Float cosine, float g) {
   const Float particles = forward_phase(cosine, g), molecules = molecule_phase(cosine);
   return spread(shot.particle_b) * particles + spread(shot.molecule_b) * molecules;
 }
-// Single scattering by real particles (g about 0.9) leaves the water beside the camera ten times too dark, since daylight
-// is scattered many times. 0.5 gives horizontal radiance of some 0.04 of the downwelling irradiance in turbid water, as
-// radiance distributions measured in lakes and seas have it: assumed, by its order of magnitude.
+// Single scattering by real particles (g about 0.9) leaves the water beside the camera ten times too dark, since
+// daylight is scattered many times. 0.5 gives horizontal radiance of some 0.04 of the downwelling irradiance in turbid
+// water, as radiance distributions measured in lakes and seas have it: assumed, by its order of magnitude.
 constexpr float kVeilAsymmetry = 0.5f;
 // A lamp's light near the camera is scattered once: particles as a whole (Petzold 1972 by way of g = 0.9: assumed).
 constexpr float kLampAsymmetry = 0.9f;
@@ -64,7 +64,8 @@ UWSIM_LANES void add_ripples(const Shot& shot, Float x, Float y, Float distance,
   const Int i0 = floor_int(u), j0 = floor_int(v);
   const Float fu = u - to_float(i0), fv = v - to_float(j0);
   const Int wrap = Int{} + (kCausticCells - 1);
-  const Int i = i0 & wrap, i1 = (i0 + 1) & wrap, j = (j0 & wrap) * kCausticCells, j1 = ((j0 + 1) & wrap) * kCausticCells;
+  const Int i = i0 & wrap, i1 = (i0 + 1) & wrap, j = (j0 & wrap) * kCausticCells,
+            j1 = ((j0 + 1) & wrap) * kCausticCells;
   // From afar a pixel holds many ripples, whose slopes cancel.
   const Float nearness = 1 / (1 + distance * distance * (shot.pixel_rad * shot.pixel_rad * 40));
   const auto value = [&](int field) {
@@ -105,8 +106,8 @@ UWSIM_LANES Vector upwelling(const Shot& shot) {
   return spread(shot.upwelling) * spread(shot.total_level) * splat(1 / kPi);
 }
 
-/// Light scattered into a ray over `length` of water and dimmed on its way to the eye, in closed form: daylight changes as
-/// exp(-K depth) along the ray, so that the veil is J / k (1 - exp(-k length)) with k = c - K sin(elevation); it
+/// Light scattered into a ray over `length` of water and dimmed on its way to the eye, in closed form: daylight changes
+/// as exp(-K depth) along the ray, so that the veil is J / k (1 - exp(-k length)) with k = c - K sin(elevation); it
 /// saturates, at J / c for a level ray. Split into what the sun's beam makes, which shafts modulate, and the rest.
 UWSIM_LANES void add_veil(const Shot& shot, Vector origin, Vector way, Float length, Vector& calm, Vector& beam) {
   const Float depth = shot.surface_z - (origin.z + shot.camera_z);

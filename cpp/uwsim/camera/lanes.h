@@ -3,8 +3,8 @@
 #include <cstdint>
 
 /// Arithmetic on sixteen pixels at once, in the compiler's own vector types: one source, compiled for several kinds of
-/// CPU (kernel_*.cpp). Every operation is one IEEE operation a lane, without fused multiply-add, so that all builds of it
-/// give the same bits. Only for those files: everything here is local to the file that includes it.
+/// CPU (kernel_*.cpp). Every operation is one IEEE operation a lane, without fused multiply-add, so that all builds of
+/// it give the same bits. Only for those files: everything here is local to the file that includes it.
 namespace uwsim::camera {
 namespace {
 
@@ -97,7 +97,8 @@ UWSIM_LANES Float sine(Float x) {
   r = select(r > 1.57079633f, 3.14159265f - r, r);
   r = select(r < -1.57079633f, -3.14159265f - r, r);
   const Float z = r * r;
-  return r * (1 + z * (-1.0f / 6 + z * (1.0f / 120 + z * (-1.0f / 5040 + z * (1.0f / 362880 - z * (1.0f / 39916800))))));
+  return r *
+         (1 + z * (-1.0f / 6 + z * (1.0f / 120 + z * (-1.0f / 5040 + z * (1.0f / 362880 - z * (1.0f / 39916800))))));
 }
 UWSIM_LANES Float cosine(Float x) { return sine(x + 1.57079633f); }
 
@@ -105,8 +106,7 @@ UWSIM_LANES Float cosine(Float x) { return sine(x + 1.57079633f); }
 UWSIM_LANES Float arc_tangent(Float x) {
   const Float size = abs(x);
   const Int steep = size > 2.41421356f, middle = size > 0.41421356f;
-  const Float reduced =
-      select(steep, -1 / max(size, splat(1e-20f)), select(middle, (size - 1) / (size + 1), size));
+  const Float reduced = select(steep, -1 / max(size, splat(1e-20f)), select(middle, (size - 1) / (size + 1), size));
   const Float base = select(steep, splat(1.57079633f), select(middle, splat(0.785398163f), Float{}));
   const Float z = reduced * reduced;
   const Float series =

@@ -31,15 +31,16 @@ Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
 
 void Lens::check() const {
   const auto side = [](const char* name, int pixels) {
-    require(pixels >= 1 && pixels <= kLargestSide, std::string("camera.") + name, pixels, "must be in [1, 8192] pixels");
+    require(pixels >= 1 && pixels <= kLargestSide, std::string("camera.") + name, pixels,
+            "must be in [1, 8192] pixels");
   };
   side("width", width);
   side("height", height);
   for (const double f : {fx, fy}) {
     require(f >= 1 && f <= 1e6, "camera.focal_length", f, "must be in [1, 1e6] pixels");
   }
-  require(std::isfinite(cx) && std::isfinite(cy) && std::abs(cx) <= 1e6 && std::abs(cy) <= 1e6, "camera.principal_point",
-          cx, "must be finite, within 1e6 pixels");
+  require(std::isfinite(cx) && std::isfinite(cy) && std::abs(cx) <= 1e6 && std::abs(cy) <= 1e6,
+          "camera.principal_point", cx, "must be finite, within 1e6 pixels");
   for (const double k : {k1, k2, p1, p2, k3}) {
     require(std::isfinite(k) && std::abs(k) <= 100, "camera.distortion", k, "must be in [-100, 100]");
   }

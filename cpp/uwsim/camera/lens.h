@@ -5,9 +5,9 @@
 
 namespace uwsim {
 
-/// A camera's geometry, as in OpenCV and sensor_msgs/CameraInfo: optical frame x right, y down, z ahead; a pixel's centre
-/// has whole coordinates. Distortion is Brown and Conrady's ("plumb_bob"; Brown 1971, "Close-range camera calibration"):
-/// with r^2 = x^2 + y^2 of the undistorted x = X/Z, y = Y/Z,
+/// A camera's geometry, as in OpenCV and sensor_msgs/CameraInfo: optical frame x right, y down, z ahead; a pixel's
+/// centre has whole coordinates. Distortion is Brown and Conrady's ("plumb_bob"; Brown 1971, "Close-range camera
+/// calibration"): with r^2 = x^2 + y^2 of the undistorted x = X/Z, y = Y/Z,
 ///   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' likewise; u = fx x' + cx, v = fy y' + cy.
 /// Under water the figures are those of the housing in water: a flat port is not modelled as such.
 struct Lens {

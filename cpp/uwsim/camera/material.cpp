@@ -13,8 +13,9 @@ struct Named {
   camera::MaterialRow row;  // base, other, contrast, fine a metre, bump, ripple length and slope
 };
 
-constexpr std::array<Named, 8> kMaterials = {{
-    {"sand", {{.38f, .33f, .24f}, {.27f, .23f, .16f}, .8f, 5, .25f, .32f, .30f}},
+constexpr std::array<Named, 9> kMaterials = {{
+    {"plain", {{.50f, .50f, .50f}, {.50f, .50f, .50f}, 0, 1, 0, 0, 0}},
+    {"sand", {{.40f, .35f, .25f}, {.22f, .18f, .12f}, 1.1f, 7, .35f, .28f, .45f}},
     {"gravel", {{.30f, .29f, .27f}, {.14f, .13f, .12f}, 1.6f, 12, .9f, 0, 0}},
     {"mud", {{.20f, .17f, .12f}, {.14f, .12f, .09f}, .7f, 3, .15f, 0, 0}},
     {"rock", {{.24f, .23f, .21f}, {.09f, .10f, .09f}, 1.4f, 4, .8f, 0, 0}},

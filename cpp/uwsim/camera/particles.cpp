@@ -35,7 +35,8 @@ std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::Shot& sho
     const float cone = from.dot(Eigen::Map<const Eigen::Vector3f>(lamp.axis)) / distance;
     const float edge = std::clamp((cone - lamp.cos_outer) / (lamp.cos_inner - lamp.cos_outer), 0.0f, 1.0f);
     const float spot = edge * edge * (3 - 2 * edge) / (distance * distance);
-    for (int band = 0; band < 3; ++band) light[band] += lamp.intensity[band] * spot * std::exp(-shot.c[band] * distance);
+    for (int band = 0; band < 3; ++band)
+      light[band] += lamp.intensity[band] * spot * std::exp(-shot.c[band] * distance);
   }
   for (int band = 0; band < 3; ++band) {
     const float through = shot.has_attenuation ? std::exp(-shot.c[band] * range) : 1.0f;
@@ -68,9 +69,9 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
   for (std::int64_t k = 0; k < count * count * count; ++k) {
     const Eigen::Array<std::int64_t, 3, 1> cell =
         first + Eigen::Array<std::int64_t, 3, 1>(k % count, k / count % count, k / (count * count));
-    const std::uint64_t bits = mixed(mixed(mixed(key ^ static_cast<std::uint64_t>(cell.x())) ^
-                                           static_cast<std::uint64_t>(cell.y())) ^
-                                     static_cast<std::uint64_t>(cell.z()));
+    const std::uint64_t bits =
+        mixed(mixed(mixed(key ^ static_cast<std::uint64_t>(cell.x())) ^ static_cast<std::uint64_t>(cell.y())) ^
+              static_cast<std::uint64_t>(cell.z()));
     const std::uint64_t more = mixed(bits);
     if (unit_of(bits, 3) >= chance) continue;
     const Eigen::Vector3d own(unit_of(bits, 0), unit_of(bits, 1), unit_of(bits, 2));
@@ -93,8 +94,11 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
     const double fade = std::clamp(3 * (1 - at.norm() / kReach_m), 0.0, 1.0);
     const auto share = static_cast<float>(3 * fade * sharp * sharp / (radius * radius));
     const std::array<float, 3> light = light_on(at.cast<float>(), shot);
-    found.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(seen.z()),
-                     static_cast<float>(radius), {share * light[0], share * light[1], share * light[2]}});
+    found.push_back({static_cast<float>(pixel.x()),
+                     static_cast<float>(pixel.y()),
+                     static_cast<float>(seen.z()),
+                     static_cast<float>(radius),
+                     {share * light[0], share * light[1], share * light[2]}});
   }
   return found;
 }

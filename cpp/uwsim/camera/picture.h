@@ -28,11 +28,30 @@ struct PictureCost {
   void add(const PictureCost& other);
 };
 
-enum Stage { kPrepare, kPrimary, kSun, kLampShadows, kShaftRays, kDepth, kWater, kSurfaces, kLampLight, kSpecks, kFilm };
+enum Stage {
+  kPrepare,
+  kPrimary,
+  kSun,
+  kLampShadows,
+  kShaftRays,
+  kDepth,
+  kWater,
+  kSurfaces,
+  kLampLight,
+  kSpecks,
+  kFilm
+};
 
-inline constexpr std::array<const char*, 11> kStageNames = {
-    "ripples and waves", "primary and onward rays", "sun's shadow rays", "lamps' shadow rays",
-    "shafts' rays",      "exact depth, output",     "water",             "surfaces",
-    "light of lamps",    "particles",               "film"};
+inline constexpr std::array<const char*, 11> kStageNames = {"ripples and waves",
+                                                            "primary and onward rays",
+                                                            "sun's shadow rays",
+                                                            "lamps' shadow rays",
+                                                            "shafts' rays",
+                                                            "exact depth, output",
+                                                            "water",
+                                                            "surfaces",
+                                                            "light of lamps",
+                                                            "particles",
+                                                            "film"};
 
 }  // namespace uwsim

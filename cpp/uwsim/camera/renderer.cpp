@@ -24,7 +24,8 @@ constexpr double kMiddleGrey = 0.18;
 // Of the fixed exposure, at which white in full sun (radiance 1 / pi) comes out at 0.8.
 constexpr double kSunnyGain = 0.8 * 3.14159265358979;
 constexpr double kLeastGain = 0.25 * kSunnyGain, kMostGain = 2e4 * kSunnyGain;
-constexpr double kMostShutter = 30 * kSunnyGain;  // a gain that a longer shutter time gives; more is amplified, with noise
+constexpr double kMostShutter =
+    30 * kSunnyGain;  // a gain that a longer shutter time gives; more is amplified, with noise
 
 class Rendering {
  public:
@@ -39,6 +40,7 @@ class Rendering {
         prepared_(scene, camera, optics, exposure),
         shot_(prepared_.shot),
         tracer_(scene, prepared_, exposure),
+        kernels_(exposure.kernels != nullptr ? *exposure.kernels : camera::kernels()),
         classes_(scene.classes_by_label()) {
     costs_[0].seconds[kPrepare] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
   }
@@ -192,7 +194,7 @@ class Rendering {
   PreparedShot prepared_;
   camera::Shot& shot_;
   Tracer tracer_;
-  const camera::Kernels& kernels_ = camera::kernels();
+  const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
   Picture picture_;
   std::array<std::vector<float>, 3> planes_;
@@ -276,6 +278,8 @@ Picture render(const CameraScene& scene, const Camera& camera, const Optics& opt
   if (const auto& terrain = scene.world().terrain()) {
     require(!(eye.z() < terrain->height_at(eye.x(), eye.y())), path, eye.transpose(), "must be above the ground");
   }
+  require(exposure.record == nullptr || exposure.threads == 1, "threads", exposure.threads,
+          "must be 1 where rays are recorded");
   return Rendering(scene, camera, optics, exposure).take(cost);
 }
 

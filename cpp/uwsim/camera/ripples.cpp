@@ -96,11 +96,11 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
       const double along = std::cos(std::atan2(j, i) - wind_towards_rad);
       const auto index = static_cast<std::uint32_t>(i * 64 + j + 32);
       // Slope variance a wave ~ 1 / k^2 of the plane: equal in each octave. A little runs against the wind.
-      const double slope = std::sqrt((along * along + 0.05) / square) *
-                           std::sqrt(-2 * std::log(random.uniform(0, index)));
+      const double slope =
+          std::sqrt((along * along + 0.05) / square) * std::sqrt(-2 * std::log(random.uniform(0, index)));
       const double omega = std::sqrt(kGravity_m_s2 * k + kTension_m3_s2 * k * k * k);
-      waves_.push_back({slope * i / std::sqrt(square), slope * j / std::sqrt(square),
-                        kTau * random.uniform(1, index), along >= 0 ? omega : -omega, i, j});
+      waves_.push_back({slope * i / std::sqrt(square), slope * j / std::sqrt(square), kTau * random.uniform(1, index),
+                        along >= 0 ? omega : -omega, i, j});
       variance += 0.5 * slope * slope;
     }
   }
@@ -151,8 +151,7 @@ Ripples::Moment Ripples::at(double time_s, double refractive_index, int threads)
   moment.caustics.resize(static_cast<std::size_t>(kCells) * kCells * kLevels);
   const auto work = [&](int first, int step) {
     for (int level = first; level < kLevels; level += step) {
-      const Grid light =
-          caustic_level(moment.slopes, kFirstLevel_m * std::exp2(level), 1 - 1 / refractive_index);
+      const Grid light = caustic_level(moment.slopes, kFirstLevel_m * std::exp2(level), 1 - 1 / refractive_index);
       for (std::size_t k = 0; k < light.size(); ++k) moment.caustics[k * kLevels + level] = light[k];
     }
   };

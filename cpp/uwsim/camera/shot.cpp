@@ -10,8 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr double kTextureRepeat_m = 256;  // a whole number of ripple tiles: 40 of 6.4 m
-// Share of scattering that takes light out of the sun's own beam; the rest goes forward within some 15 degrees and still
-// casts shadows. Assumed, by the order of Petzold's 1972 measurements.
+// Share of scattering that takes light out of the sun's own beam; the rest goes forward within some 15 degrees and
+// still casts shadows. Assumed, by the order of Petzold's 1972 measurements.
 constexpr double kScatteredAway = 0.2;
 constexpr double kSunlight_lx = 1e5;  // what is 1 in daylight.h
 
@@ -42,7 +42,8 @@ PreparedShot::PreparedShot(const CameraScene& scene, const Camera& camera, const
   shot.has_surface = on.has(Effect::kSurface);
   shot.waves = in_water_world ? waves_.window() : camera::WaveWindow{};
   fill_water(optics, on);
-  const bool rippled = !exposure.geometry_only && optics.wind_m_s > 0 && (shot.has_surface || on.has(Effect::kCaustics));
+  const bool rippled =
+      !exposure.geometry_only && optics.wind_m_s > 0 && (shot.has_surface || on.has(Effect::kCaustics));
   if (rippled) {
     ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, exposure.time_s, optics.water.refractive_index,
                              exposure.threads);

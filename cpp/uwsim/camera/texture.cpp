@@ -42,7 +42,8 @@ std::array<float, 3> Texture::at(std::uint32_t triangle, float u, float v) const
   const int i = wrapped(static_cast<int>(left), width), i1 = wrapped(i + 1, width);
   const int j = wrapped(static_cast<int>(top), height), j1 = wrapped(j + 1, height);
   const auto value = [&](int column, int row, std::size_t band) {
-    const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+    const std::size_t pixel =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
     return linear_of_srgb()[rgb[3 * pixel + band]];
   };
   std::array<float, 3> colour{};

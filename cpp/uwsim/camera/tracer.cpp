@@ -32,7 +32,7 @@ RayPacket packet_of(const camera::Row3& origin, const camera::Row3& direction, c
 }  // namespace
 
 Tracer::Tracer(const CameraScene& scene, const PreparedShot& prepared, const Exposure& exposure)
-    : rays_(scene.rays()), anchor_world_m_(prepared.anchor_world_m) {
+    : rays_(scene.rays()), record_(exposure.record), anchor_world_m_(prepared.anchor_world_m) {
   const std::size_t poses = exposure.world_from_bodies.size();
   require(poses == 0 || poses == scene.bodies().size(), "bodies", poses, "must be a pose for each body, or none");
   const auto first_label = static_cast<std::uint32_t>(scene.world().solids().size() + kTerrain + 1);
@@ -41,10 +41,18 @@ Tracer::Tracer(const CameraScene& scene, const PreparedShot& prepared, const Exp
     const Body& body = scene.bodies()[k];
     const Pose& pose = exposure.world_from_bodies[k];
     const Pose back = pose.inverse();
-    bodies_.push_back({body.hull.get(), first_label + static_cast<std::uint32_t>(k), back, back.rotation().cast<float>(),
-                       back.point(anchor_world_m_), (pose.point(body.middle_body_m) - anchor_world_m_).cast<float>(),
+    bodies_.push_back({body.hull.get(), first_label + static_cast<std::uint32_t>(k), back,
+                       back.rotation().cast<float>(), back.point(anchor_world_m_),
+                       (pose.point(body.middle_body_m) - anchor_world_m_).cast<float>(),
                        static_cast<float>(body.radius_m)});
   }
+}
+
+void Tracer::note(const RayPacket& rays, RayOrder order, int kind) const {
+  record_->packets.push_back({kind + (order == RayOrder::kCoherent ? 2 : 0),
+                              rays.active,
+                              {rays.origin_x, rays.origin_y, rays.origin_z, rays.direction_x, rays.direction_y,
+                               rays.direction_z, rays.near_m, rays.far_m}});
 }
 
 bool Tracer::comes_near(const RayPacket& rays, const MovedBody& body) {
@@ -76,6 +84,7 @@ void Tracer::cast(Block& block, HitPacket& hits, RayOrder order) const {
   RayPacket rays = packet_of(block.origin, block.direction, block.active);
   rays.near_m.fill(0);
   rays.far_m.fill(kFarthest_m);
+  if (record_ != nullptr) note(rays, order, 0);
   rays_.cast(anchor_world_m_, rays, hits, order);
   for (const MovedBody& body : bodies_) {
     if (!comes_near(rays, body)) continue;
@@ -146,6 +155,7 @@ void Tracer::occluded(const Block& block, Mask& blocked, RayOrder order) const {
     rays.origin_y[k] += lift * block.normal.y.at[k];
     rays.origin_z[k] += lift * block.normal.z.at[k];
   }
+  if (record_ != nullptr) note(rays, order, 1);
   std::array<std::int32_t, kPacketRays> found;
   rays_.occluded(anchor_world_m_, rays, found, order);
   std::copy(found.begin(), found.end(), std::begin(blocked.at));

@@ -50,10 +50,12 @@ class Tracer {
     Eigen::Vector3f middle_m;  // from the anchor, world axes
     float radius_m;
   };
+  void note(const RayPacket& rays, RayOrder order, int kind) const;
   static bool comes_near(const RayPacket& rays, const MovedBody& body);
   static RayPacket turned(const RayPacket& rays, const MovedBody& body);
 
   const RayScene& rays_;
+  RayRecord* record_;
   Eigen::Vector3d anchor_world_m_;
   std::vector<MovedBody> bodies_;
 };

@@ -30,7 +30,8 @@ struct WaterOptics {
 /// "Measured IOPs of Jerlov water types", Appl. Opt. 61:9951; types I, IA, 7C and 9C, which they leave out, by
 /// inversion of Kd, Solonenko and Mobley 2015, "Inherent optical properties of Jerlov water types", Appl. Opt. 54:5392.
 /// All read from the tables of the Python package jerlov 0.22 (Ishibashi), which says how it checked them; the papers
-/// themselves were not read. Valid for what Jerlov classed: the open sea and coasts; a lake takes the type that is alike.
+/// themselves were not read. Valid for what Jerlov classed: the open sea and coasts; a lake takes the type that is
+/// alike.
 WaterOptics jerlov_water(std::string_view type);
 const std::vector<std::string>& jerlov_types();
 

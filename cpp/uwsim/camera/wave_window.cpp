@@ -18,8 +18,8 @@ WaveField::WaveField(const Water& water, const Eigen::Vector3d& centre, double t
     const double kx = k * std::cos(wave.heading_rad), ky = k * std::sin(wave.heading_rad);
     const std::complex<double> east = std::polar(1.0, kx * kSpacing_m);
     for (int j = 0; j < kSide; ++j) {
-      const double phase = kx * west + ky * (south + j * kSpacing_m) - wave.angular_frequency_rad_s * time_s +
-                           wave.phase_rad;
+      const double phase =
+          kx * west + ky * (south + j * kSpacing_m) - wave.angular_frequency_rad_s * time_s + wave.phase_rad;
       std::complex<double> turn = std::polar(wave.amplitude_m, phase);
       double* node = sums.data() + 3 * j * kSide;
       for (int i = 0; i < kSide; ++i, node += 3, turn *= east) {

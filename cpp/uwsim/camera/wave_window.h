@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// The world's waves, those that vehicles feel, around a place at one time: heights and slopes on a grid whose nodes stay
-/// where they are as the place moves.
+/// The world's waves, those that vehicles feel, around a place at one time: heights and slopes on a grid whose nodes
+/// stay where they are as the place moves.
 class WaveField {
  public:
   WaveField(const Water& water, const Eigen::Vector3d& centre_world_m, double time_s);

@@ -55,7 +55,7 @@ class Station(Model):
     mesh: AssetFile | None = None
     dock_m: Point3 = (0.0, 0.0, 0.0)
     material: MaterialSpec = Material(kind="paint", colour=(0.75, 0.42, 0.07))
-    cameras: CameraMounts = {"station": STATION_CAMERA}
+    cameras: CameraMounts = Field(default_factory=lambda: {"station": STATION_CAMERA})
 
 
 class StartPose(Model):

@@ -14,6 +14,7 @@ SUITES = {
     "dynamics": "uwsim.validate.dynamics",
     "sonar": "uwsim.validate.sonar",
     "imaging": "uwsim.validate.imaging",
+    "camera": "uwsim.validate.camera",
 }
 
 

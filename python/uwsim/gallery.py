@@ -1,0 +1,107 @@
+"""Pictures side by side: what `uwsim camera` draws, and the sheet of waters, hours and lamps."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim.cameras import Camera, Frame, effects_on
+from uwsim.simulator import Simulator
+
+Image = NDArray[np.uint8]
+SUFFIXES = (".png", ".jpg", ".jpeg")
+GAP = 4
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What to take: which camera, from where, by which light.
+
+    effects: one picture each: "on", "off", or names joined by "+". pose: x, y, z [m], yaw, pitch, roll [deg] of the
+    vehicle, pitch down being positive; where it starts by default. lamps: names of the switches that are on.
+    """
+
+    camera: str = "front"
+    effects: Sequence[str] = ("on", "off")
+    pose: Sequence[float] | None = None
+    jerlov: str | None = None
+    sun_deg: float | None = None
+    lamps: Sequence[str] = ()
+    at_s: float = 0.0
+
+
+def draw(scenario: str, wish: Wish, out: Path, *, seed: int | None = None, threads: int | None = None) -> list[Frame]:
+    """Take the pictures, write them side by side to out (.png or .jpg, whole or not at all), return them.
+
+    Raises ValueError for unknown names, malformed poses and places under the ground, OSError.
+    """
+    if out.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"out = {out}: must end in .png, .jpg or .jpeg")
+    if not out.parent.is_dir():
+        raise ValueError(f"out = {out}: no such folder: {out.parent}")
+    choices = [effects_on(text if text in ("on", "off") else text.split("+")) for text in wish.effects]
+    sim = Simulator(scenario, seed=seed, threads=threads)
+    camera = set_up(sim, wish)
+    frames = [camera.capture(choice) for choice in choices]
+    write(out, side_by_side([[frame.rgb for frame in frames]]))
+    return frames
+
+
+def set_up(sim: Simulator, wish: Wish) -> Camera:
+    """Bring vehicle, lamps, light and time to what was wished; return the camera. Raises ValueError."""
+    cameras = {**sim.cameras, **sim.rov.cameras}
+    if wish.camera not in cameras:
+        raise ValueError(f"camera = {wish.camera!r}: must be one of {', '.join(cameras)}")
+    for name in wish.lamps:
+        if name not in sim.rov.lamps:
+            raise ValueError(f"lamps = {name!r}: must be one of {', '.join(sim.rov.lamps) or 'none'}")
+    for name, lamp in sim.rov.lamps.items():
+        lamp.on = name in wish.lamps
+    changes = {"jerlov": wish.jerlov, "sun_elevation_deg": wish.sun_deg}
+    sim.set_optics(**{key: value for key, value in changes.items() if value is not None})
+    if wish.pose is not None:
+        if len(wish.pose) != 6:
+            raise ValueError(f"pose = {wish.pose}: must be x, y, z, yaw, pitch, roll")
+        turn = Rotation.from_euler("ZYX", wish.pose[3:], degrees=True)
+        sim.rov.place(wish.pose[:3], turn.as_quat())
+    if wish.at_s:
+        sim.advance(wish.at_s)
+    return cameras[wish.camera]
+
+
+def side_by_side(rows: Sequence[Sequence[Image]]) -> Image:
+    """Rows of pictures of one size as one picture, with thin gaps."""
+    height, width, _ = rows[0][0].shape
+    columns = max(len(row) for row in rows)
+    sheet = np.full((len(rows) * (height + GAP) - GAP, columns * (width + GAP) - GAP, 3), 255, np.uint8)
+    for j, row in enumerate(rows):
+        for i, image in enumerate(row):
+            y, x = j * (height + GAP), i * (width + GAP)
+            sheet[y : y + height, x : x + width] = image
+    return sheet
+
+
+def write(path: Path, image: Image, quality: int = 90) -> None:
+    """Write a PNG or a JPEG, whole or not at all."""
+    if path.suffix.lower() == ".png":
+        from PIL import Image as Pillow
+
+        stream = io.BytesIO()
+        Pillow.fromarray(image).save(stream, "PNG", optimize=True)
+        data = stream.getvalue()
+    else:
+        import simplejpeg
+
+        data = bytes(simplejpeg.encode_jpeg(np.ascontiguousarray(image), quality=quality))
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_bytes(data)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
