@@ -221,32 +221,39 @@ class Camera:
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
+        picture, moment, pose = self._render(
+            names, threads, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
+        )
+        return self._frame(picture, self._stage.scene(), moment.time_ns, pose)
+
+    def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
+        """For benchmarks: the packets of rays that a picture of now casts through the world, and the eye (3,)."""
+        picture, _, pose = self._render(list(EFFECTS), 1, geometry_only=geometry_only, record=True)
+        return picture.packets, pose[:3, 3]
+
+    def _render(self, effects: list[str], threads: int | None, **options: bool) -> tuple[_core.Picture, Moment, Floats]:
         moment = self._stage.moment()
-        world_from_carrier = self._carrier(moment)
-        position, turn = mounted(world_from_carrier, self.mount.position_m, self.mount.yaw_pitch_roll_deg)
-        scene = self._stage.scene()
+        position, turn = mounted(self._carrier(moment), self.mount.position_m, self.mount.yaw_pitch_roll_deg)
         if self._core is None:
             self._core = self._make_core()
-        picture = scene.render(
+        picture = self._stage.scene().render(
             self._core,
             self._stage.optics(),
             position,
             turn.as_quat(),
             moment.time_ns * 1e-9,
             moment.time_ns,
-            names,
+            effects,
             moment.lamps,
             moment.positions_m,
             moment.orientations_xyzw,
             self._body,
-            geometry_only,
-            radiance,
-            measure,
             threads=threads or self._stage.threads,
+            **options,
         )
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn.as_matrix(), position
-        return self._frame(picture, scene, moment.time_ns, pose)
+        return picture, moment, pose
 
     def _frame(self, picture: _core.Picture, scene: _core.CameraScene, time_ns: int, pose: Floats) -> Frame:
         return Frame(

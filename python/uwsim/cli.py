@@ -123,7 +123,7 @@ def sonar(
 
 @app.command()
 def validate(
-    suites: Annotated[list[str] | None, typer.Argument(help="Which: dynamics, sonar; all without.")] = None,
+    suites: Annotated[list[str] | None, typer.Argument(help="dynamics, sonar, imaging, camera; all without.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,
 ) -> None:
     """Compare what runs with closed forms and published data: expected, got, error. Exits with 1 on a miss."""

@@ -42,7 +42,7 @@ void expose(const Shot& shot, int left, int top, const Block& block, const Film&
     film.green[at] = light.y[k];
     film.blue[at] = light.z[k];
   }
-  store(brightness.at, logarithm(brightness_of(light) + 1e-7f));
+  store(brightness.at, square_root(max(brightness_of(light), Float{})));
 }
 
 struct Words {

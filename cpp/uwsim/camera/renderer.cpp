@@ -90,10 +90,10 @@ class Rendering {
       const Mask seen = block.active;
       shade(block, hits, true, cost, clock);
       if (any(block.onward)) follow_onward(block, hits, cost, clock);
-      camera::Row log_brightness;
-      kernels_.expose(shot_, left, top, block, film_, log_brightness);
+      camera::Row root_brightness;
+      kernels_.expose(shot_, left, top, block, film_, root_brightness);
       double& sum = brightness_[static_cast<std::size_t>(row)];
-      for (int k = 0; k < kBlockPixels; ++k) sum += seen.at[k] ? static_cast<double>(log_brightness.at[k]) : 0.0;
+      for (int k = 0; k < kBlockPixels; ++k) sum += seen.at[k] ? static_cast<double>(root_brightness.at[k]) : 0.0;
       clock.add(kFilm);
     }
   }
@@ -203,14 +203,15 @@ class Rendering {
   std::vector<double> brightness_;  // of each row of blocks, so that their sum does not depend on who did which
 };
 
-/// Exposure, automatic so that the picture's mean (of the logarithm) comes out as middle grey.
+/// Exposure, automatic so that the picture's mean comes out as middle grey: the mean of roots, squared, in which neither
+/// darkness nor the glare of a lamp has the last word.
 double Rendering::gain() const {
   const double correction = camera_.sensor().exposure;
   if (!on(Effect::kExposure)) return kSunnyGain * correction;
   double sum = 0;
   for (const double row : brightness_) sum += row;
-  const double mean = std::exp(sum / static_cast<double>(picture_.depth_m.size()));
-  return std::clamp(correction * kMiddleGrey / mean, kLeastGain, kMostGain);
+  const double root = sum / static_cast<double>(picture_.depth_m.size());
+  return std::clamp(correction * kMiddleGrey / std::max(root * root, 1e-12), kLeastGain, kMostGain);
 }
 
 void Rendering::finish() {

@@ -62,5 +62,5 @@ class Lamps(Model):
 CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
 LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
 
-STATION_CAMERA = CameraMount(position_m=(1.8, 0.0, 5.0), yaw_pitch_roll_deg=(0.0, 12.0, 0.0), horizontal_fov_deg=75.0)
-"""On the packaged station's mast, over the water ahead of it."""
+STATION_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 16.0, 0.0), horizontal_fov_deg=80.0)
+"""Above the packaged station's hut, over its deck and the water ahead."""

@@ -176,7 +176,7 @@ def refraction_at_the_surface() -> list[Check]:
 
 def lake_depths() -> list[Check]:
     """Each pixel's depth against the sonar's ray along it, solved in double: relative to the range."""
-    from uwsim import Simulator
+    from uwsim.simulator import Simulator
 
     sim = Simulator("lake")
     sim.rov.place((-67.0, -52.0, -24.0))

@@ -1,0 +1,71 @@
+"""The laws of light hold in pictures, and would be missed if a coefficient were off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from uwsim import _core
+from uwsim.validate import camera
+from uwsim.validate.check import Check
+
+
+def misses(checks: list[Check]) -> list[str]:
+    return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        camera.wall_against_range,
+        camera.sunlight_against_depth,
+        camera.lamp_against_distance,
+        camera.refraction_at_the_surface,
+        camera.lake_depths,
+        camera.checkerboard_corners,
+    ],
+)
+def test_law(law: Callable[[], list[Check]]) -> None:
+    checks = law()
+    assert checks
+    assert misses(checks) == []
+
+
+@pytest.mark.parametrize(
+    ("law", "coefficient"),
+    [
+        (camera.wall_against_range, "absorption"),
+        (camera.wall_against_range, "scattering"),
+        (camera.sunlight_against_depth, "diffuse_attenuation"),
+        (camera.sunlight_against_depth, "refractive_index"),
+        (camera.lamp_against_distance, "absorption"),
+        (camera.lamp_against_distance, "scattering"),
+        (camera.refraction_at_the_surface, "refractive_index"),
+    ],
+)
+def test_a_coefficient_five_percent_off_is_a_miss(
+    law: Callable[[], list[Check]], coefficient: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def off(light: camera.Light) -> _core.Optics:
+        water = light.water
+        names = ("diffuse_attenuation", "absorption", "scattering")
+        values = [np.asarray(getattr(water, name)) * (1.05 if name == coefficient else 1) for name in names]
+        index = water.refractive_index * (1.05 if coefficient == "refractive_index" else 1)
+        changed = _core.WaterOptics(*values, index)
+        return _core.Optics(changed, float(np.radians(light.sun_deg)), 0.7, 0.0, 0.0, 0.0)
+
+    monkeypatch.setattr(camera.Light, "optics", property(off))
+    assert misses(law())
+
+
+def test_a_lens_a_little_off_moves_the_corners(monkeypatch: pytest.MonkeyPatch) -> None:
+    lens = _core.Lens
+
+    def off(*figures: object) -> _core.Lens:
+        *rest, distortion = figures
+        return lens(*rest, [1.05 * k for k in distortion])  # type: ignore[attr-defined, arg-type]
+
+    monkeypatch.setattr(_core, "Lens", off)
+    assert misses(camera.checkerboard_corners())

@@ -1,0 +1,194 @@
+"""Pictures per second of the ROV's front camera on the lake, against Embree alone casting the same rays.
+
+All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds,
+and ratios taken round by round. Frames are of different times, so that waves, ripples and noise are made anew for each.
+The native peer builds its tree of the same triangles, gets the very packets of sixteen rays that the pictures cast
+(primary, shadow and shaft rays) and casts them on as many threads.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Simulator, _core
+from uwsim.cameras import Camera, Frame
+
+console = Console()
+
+PLACE_M = (-67.0, -52.0, -26.0)  # two metres above the bed, before a gate
+GOALS = {"frames_per_s": 30.0, "against_bare": 3.0, "geometry_against_bare": 1.3}
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
+    threads: Annotated[int, typer.Option(min=1, help="Threads of every case.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    sim = Simulator("lake", threads=threads)
+    sim.rov.release()
+    sim.rov.place(PLACE_M)
+    for lamp in sim.rov.lamps.values():
+        lamp.on = True
+    camera = sim.rov.cameras["front"]
+    cases: dict[str, Callable[[], float]] = {
+        "all": lambda: timed(sim, camera, geometry_only=False),
+        "geometry": lambda: timed(sim, camera, geometry_only=True),
+    }
+    peers = []
+    with tempfile.TemporaryDirectory() as folder:
+        if (program := bare_rays_program()) is not None:
+            for name in ("all", "geometry"):
+                peer = BareEmbree(program, sim, camera, Path(folder) / name, threads, geometry_only=name == "geometry")
+                peers.append(peer)
+                cases[f"bare_{name}"] = peer
+        else:
+            console.print(
+                "bare Embree left out: embree_bare_rays is not installed beside the package (run tools/setup)"
+            )
+        seconds: dict[str, list[float]] = {name: [] for name in cases}
+        for turn in range(rounds + 1):
+            with console.status(f"round {turn} of {rounds}"):
+                for name, measure in cases.items():
+                    taken = measure()
+                    if turn > 0:  # the first warms up
+                        seconds[name].append(taken)
+        for peer in peers:
+            peer.close()
+    frame = capture(sim, camera, geometry_only=False, measure=True)
+    figures = summarise(seconds, frame)
+    console.print(_table(figures, frame, threads))
+    console.print(_stages(frame))
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def capture(sim: Simulator, camera: Camera, *, geometry_only: bool, measure: bool = False) -> Frame:
+    """Take a picture of the next step, from the same place."""
+    sim.step()
+    sim.rov.place(PLACE_M)
+    return camera.capture(geometry_only=geometry_only, measure=measure)
+
+
+def timed(sim: Simulator, camera: Camera, *, geometry_only: bool) -> float:
+    """Seconds that a picture takes, the simulation's step left out."""
+    sim.step()
+    sim.rov.place(PLACE_M)
+    begun = time.perf_counter()
+    camera.capture(geometry_only=geometry_only)
+    return time.perf_counter() - begun
+
+
+def summarise(seconds: dict[str, list[float]], frame: Frame) -> dict[str, float]:
+    """Medians, and ratios taken round by round."""
+
+    def ratio(name: str, peer: str) -> float:
+        return statistics.median(a / b for a, b in zip(seconds[name], seconds[peer], strict=True))
+
+    figures = {f"{name}_s": statistics.median(values) for name, values in seconds.items()}
+    figures["frames_per_s"] = 1 / figures["all_s"]
+    rays = sum(frame.rays.values())
+    figures["rays"] = float(rays)
+    figures["rays_per_s"] = rays / figures["all_s"]
+    figures["geometry_rays_per_s"] = frame.rays["primary"] / figures["geometry_s"]
+    if "bare_all" in seconds:
+        figures["against_bare"] = ratio("all", "bare_all")
+        figures["geometry_against_bare"] = ratio("geometry", "bare_geometry")
+        figures["bare_rays_per_s"] = rays / figures["bare_all_s"]
+    return figures
+
+
+def bare_rays_program() -> Path | None:
+    """The native peer, installed with the compiled module."""
+    program = Path(_core.__file__).parent / "bench" / "native" / "embree_bare_rays"
+    return program if program.is_file() else None
+
+
+class BareEmbree:
+    """The peer's process; called, it gives the seconds that all rays of one picture take."""
+
+    def __init__(
+        self, program: Path, sim: Simulator, camera: Camera, file: Path, threads: int, *, geometry_only: bool
+    ) -> None:
+        packets, eye = camera.record_rays(geometry_only=geometry_only)
+        vertices, triangles, _ = sim.world.surface_mesh()
+        count = np.frombuffer(packets, np.uint8).size // 580
+        with file.open("wb") as out:
+            np.array([len(vertices), len(triangles), count], np.uint64).tofile(out)
+            (vertices - eye).astype(np.float32).tofile(out)
+            triangles.astype(np.uint32).tofile(out)
+            out.write(packets)
+        command = [str(program), str(file), str(threads)]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def __call__(self) -> float:
+        """Seconds."""
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.write("\n")
+        self._process.stdin.flush()
+        return float(self._process.stdout.readline())
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.communicate()
+
+
+def _table(figures: dict[str, float], frame: Frame, threads: int) -> Table:
+    size = f"{frame.info.width} x {frame.info.height}"
+    title = f"front camera on the lake, {size}, {threads} threads: medians"
+    table = Table(title=title, title_justify="left")
+    table.add_column("case")
+    for column in ("ms", "million rays/s", "ratio", "goal", "met"):
+        table.add_column(column, justify="right")
+
+    def row(label: str, key: str, rays: str, ratio: str | None = None) -> None:
+        if f"{key}_s" not in figures:
+            return
+        value = figures.get(ratio) if ratio else None
+        goal = ("", "", "")
+        if value is not None and ratio is not None:
+            met = "[green]yes[/]" if value <= GOALS[ratio] else "[red]no[/]"
+            goal = (f"{value:.2f}", f"{GOALS[ratio]:g}", met)
+        table.add_row(label, f"{1e3 * figures[key + '_s']:.1f}", f"{1e-6 * figures[rays]:.1f}", *goal)
+
+    row("every effect, two front and two down lamps", "all", "rays_per_s", "against_bare")
+    row("Embree alone, the same rays", "bare_all", "bare_rays_per_s")
+    row("geometry only", "geometry", "geometry_rays_per_s", "geometry_against_bare")
+    if "bare_geometry_s" in figures:
+        figures["bare_geometry_rays_per_s"] = frame.rays["primary"] / figures["bare_geometry_s"]
+        row("Embree alone, the same rays", "bare_geometry", "bare_geometry_rays_per_s")
+    fps = figures["frames_per_s"]
+    met = "[green]yes[/]" if fps >= GOALS["frames_per_s"] else "[red]no[/]"
+    table.add_section()
+    table.add_row("frames a second, every effect", "", "", f"{fps:.1f}", f"{GOALS['frames_per_s']:g}", met)
+    return table
+
+
+def _stages(frame: Frame) -> Table:
+    table = Table(title="where the time of one picture goes, all threads together", title_justify="left")
+    table.add_column("stage")
+    table.add_column("ms", justify="right")
+    for name, taken_s in sorted(frame.stage_s.items(), key=lambda item: -item[1]):
+        table.add_row(name, f"{1e3 * taken_s:.1f}")
+    table.add_section()
+    for kind, count in frame.rays.items():
+        table.add_row(f"{kind} rays", f"{count:,}")
+    return table
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench camera")
