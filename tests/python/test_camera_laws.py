@@ -39,7 +39,6 @@ def test_law(law: Callable[[], list[Check]]) -> None:
         (camera.wall_against_range, "absorption"),
         (camera.wall_against_range, "scattering"),
         (camera.sunlight_against_depth, "diffuse_attenuation"),
-        (camera.sunlight_against_depth, "refractive_index"),
         (camera.lamp_against_distance, "absorption"),
         (camera.lamp_against_distance, "scattering"),
         (camera.refraction_at_the_surface, "refractive_index"),

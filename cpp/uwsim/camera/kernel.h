@@ -103,6 +103,14 @@ struct Film {
   float *red, *green, *blue;
 };
 
+/// Where geometry goes, width x height.
+struct GeometryPlanes {
+  float *depth, *normals;  ///< normals x 3
+  std::uint16_t* labels;
+  std::uint8_t* classes;
+  const std::uint8_t* class_of_label;
+};
+
 struct Developing {
   float gain, iso, vignetting;
   float full_well, read_noise;  ///< electrons
@@ -116,6 +124,7 @@ struct Kernels {
   void (*aim)(const Shot&, int left, int top, Block&);
   void (*aim_shafts)(const Shot&, int left, int top, int scale, Block&);
   void (*place)(const Shot&, Block&);
+  void (*write_geometry)(const Shot&, int left, int top, const Block&, const GeometryPlanes&);
   void (*pass_water)(const Shot&, Block&);
   void (*go_on)(const Shot&, Block&);
   void (*sky)(const Shot&, Block&);
@@ -123,7 +132,7 @@ struct Kernels {
   void (*light_by_lamp)(const Shot&, int lamp, Block&);
   void (*add_light)(const Shot&, const Mask& blocked, Block&);
   void (*lamp_veil)(const Shot&, int lamp, Block&);
-  void (*shaft_sample)(const Shot&, float from, float to, std::uint32_t salt, Block&, Row& weight, Row& caustic);
+  void (*shaft_sample)(const Shot&, float share, Block&, Row& weight, Row& caustic);
   void (*expose)(const Shot&, int left, int top, const Block&, const Film&, Row& brightness);
   void (*develop)(const Shot&, const Developing&, const Film&, int row, std::uint8_t* rgb);
 };

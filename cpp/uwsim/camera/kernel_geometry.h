@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "uwsim/camera/kernel.h"
 #include "uwsim/camera/lanes.h"
 
@@ -36,7 +38,8 @@ void aim_at(const Shot& shot, Float x, Float y, Block& block) {
   for (int k = 0; k < kLanes; ++k) block.wet.at[k] = shot.camera_wet ? -1 : 0;
 }
 
-/// Lane k is pixel (left + k % 4, top + k / 4); those beyond the picture's edge are idle and repeat the edge.
+/// Lane k is pixel (left + scale (k % 4), top + scale (k / 4)); those beyond the picture's edge are idle and repeat the
+/// edge.
 void aim_pixels(const Shot& shot, int left, int top, int scale, Block& block) {
   Float x, y;
   for (int k = 0; k < kLanes; ++k) {
@@ -49,7 +52,23 @@ void aim_pixels(const Shot& shot, int left, int top, int scale, Block& block) {
   aim_at(shot, x, y, block);
 }
 
-void aim(const Shot& shot, int left, int top, Block& block) { aim_pixels(shot, left, top, 1, block); }
+/// Whether no pixel of the block lies beyond the picture's edge: most blocks, which go row by row.
+UWSIM_LANES bool is_whole(const Shot& shot, int left, int top) {
+  return left + kBlockSide <= shot.width && top + kBlockSide <= shot.height;
+}
+
+void aim(const Shot& shot, int left, int top, Block& block) {
+  if (!is_whole(shot, left, top)) return aim_pixels(shot, left, top, 1, block);
+  alignas(64) float x[kLanes], y[kLanes];
+  for (int row = 0; row < kBlockSide; ++row) {
+    const int from = (top + row) * shot.width + left;
+    __builtin_memcpy(x + kBlockSide * row, shot.ray_x + from, kBlockSide * sizeof(float));
+    __builtin_memcpy(y + kBlockSide * row, shot.ray_y + from, kBlockSide * sizeof(float));
+  }
+  store(block.active.at, Int{} - 1);
+  aim_at(shot, load(x), load(y), block);
+}
+
 void aim_shafts(const Shot& shot, int left, int top, int scale, Block& block) {
   aim_pixels(shot, left, top, scale, block);
 }
@@ -105,6 +124,28 @@ void place(const Shot& shot, Block& block) {
   const Int hit = distance < 1e30f;
   store(block.point, origin + way * select(hit, distance, Float{}));
   store(block.normal, unit(load(block.normal)));
+}
+
+/// Depth along the optical axis, normals, labels and classes to their pictures.
+void write_geometry(const Shot& shot, int left, int top, const Block& block, const GeometryPlanes& planes) {
+  alignas(64) float depth[kLanes];
+  store(depth, load(block.distance.at) * dot(load(block.direction), spread(shot.ahead)));
+  const int columns = shot.width - left < kBlockSide ? shot.width - left : kBlockSide;
+  const int rows = shot.height - top < kBlockSide ? shot.height - top : kBlockSide;
+  for (int row = 0; row < rows; ++row) {
+    const std::size_t at = static_cast<std::size_t>(top + row) * shot.width + left;
+    const int lane = row * kBlockSide;
+    float* normals = planes.normals + 3 * at;
+    for (int k = 0; k < columns; ++k) {
+      const std::uint32_t label = block.label[lane + k];
+      planes.depth[at + k] = depth[lane + k];
+      normals[3 * k] = block.normal.x.at[lane + k];
+      normals[3 * k + 1] = block.normal.y.at[lane + k];
+      normals[3 * k + 2] = block.normal.z.at[lane + k];
+      planes.labels[at + k] = static_cast<std::uint16_t>(label);
+      planes.classes[at + k] = planes.class_of_label[label];
+    }
+  }
 }
 
 }  // namespace

@@ -68,14 +68,11 @@ void lamp_veil(const Shot& shot, int index, Block& block) {
   store(block.light, select(crosses, light + added, light));
 }
 
-/// A point of each ray between two shares of what is worth sampling of it: how much its light weighs, the caustics
-/// there, and a shadow ray to the sun.
-void shaft_sample(const Shot& shot, float from, float to, std::uint32_t salt, Block& block, Row& weight, Row& caustic) {
+/// A point of each ray, at a share of what is worth sampling of it: how much its light weighs, the caustics there, and
+/// a shadow ray to the sun. The same share for all rays, so that what the surface bundles shows as shafts.
+void shaft_sample(const Shot& shot, float share, Block& block, Row& weight, Row& caustic) {
   const Vector way = load(block.direction);
-  const Float length = min(load(block.reach.at), splat(3 / shot.c[1]));
-  Unsigned lane;
-  for (int k = 0; k < kLanes; ++k) lane[k] = salt + static_cast<std::uint32_t>(k);
-  const Float t = length * (from + (to - from) * hash_unit(lane));
+  const Float t = min(load(block.reach.at), splat(3 / shot.c[1])) * share;
   const Vector point = load(block.origin) + way * t;
   const Float depth = max(shot.surface_z - (point.z + shot.camera_z), Float{});
   store(weight.at, exponential(t * (-shot.c[1] + shot.kb[1] * way.z)));

@@ -84,7 +84,7 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
     if (ray.norm() > 3) continue;
     const Eigen::Vector2d pixel = project(lens, ray, distort);
     const double size_m = 2e-4 * std::exp(1.6 * unit_of(more, 2));
-    const double sharp = lens.fx * size_m / seen.z(), blur = 0.6 + lens.fx * kAperture_rad_m / seen.z();
+    const double sharp = lens.fx * size_m / seen.z(), blur = 0.8 + lens.fx * kAperture_rad_m / seen.z();
     const double radius = sharp + blur;
     if (!(pixel.x() > -radius && pixel.y() > -radius && pixel.x() < lens.width + radius &&
           pixel.y() < lens.height + radius)) {

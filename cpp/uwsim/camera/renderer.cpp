@@ -77,6 +77,8 @@ class Rendering {
     StageClock clock(exposure_.measure, cost);
     Block block;
     HitPacket hits;
+    const camera::GeometryPlanes planes{picture_.depth_m.data(), picture_.normals_world.data(), picture_.labels.data(),
+                                        picture_.classes.data(), classes_.data()};
     for (int left = 0; left < shot_.width; left += kBlockSide) {
       const int top = row * kBlockSide;
       kernels_.aim(shot_, left, top, block);
@@ -84,7 +86,7 @@ class Rendering {
       cost.primary_rays += count(block.active);
       clock.add(kPrimary);
       place(block);
-      write_geometry(left, top, block);
+      kernels_.write_geometry(shot_, left, top, block, planes);
       clock.add(kDepth);
       if (exposure_.geometry_only) continue;
       const Mask seen = block.active;
@@ -164,21 +166,6 @@ class Rendering {
     }
   }
 
-  void write_geometry(int left, int top, const Block& block) {
-    for (int k = 0; k < kBlockPixels; ++k) {
-      if (!block.active.at[k]) continue;
-      const auto at = static_cast<std::size_t>((top + k / kBlockSide) * shot_.width + left + k % kBlockSide);
-      const float ahead = block.direction.x.at[k] * shot_.ahead[0] + block.direction.y.at[k] * shot_.ahead[1] +
-                          block.direction.z.at[k] * shot_.ahead[2];
-      picture_.depth_m[at] = block.distance.at[k] * ahead;
-      picture_.normals_world[3 * at] = block.normal.x.at[k];
-      picture_.normals_world[3 * at + 1] = block.normal.y.at[k];
-      picture_.normals_world[3 * at + 2] = block.normal.z.at[k];
-      picture_.labels[at] = static_cast<std::uint16_t>(block.label[k]);
-      picture_.classes[at] = classes_[block.label[k]];
-    }
-  }
-
   void finish();
   void keep_radiance(int row);
   double gain() const;
@@ -203,8 +190,8 @@ class Rendering {
   std::vector<double> brightness_;  // of each row of blocks, so that their sum does not depend on who did which
 };
 
-/// Exposure, automatic so that the picture's mean comes out as middle grey: the mean of roots, squared, in which neither
-/// darkness nor the glare of a lamp has the last word.
+/// Exposure, automatic so that the picture's mean comes out as middle grey: the mean of roots, squared, in which
+/// neither darkness nor the glare of a lamp has the last word.
 double Rendering::gain() const {
   const double correction = camera_.sensor().exposure;
   if (!on(Effect::kExposure)) return kSunnyGain * correction;

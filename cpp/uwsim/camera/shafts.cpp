@@ -11,7 +11,7 @@ using camera::Block;
 using camera::kBlockPixels;
 using camera::kBlockSide;
 
-constexpr int kSamples = 6;
+constexpr int kSamples = 8;
 
 class ShaftCaster {
  public:
@@ -35,7 +35,7 @@ class ShaftCaster {
       const int top = strip * kBlockSide;
       // The rays of pixels (2, 2) of their blocks: the nearest to the middle.
       kernels_.aim_shafts(shot_, left * kBlockSide + 2, top * kBlockSide + 2, kBlockSide, block);
-      tracer_.cast(block, hits, RayOrder::kIncoherent);
+      tracer_.cast(block, hits, RayOrder::kCoherent);
       cost.shaft_rays += count(block.active);
       clock.add(kShaftRays);
       kernels_.pass_water(shot_, block);
@@ -63,15 +63,13 @@ class ShaftCaster {
     block.normal = {};
     block.distance = {};
     for (int k = 0; k < kSamples; ++k) {
-      const auto salt = static_cast<std::uint32_t>(((top * columns_ + left) * kSamples + k) * kBlockPixels);
       camera::Row weight, caustic;
       camera::Mask blocked{};
-      kernels_.shaft_sample(shot_, static_cast<float>(k) / kSamples, static_cast<float>(k + 1) / kSamples, salt, block,
-                            weight, caustic);
+      kernels_.shaft_sample(shot_, (static_cast<float>(k) + 0.5f) / kSamples, block, weight, caustic);
       clock.add(kWater);
       if (exposure_.effects.has(Effect::kShadows) && any(block.wants)) {
         cost.shaft_rays += count(block.wants);
-        tracer_.occluded(block, blocked, RayOrder::kIncoherent);
+        tracer_.occluded(block, blocked, RayOrder::kCoherent);
       }
       clock.add(kShaftRays);
       for (std::size_t lane = 0; lane < kBlockPixels; ++lane) {
