@@ -97,6 +97,7 @@ def test_real_map_survives_being_read(engine, tmp_path):
         ["convert_octree", DATA / "geb079.bt", tmp_path / "theirs.ot"], check=True, capture_output=True, timeout=60
     )
     assert occupancy_map.to_bytes("ot") == (tmp_path / "theirs.ot").read_bytes()
-    assert occupancy_map.to_bytes("bt").partition(b"\ndata\n")[2] == (DATA / "geb079.bt").read_bytes().partition(
-        b"\ndata\n"
-    )[2]
+    assert (
+        occupancy_map.to_bytes("bt").partition(b"\ndata\n")[2]
+        == (DATA / "geb079.bt").read_bytes().partition(b"\ndata\n")[2]
+    )

@@ -103,6 +103,11 @@ void BrickUpdate::apply(const Part& part, BrickStore::Chunk& chunk, BrickStore::
     const bool settled = uniform && entries[i].hit_words == 0 &&
                          (store_.uniform(slot) <= store_.model().lowest || store_.model().miss == 0);
     worker.bricks[i] = settled ? nullptr : &supply.open(slot);
+    if (!settled) {
+      __builtin_prefetch(worker.bricks[i]->known);
+      __builtin_prefetch(worker.bricks[i]->low);
+      __builtin_prefetch(worker.bricks[i]->block);
+    }
   }
   kernels_.update({store_.model(), worker.bricks, entries, found.entries, trace.masks.data() + found.first_mask,
                    worker.emptied, &supply.blocks(8 * found.entries)});

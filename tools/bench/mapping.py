@@ -1,0 +1,349 @@
+"""Milliseconds a ping takes to go into a map, bricks against stock OctoMap, and the memory of both.
+
+The workload is a seabed survey over the packaged lake: 8 m above its hills, a ping each 10 cm, ranges from the true
+surfaces; a beam that meets nothing frees its way up to the sonar's range. All cases take turns within one run, each on a
+map of its own and with the same pings, so that what else the machine does falls on each alike; medians over the rounds.
+One core is measured in processor time, two cores in wall time, stock in both.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import _core
+from uwsim.mapping import OccupancyMap
+from uwsim.scenario import build_world, load
+
+console = Console()
+
+ALTITUDE_M, SPACING_M, START_M = 8.0, 0.1, (-60.0, 0.0)
+NO_ECHO_M = 5.0  # past the range: how far out a point stands for a beam without an echo
+BATCH = 32  # scans a call
+MEMORY_PINGS = 600
+MEMORY_GOAL = 1 / 3
+
+
+@dataclass(frozen=True)
+class Workload:
+    """A sonar and the number of pings that stock OctoMap can be given in a few seconds, by resolution [m]."""
+
+    beams: int
+    fov_deg: float
+    range_m: float
+    tilt_deg: float
+    pings: dict[float, int]
+
+
+WORKLOADS = {
+    "A": Workload(1025, 170, 95, 7, {0.2: 30, 0.5: 100}),
+    "B": Workload(513, 85, 55, 10, {0.2: 100, 0.5: 200}),
+    "D": Workload(1025, 170, 95, 45, {0.2: 60, 0.5: 200}),
+}
+# Times faster than stock eager: one core, two cores. 0.8 of what the first prototype reached.
+GOALS = {
+    "A 0.2": (256, 402),
+    "A 0.5": (50, 75),
+    "B 0.2": (83, 137),
+    "B 0.5": (24, 26),
+    "D 0.2": (86, 133),
+    "D 0.5": (25, 35),
+}
+PORTABLE_GOAL = 7.0
+
+
+@dataclass(frozen=True)
+class Scans:
+    """Pings in a row: points_m (n, 3) float32, counts (m,), origins_m (m, 3)."""
+
+    points_m: NDArray[np.float32]
+    counts: NDArray[np.int64]
+    origins_m: NDArray[np.float64]
+    range_m: float
+
+    def batches(self, size: int) -> list[tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]]:
+        """Cut into calls of so many scans, without copies."""
+        ends = np.cumsum(self.counts)
+        starts = ends - self.counts
+        cuts = [slice(first, min(first + size, len(ends))) for first in range(0, len(ends), size)]
+        return [
+            (self.points_m[starts[cut.start] : ends[cut.stop - 1]], self.counts[cut], self.origins_m[cut])
+            for cut in cuts
+        ]
+
+    def write(self, path: Path) -> None:
+        """In the form that the native peer reads."""
+        ends = np.cumsum(self.counts)
+        with path.open("wb") as file:
+            for count, end, origin in zip(self.counts, ends, self.origins_m, strict=True):
+                file.write(np.int32(count).tobytes() + origin.astype(np.float32).tobytes())
+                file.write(self.points_m[end - count : end].tobytes())
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 5,
+    memory: Annotated[bool, typer.Option(help="Measure peak memory too: minutes of stock OctoMap.")] = True,
+    only: Annotated[str, typer.Option(help="One workload alone: A, B or D.")] = "",
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    if only not in ("", *WORKLOADS):
+        raise ValueError(f"--only {only}: must be one of {', '.join(WORKLOADS)}")
+    chosen = {name: work for name, work in WORKLOADS.items() if only in ("", name)}
+    seabed = Seabed()
+    figures: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, work in chosen.items():
+            for resolution_m, pings in work.pings.items():
+                scans = seabed.scans(work, pings)
+                cases = make_cases(scans, resolution_m, Path(folder))
+                figures[f"{name} {resolution_m:g}"] = measure(f"{name} {resolution_m:g}", cases, rounds)
+    console.print(_table(figures))
+    if memory and "A" in chosen:
+        figures["memory"] = peak_memory(seabed.scans(WORKLOADS["A"], MEMORY_PINGS), 0.2)
+        console.print(_memory_line(figures["memory"]))
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+class Seabed:
+    """What a multibeam measures over the lake's hills."""
+
+    def __init__(self) -> None:
+        self._world = build_world(load("lake"))
+        self._scene = _core.RayScene(self._world)
+
+    def scans(self, work: Workload, pings: int) -> Scans:
+        """The first pings of the track."""
+        angles = np.radians(np.linspace(-work.fov_deg / 2, work.fov_deg / 2, work.beams))
+        tilt = np.radians(work.tilt_deg)
+        directions = np.column_stack([np.cos(angles) * np.cos(tilt), np.sin(angles), -np.cos(angles) * np.sin(tilt)])
+        clouds, origins = [], []
+        for ping in range(pings):
+            x, y = START_M[0] + SPACING_M * ping, START_M[1]
+            origin = np.array([x, y, float(self._world.height_at([[x, y]])[0]) + ALTITUDE_M])
+            ranges = self._scene.cast(origin[None], directions, work.range_m).ranges_m.astype(float)
+            ranges[~np.isfinite(ranges)] = work.range_m + NO_ECHO_M
+            clouds.append((origin + directions * ranges[:, None]).astype(np.float32))
+            origins.append(origin)
+        return Scans(np.concatenate(clouds), np.full(pings, work.beams), np.array(origins), work.range_m)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of one ping [ms]."""
+
+    processor_ms: float
+    wall_ms: float
+
+
+Case = Callable[[], Cost]
+
+
+def make_cases(scans: Scans, resolution_m: float, folder: Path) -> dict[str, Case]:
+    """Every way of inserting these scans that this machine has."""
+
+    def bricks(instruction_set: str = "best", threads: int = 1, batch: int = BATCH) -> Case:
+        return lambda: insert(scans, resolution_m, batch, threads, instruction_set)
+
+    cases: dict[str, Case] = {}
+    if (program := octomap_program()) is not None:
+        path = folder / "scans.bin"
+        scans.write(path)
+        for way in ("eager", "lazy"):
+            cases[f"stock_{way}"] = lambda way=way: native(program, path, resolution_m, scans.range_m, way)
+    else:
+        console.print("stock OctoMap left out: octomap_insert is not installed beside the package (run tools/setup)")
+    if (peer := pyoctomap_peer(scans, resolution_m)) is not None:
+        cases["pyoctomap"] = peer
+    cases["bricks_1"] = bricks()
+    cases["bricks_2"] = bricks(threads=2)
+    cases["one_by_one"] = lambda: insert_one_by_one(scans, resolution_m)
+    cases["portable"] = bricks("portable")
+    return cases
+
+
+def measure(name: str, cases: dict[str, Case], rounds: int) -> dict[str, float]:
+    """Medians, and ratios to stock eager taken round by round."""
+    costs: dict[str, list[Cost]] = {case: [] for case in cases}
+    for turn in range(rounds):
+        with console.status(f"{name} m: round {turn + 1} of {rounds}"):
+            for case, run in cases.items():
+                costs[case].append(run())
+    figures = {}
+    for case, found in costs.items():
+        wall = case == "bricks_2"
+        figures[f"{case}_ms"] = statistics.median(cost.wall_ms if wall else cost.processor_ms for cost in found)
+        if "stock_eager" in cases and case != "stock_eager":
+            figures[f"{case}_ratio"] = statistics.median(
+                stock.wall_ms / cost.wall_ms if wall else stock.processor_ms / cost.processor_ms
+                for stock, cost in zip(costs["stock_eager"], found, strict=True)
+            )
+    return figures
+
+
+def insert(scans: Scans, resolution_m: float, batch: int, threads: int, instruction_set: Any) -> Cost:
+    """Bricks, by batches."""
+    batches = scans.batches(batch)
+    occupancy = OccupancyMap(resolution_m, instruction_set=instruction_set)
+    with Stopwatch(len(scans.counts)) as watch:
+        for points_m, counts, origins_m in batches:
+            occupancy.insert_scans(points_m, counts, origins_m, scans.range_m, threads)
+    return watch.cost
+
+
+def insert_one_by_one(scans: Scans, resolution_m: float) -> Cost:
+    """Bricks, a call a ping."""
+    batches = scans.batches(1)
+    occupancy = OccupancyMap(resolution_m)
+    with Stopwatch(len(scans.counts)) as watch:
+        for points_m, _, origins_m in batches:
+            occupancy.insert_scan(points_m, origins_m[0], scans.range_m)
+    return watch.cost
+
+
+class Stopwatch:
+    """Processor and wall time of a block, by pings."""
+
+    def __init__(self, pings: int) -> None:
+        self._pings = pings
+        self.cost = Cost(0.0, 0.0)
+
+    def __enter__(self) -> Stopwatch:
+        self._start = time.process_time(), time.perf_counter()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        scale = 1e3 / self._pings
+        self.cost = Cost(scale * (time.process_time() - self._start[0]), scale * (time.perf_counter() - self._start[1]))
+
+
+def octomap_program() -> Path | None:
+    """The native peer, installed with the compiled module."""
+    program = Path(_core.__file__).parent / "bench" / "native" / "octomap_insert"
+    return program if program.is_file() else None
+
+
+def native(program: Path, path: Path, resolution_m: float, range_m: float, way: str) -> Cost:
+    """Stock OctoMap in a process of its own."""
+    command = [program, path, str(resolution_m), str(range_m), way]
+    processor_s, wall_s = map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
+    return Cost(1e3 * processor_s, 1e3 * wall_s)
+
+
+def pyoctomap_peer(scans: Scans, resolution_m: float) -> Case | None:
+    """OctoMap through its best-known Python wheel, if it is installed."""
+    try:
+        import pyoctomap  # type: ignore[import-not-found, unused-ignore]
+    except ImportError:
+        return None
+
+    def run() -> Cost:
+        tree = pyoctomap.OcTree(resolution_m)
+        batches = [(points.astype(np.float64), origins[0]) for points, _, origins in scans.batches(1)]
+        with Stopwatch(len(scans.counts)) as watch:
+            for points_m, origin_m in batches:
+                tree.insertPointCloud(points_m, origin_m, scans.range_m, False)
+        return watch.cost
+
+    return run
+
+
+MEMORY_SCRIPT = """
+import sys
+import numpy as np
+from uwsim.mapping import OccupancyMap
+
+folder, engine, resolution_m, range_m, batch = sys.argv[1], sys.argv[2], *map(float, sys.argv[3:])
+points, counts, origins = (np.load(f"{folder}/{name}.npy") for name in ("points", "counts", "origins"))
+
+def peak_kb():
+    return int(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
+
+occupancy = OccupancyMap(resolution_m, engine=engine)
+open("/proc/self/clear_refs", "w").write("5")  # the peak starts anew
+before = peak_kb()
+ends = np.cumsum(counts)
+for first in range(0, len(counts), int(batch)):
+    cut = slice(first, min(first + int(batch), len(counts)))
+    rows = slice(ends[first] - counts[first], ends[cut.stop - 1])
+    occupancy.insert_scans(points[rows], counts[cut], origins[cut], range_m)
+print(peak_kb() - before)
+"""
+
+
+def peak_memory(scans: Scans, resolution_m: float) -> dict[str, float]:
+    """By how much a process grows, at its peak, while all scans go into a map [MB]."""
+    figures = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, array in (("points", scans.points_m), ("counts", scans.counts), ("origins", scans.origins_m)):
+            np.save(Path(folder) / f"{name}.npy", array)
+        for engine in ("octomap", "bricks"):
+            with console.status(f"peak memory of {engine}"):
+                arguments = [folder, engine, str(resolution_m), str(scans.range_m), str(BATCH)]
+                command = [sys.executable, "-c", MEMORY_SCRIPT, *arguments]
+                said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+            figures[f"{engine}_mb"] = int(said) / 1024
+    figures["share"] = figures["bricks_mb"] / figures["octomap_mb"]
+    return figures
+
+
+def _table(figures: dict[str, dict[str, float]]) -> Table:
+    table = Table(title="Inserting a ping: medians", title_justify="left")
+    for column in ("workload", "voxel m", "engine"):
+        table.add_column(column)
+    for column in ("ms a ping", "times as fast", "goal", "met"):
+        table.add_column(column, justify="right")
+    labels = {
+        "stock_eager": "stock OctoMap, eager",
+        "stock_lazy": "stock OctoMap, lazy",
+        "pyoctomap": "pyoctomap",
+        "bricks_1": f"bricks, one core, {BATCH} a call",
+        "bricks_2": f"bricks, two cores, {BATCH} a call",
+        "one_by_one": "bricks, one core, one a call",
+        "portable": "bricks, portable form",
+    }
+    for name, row in figures.items():
+        goals = {"bricks_1": GOALS[name][0], "bricks_2": GOALS[name][1], "portable": PORTABLE_GOAL}
+        for case, label in labels.items():
+            if f"{case}_ms" in row:
+                ratio = row.get(f"{case}_ratio")
+                goal = _goal(ratio, goals.get(case))
+                times = "" if ratio is None else f"{ratio:,.3g}"
+                table.add_row(*name.split(), label, f"{row[f'{case}_ms']:,.3g}", times, *goal)
+        table.add_section()
+    return table
+
+
+def _goal(ratio: float | None, goal: float | None) -> tuple[str, str]:
+    if ratio is None or goal is None:
+        return "", ""
+    return f"{goal:,g}", "[green]yes[/]" if ratio >= goal else "[red]no[/]"
+
+
+def _memory_line(memory: dict[str, float]) -> str:
+    met = "[green]met[/]" if memory["share"] <= MEMORY_GOAL else "[red]missed[/]"
+    return (
+        f"peak memory of A at 0.2 m over {MEMORY_PINGS} pings: stock {memory['octomap_mb']:.1f} MB, "
+        f"bricks {memory['bricks_mb']:.1f} MB, {memory['share']:.2f} of it (goal 1/3: {met})"
+    )
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench mapping")
