@@ -55,7 +55,8 @@ def spherical_scan(folder):
 
 def laser_scan(folder):
     """scan.dat is points alone: cut into scans that are seen from somewhere inside."""
-    points = np.loadtxt(bz2.open(DATA / "scan.dat.bz2", "rt"))
+    with bz2.open(DATA / "scan.dat.bz2", "rt") as file:
+        points = np.loadtxt(file)
     log = folder / "scan.log"
     with log.open("w") as file:
         for i, part in enumerate(np.array_split(points, 12)):

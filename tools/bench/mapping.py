@@ -1,9 +1,9 @@
 """Milliseconds a ping takes to go into a map, bricks against stock OctoMap, and the memory of both.
 
 The workload is a seabed survey over the packaged lake: 8 m above its hills, a ping each 10 cm, ranges from the true
-surfaces; a beam that meets nothing frees its way up to the sonar's range. All cases take turns within one run, each on a
-map of its own and with the same pings, so that what else the machine does falls on each alike; medians over the rounds.
-One core is measured in processor time, two cores in wall time, stock in both.
+surfaces; a beam that meets nothing frees its way up to the sonar's range. All cases take turns within one run, each on
+a map of its own and with the same pings, so that what else the machine does falls on each alike; medians over the
+rounds. One core is measured in processor time, two cores in wall time, stock in both.
 """
 
 from __future__ import annotations
