@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -153,12 +157,29 @@ def _visible_voxels(
     if not len(poses):
         return np.empty(0, np.int64)
     within = poses.min(axis=0) - range_max_m, poses.max(axis=0) + range_max_m
-    visible = [np.empty(0, np.int64)]
-    for tile in surface_tiles(world, resolution_m, area_world_m, within):
+
+    def seen_in(tile: SurfaceSamples) -> NDArray[np.int64]:
         low, high = tile.points_world_m.min(axis=0), tile.points_world_m.max(axis=0)
         near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
-        visible.append(packed(tile.voxel_keys[_seen_voxels(rays, tile, poses[near], range_max_m)]))
-    return np.sort(np.concatenate(visible))
+        return packed(tile.voxel_keys[_seen_voxels(rays, tile, poses[near], range_max_m)])
+
+    visible = list(_in_parallel(seen_in, surface_tiles(world, resolution_m, area_world_m, within)))
+    return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))
+
+
+def _in_parallel(
+    work: Callable[[SurfaceSamples], NDArray[np.int64]], tiles: Iterable[SurfaceSamples]
+) -> Iterator[NDArray[np.int64]]:
+    """Return the work's results in order, from as many threads as there are cores; few tiles are held at a time."""
+    threads = len(os.sched_getaffinity(0))
+    with ThreadPoolExecutor(threads, "score") as pool:
+        pending: deque[Future[NDArray[np.int64]]] = deque()
+        for tile in tiles:
+            pending.append(pool.submit(work, tile))
+            if len(pending) > threads:
+                yield pending.popleft().result()
+        while pending:
+            yield pending.popleft().result()
 
 
 def _has_neighbour(voxels: NDArray[np.int64], occupied: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -199,17 +220,17 @@ def _seen_voxels(
 ) -> NDArray[np.bool_]:
     """Return which voxels have a sample in line of sight and range of any pose: (voxels,) bool."""
     seen = np.zeros(len(samples.voxel_keys), bool)
-    left = np.arange(len(samples.points_world_m))
+    left, points = samples.voxel_of_sample, samples.points_world_m
     for pose in poses_world_m:
-        points = samples.points_world_m[left]
-        close = np.flatnonzero(np.einsum("ij,ij->i", points - pose, points - pose) <= range_max_m**2)
+        away = points - pose
+        close = np.flatnonzero(np.einsum("ij,ij->i", away, away) <= range_max_m**2)
         if not len(close):
             continue
-        visible = rays.visible(pose, points[close], VISIBILITY_TOLERANCE_M)
-        found = samples.voxel_of_sample[left[close[visible]]]
+        found = left[close[rays.visible(pose, points[close], VISIBILITY_TOLERANCE_M)]]
         if len(found):
             seen[found] = True
-            left = left[~seen[samples.voxel_of_sample[left]]]
+            hidden = ~seen[left]
+            left, points = left[hidden], points[hidden]
             if not len(left):
                 break
     return seen
