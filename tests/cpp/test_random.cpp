@@ -37,5 +37,19 @@ TEST(RandomStream, NormalDrawsHaveZeroMeanAndUnitVarianceAndAreUncorrelated) {
   EXPECT_NEAR(products / n, 0, tolerance);
 }
 
+TEST(Random, APairOfNormalsIsOneDrawAndIndependent) {
+  const RandomStream stream(7, "pair");
+  double product = 0, second = 0;
+  constexpr int kDraws = 100'000;
+  for (std::uint64_t tick = 0; tick < kDraws; ++tick) {
+    const auto [a, b] = stream.normals(tick, 3);
+    EXPECT_EQ(a, stream.normal(tick, 3));
+    product += a * b / kDraws;
+    second += b * b / kDraws;
+  }
+  EXPECT_NEAR(product, 0, 0.015);
+  EXPECT_NEAR(second, 1, 0.02);
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+import numpy as np
+from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.errors import ScenarioError
@@ -34,7 +35,6 @@ from uwsim.scenario.vehicle_model import VehicleModel
 from uwsim.scenario.vehicles import load_vehicle
 from uwsim.scenario.water_spec import Water
 
-WireNumber = Annotated[int, InRange(*WIRE_NUMBERS)]
 NoseDown = Annotated[float, InRange(-90, 90, "deg")]
 RESERVED_NAMES = ("nothing", "terrain", "station")
 LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 2, 10
@@ -68,7 +68,14 @@ class StartPose(Model):
 def _sonar_model(value: object, info: ValidationInfo) -> object:
     if isinstance(value, str | Path):
         return load_sonar(value, folder=(info.context or {}).get("folder"))
-    return value
+    if isinstance(value, SonarModel):
+        return value
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
+        raise broken("must be a whole number, or a model's name or the path of its file")
+    low, high = WIRE_NUMBERS
+    if not low <= value <= high:
+        raise broken(f"must be in [{low}, {high}]")
+    return int(value)
 
 
 class Sonar(Model):
@@ -81,7 +88,7 @@ class Sonar(Model):
     tilt_deg: at the start, positive nose down, as on the wire's scanPos.
     """
 
-    model: Annotated[WireNumber | SonarModel, BeforeValidator(_sonar_model)] = 2
+    model: Annotated[int | SonarModel, PlainValidator(_sonar_model)] = 2
     frequency_khz: FrequencyKhz | None = None
     mode: SonarMode = "geometry"
     bending: bool = False
