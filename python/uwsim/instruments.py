@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import cast
 
 from uwsim import _core
-
-Ping = _core.Ping | _core.PhysicsPing
 
 Value = float | SimpleNamespace
 """A scalar in the sensor's unit, or a namespace of floats and (n,) arrays for a sensor of several quantities."""
@@ -105,19 +104,23 @@ class Sonar:
         self.name: str = spec.name
         self.model = spec.model
         self.mode: str = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
-        self._last: tuple[int, Ping] | None = None
+        self._last: tuple[int, _core.Ping] | None = None
 
     def aim(self, elevation_rad: float) -> None:
         """Turn the head: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2."""
         self._simulation.aim(self._vehicle, self._index, elevation_rad)
 
-    def ping(self) -> Ping:
+    def ping(self) -> _core.Ping:
         """One ping from where the vehicle is now; see _core.Ping for its arrays. At one time it is always the same.
 
-        In physics mode a _core.PhysicsPing, which has these arrays too.
+        In physics mode a _core.PhysicsPing, which has the same arrays and more.
         """
         version = self._simulation.version
         if self._last is None or self._last[0] != version:
-            take = self._simulation.acoustic_ping if self.mode == "physics" else self._simulation.ping
-            self._last = version, take(self._vehicle, self._index)
+            self._last = version, self._taken()
         return self._last[1]
+
+    def _taken(self) -> _core.Ping:
+        if self.mode == "physics":
+            return cast(_core.Ping, self._simulation.acoustic_ping(self._vehicle, self._index))
+        return self._simulation.ping(self._vehicle, self._index)

@@ -8,7 +8,8 @@
     points_world_m = transform_points(points_m, world_from_body)
 
 Points are (n, 3) float32 and PCL does the work on them. Arrays of float32 in C order pass without a copy, float64 and
-sequences are converted, other dtypes are refused. All errors are ValueError.
+sequences are converted, other dtypes are refused. All errors are ValueError. model: one of the wire's four, or any
+other sonar's, such as rov.sonar.model.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class LaserScan:
     intensities: NDArray[np.float32] = field(default_factory=_no_intensities)
 
 
-def encode_depth_string(ranges_m: ArrayLike, model: int = 2) -> str:
+def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2) -> str:
     """Write the published `depthArray` text of one ping: each range as C# writes a float, each followed by "a".
 
     ranges_m: (beams,) float32 in [0, model's range_max_m], or inf, which is written as range_max_m.
@@ -66,7 +67,7 @@ def encode_depth_string(ranges_m: ArrayLike, model: int = 2) -> str:
     return _core.encode_depth_string(_ranges(ranges_m, variant), variant.range_max_m)
 
 
-def decode_depth_string(text: str, model: int = 2) -> NDArray[np.float32]:
+def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDArray[np.float32]:
     """Read a `depthArray` text: ranges, (beams,) float32.
 
     As published, a value above the model's range_limit_m is no echo: inf. Raises ValueError, naming the beam, unless
@@ -79,7 +80,7 @@ def decode_depth_string(text: str, model: int = 2) -> NDArray[np.float32]:
 
 
 def to_laser_scan(
-    ranges_m: ArrayLike, model: int = 2, stamp_s: float = 0.0, *, ping_interval_s: float = 0.1
+    ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2, stamp_s: float = 0.0, *, ping_interval_s: float = 0.1
 ) -> LaserScan:
     """Make the LaserScan of one ping, in `base_scan`. All beams of a ping are of one time: time_increment is 0.
 
@@ -135,7 +136,9 @@ def remove_box(points_m: ArrayLike, box_min_m: ArrayLike, box_max_m: ArrayLike) 
     return _core.remove_box(points_m, box_min_m, box_max_m)
 
 
-def _variant(model: int) -> _core.MultibeamModel:
+def _variant(model: int | _core.MultibeamModel) -> _core.MultibeamModel:
+    if isinstance(model, _core.MultibeamModel):
+        return model
     if isinstance(model, int | np.integer) and not isinstance(model, bool) and model in MODELS:
         return MODELS[int(model)]
     raise ValueError(f"sonar.model = {model!r}: must be one of {', '.join(map(str, MODELS))}")
@@ -149,7 +152,9 @@ def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.fl
     if not taken:
         raise ValueError(f"ranges_m.dtype = {ranges.dtype}: must be float32, float64 or a sequence of numbers")
     if ranges.shape != (variant.beams,):
-        raise ValueError(f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number}")
+        raise ValueError(
+            f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number or variant.name}"
+        )
     far = np.isfinite(ranges) & (ranges > variant.range_max_m)
     if far.any():
         beam = int(np.argmax(far))

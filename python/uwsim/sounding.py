@@ -25,7 +25,7 @@ def beam_directions(ping: _core.PhysicsPing | _core.Ping) -> NDArray[np.float64]
     return np.asarray(axes @ ping.world_from_sonar[:3, :3].T, np.float64)
 
 
-def sound_points(ping: _core.PhysicsPing, profile: _core.SoundSpeedProfile) -> NDArray[np.float64]:
+def sound_points(ping: _core.PhysicsPing | _core.Ping, profile: _core.SoundSpeedProfile) -> NDArray[np.float64]:
     """Trace each beam along its axis for half of its travel time: (beams, 3), world, NaN without a detection.
 
     profile: of the water as the survey takes it to be; the true one is sound_speed_profile(sim.world.water). The

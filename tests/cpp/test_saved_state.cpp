@@ -43,7 +43,8 @@ VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {
   SensorSpec imu{.name = "imu", .kind = "imu", .body_from_sensor = {}, .parameters = {}, .noise = {}};
   imu.noise["angular_velocity"] = {.std = 0.1, .bias_std = 0.02, .bias_time_s = 30};
   spec.sensors = {depth, imu};
-  spec.sonars = {{.name = "sonar", .model = 2, .body_from_mount = {}}};
+  spec.sonars.resize(1);
+  spec.sonars[0].name = "sonar";
   return spec;
 }
 

@@ -99,7 +99,7 @@ def test_what_cannot_be_sounded_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"sound_speed_profile.depths_m\[2\] = 5: m: must be deeper than the level"):
         SoundSpeedProfile([0, 10, 5], [1480, 1480, 1480])
     with pytest.raises(ValueError, match="ping is a Ping: must be of `mode: physics`"):
-        sound_points(Simulator("pool").rov.sonar.ping(), SoundSpeedProfile.even(1480.0))  # type: ignore[arg-type]
+        sound_points(Simulator("pool").rov.sonar.ping(), SoundSpeedProfile.even(1480.0))
     with pytest.raises(ValueError, match=r"origin_world_m = .*: must be finite and under water"):
         _core.soundings([[1, 0, 0]], [0.1], (0, 0, 1), SoundSpeedProfile.even(1480.0))
     with pytest.raises(ValueError, match=r"travel_time_s\[0\] = -1: s: must be in"):

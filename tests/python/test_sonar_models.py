@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim import Simulator, _core
+from uwsim import Simulator, _core, ranging
 from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.build import build_world, label_names
 from uwsim.scenario.paths import assets_folder
@@ -188,3 +188,15 @@ def test_the_core_refuses_a_fan_that_is_none(field: str, value: float) -> None:
     figures = {"name": "x", "beams": 3, "field_of_view_rad": 1.0, "range_max_m": 50.0, "frequency_hz": 4e5}
     with pytest.raises(ValueError, match=f"sonar.{field} = "):
         _core.MultibeamModel(**{**figures, field: value})  # type: ignore[arg-type]
+
+
+def test_a_sonar_that_is_not_of_the_wire_goes_through_the_same_chain(tmp_path: Path) -> None:
+    sim = Simulator(pool(tmp_path, "{model: em2040-07, frequency_khz: 700, mode: physics, tilt_deg: 40}"))
+    model, ping = sim.rov.sonar.model, sim.rov.sonar.ping()
+    decoded = ranging.decode_depth_string(ranging.encode_depth_string(ping.ranges_m, model), model)
+    scan = ranging.to_laser_scan(decoded, model)
+    assert scan.angle_increment == pytest.approx(np.radians(85) / 399)
+    points = ranging.to_point_cloud(scan)
+    np.testing.assert_allclose(points, ping.points_sonar_m[ping.valid], atol=1e-5)
+    with pytest.raises(ValueError, match="for model EM 2040 MKII"):
+        ranging.encode_depth_string(ping.ranges_m[:5], model)

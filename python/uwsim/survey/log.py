@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.instruments import Ping
+from uwsim import _core
 from uwsim.survey.record import PingSample
 from uwsim.survey.true_surface import inside_polygon
 
@@ -24,7 +24,7 @@ class SurveyLog:
     richest: PingSample | None = None
     richest_score: float = -1.0
 
-    def note(self, ping: Ping, points_world_m: NDArray[np.float32]) -> None:
+    def note(self, ping: _core.Ping, points_world_m: NDArray[np.float32]) -> None:
         """Keep the ping's place, count its echoes, and now and then see whether it makes a better picture."""
         position = ping.world_from_sonar[:3, 3]
         self.positions_world_m.append(position)
