@@ -99,6 +99,7 @@ void bind_models(py::module_& m) {
       .def_readwrite("noise_level_db", &ImagingAcoustics::noise_level_db)
       .def_readwrite("bottom_strength_db", &ImagingAcoustics::bottom_strength_db)
       .def_readwrite("solid_strength_db", &ImagingAcoustics::solid_strength_db)
+      .def_readwrite("strengths_db", &ImagingAcoustics::strengths_db, "By label; NaN: bottom's or solids'.")
       .def_readwrite("range_max_m", &ImagingAcoustics::range_max_m)
       .def_readwrite("range_bins", &ImagingAcoustics::range_bins)
       .def_readwrite("time_varied_gain", &ImagingAcoustics::time_varied_gain)

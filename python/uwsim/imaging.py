@@ -11,8 +11,9 @@ or a solid hears only noise.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from dataclasses import field as dataclass_field
 from typing import Any, Protocol
 
 import numpy as np
@@ -56,7 +57,8 @@ class Acoustics:
     """What the three hear with. Levels in dB re 1 uPa.
 
     source_level_db: at 1 m. noise_level_db: in the receiver's band behind its beam former. bottom_strength_db,
-    solid_strength_db: Lambert's, per square metre at normal incidence, of terrain and of solids. range_max_m is cut
+    solid_strength_db: Lambert's, per square metre at normal incidence, of terrain and of solids; strengths_db: of
+    single ones, by World.label_names. range_max_m is cut
     into range_bins, each a resolution cell. The gain is gain_db_decade log10 R + 2 alpha R, alpha that of the water at
     the head (Francois and Garrison); time_varied_gain False leaves levels as received. looks: independent looks that a
     cell averages; 1 is full speckle (Rayleigh amplitude), 0 none.
@@ -69,6 +71,7 @@ class Acoustics:
     range_bins: int
     bottom_strength_db: float = -30.0  # rock on the EM 2040's data sheet, as the multibeam's geometry mode has it
     solid_strength_db: float = -15.0  # assumed: steel and concrete, harder and rougher than the bed
+    strengths_db: Mapping[str, float] = dataclass_field(default_factory=dict)
     time_varied_gain: bool = True
     # 30 for spreading over a cell that grows with range, 20 for Lambert's law, by which a level bottom's strength falls
     # as (height / range)^2: together a flat bottom comes out even.
@@ -239,7 +242,7 @@ def look_ahead(
     """
     model = model or ForwardLooking()
     pose = checked_pose(world_from_sonar)
-    core = _core_model(model, _core.ForwardLookingModel())
+    core = _core_model(sim, model, _core.ForwardLookingModel())
     level_db = _core.forward_look(
         core, sim.scene, sim.world.water, *_split(pose), sim.seed, name, _number(sim, number), sim.threads
     )
@@ -260,7 +263,7 @@ def look_aside(
     model = model or SideScan()
     poses = np.array([checked_pose(pose, f"worlds_from_sonar[{k}]") for k, pose in enumerate(worlds_from_sonar)])
     poses = poses.reshape(-1, 4, 4)
-    core = _core_model(model, _core.SideScanModel())
+    core = _core_model(sim, model, _core.SideScanModel())
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat() if len(poses) else np.zeros((0, 4))
     port, starboard, altitude = _core.side_scan(
         core, sim.scene, sim.world.water, np.ascontiguousarray(poses[:, :3, 3]), turns, sim.seed, name,
@@ -278,7 +281,7 @@ def profile(
     model = model or SingleBeam()
     pose = checked_pose(world_from_sonar)
     angles = np.atleast_1d(np.asarray(angles_rad, np.float64))
-    core = _core_model(model, _core.SingleBeamModel())
+    core = _core_model(sim, model, _core.SingleBeamModel())
     level_db, ranges_m = _core.single_beam(
         core, sim.scene, sim.world.water, *_split(pose), angles, sim.seed, name, _whole(first_ping, "first_ping"),
         sim.threads,
@@ -341,16 +344,30 @@ def _noise_db(model: Acoustics, core: Any, sim: Place, head_z_m: float) -> Level
     return (model.noise_level_db + gain_db).astype(np.float32)
 
 
-def _core_model(model: Acoustics, core: Any) -> Any:
+def _core_model(sim: Place, model: Acoustics, core: Any) -> Any:
     """Fill the native model: each field goes by its name, to the acoustics or to the rest. Raises ValueError."""
     acoustics = _core.ImagingAcoustics()
-    for field in fields(model):
-        value = getattr(model, field.name)
-        expected = type(getattr(acoustics if hasattr(acoustics, field.name) else core, field.name))
+    for entry in fields(model):
+        name, value = entry.name, getattr(model, entry.name)
+        if name == "strengths_db":
+            acoustics.strengths_db = _strengths_by_label(sim.world.label_names, value)
+            continue
+        target = acoustics if hasattr(acoustics, name) else core
         try:
-            setattr(acoustics if hasattr(acoustics, field.name) else core, field.name, value)
+            setattr(target, name, value)
         except TypeError as error:
-            raise ValueError(f"sonar.{field.name} = {value!r}: must be of type {expected.__name__}") from error
+            kind = type(getattr(target, name)).__name__
+            raise ValueError(f"sonar.{name} = {value!r}: must be of type {kind}") from error
     core.acoustics = acoustics
     core.check()
     return core
+
+
+def _strengths_by_label(names: Sequence[str], given_db: Mapping[str, float]) -> list[float]:
+    unknown = sorted(set(given_db) - set(names[1:]))
+    if unknown:
+        raise ValueError(f"sonar.strengths_db['{unknown[0]}']: not in the world; there are: {', '.join(names[1:])}")
+    for name, value in given_db.items():
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or np.isnan(value):
+            raise ValueError(f"sonar.strengths_db['{name}'] = {value!r} dB: must be a number")
+    return [float(given_db.get(name, np.nan)) for name in names] if given_db else []

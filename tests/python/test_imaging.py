@@ -36,6 +36,18 @@ def test_a_target_to_port_has_a_positive_bearing_and_one_behind_is_not_seen() ->
         assert np.degrees(image.bearings_rad[column]) == pytest.approx(bearing_deg, abs=1.0)
 
 
+def test_a_things_own_strength_goes_before_the_general_one() -> None:
+    boxes = [((15.0, y, -12.0), (1.0, 1.0, 1.0)) for y in (-6.0, 6.0)]
+    soft = replace(LOOK, looks=0, beams=131, noise_level_db=-100.0, strengths_db={"box1": -45.0})
+    image = imaging.look_ahead(basin(*boxes), HEAD, soft)
+    starboard, port = (image.level_db[:, side].max() for side in (image.bearings_rad < 0.0, image.bearings_rad > 0.0))
+    assert starboard - port == pytest.approx(-15.0 + 45.0, abs=0.5)
+    with pytest.raises(ValueError, match="box7"):
+        imaging.look_ahead(basin(*boxes), HEAD, replace(LOOK, strengths_db={"box7": 1.0}))
+    with pytest.raises(ValueError, match="strengths_db"):
+        imaging.look_ahead(basin(*boxes), HEAD, replace(LOOK, strengths_db={"box0": float("nan")}))
+
+
 def test_where_nothing_echoes_the_mean_power_is_the_noise() -> None:
     image = imaging.look_ahead(basin(), imaging.pose_matrix((0.0, 0.0, -1.0), pitch_rad=-1.0), LOOK)
     power = 10.0 ** ((image.level_db - image.noise_db[:, None]) / 10.0)

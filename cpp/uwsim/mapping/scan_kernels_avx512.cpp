@@ -82,9 +82,7 @@ struct Eight {
     return {along_x, along_y};
   }
 
-  __mmask8 ends() const {
-    return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ);
-  }
+  __mmask8 ends() const { return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ); }
 };
 
 /// Half words of the table that rays have left, with the bits they set there, until they are put down.

@@ -27,11 +27,19 @@ void ImagingAcoustics::check() const {
   require_level(noise_level_db, "sonar.noise_level_db");
   require_level(bottom_strength_db, "sonar.bottom_strength_db");
   require_level(solid_strength_db, "sonar.solid_strength_db");
+  for (const double strength_db : strengths_db) {
+    if (!std::isnan(strength_db)) require_level(strength_db, "sonar.strengths_db");
+  }
   require(range_max_m >= 0.1 && range_max_m <= 2000, "sonar.range_max_m", range_max_m, "must be in [0.1, 2000] m");
   require(range_bins >= 1 && range_bins <= kMostBins, "sonar.range_bins", range_bins, "must be in [1, 20000]");
   require(gain_db_decade >= 0 && gain_db_decade <= 100, "sonar.gain_db_decade", gain_db_decade,
           "must be in [0, 100] dB");
   require(looks >= 0 && looks <= kMostLooks, "sonar.looks", looks, "must be in [0, 16]");
+}
+
+double ImagingAcoustics::strength(Label label) const {
+  if (label < strengths_db.size() && !std::isnan(strengths_db[label])) return power_of(strengths_db[label]);
+  return power_of(label == kTerrain ? bottom_strength_db : solid_strength_db);
 }
 
 double ImagingAcoustics::absorption_db_m(const Water& water, double head_z_m) const {

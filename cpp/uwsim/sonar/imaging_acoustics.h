@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <vector>
 
 #include "uwsim/core/random.h"
 #include "uwsim/world/water.h"
+#include "uwsim/world/world.h"
 
 namespace uwsim {
 
@@ -14,9 +15,11 @@ struct ImagingAcoustics {
   double frequency_hz = 0;
   double source_level_db = 0;  ///< at 1 m on the axis
   double noise_level_db = 0;   ///< in the receiver's band behind its beam former
-  /// Lambert's strength per square metre of terrain and of solids at normal incidence.
+  /// Lambert's strength per square metre at normal incidence, of terrain and of solids; `strengths_db`, by label, goes
+  /// before these as far as it reaches, where it is not NaN.
   double bottom_strength_db = 0;
   double solid_strength_db = 0;
+  std::vector<double> strengths_db;
   double range_max_m = 0;
   int range_bins = 0;  ///< each a range resolution wide: range_max_m / range_bins
   /// Time-varied gain a log10 R + 2 alpha R. Off, the levels are those received.
@@ -24,6 +27,8 @@ struct ImagingAcoustics {
   double gain_db_decade = 0;
   int looks = 1;  ///< independent looks averaged in a cell: 1 is full speckle, 0 none at all
 
+  /// Lambert's mu, as a ratio.
+  double strength(Label label) const;
   double bin_m() const { return range_max_m / range_bins; }
   double bin_centre_m(int bin) const { return (bin + 0.5) * bin_m(); }
   /// Throws InvalidValue that names the field.

@@ -56,8 +56,12 @@ SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_
       range_max_m_(acoustics.range_max_m),
       bin_m_(acoustics.bin_m()),
       absorption_db_m_(absorption_db_m),
-      bottom_(std::pow(10.0, acoustics.bottom_strength_db / 10)),
-      solid_(std::pow(10.0, acoustics.solid_strength_db / 10)) {}
+      solid_(std::pow(10.0, acoustics.solid_strength_db / 10)) {
+  const std::size_t labels = std::max<std::size_t>(acoustics.strengths_db.size(), kTerrain + 1);
+  for (std::size_t label = 0; label < labels; ++label) {
+    strengths_.push_back(acoustics.strength(static_cast<Label>(label)));
+  }
+}
 
 void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const {
   if (head_world_m_.z() > 0) return;
@@ -88,7 +92,7 @@ void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray&
   const double near = range * std::max(std::min(one, other) - widened, 1 / kStretch);
   const double far = range * (std::max(one, other) + widened);
 
-  const double strength = hit.label == kTerrain ? bottom_ : solid_;
+  const double strength = hit.label < strengths_.size() ? strengths_[hit.label] : solid_;
   const double loss = std::pow(10.0, -0.2 * absorption_db_m_ * range) / (range * range);
   spread(strength * std::min(1.0, -along) * patch.gain_sr * loss, near / bin_m_, far / bin_m_, profile);
 }

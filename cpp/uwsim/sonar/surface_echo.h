@@ -54,7 +54,8 @@ class SurfaceEchoes {
   Eigen::Vector3d head_world_m_;
   double range_max_m_, bin_m_;
   double absorption_db_m_;
-  double bottom_, solid_;  // Lambert's mu
+  double solid_;                   // of labels past the last of strengths_
+  std::vector<double> strengths_;  // Lambert's mu by label
 };
 
 }  // namespace uwsim
