@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <barrier>
 #include <exception>
+#include <mutex>
+#include <system_error>
 #include <thread>
 #include <tuple>
 
@@ -10,29 +13,54 @@ namespace uwsim::bricks {
 namespace {
 
 /// Scans go together while their masks fit here: what a core's own cache may hold with the bricks they change.
-constexpr std::size_t kMaskBytesTogether = 4 << 20;
+constexpr std::size_t kMaskBytesTogether = 2 << 20;
 constexpr std::size_t kScansTogether = 64;
 
-/// Runs work(thread) for each thread; what one throws is thrown here, when all are done.
-template <typename Work>
-void run_on(std::size_t threads, const Work& work) {
-  std::vector<std::exception_ptr> errors(threads);
-  const auto guarded = [&](std::size_t thread) {
-    try {
-      work(thread);
-    } catch (...) {
-      errors[thread] = std::current_exception();
-    }
-  };
-  {
+/// Threads that do parts of a job together, one part after the other. What one of them throws ends the job: it is
+/// thrown again where the team was made to work.
+class Team {
+ public:
+  explicit Team(std::size_t threads) : threads_(threads), barrier_(static_cast<std::ptrdiff_t>(threads)) {}
+
+  /// Runs job(thread, team) on each, this thread among them.
+  template <typename Job>
+  void run(const Job& job) {
     std::vector<std::jthread> others;
-    for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(guarded, thread);
-    guarded(0);
+    others.reserve(threads_);
+    for (std::size_t thread = 1; thread < threads_; ++thread) {
+      try {
+        others.emplace_back([&, thread] { job(thread, *this); });
+      } catch (const std::system_error&) {
+        barrier_.arrive_and_drop();  // the system gives no more threads: fewer do it all
+      }
+    }
+    job(0, *this);
+    others.clear();
+    if (error_) std::rethrow_exception(error_);
   }
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
+
+  /// A part of the job, for all; it ends when all have done theirs.
+  template <typename Part>
+  void together(const Part& part) {
+    if (!failed_) {
+      try {
+        part();
+      } catch (...) {
+        const std::scoped_lock lock(mutex_);
+        error_ = std::current_exception();
+        failed_ = true;
+      }
+    }
+    barrier_.arrive_and_wait();
   }
-}
+
+ private:
+  const std::size_t threads_;
+  std::barrier<> barrier_;
+  std::mutex mutex_;
+  std::atomic<bool> failed_ = false;
+  std::exception_ptr error_;
+};
 
 }  // namespace
 
@@ -58,18 +86,22 @@ void BrickUpdate::insert_together(std::size_t first, std::size_t count,
   while (tracers_.size() < threads) tracers_.emplace_back(kernels_);
   if (traces_.size() < count) traces_.resize(count);
   std::atomic<std::size_t> next_scan = 0, next_group = 0;
-  run_on(threads, [&](std::size_t thread) {
-    for (std::size_t i; (i = next_scan++) < count;) tracers_[thread].trace(scan(first + i), traces_[i]);
-  });
-  group(count);
-  run_on(std::min(threads, std::max<std::size_t>(groups_.size(), 1)), [&](std::size_t) {
-    BrickStore::Supply supply(store_);
-    Worker worker;
-    for (std::size_t i; (i = next_group++) < groups_.size();) {
-      for (std::size_t part = groups_[i].first; part < groups_[i].end; ++part) {
-        apply(parts_[part], *groups_[i].chunk, supply, worker);
+  Team(threads).run([&](std::size_t thread, Team& team) {
+    team.together([&] {
+      for (std::size_t i; (i = next_scan++) < count;) tracers_[thread].trace(scan(first + i), traces_[i]);
+    });
+    team.together([&] {
+      if (thread == 0) group(count);
+    });
+    team.together([&] {
+      BrickStore::Supply supply(store_);
+      Worker worker;
+      for (std::size_t i; (i = next_group++) < groups_.size();) {
+        for (std::size_t part = groups_[i].first; part < groups_[i].end; ++part) {
+          apply(parts_[part], *groups_[i].chunk, supply, worker);
+        }
       }
-    }
+    });
   });
 }
 
