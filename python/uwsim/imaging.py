@@ -153,6 +153,11 @@ class SingleBeam(Acoustics):
     detection_db: float = 15.0
 
 
+KINDS: dict[str, type[Acoustics]] = {
+    "forward_looking": ForwardLooking, "side_scan": SideScan, "single_beam": SingleBeam
+}  # fmt: skip
+
+
 @dataclass(frozen=True, eq=False)
 class SonarImage:
     """What a forward-looking sonar sees.
@@ -344,13 +349,26 @@ def _noise_db(model: Acoustics, core: Any, sim: Place, head_z_m: float) -> Level
     return (model.noise_level_db + gain_db).astype(np.float32)
 
 
-def _core_model(sim: Place, model: Acoustics, core: Any) -> Any:
+def check(model: Acoustics, sim: Place | None = None) -> None:
+    """Raise ValueError, naming the field, for a model that is none; with a sim, strengths_db of what is not there too."""
+    _core_model(sim, model, _CORE_MODELS[type(model)]())
+
+
+_CORE_MODELS: dict[type[Acoustics], Any] = {
+    ForwardLooking: _core.ForwardLookingModel, SideScan: _core.SideScanModel, SingleBeam: _core.SingleBeamModel
+}  # fmt: skip
+
+
+def _core_model(sim: Place | None, model: Acoustics, core: Any) -> Any:
     """Fill the native model: each field goes by its name, to the acoustics or to the rest. Raises ValueError."""
     acoustics = _core.ImagingAcoustics()
     for entry in fields(model):
         name, value = entry.name, getattr(model, entry.name)
         if name == "strengths_db":
-            acoustics.strengths_db = _strengths_by_label(sim.world.label_names, value)
+            if not isinstance(value, Mapping):
+                raise ValueError(f"sonar.strengths_db = {value!r}: must be dB by name")
+            if sim is not None:
+                acoustics.strengths_db = _strengths_by_label(sim.world.label_names, value)
             continue
         target = acoustics if hasattr(acoustics, name) else core
         try:

@@ -12,6 +12,7 @@ import numpy as np
 from uwsim import _core
 from uwsim.assembly import vehicle_spec
 from uwsim.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.imaging_mount import imaging_sonars
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.optics_spec import Optics
 from uwsim.studio import Studio
@@ -54,6 +55,7 @@ class Simulator:
             index = self._core.add_vehicle(spec)
             cameras, lamps = self._studio.cameras_of(index), self._studio.lamps_of(index)
             self.vehicles[vehicle.name] = Vehicle(self._core, index, spec, cameras, lamps)
+            self.vehicles[vehicle.name].imaging_sonars = imaging_sonars(self, vehicle)
 
     @property
     def rov(self) -> Vehicle:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.cameras import Camera, Lamp
+from uwsim.imaging_mount import ImagingSonar
 from uwsim.instruments import Sensor, Sonar
 
 Vector = NDArray[np.float64]
@@ -50,7 +51,7 @@ class Vehicle:
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: by name, such as "imu" or "depth". sonars: by name; sonar: the first. cameras: by name.
-    lamps: by the name of their switch.
+    lamps: by the name of their switch. imaging_sonars: by name.
     Commands are held until the next; one that raises ValueError changes nothing.
     """
 
@@ -69,6 +70,7 @@ class Vehicle:
         self.sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
         self.cameras = dict(cameras or {})
         self.lamps = dict(lamps or {})
+        self.imaging_sonars: dict[str, ImagingSonar] = {}
         self._craft: _core.Craft = spec.craft
 
     @property

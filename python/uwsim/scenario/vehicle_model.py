@@ -12,6 +12,7 @@ from uwsim.scenario.actuator_spec import FinMount, ThrusterMount
 from uwsim.scenario.camera_spec import CameraMounts, LampSwitches
 from uwsim.scenario.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
 from uwsim.scenario.optics_spec import Material, MaterialSpec
+from uwsim.scenario.imaging_spec import ImagingMount
 from uwsim.scenario.sensor_spec import Sensors
 
 Force = Annotated[float, InRange(0, 1e6, "N")]
@@ -49,7 +50,7 @@ class VehicleModel(Model):
     Each of the three may be a full matrix instead, about the origin, of rows: added_mass_matrix and so on.
     inertia_kg_m2: principal moments about the centre of mass along the body's axes.
     max_force_n, max_torque_nm: at full effort along and about x, y, z, of a vehicle without thrusters.
-    thrusters, fins, sensors, cameras, lamps: by name. sonar: where the multibeam is, if there is one.
+    thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: where the multibeam is, if there is one.
     material: of the hull, for cameras.
     """
 
@@ -92,6 +93,7 @@ class VehicleModel(Model):
     cameras: CameraMounts = Field(default_factory=dict)
     lamps: LampSwitches = Field(default_factory=dict)
     material: MaterialSpec = Material(kind="paint")
+    imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _has_its_pieces(self) -> VehicleModel:
