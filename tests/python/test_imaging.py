@@ -159,6 +159,15 @@ def test_a_bad_figure_is_named(field: str, value: object) -> None:
         imaging.look_ahead(basin(), HEAD, replace(LOOK, **{field: value}))
 
 
+def test_each_looks_with_its_own_kind_of_model() -> None:
+    with pytest.raises(ValueError, match="ForwardLooking: must be a SideScan"):
+        imaging.look_aside(basin(), [HEAD], LOOK)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="SideScan: must be a ForwardLooking"):
+        imaging.look_ahead(basin(), HEAD, SIDE)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="must be a SingleBeam"):
+        imaging.profile(basin(), HEAD, [0.0], SIDE)  # type: ignore[arg-type]
+
+
 def test_bad_angles_and_numbers_are_refused() -> None:
     with pytest.raises(ValueError, match="angles_rad"):
         imaging.profile(basin(), HEAD, [0.0, np.nan])

@@ -1,4 +1,4 @@
-"""Three imaging sonars over the lake's bed: a picture ahead, a waterfall to both sides, a profile across the pipeline."""
+"""Three imaging sonars over the lake's bed: a picture ahead, a waterfall to both sides, a profile of the pipeline."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ def main() -> None:
     """Look at the gate, tow past it, and measure the pipeline's cross-section."""
     sim = Simulator("lake", seed=7)
 
-    # A pose is world from sonar, x ahead, pitch nose down; of a mounted sonar: rov.pose.world_from_body @ pose_matrix(...).
+    # A pose is world from sonar, x ahead, pitch nose down.
     ahead = imaging.pose_matrix((-75.0, -57.0, -24.0), yaw_rad=0.14, pitch_rad=0.2)
     image = imaging.look_ahead(sim, ahead, ForwardLooking(range_max_m=30.0, range_bins=750))
     row, column = np.unravel_index(np.argmax(image.level_db - image.noise_db[:, None]), image.level_db.shape)
