@@ -15,11 +15,14 @@ class AbsorptionColumn {
   /// Mean along a straight path between two depths [dB/m].
   double mean_db_m(double from_depth_m, double to_depth_m) const;
   double at_db_m(double depth_m) const;
+  /// The same from one depth to several, of which the integral down to the first is known.
+  double mean_db_m(double from_depth_m, double down_to_from_db, double to_depth_m) const;
+
+  /// Integral from the surface [dB].
+  double down_to_db(double depth_m) const;
 
  private:
-  double down_to_db(double depth_m) const;  // integral from the surface
-
-  double spacing_m_;
+  double spacing_m_, per_spacing_1_m_;
   std::vector<double> at_db_m_;
   std::vector<double> down_db_;
 };

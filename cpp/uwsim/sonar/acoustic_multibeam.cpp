@@ -58,9 +58,10 @@ struct AcousticMultibeam::Moment {
   const RayScene& scene;
   Pose world_from_sonar;
   Eigen::Matrix3f rotation;
-  Eigen::Vector3f mach;    // velocity over the speed of sound, world
-  double turn_rad_s;       // of the fan, about its normal
-  double sound_speed_m_s;  // at the head
+  Eigen::Vector3f mach;         // velocity over the speed of sound, world
+  double turn_rad_s;            // of the fan, about its normal
+  double depth_m, absorbed_db;  // of the head, and from the surface down to it
+  double sound_speed_m_s;       // at the head
   float cell_m;
   float spacing_rad;   // of a beam's rays
   double false_alarm;  // the chance that noise passes the threshold somewhere in a beam
@@ -94,7 +95,7 @@ RayEcho AcousticMultibeam::echo_of(const Moment& now, float length_m, float rang
   const std::size_t material = std::min<std::size_t>(label, strengths_.size() - 1);
   const float length = std::max(length_m, kLeastRange_m);
   const float cos_i = std::clamp(cosine, 1e-3f, 1.0f);
-  const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(-now.world_from_sonar.position_m.z(), depth_m));
+  const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(now.depth_m, now.absorbed_db, depth_m));
   constexpr float kTwoWay = -0.2f * std::numbers::ln10_v<float>;
   const float lost = std::exp(kTwoWay * absorption_db_m * length);
   const float patch_m = length * now.spacing_rad;
@@ -183,6 +184,8 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
                    world_from_sonar.rotation().cast<float>(),
                    (motion.velocity_world_m_s / c).cast<float>(),
                    motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
+                   -head.z(),
+                   absorption_.down_to_db(-head.z()),
                    c,
                    static_cast<float>(spec_.figures.range_cell_m(c)),
                    spec_.rays_per_beam > 1 ? static_cast<float>(footprint_.spacing_rad()) : 0,

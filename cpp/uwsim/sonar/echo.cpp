@@ -1,20 +1,35 @@
 #include "uwsim/sonar/echo.h"
 
-#include <algorithm>
-#include <array>
+#include <Eigen/Core>
 
 namespace uwsim {
 namespace {
 
 constexpr float kReach = 15.0f / 16;
 
-/// What `ray` adds to the envelope at `range_m`.
-float shape(const RayEcho& ray, float range_m, float cell_m) {
-  const float reach = kReach * ray.width_m;
-  const float u = (range_m - ray.range_m) / reach;
-  const float rest = 1 - u * u;
-  return rest > 0 ? ray.energy * cell_m / ray.width_m * rest * rest : 0;
-}
+/// The rays side by side, as vector units like them: what each adds to the envelope at a range r is
+/// height (1 - (r - range)^2 / reach^2)^2 within its reach.
+struct Shapes {
+  using Lanes = Eigen::Array<float, Eigen::Dynamic, 1, 0, kRaysMax, 1>;
+  Lanes range_m, per_reach2, height;
+
+  Shapes(std::span<const RayEcho> rays, float cell_m) {
+    const auto n = static_cast<Eigen::Index>(rays.size());
+    range_m.resize(n);
+    per_reach2.resize(n);
+    height.resize(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const RayEcho& ray = rays[static_cast<std::size_t>(k)];
+      const float per_width = 1 / ray.width_m;
+      range_m[k] = ray.range_m;
+      per_reach2[k] = per_width * per_width / (kReach * kReach);
+      height[k] = ray.energy * cell_m * per_width;
+    }
+  }
+
+  /// What each adds at `at_m`.
+  auto parts(float at_m) const { return (1 - (range_m - at_m).square() * per_reach2).max(0.0f).square() * height; }
+};
 
 bool touch(const RayEcho& a, const RayEcho& b) { return b.range_m - a.range_m < kReach * (a.width_m + b.width_m); }
 
@@ -35,9 +50,9 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
   if (rays.empty()) return echo;
   sort_by_range(rays);
   std::size_t highest = 0;
+  const Shapes shapes(rays, cell_m);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    float height = 0;
-    for (const RayEcho& ray : rays) height += shape(ray, rays[k].range_m, cell_m);
+    const float height = shapes.parts(rays[k].range_m).sum();
     if (height > echo.peak) {
       echo.peak = height;
       highest = k;
@@ -49,9 +64,10 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
   while (first > 0 && touch(rays[first - 1], rays[first])) --first;
   while (last + 1 < rays.size() && touch(rays[last], rays[last + 1])) ++last;
   const float base_m = rays[highest].range_m;  // differences from it keep float's last digits
+  const Shapes::Lanes at_peak = shapes.parts(base_m);
   float near_peak = 0, peak_shift = 0, centre_shift = 0, strongest = 0;
   for (std::size_t k = first; k <= last; ++k) {
-    const float here = shape(rays[k], base_m, cell_m), shift_m = rays[k].range_m - base_m;
+    const float here = at_peak[static_cast<Eigen::Index>(k)], shift_m = rays[k].range_m - base_m;
     near_peak += here;
     peak_shift += here * shift_m;
     echo.energy += rays[k].energy;
