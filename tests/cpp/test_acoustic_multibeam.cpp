@@ -91,6 +91,42 @@ TEST(AcousticMultibeam, StraightBelowItsLevelIsTheSonarEquations) {
   }
 }
 
+TEST(AcousticMultibeam, AbsorptionCostsItsDecibelsOutAndBackExactly) {
+  Water sea = even_water();
+  sea.salinity_psu = 35;
+  AcousticSpec spec = loud();
+  spec.figures.source_level_db = 290;  // far above the noise, which fades along
+  const RayScene scene(bed_world(0, -400));
+  const auto level_db = [&](double acidity_ph) {
+    spec.acidity_ph = acidity_ph;  // changes absorption and nothing else
+    return sonar_of(fan_of(3, 1), spec, sea).ping(scene, looking_down(1e-3), {}, 4).intensity_db[1];
+  };
+  const auto mean_db_m = [](double acidity_ph) {
+    double sum = 0;
+    for (int k = 0; k < 400; ++k) sum += absorption_db_km(400e3, 8, 35, k + 0.5, acidity_ph) / 1000 / 400;
+    return sum;
+  };
+  EXPECT_NEAR(level_db(6) - level_db(9), 2 * 400 * (mean_db_m(9) - mean_db_m(6)), 2e-3);
+  EXPECT_GT(level_db(6) - level_db(9), 0.5);
+}
+
+TEST(AcousticMultibeam, EachBeamErrsByItself) {
+  AcousticSpec spec = loud();
+  spec.range_noise = true;
+  const AcousticMultibeam sonar = sonar_of(fan_of(401, 0.1), spec);
+  const AcousticPing ping = sonar.ping(RayScene(bed_world(0, -60)), looking_down(1e-3), {}, 2);
+  const auto error_m = [&](std::size_t beam) { return ping.valid[beam] ? ping.ranges_m[beam] - 60 : 0.0f; };
+  for (const std::size_t apart : {1u, 2u, 4u, 8u, 16u}) {
+    double together = 0, alone = 0;
+    for (std::size_t k = 0; k + apart < 401; ++k) {
+      together += error_m(k) * error_m(k + apart);
+      alone += error_m(k) * error_m(k);
+    }
+    EXPECT_GT(alone, 0);
+    EXPECT_LT(std::abs(together), 0.25 * alone) << apart << " beams apart";
+  }
+}
+
 TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndASmallTargetsBy40) {
   AcousticSpec spec = loud();
   spec.figures.frequency_hz = 2e3;  // next to no absorption

@@ -41,6 +41,16 @@ TEST(BeamEcho, AnEdgesTwoEchoesAreNotAveraged) {
   EXPECT_NEAR(echo.cosine, 0.9, 1e-6);
 }
 
+TEST(BeamEcho, TheFarEchoIsTakenWhereItIsTheStronger) {
+  std::vector<RayEcho> rays(2, {10, 0.2f, kCell, 0.9f, kTerrain + 1});
+  for (int k = 0; k < 6; ++k) rays.push_back({14, 0.2f, kCell, 0.5f, kTerrain});
+  const BeamEcho echo = beam_echo(rays, kCell);
+  EXPECT_EQ(echo.label, kTerrain);
+  EXPECT_NEAR(echo.centre_range_m, 14, 1e-5);
+  EXPECT_NEAR(echo.peak_range_m, 14, 1e-5);
+  EXPECT_NEAR(echo.energy, 1.2, 1e-6);
+}
+
 TEST(BeamEcho, WithoutRaysThereIsNone) { EXPECT_EQ(beam_echo({}, kCell).peak, 0); }
 
 }  // namespace
