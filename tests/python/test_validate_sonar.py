@@ -67,8 +67,10 @@ def test_refraction_is_snells_and_can_miss(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_pictures_are_drawn(tmp_path: Path, fit: Fit) -> None:
-    from uwsim.validate.sonar_curves import draw_depths, draw_detections
+    from uwsim.validate.sonar_curves import draw_depths, draw_detections, draw_smile
 
+    draw_smile(tmp_path / "smile.png")
+    assert (tmp_path / "smile.png").stat().st_size > 10_000
     draw_depths(fit, dict(TABLE_M), tmp_path / "depths.png")
     draw_detections(tmp_path / "detections.png")
     assert (tmp_path / "depths.png").stat().st_size > 10_000

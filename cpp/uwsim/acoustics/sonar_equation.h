@@ -62,9 +62,9 @@ double false_alarm_probability(double detection_threshold_db);
 /// and holds extent / cell independent looks L, by amplitude and by phase.
 ///
 /// Amplitude, the largest sample: extent / sqrt(12) x (1 + 1/snr). Of looks alike, each is as likely to fade least, so
-/// that the largest lies anywhere in the echo: an even distribution's deviation; noise widens it. Derived; that
-/// amplitude's error goes with the echo's length is also the base of Lurton and Augustin's 2010 quality factor (IEEE J.
-/// Oceanic Eng. 35:852; its abstract was read, not its text).
+/// that the largest lies anywhere in the echo, about its middle: an even distribution's deviation; noise widens it.
+/// Derived; that amplitude's error goes with the echo's length is also the base of Lurton and Augustin's 2010 quality
+/// factor (IEEE J. Oceanic Eng. 35:852; its abstract was read, not its text).
 double amplitude_range_std_m(double extent_m, double cell_m, double snr);
 /// Phase, the zero crossing between two halves of the array: extent / (0.886 pi) x sigma / sqrt(L), a line fitted over
 /// L looks, of which each errs by sigma^2 = 1/snr + 1/(2 snr^2) + floor^2. The phase turns by 0.886 pi over the

@@ -248,7 +248,7 @@ void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEc
       const double by_phase_m = phase_range_std_m(extent_m, now.cell_m, snr);
       const bool phase = looks >= kPhaseLooks && by_phase_m < by_amplitude_m;
       found = phase ? Detection::kPhase : Detection::kAmplitude;
-      range_m = phase ? echo.centre_range_m : echo.peak_range_m;
+      range_m = echo.centre_range_m;
       if (spec_.range_noise) range_m += error * (phase ? by_phase_m : by_amplitude_m);
     }
   }

@@ -64,21 +64,16 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
   while (first > 0 && touch(rays[first - 1], rays[first])) --first;
   while (last + 1 < rays.size() && touch(rays[last], rays[last + 1])) ++last;
   const float base_m = rays[highest].range_m;  // differences from it keep float's last digits
-  const Shapes::Lanes at_peak = shapes.parts(base_m);
-  float near_peak = 0, peak_shift = 0, centre_shift = 0, strongest = 0;
+  float centre_shift = 0, strongest = 0;
   for (std::size_t k = first; k <= last; ++k) {
-    const float here = at_peak[static_cast<Eigen::Index>(k)], shift_m = rays[k].range_m - base_m;
-    near_peak += here;
-    peak_shift += here * shift_m;
     echo.energy += rays[k].energy;
-    centre_shift += rays[k].energy * shift_m;
+    centre_shift += rays[k].energy * (rays[k].range_m - base_m);
     if (rays[k].energy > strongest) {
       strongest = rays[k].energy;
       echo.cosine = rays[k].cosine;
       echo.label = rays[k].label;
     }
   }
-  echo.peak_range_m = base_m + peak_shift / near_peak;
   echo.centre_range_m = base_m + centre_shift / echo.energy;
   return echo;
 }

@@ -19,7 +19,6 @@ struct RayEcho {
 struct BeamEcho {
   float peak = 0;            ///< largest intensity over the source's; 0 where nothing came back
   float energy = 0;          ///< of the echo that has the peak, in the unit of RayEcho::energy
-  float peak_range_m = 0;    ///< of the peak
   float centre_range_m = 0;  ///< centre of that echo's energy
   float cosine = 0;          ///< of incidence, of its strongest ray
   Label label = kNothing;    ///< likewise

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from uwsim.validate.check import Check, relative, within
 from uwsim.validate.refraction import refraction_checks
-from uwsim.validate.sonar_curves import draw_depths, draw_detections
+from uwsim.validate.sonar_curves import draw_depths, draw_detections, draw_smile
 from uwsim.validate.sonar_depth import ARRAYS, FREQUENCIES_KHZ, TABLE_M, WATERS, Cell, Fit, fit_table, stated_db
 from uwsim.validate.sonar_instrument import half_detected_m
 
@@ -19,12 +19,13 @@ INSTRUMENT_TOLERANCE = 0.05
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """All checks; the depths and the shares of detections go into the folder `out` as pictures."""
+    """All checks; depths, shares of detections and refraction's smile go into the folder `out` as pictures."""
     fit = fit_table()
     simulated = {cell: half_detected_m(cell) for cell in TABLE_M}
     if out is not None:
         draw_depths(fit, simulated, out / "sonar_depths.png")
         draw_detections(out / "sonar_detections.png")
+        draw_smile(out / "sonar_smile.png")
     return [*table_checks(fit), *constant_checks(fit), *instrument_checks(simulated), *refraction_checks()]
 
 

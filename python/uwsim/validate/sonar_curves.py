@@ -1,4 +1,4 @@
-"""Pictures of the sonar suite: depths over frequency, and the share of detections over depth."""
+"""Pictures of the sonar suite: depths over frequency, the share of detections over depth, and refraction's smile."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from uwsim import _core
+from uwsim.sounding import sound_points
+from uwsim.validate.refraction import BED_M, GRADIENT_1_S, bent_ping
 from uwsim.validate.sonar_depth import ARRAYS, FREQUENCIES_KHZ, TABLE_M, WATERS, Cell, Fit
 from uwsim.validate.sonar_instrument import detected_share
 
@@ -46,6 +49,27 @@ def draw_detections(path: Path) -> None:
         panel.axvline(about_m, c="k", lw=0.6, ls=":")
     panel.set(xlabel="depth [m]", ylabel="share detected", xscale="log", title=f"{ARRAYS[0]}, cold ocean, flat rock")
     panel.grid(alpha=0.3, which="both")
+    panel.legend()
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+
+
+def draw_smile(path: Path) -> None:
+    """A flat bed under a gradient, sounded with the true profile and as if the water were even."""
+    ping, sonar = bent_ping()
+    even = _core.SoundSpeedProfile.even(sonar.profile.at(0.0))
+    figure, panel = plt.subplots(figsize=(8, 4), layout="constrained")
+    panel.axhline(-BED_M, c="k", lw=0.8, label="the bed")
+    for name, profile in (
+        ("sounded with the true profile", sonar.profile),
+        ("sounded as if the water were even", even),
+    ):
+        points = sound_points(ping, profile)
+        panel.plot(points[:, 1], points[:, 2], ".", ms=4, label=name)
+    panel.set(
+        xlabel="across [m]", ylabel="z [m]", title=f"A flat bed, sound speed falling by {-GRADIENT_1_S:g} m/s a metre"
+    )
+    panel.grid(alpha=0.3)
     panel.legend()
     figure.savefig(path, dpi=120)
     plt.close(figure)
