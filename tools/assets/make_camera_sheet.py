@@ -15,7 +15,7 @@ from uwsim.scenario import load
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 WATERS = ("I", "III", "5C", "9C")
 NOON_DEG, DUSK_DEG = 60.0, 1.0
-THUMB = (216, 122)
+THUMB = (240, 135)
 BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
 
 

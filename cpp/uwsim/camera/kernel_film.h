@@ -53,10 +53,9 @@ struct Words {
 UWSIM_LANES Words philox(Unsigned c0, Unsigned c1, Unsigned c2, Unsigned c3, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key), k1 = static_cast<std::uint32_t>(key >> 32);
   for (int round = 0; round < 10; ++round) {
-    const Wide p0 = __builtin_convertvector(c0, Wide) * 0xD2511F53ull,
-               p1 = __builtin_convertvector(c2, Wide) * 0xCD9E8D57ull;
-    const Unsigned high0 = __builtin_convertvector(p0 >> 32, Unsigned), low0 = __builtin_convertvector(p0, Unsigned);
-    const Unsigned high1 = __builtin_convertvector(p1 >> 32, Unsigned), low1 = __builtin_convertvector(p1, Unsigned);
+    const Wide p0 = converted<std::uint64_t>(c0) * 0xD2511F53ull, p1 = converted<std::uint64_t>(c2) * 0xCD9E8D57ull;
+    const Unsigned high0 = converted<std::uint32_t>(p0 >> 32), low0 = converted<std::uint32_t>(p0);
+    const Unsigned high1 = converted<std::uint32_t>(p1 >> 32), low1 = converted<std::uint32_t>(p1);
     c0 = high1 ^ c1 ^ k0;
     c1 = low1;
     c2 = high0 ^ c3 ^ k1;
@@ -66,7 +65,7 @@ UWSIM_LANES Words philox(Unsigned c0, Unsigned c1, Unsigned c2, Unsigned c3, std
   }
   return {{c0, c1, c2, c3}};
 }
-UWSIM_LANES Float open_unit(Unsigned word) { return (to_float((Int)(word >> 8)) + 0.5f) * 0x1p-24f; }
+UWSIM_LANES Float open_unit(Unsigned word) { return (to_float(bits_as<std::int32_t>(word >> 8)) + 0.5f) * 0x1p-24f; }
 
 /// Standard normal numbers for the three bands of sixteen pixels, counted by tick and pixel (Box and Muller 1958).
 UWSIM_LANES Vector normals(const Developing& d, int pixel) {

@@ -73,7 +73,7 @@ void aim_shafts(const Shot& shot, int left, int top, int scale, Block& block) {
   aim_pixels(shot, left, top, scale, block);
 }
 
-UWSIM_LANES Double to_double(Float x) { return __builtin_convertvector(x, Double); }
+UWSIM_LANES Double to_double(Float x) { return converted<double>(x); }
 
 /// On terrain the distance is solved again in double over the plane of the triangle that was named: floats err by 1e-4
 /// m.
@@ -105,7 +105,7 @@ void place(const Shot& shot, Block& block) {
       const Double y = to_double(origin.y) - (shot.terrain_y + node_y * shot.terrain_spacing);
       const Double above = shot.anchor_z + to_double(origin.z) - (h0 + slope_x * x + slope_y * y);
       const Double sinking = slope_x * to_double(way.x) + slope_y * to_double(way.y) - to_double(way.z);
-      const Float nx = __builtin_convertvector(-slope_x, Float), ny = __builtin_convertvector(-slope_y, Float);
+      const Float nx = converted<float>(-slope_x), ny = converted<float>(-slope_y);
       const Vector normal = unit({nx, ny, splat(1)});
       for (int k = 0; k < kLanes; ++k) {
         if (block.label[k] != shot.terrain_label || !block.active.at[k]) continue;

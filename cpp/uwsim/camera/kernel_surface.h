@@ -16,9 +16,9 @@ UWSIM_LANES Float value_noise(Vector p, std::uint32_t salt) {
   const Int i = floor_int(p.x), j = floor_int(p.y), k = floor_int(p.z);
   const Float u = p.x - to_float(i), v = p.y - to_float(j), w = p.z - to_float(k);
   const Float su = u * u * (3 - 2 * u), sv = v * v * (3 - 2 * v), sw = w * w * (3 - 2 * w);
-  const Unsigned x0 = (Unsigned)i * 0x8da6b343u, x1 = x0 + 0x8da6b343u;
-  const Unsigned y0 = (Unsigned)j * 0xd8163841u, y1 = y0 + 0xd8163841u;
-  const Unsigned z0 = (Unsigned)k * 0xcb1ab31fu + salt, z1 = z0 + 0xcb1ab31fu;
+  const Unsigned x0 = bits_as<std::uint32_t>(i) * 0x8da6b343u, x1 = x0 + 0x8da6b343u;
+  const Unsigned y0 = bits_as<std::uint32_t>(j) * 0xd8163841u, y1 = y0 + 0xd8163841u;
+  const Unsigned z0 = bits_as<std::uint32_t>(k) * 0xcb1ab31fu + salt, z1 = z0 + 0xcb1ab31fu;
   const auto row = [&](Unsigned y, Unsigned z) { return mix(hash_unit(x0 ^ y ^ z), hash_unit(x1 ^ y ^ z), su); };
   return mix(mix(row(y0, z0), row(y1, z0), sv), mix(row(y0, z1), row(y1, z1), sv), sw);
 }
@@ -60,7 +60,7 @@ void paint(const Shot& shot, Block& block) {
   Int material = load(block.material.at);
   const Int ground = material == 0;
   const Int dry = ground & (place.z > 0.2f + 1.5f * large), steep = ground & (normal.z < 0.72f + 0.16f * large);
-  material = dry ? Int{} + shot.terrain_dry : (steep ? Int{} + shot.terrain_rock : material);
+  material = select(dry, Int(shot.terrain_dry), select(steep, Int(shot.terrain_rock), material));
   const Look look = look_of(shot.materials, material);
   const Float fine_near = clamp(1.5f - 1.5f * pixel_m * look.fine_per_m, 0, 1);
   const Float fine = value_noise(place * look.fine_per_m, 91u) - 0.5f;

@@ -136,7 +136,7 @@ void pass_water(const Shot& shot, Block& block) {
   Float end = min(distance, splat(kFarthest_m));
   if (shot.has_surface) {
     const Float height = origin.z + shot.camera_z;
-    const Int towards = wet ? way.z > 1e-4f : way.z < -1e-4f;
+    const Int towards = select(wet, way.z > 1e-4f, way.z < -1e-4f);
     Float surface = splat(shot.surface_z);
     Float reach = (surface - height) / select(towards, way.z, splat(1));
     for (int k = 0; shot.waves.cells != nullptr && k < 3; ++k) {
@@ -195,14 +195,14 @@ void go_on(const Shot& shot, Block& block) {
   const Float gain = select(wet, splat(shot.index * shot.index), splat(1 / (shot.index * shot.index)));
   const Float transmitted = (1 - reflectance) * gain;
   const Vector water = upwelling(shot);
-  const Vector other = select(wet ? mirrors : ~mirrors, sky_towards(shot, select(wet, bent, mirrored)), water);
+  const Vector other = select(select(wet, mirrors, ~mirrors), sky_towards(shot, select(wet, bent, mirrored)), water);
   const Float other_share = select(mirrors, transmitted, reflectance);
   const Vector through = load(block.through), light = load(block.light);
   store(block.light, select(onward, light + through * other * select(total & mirrors, Float{}, other_share), light));
   store(block.through, through * select(mirrors, reflectance, transmitted));
   store(block.direction, select(mirrors, mirrored, bent));
   store(block.origin, {at.x, at.y, at.z});
-  store(block.wet.at, mirrors ? wet : ~wet);
+  store(block.wet.at, select(mirrors, wet, ~wet));
   store(block.active.at, onward);
 }
 

@@ -2,49 +2,178 @@
 
 #include <cstdint>
 
-/// Arithmetic on sixteen pixels at once, in the compiler's own vector types: one source, compiled for several kinds of
-/// CPU (kernel_*.cpp). Every operation is one IEEE operation a lane, without fused multiply-add, so that all builds of
-/// it give the same bits. Only for those files: everything here is local to the file that includes it.
+/// Arithmetic on sixteen pixels at once, in the compiler's own vector types of the width that the CPU has: one source,
+/// compiled for several kinds of CPU (kernel_*.cpp). Every operation is one IEEE operation a lane, without fused
+/// multiply-add, so that all builds of it give the same bits. Only for those files: everything here is local to the
+/// file that includes it.
 namespace uwsim::camera {
 namespace {
 
 constexpr int kLanes = 16;
-
-using Float = float __attribute__((vector_size(64)));
-using Int = std::int32_t __attribute__((vector_size(64)));
-using Unsigned = std::uint32_t __attribute__((vector_size(64)));
-using Double = double __attribute__((vector_size(128)));
-using Wide = std::uint64_t __attribute__((vector_size(128)));
+#if defined(__AVX512F__)
+constexpr int kNativeBytes = 64;
+#elif defined(__AVX2__)
+constexpr int kNativeBytes = 32;
+#else
+constexpr int kNativeBytes = 16;
+#endif
 
 #define UWSIM_LANES static inline __attribute__((always_inline))
+#define UWSIM_INLINE inline __attribute__((always_inline))
+#define UWSIM_UNROLLED _Pragma("GCC unroll 8") for (int p = 0; p < kParts; ++p)
 
-UWSIM_LANES Float splat(float value) { return Float{} + value; }
+template <typename T>
+struct Lanes;
+using Float = Lanes<float>;
+using Int = Lanes<std::int32_t>;
+using Unsigned = Lanes<std::uint32_t>;
+using Double = Lanes<double>;
+using Wide = Lanes<std::uint64_t>;
+
+/// As many as the CPU's vectors hold.
+template <typename T>
+struct Native;
+template <>
+struct Native<float> {
+  using Part = float __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<std::int32_t> {
+  using Part = std::int32_t __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<std::uint32_t> {
+  using Part = std::uint32_t __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<double> {
+  using Part = double __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<std::uint64_t> {
+  using Part = std::uint64_t __attribute__((vector_size(kNativeBytes)));
+};
+
+/// Sixteen numbers. Comparisons of 32-bit numbers give masks: -1 and 0.
+template <typename T>
+struct Lanes {
+  static constexpr int kParts = kLanes * static_cast<int>(sizeof(T)) / kNativeBytes;
+  using Part = typename Native<T>::Part;
+
+  Part part[kParts];
+
+  UWSIM_INLINE Lanes() { UWSIM_UNROLLED part[p] = Part{}; }
+  UWSIM_INLINE Lanes(T value) {  // NOLINT(google-explicit-constructor): numbers mix with lanes
+    UWSIM_UNROLLED part[p] = Part{} + value;
+  }
+
+  UWSIM_INLINE T operator[](int k) const { return reinterpret_cast<const T*>(part)[k]; }
+  UWSIM_INLINE T& operator[](int k) { return reinterpret_cast<T*>(part)[k]; }
+
+#define UWSIM_OPERATOR(op)                                       \
+  friend UWSIM_INLINE Lanes operator op(Lanes a, Lanes b) {      \
+    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];           \
+    return a;                                                    \
+  }                                                              \
+  friend UWSIM_INLINE Lanes& operator op##=(Lanes& a, Lanes b) { \
+    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];           \
+    return a;                                                    \
+  }
+  UWSIM_OPERATOR(+)
+  UWSIM_OPERATOR(-)
+  UWSIM_OPERATOR(*)
+  UWSIM_OPERATOR(/)
+  UWSIM_OPERATOR(&)
+  UWSIM_OPERATOR(|)
+  UWSIM_OPERATOR(^)
+#undef UWSIM_OPERATOR
+#define UWSIM_COMPARISON(op)                              \
+  friend UWSIM_INLINE Int operator op(Lanes a, Lanes b) { \
+    Int mask;                                             \
+    UWSIM_UNROLLED mask.part[p] = a.part[p] op b.part[p]; \
+    return mask;                                          \
+  }
+  UWSIM_COMPARISON(<)
+  UWSIM_COMPARISON(>)
+  UWSIM_COMPARISON(<=)
+  UWSIM_COMPARISON(>=)
+  UWSIM_COMPARISON(==)
+#undef UWSIM_COMPARISON
+  friend UWSIM_INLINE Lanes operator>>(Lanes a, int bits) {
+    UWSIM_UNROLLED a.part[p] = a.part[p] >> bits;
+    return a;
+  }
+  friend UWSIM_INLINE Lanes operator<<(Lanes a, int bits) {
+    UWSIM_UNROLLED a.part[p] = a.part[p] << bits;
+    return a;
+  }
+  friend UWSIM_INLINE Lanes operator-(Lanes a) {
+    UWSIM_UNROLLED a.part[p] = -a.part[p];
+    return a;
+  }
+  friend UWSIM_INLINE Lanes operator~(Lanes a) {
+    UWSIM_UNROLLED a.part[p] = ~a.part[p];
+    return a;
+  }
+};
+
+/// Each number as another type's nearest, towards zero.
+template <typename To, typename From>
+UWSIM_LANES Lanes<To> converted(Lanes<From> x) {
+  Lanes<To> y;
+  for (int k = 0; k < kLanes; ++k) y[k] = static_cast<To>(x[k]);
+  return y;
+}
+UWSIM_LANES Int to_int(Float x) {
+  constexpr int kParts = Int::kParts;
+  Int y;
+  UWSIM_UNROLLED y.part[p] = __builtin_convertvector(x.part[p], Int::Part);
+  return y;
+}
+UWSIM_LANES Float to_float(Int x) {
+  constexpr int kParts = Int::kParts;
+  Float y;
+  UWSIM_UNROLLED y.part[p] = __builtin_convertvector(x.part[p], Float::Part);
+  return y;
+}
+/// The same bits as another type's.
+template <typename To, typename From>
+UWSIM_LANES Lanes<To> bits_as(Lanes<From> x) {
+  constexpr int kParts = Lanes<To>::kParts;
+  Lanes<To> y;
+  UWSIM_UNROLLED y.part[p] = (typename Native<To>::Part)x.part[p];
+  return y;
+}
+
+UWSIM_LANES Float splat(float value) { return Float(value); }
 UWSIM_LANES Float load(const float* from) {
   Float value;
-  __builtin_memcpy(&value, from, sizeof(value));
+  __builtin_memcpy(value.part, from, sizeof(value.part));
   return value;
 }
-UWSIM_LANES void store(float* to, Float value) { __builtin_memcpy(to, &value, sizeof(value)); }
+UWSIM_LANES void store(float* to, Float value) { __builtin_memcpy(to, value.part, sizeof(value.part)); }
 UWSIM_LANES Int load(const std::int32_t* from) {
   Int value;
-  __builtin_memcpy(&value, from, sizeof(value));
+  __builtin_memcpy(value.part, from, sizeof(value.part));
   return value;
 }
-UWSIM_LANES void store(std::int32_t* to, Int value) { __builtin_memcpy(to, &value, sizeof(value)); }
+UWSIM_LANES void store(std::int32_t* to, Int value) { __builtin_memcpy(to, value.part, sizeof(value.part)); }
 
-/// Masks are -1 and 0.
-UWSIM_LANES Float select(Int mask, Float yes, Float no) { return mask ? yes : no; }
+template <typename T>
+requires(sizeof(T) == 4) UWSIM_LANES Lanes<T> select(Int mask, Lanes<T> yes, Lanes<T> no) {
+  constexpr int kParts = Int::kParts;
+  UWSIM_UNROLLED yes.part[p] = mask.part[p] ? yes.part[p] : no.part[p];
+  return yes;
+}
 UWSIM_LANES bool any(Int mask) {
   std::int32_t found = 0;
   for (int k = 0; k < kLanes; ++k) found |= mask[k];
   return found != 0;
 }
-UWSIM_LANES Float min(Float a, Float b) { return a < b ? a : b; }
-UWSIM_LANES Float max(Float a, Float b) { return a > b ? a : b; }
+UWSIM_LANES Float min(Float a, Float b) { return select(a < b, a, b); }
+UWSIM_LANES Float max(Float a, Float b) { return select(a > b, a, b); }
 UWSIM_LANES Float clamp(Float x, float low, float high) { return min(max(x, splat(low)), splat(high)); }
-UWSIM_LANES Float abs(Float x) { return x < 0 ? -x : x; }
-UWSIM_LANES Int to_int(Float x) { return __builtin_convertvector(x, Int); }
-UWSIM_LANES Float to_float(Int x) { return __builtin_convertvector(x, Float); }
+UWSIM_LANES Float abs(Float x) { return select(x < 0.0f, -x, x); }
 UWSIM_LANES Int floor_int(Float x) {
   const Int whole = to_int(x);
   return whole + (to_float(whole) > x);
@@ -73,15 +202,15 @@ UWSIM_LANES Float exponential(Float x) {
   p = p * r + 0.5f;
   p = p * r + 1;
   p = p * r + 1;
-  const Float value = p * (Float)((k + 127) << 23);
+  const Float value = p * bits_as<float>((k + 127) << 23);
   return select(x < -87, Float{}, value);
 }
 
 /// Natural logarithm of a positive normal number, within 2e-7 absolute and relative: 2 artanh of (m - 1) / (m + 1).
 UWSIM_LANES Float logarithm(Float x) {
-  const Int bits = (Int)x;
+  const Int bits = bits_as<std::int32_t>(x);
   Int exponent = (bits >> 23) - 127;
-  Float m = (Float)((bits & 0x007fffff) | 0x3f800000);
+  Float m = bits_as<float>((bits & 0x007fffff) | 0x3f800000);
   const Int high = m > 1.41421356f;
   m = select(high, m * 0.5f, m);
   exponent -= high;
@@ -137,7 +266,7 @@ UWSIM_LANES Unsigned hash(Unsigned x) {
   const Unsigned word = ((state >> 13) ^ state) * 277803737u;
   return (word >> 16) ^ word;
 }
-UWSIM_LANES Float hash_unit(Unsigned x) { return __builtin_convertvector((Int)(hash(x) >> 8), Float) * 0x1p-24f; }
+UWSIM_LANES Float hash_unit(Unsigned x) { return to_float(bits_as<std::int32_t>(hash(x) >> 8)) * 0x1p-24f; }
 
 }  // namespace
 }  // namespace uwsim::camera
