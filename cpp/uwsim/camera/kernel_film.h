@@ -53,9 +53,9 @@ struct Words {
 UWSIM_LANES Words philox(Unsigned c0, Unsigned c1, Unsigned c2, Unsigned c3, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key), k1 = static_cast<std::uint32_t>(key >> 32);
   for (int round = 0; round < 10; ++round) {
-    const Wide p0 = converted<std::uint64_t>(c0) * 0xD2511F53ull, p1 = converted<std::uint64_t>(c2) * 0xCD9E8D57ull;
-    const Unsigned high0 = converted<std::uint32_t>(p0 >> 32), low0 = converted<std::uint32_t>(p0);
-    const Unsigned high1 = converted<std::uint32_t>(p1 >> 32), low1 = converted<std::uint32_t>(p1);
+    const Wide p0 = widened<std::uint64_t>(c0) * 0xD2511F53ull, p1 = widened<std::uint64_t>(c2) * 0xCD9E8D57ull;
+    const Unsigned high0 = narrowed<std::uint32_t>(p0 >> 32), low0 = narrowed<std::uint32_t>(p0);
+    const Unsigned high1 = narrowed<std::uint32_t>(p1 >> 32), low1 = narrowed<std::uint32_t>(p1);
     c0 = high1 ^ c1 ^ k0;
     c1 = low1;
     c2 = high0 ^ c3 ^ k1;

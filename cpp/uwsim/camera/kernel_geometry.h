@@ -73,57 +73,69 @@ void aim_shafts(const Shot& shot, int left, int top, int scale, Block& block) {
   aim_pixels(shot, left, top, scale, block);
 }
 
-UWSIM_LANES Double to_double(Float x) { return converted<double>(x); }
+UWSIM_LANES Double to_double(Float x) { return widened<double>(x); }
+UWSIM_LANES Float to_single(Double x) { return narrowed<float>(x); }
+UWSIM_LANES Float gather(const float* from, Int index) {
+  Float value;
+  for (int k = 0; k < kLanes; ++k) value[k] = from[index[k]];
+  return value;
+}
+
+struct Facet {
+  Double height, slope_x, slope_y, node_x, node_y;
+};
+
+/// The plane of each lane's terrain triangle: through a node at `height`. Lanes that are not on terrain get the first.
+UWSIM_LANES Facet facets(const Shot& shot, const std::uint32_t* primitive, Int on_terrain) {
+  Unsigned number;
+  __builtin_memcpy(number.part, primitive, sizeof(number.part));
+  const Int triangle = bits_as<std::int32_t>(number) & on_terrain;
+  const Int upper = triangle & 1, cell = triangle >> 1, is_upper = upper == 1;
+  const int row = shot.terrain_nx - 1;
+  Int j = to_int(to_float(cell) * (1 / static_cast<float>(row)));  // off by one at most
+  j += (j * row > cell);
+  j -= ((j + 1) * row <= cell);
+  const Int i = cell - j * row, corner = j * shot.terrain_nx + i;
+  const Int base_at = select(is_upper, corner + (shot.terrain_nx + 1), corner);
+  const Double base = to_double(gather(shot.heights, base_at));
+  const Double sign = to_double(select(is_upper, splat(-1), splat(1)));
+  const Double beside_x = to_double(gather(shot.heights, select(is_upper, corner + shot.terrain_nx, corner + 1)));
+  const Double beside_y = to_double(gather(shot.heights, select(is_upper, corner + 1, corner + shot.terrain_nx)));
+  const Double per_m = sign * (1 / shot.terrain_spacing);
+  return {base, (beside_x - base) * per_m, (beside_y - base) * per_m, to_double(to_float(i + upper)),
+          to_double(to_float(j + upper))};
+}
 
 /// On terrain the distance is solved again in double over the plane of the triangle that was named: floats err by 1e-4
 /// m.
+UWSIM_LANES void solve_terrain(const Shot& shot, Vector origin, Vector way, Int on_terrain, Block& block,
+                               Float& distance, Vector& normal) {
+  const Facet f = facets(shot, block.primitive, on_terrain);
+  const Double x = to_double(origin.x) - (shot.terrain_x + f.node_x * shot.terrain_spacing);
+  const Double y = to_double(origin.y) - (shot.terrain_y + f.node_y * shot.terrain_spacing);
+  const Double above = shot.anchor_z + to_double(origin.z) - (f.height + f.slope_x * x + f.slope_y * y);
+  const Double sinking = f.slope_x * to_double(way.x) + f.slope_y * to_double(way.y) - to_double(way.z);
+  const Vector facing = unit({to_single(-f.slope_x), to_single(-f.slope_y), splat(1)});
+  // Within 0.1 degree of tangency the plane says less about the distance than the ray tree does.
+  const Int solvable = on_terrain & (abs(to_single(sinking)) * facing.z > 1.7e-3f);
+  distance = select(solvable, max(to_single(above / sinking), Float{}), distance);
+  normal = select(on_terrain, facing, normal);
+}
+
 void place(const Shot& shot, Block& block) {
   const Vector origin = load(block.origin), way = load(block.direction);
-  bool on_terrain = false;
-  if (shot.heights != nullptr) {
-    Double h0{}, slope_x{}, slope_y{}, node_x{}, node_y{};
-    for (int k = 0; k < kLanes; ++k) {
-      if (block.label[k] != shot.terrain_label || !block.active.at[k]) continue;
-      on_terrain = true;
-      const std::uint32_t cell = block.primitive[k] / 2;
-      const auto row = static_cast<std::uint32_t>(shot.terrain_nx - 1);
-      const std::uint32_t j = cell / row, i = cell - j * row;
-      const bool upper = block.primitive[k] & 1;
-      const float* corner = shot.heights + static_cast<std::size_t>(j) * shot.terrain_nx + i;
-      const double h10 = corner[1], h01 = corner[shot.terrain_nx];
-      const double base = upper ? corner[shot.terrain_nx + 1] : corner[0];
-      h0[k] = base;
-      slope_x[k] = upper ? base - h01 : h10 - base;
-      slope_y[k] = upper ? base - h10 : h01 - base;
-      node_x[k] = static_cast<double>(i + upper);
-      node_y[k] = static_cast<double>(j + upper);
-    }
-    if (on_terrain) {
-      slope_x /= shot.terrain_spacing;
-      slope_y /= shot.terrain_spacing;
-      const Double x = to_double(origin.x) - (shot.terrain_x + node_x * shot.terrain_spacing);
-      const Double y = to_double(origin.y) - (shot.terrain_y + node_y * shot.terrain_spacing);
-      const Double above = shot.anchor_z + to_double(origin.z) - (h0 + slope_x * x + slope_y * y);
-      const Double sinking = slope_x * to_double(way.x) + slope_y * to_double(way.y) - to_double(way.z);
-      const Float nx = converted<float>(-slope_x), ny = converted<float>(-slope_y);
-      const Vector normal = unit({nx, ny, splat(1)});
-      for (int k = 0; k < kLanes; ++k) {
-        if (block.label[k] != shot.terrain_label || !block.active.at[k]) continue;
-        // Within 0.1 degree of tangency the plane says less about the distance than the ray tree does.
-        const double steepness = sinking[k] * normal.z[k];
-        const double distance = above[k] / sinking[k];
-        if (steepness > 1.7e-3 || steepness < -1.7e-3)
-          block.distance.at[k] = static_cast<float>(distance > 0 ? distance : 0);
-        block.normal.x.at[k] = normal.x[k];
-        block.normal.y.at[k] = normal.y[k];
-        block.normal.z.at[k] = normal.z[k];
-      }
-    }
-  }
-  const Float distance = load(block.distance.at);
+  Float distance = load(block.distance.at);
+  Unsigned label;
+  __builtin_memcpy(label.part, block.label, sizeof(label.part));
   const Int hit = distance < 1e30f;
+  const Int on_terrain = hit & (label == shot.terrain_label);
+  Vector normal = unit(load(block.normal));
+  if (shot.heights != nullptr && any(on_terrain)) {
+    solve_terrain(shot, origin, way, on_terrain, block, distance, normal);
+  }
+  store(block.distance.at, distance);
   store(block.point, origin + way * select(hit, distance, Float{}));
-  store(block.normal, unit(load(block.normal)));
+  store(block.normal, select(hit, normal, zero()));
 }
 
 /// Depth along the optical axis, normals, labels and classes to their pictures.

@@ -10,12 +10,6 @@ constexpr float kFarthest_m = 2e4f;
 constexpr float kUnseen = 1e-3f;  // of what arrives: less is not followed
 constexpr float kPi = 3.14159265f;
 
-UWSIM_LANES Float gather(const float* from, Int index) {
-  Float value;
-  for (int k = 0; k < kLanes; ++k) value[k] = from[index[k]];
-  return value;
-}
-
 /// Henyey and Greenstein 1941, [1/sr].
 UWSIM_LANES Float forward_phase(Float cosine, float g) {
   const Float side = 1 + g * g - 2 * g * cosine;

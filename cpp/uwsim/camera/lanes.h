@@ -117,11 +117,39 @@ struct Lanes {
   }
 };
 
-/// Each number as another type's nearest, towards zero.
+template <typename T>
+struct HalfNative;
+template <>
+struct HalfNative<float> {
+  using Part = float __attribute__((vector_size(kNativeBytes / 2)));
+};
+template <>
+struct HalfNative<std::uint32_t> {
+  using Part = std::uint32_t __attribute__((vector_size(kNativeBytes / 2)));
+};
+
+/// Each number as one of twice the width, or of half: each part of the wider holds half a part of the narrower.
 template <typename To, typename From>
-UWSIM_LANES Lanes<To> converted(Lanes<From> x) {
+requires(sizeof(To) == 2 * sizeof(From)) UWSIM_LANES Lanes<To> widened(Lanes<From> x) {
+  constexpr int kParts = Lanes<To>::kParts;
+  using Half = typename HalfNative<From>::Part;
   Lanes<To> y;
-  for (int k = 0; k < kLanes; ++k) y[k] = static_cast<To>(x[k]);
+  UWSIM_UNROLLED {
+    Half half;
+    __builtin_memcpy(&half, reinterpret_cast<const char*>(x.part) + p * sizeof(half), sizeof(half));
+    y.part[p] = __builtin_convertvector(half, typename Native<To>::Part);
+  }
+  return y;
+}
+template <typename To, typename From>
+requires(2 * sizeof(To) == sizeof(From)) UWSIM_LANES Lanes<To> narrowed(Lanes<From> x) {
+  constexpr int kParts = Lanes<From>::kParts;
+  using Half = typename HalfNative<To>::Part;
+  Lanes<To> y;
+  UWSIM_UNROLLED {
+    const Half half = __builtin_convertvector(x.part[p], Half);
+    __builtin_memcpy(reinterpret_cast<char*>(y.part) + p * sizeof(half), &half, sizeof(half));
+  }
   return y;
 }
 UWSIM_LANES Int to_int(Float x) {

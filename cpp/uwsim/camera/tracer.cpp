@@ -100,14 +100,15 @@ void Tracer::cast(Block& block, HitPacket& hits, RayOrder order) const {
       hits.normal_x[k] = normal.x(), hits.normal_y[k] = normal.y(), hits.normal_z[k] = normal.z();
     }
   }
+  std::copy(hits.distance_m.begin(), hits.distance_m.end(), block.distance.at);
+  std::copy(hits.label.begin(), hits.label.end(), block.label);
+  std::copy(hits.primitive.begin(), hits.primitive.end(), block.primitive);
+  std::copy(hits.normal_x.begin(), hits.normal_x.end(), block.normal.x.at);
+  std::copy(hits.normal_y.begin(), hits.normal_y.end(), block.normal.y.at);
+  std::copy(hits.normal_z.begin(), hits.normal_z.end(), block.normal.z.at);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
-    const bool met = rays.active[k] && hits.label[k] != kNothing;
-    block.distance.at[k] = met ? hits.distance_m[k] : std::numeric_limits<float>::infinity();
-    block.label[k] = met ? hits.label[k] : kNothing;
-    block.primitive[k] = hits.primitive[k];
-    block.normal.x.at[k] = met ? hits.normal_x[k] : 0;
-    block.normal.y.at[k] = met ? hits.normal_y[k] : 0;
-    block.normal.z.at[k] = met ? hits.normal_z[k] : 0;
+    block.distance.at[k] = rays.active[k] ? block.distance.at[k] : std::numeric_limits<float>::infinity();
+    block.label[k] = rays.active[k] ? block.label[k] : kNothing;
   }
 }
 
