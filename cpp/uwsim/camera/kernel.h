@@ -48,7 +48,8 @@ struct WaveWindow {
 /// One picture's constants.
 struct Shot {
   int width, height;
-  const float *ray_x, *ray_y;  ///< a pixel's direction at unit depth
+  const float *ray_x, *ray_y;              ///< a pixel's direction at unit depth
+  const float *block_ray_x, *block_ray_y;  ///< the same of whole blocks, block by block
   float right[3], down[3], ahead[3];
   float pixel_rad;  ///< across one pixel, about
   float wobble_rad, wobble_phase;
@@ -122,6 +123,7 @@ struct Developing {
 struct Kernels {
   const char* name;
   void (*aim)(const Shot&, int left, int top, Block&);
+  void (*open_eye)(const Shot&, Block&);
   void (*aim_shafts)(const Shot&, int left, int top, int scale, Block&);
   void (*place)(const Shot&, Block&);
   void (*write_geometry)(const Shot&, int left, int top, const Block&, const GeometryPlanes&);

@@ -27,15 +27,19 @@ UWSIM_LANES void wobble(const Shot& shot, Float& x, Float& y) {
   y += a * (second - 0.5f * third);
 }
 
-void aim_at(const Shot& shot, Float x, Float y, Block& block) {
+UWSIM_LANES void aim_at(const Shot& shot, Float x, Float y, Block& block) {
   if (shot.wobble_rad > 0) wobble(shot, x, y);
   const Vector ray = spread(shot.right) * x + spread(shot.down) * y + spread(shot.ahead);
   store(block.direction, unit(ray));
   store(block.origin, zero());
+}
+
+/// Before the first piece of each ray: all of later light reaches the eye.
+void open_eye(const Shot& shot, Block& block) {
   store(block.through, ones());
   store(block.light, zero());
   store(block.veil_beam, zero());
-  for (int k = 0; k < kLanes; ++k) block.wet.at[k] = shot.camera_wet ? -1 : 0;
+  store(block.wet.at, Int(shot.camera_wet ? -1 : 0));
 }
 
 /// Lane k is pixel (left + scale (k % 4), top + scale (k / 4)); those beyond the picture's edge are idle and repeat the
@@ -59,14 +63,10 @@ UWSIM_LANES bool is_whole(const Shot& shot, int left, int top) {
 
 void aim(const Shot& shot, int left, int top, Block& block) {
   if (!is_whole(shot, left, top)) return aim_pixels(shot, left, top, 1, block);
-  alignas(64) float x[kLanes], y[kLanes];
-  for (int row = 0; row < kBlockSide; ++row) {
-    const int from = (top + row) * shot.width + left;
-    __builtin_memcpy(x + kBlockSide * row, shot.ray_x + from, kBlockSide * sizeof(float));
-    __builtin_memcpy(y + kBlockSide * row, shot.ray_y + from, kBlockSide * sizeof(float));
-  }
-  store(block.active.at, Int{} - 1);
-  aim_at(shot, load(x), load(y), block);
+  const std::size_t columns = static_cast<std::size_t>(shot.width) / kBlockSide;
+  const std::size_t at = kBlockPixels * (static_cast<std::size_t>(top) / kBlockSide * columns + left / kBlockSide);
+  store(block.active.at, Int(-1));
+  aim_at(shot, load(shot.block_ray_x + at), load(shot.block_ray_y + at), block);
 }
 
 void aim_shafts(const Shot& shot, int left, int top, int scale, Block& block) {

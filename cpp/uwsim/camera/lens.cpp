@@ -93,6 +93,16 @@ RayTable ray_table(const Lens& lens, bool distort) {
       table.y.push_back(static_cast<float>(ray.y()));
     }
   }
+  constexpr int kSide = 4;
+  for (int top = 0; top + kSide <= lens.height; top += kSide) {
+    for (int left = 0; left + kSide <= lens.width; left += kSide) {
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const auto at = static_cast<std::size_t>((top + k / kSide) * lens.width + left + k % kSide);
+        table.block_x.push_back(table.x[at]);
+        table.block_y.push_back(table.y[at]);
+      }
+    }
+  }
   return table;
 }
 

@@ -29,6 +29,8 @@ Eigen::Vector2d unproject(const Lens& lens, const Eigen::Vector2d& pixel, bool d
 /// Undistorted x and y of every pixel's centre, row by row.
 struct RayTable {
   std::vector<float> x, y;
+  /// The same of whole blocks of 4 x 4 pixels, sixteen values each: what lies beyond the last whole block is left out.
+  std::vector<float> block_x, block_y;
 };
 RayTable ray_table(const Lens& lens, bool distort);
 

@@ -90,6 +90,7 @@ class Rendering {
       clock.add(kDepth);
       if (exposure_.geometry_only) continue;
       const Mask seen = block.active;
+      kernels_.open_eye(shot_, block);
       shade(block, hits, true, cost, clock);
       if (any(block.onward)) follow_onward(block, hits, cost, clock);
       camera::Row root_brightness;

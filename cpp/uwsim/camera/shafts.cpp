@@ -38,6 +38,7 @@ class ShaftCaster {
       tracer_.cast(block, hits, RayOrder::kCoherent);
       cost.shaft_rays += count(block.active);
       clock.add(kShaftRays);
+      kernels_.open_eye(shot_, block);
       kernels_.pass_water(shot_, block);
       sample(left, top, block, cost, clock);
     }

@@ -65,6 +65,8 @@ void PreparedShot::aim(const Camera& camera, const Exposure& exposure) {
   shot.height = lens.height;
   shot.ray_x = rays.x.data();
   shot.ray_y = rays.y.data();
+  shot.block_ray_x = rays.block_x.data();
+  shot.block_ray_y = rays.block_y.data();
   put(shot.right, Eigen::Vector3d(-turn.col(1)));
   put(shot.down, Eigen::Vector3d(-turn.col(2)));
   put(shot.ahead, Eigen::Vector3d(turn.col(0)));

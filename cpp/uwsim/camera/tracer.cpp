@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "uwsim/core/check.h"
@@ -16,16 +17,18 @@ constexpr float kFarthest_m = 1e5f;
 constexpr float kNearest_m = 1e-3f;  // a shadow ray starts off its own surface
 constexpr double kRefineTo_m = 1e5;
 
-template <typename Row>
-void copy(RayPacket::Lanes& to, const Row& from) {
-  std::copy(std::begin(from.at), std::end(from.at), to.begin());
+/// As one wide move: sixteen 32-bit values.
+template <typename To, typename From>
+void copy(To& to, const From& from) {
+  static_assert(sizeof(To) == 64 && sizeof(From) == 64);
+  std::memcpy(&to, &from, 64);
 }
 
 RayPacket packet_of(const camera::Row3& origin, const camera::Row3& direction, const Mask& active) {
   RayPacket rays;
   copy(rays.origin_x, origin.x), copy(rays.origin_y, origin.y), copy(rays.origin_z, origin.z);
   copy(rays.direction_x, direction.x), copy(rays.direction_y, direction.y), copy(rays.direction_z, direction.z);
-  std::copy(std::begin(active.at), std::end(active.at), rays.active.begin());
+  copy(rays.active, active);
   return rays;
 }
 
@@ -100,12 +103,10 @@ void Tracer::cast(Block& block, HitPacket& hits, RayOrder order) const {
       hits.normal_x[k] = normal.x(), hits.normal_y[k] = normal.y(), hits.normal_z[k] = normal.z();
     }
   }
-  std::copy(hits.distance_m.begin(), hits.distance_m.end(), block.distance.at);
-  std::copy(hits.label.begin(), hits.label.end(), block.label);
-  std::copy(hits.primitive.begin(), hits.primitive.end(), block.primitive);
-  std::copy(hits.normal_x.begin(), hits.normal_x.end(), block.normal.x.at);
-  std::copy(hits.normal_y.begin(), hits.normal_y.end(), block.normal.y.at);
-  std::copy(hits.normal_z.begin(), hits.normal_z.end(), block.normal.z.at);
+  copy(block.distance, hits.distance_m);
+  copy(block.label, hits.label);
+  copy(block.primitive, hits.primitive);
+  copy(block.normal.x, hits.normal_x), copy(block.normal.y, hits.normal_y), copy(block.normal.z, hits.normal_z);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     block.distance.at[k] = rays.active[k] ? block.distance.at[k] : std::numeric_limits<float>::infinity();
     block.label[k] = rays.active[k] ? block.label[k] : kNothing;
@@ -159,7 +160,7 @@ void Tracer::occluded(const Block& block, Mask& blocked, RayOrder order) const {
   if (record_ != nullptr) note(rays, order, 1);
   std::array<std::int32_t, kPacketRays> found;
   rays_.occluded(anchor_world_m_, rays, found, order);
-  std::copy(found.begin(), found.end(), std::begin(blocked.at));
+  copy(blocked, found);
   for (const MovedBody& body : bodies_) {
     if (!comes_near(rays, body)) continue;
     body.hull->occluded(body.anchor_body_m, turned(rays, body), found, order);
