@@ -1,11 +1,14 @@
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <tuple>
 
 #include "bind.h"
+#include "bind_map.h"
 #include "points.h"
-#include "uwsim/mapping/occupancy_map.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -37,19 +40,28 @@ void bind_options(py::module_& m) {
       .value("AVX512", InstructionSet::avx512);
   py::class_<MapOptions>(m, "MapOptions", "What a map is made of, and its probabilities of hit, miss and clamping.")
       .def(py::init([](MapEngineKind engine, double hit, double miss, double clamping_min, double clamping_max,
-                       InstructionSet instruction_set) {
-             return MapOptions{engine, {hit, miss, clamping_min, clamping_max}, instruction_set};
+                       InstructionSet instruction_set, bool count_outside, std::optional<double> memory_limit_mb,
+                       const std::string& spill_folder) {
+             const double limit_mb = memory_limit_mb.value_or(1.0);
+             require(limit_mb > 0 && limit_mb <= 1e9, "map.memory_limit_mb", limit_mb, "must be in (0, 1e9] MB");
+             return MapOptions{engine,
+                               {hit, miss, clamping_min, clamping_max},
+                               instruction_set,
+                               count_outside ? OnOutside::count : OnOutside::refuse,
+                               memory_limit_mb ? std::max<std::size_t>(1, static_cast<std::size_t>(limit_mb * 1e6)) : 0,
+                               spill_folder};
            }),
            py::kw_only(), py::arg("engine"), py::arg("hit"), py::arg("miss"), py::arg("clamping_min"),
-           py::arg("clamping_max"), py::arg("instruction_set"));
+           py::arg("clamping_max"), py::arg("instruction_set"), py::arg("count_outside"), py::arg("memory_limit_mb"),
+           py::arg("spill_folder"));
 }
 
 void bind_map(py::module_& m) {
-  py::class_<OccupancyMap>(m, "OccupancyMap", "OctoMap's octree, about an origin in the world.")
-      .def(py::init([](double resolution_m, const py::object& origin_world_m, const MapOptions& options) {
-             return OccupancyMap(resolution_m, as_vector3(origin_world_m, "map.origin_world_m"), options);
-           }),
-           py::arg("resolution_m"), py::arg("origin_world_m"), py::arg("options"))
+  MapClass map(m, "OccupancyMap", "OctoMap's octree, about an origin in the world.");
+  map.def(py::init([](double resolution_m, const py::object& origin_world_m, const MapOptions& options) {
+            return OccupancyMap(resolution_m, as_vector3(origin_world_m, "map.origin_world_m"), options);
+          }),
+          py::arg("resolution_m"), py::arg("origin_world_m"), py::arg("options"))
       .def_static(
           "read",
           [](const std::filesystem::path& path, const py::object& origin_world_m, const MapOptions& options) {
@@ -103,18 +115,10 @@ void bind_map(py::module_& m) {
           "statistics",
           [](const OccupancyMap& map) {
             const MapStatistics s = released([&] { return map.statistics(); });
-            return std::make_tuple(s.occupied_voxels, s.free_voxels, s.nodes, s.memory_bytes);
+            return std::make_tuple(s.occupied_voxels, s.free_voxels, s.nodes, s.memory_bytes, s.outside_points,
+                                   s.evictions);
           },
-          "(occupied voxels, free voxels, nodes, bytes of memory). Releases the GIL.")
-      .def(
-          "state_at",
-          [](const OccupancyMap& map, const py::object& points_world_m) {
-            const auto points = as_array<double>(points_world_m, "points_world_m", {-1, 3});
-            return move_out(released([&] { return map.state_at(span_of(points)); }));
-          },
-          py::arg("points_world_m"),
-          "points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the "
-          "GIL.")
+          "(occupied voxels, free voxels, nodes, bytes of memory, points left out, evictions). Releases the GIL.")
       .def(
           "to_bytes",
           [](const OccupancyMap& map, const std::string& format) {
@@ -129,6 +133,7 @@ void bind_map(py::module_& m) {
             released([&] { map.write(path.string(), wanted); });
           },
           py::arg("path"), py::arg("format"), "Atomically. Raises OSError. Releases the GIL.");
+  bind_map_queries(map);
 }
 
 }  // namespace

@@ -28,22 +28,6 @@ void require_path(const std::string& path) {
   require(path.find('\0') == std::string::npos, "path", path.c_str(), "must not hold a null character");
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  operator int() const { return fd_; }
-  /// A late error of the disk may only show here.
-  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-  int fd_;
-};
-
 bool write_all(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(fd, bytes.data(), bytes.size());
@@ -85,8 +69,10 @@ std::pair<int, fs::path> create_beside(const fs::path& target, const std::string
 /// The rename is only safe on the disk once its folder is; file systems that cannot do this lose nothing else.
 void flush_folder(const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (descriptor >= 0) ::fsync(descriptor);
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
 }
 
 }  // namespace
@@ -108,18 +94,58 @@ std::string read_whole_file(const std::string& path) {
   return bytes;
 }
 
-void write_file_atomically(const std::string& path, std::string_view bytes) {
+AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   const fs::path target = real_target(path);
-  auto [fd, temporary] = create_beside(target, path);
-  Descriptor file(fd);
-  const bool done =
-      write_all(file, bytes) && ::fsync(file) == 0 && file.close() && ::rename(temporary.c_str(), target.c_str()) == 0;
-  if (!done) {
-    const int error = errno;
-    ::unlink(temporary.c_str());
-    fail_to_write(path, error);
+  const auto [fd, temporary] = create_beside(target, path);
+  fd_ = fd;
+  target_ = target.string();
+  temporary_ = temporary.string();
+}
+
+AtomicFile::~AtomicFile() {
+  if (fd_ < 0) return;
+  ::close(fd_);
+  ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::fail(int error) { fail_to_write(path_, error); }
+
+void AtomicFile::append(std::string_view bytes) {
+  if (!write_all(fd_, bytes)) fail(errno);
+  size_ += bytes.size();
+}
+
+void AtomicFile::overwrite(std::uint64_t at, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(at));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    at += static_cast<std::uint64_t>(written);
   }
-  flush_folder(target);
+}
+
+void AtomicFile::truncate(std::uint64_t size) {
+  const auto end = static_cast<off_t>(size);
+  if (::ftruncate(fd_, end) != 0 || ::lseek(fd_, end, SEEK_SET) != end) fail(errno);
+  size_ = size;
+}
+
+void AtomicFile::commit() {
+  if (::fsync(fd_) != 0) fail(errno);
+  const bool is_closed = ::close(std::exchange(fd_, -1)) == 0;  // a late error of the disk may only show here
+  if (!is_closed || ::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(temporary_.c_str());
+    fail(error);
+  }
+  flush_folder(target_);
+}
+
+void write_file_atomically(const std::string& path, std::string_view bytes) {
+  AtomicFile file(path);
+  file.append(bytes);
+  file.commit();
 }
 
 }  // namespace uwsim

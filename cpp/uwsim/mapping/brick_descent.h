@@ -12,21 +12,23 @@ namespace uwsim::bricks {
 /// Goes down from the octree's root to its leaves in Morton order.
 ///   visitor.leaf(levels, code, log_odds)   a voxel, or a cube that is the same all over
 ///   visitor.unknown()                      nothing there
-///   visitor.inner(levels, code, child)     child(i) goes down into the i-th eighth
+///   visitor.inner(levels, code, child)     child(i) goes down into the i-th eighth; in order, some may be left out
 /// all of which return the same type. `code` is the Morton code of a cube's lowest voxel.
 template <typename Visitor>
 class Descent {
  public:
   using Result = decltype(std::declval<Visitor&>().unknown());
 
-  Descent(const BrickStore& store, Visitor& visitor)
-      : store_(store), visitor_(visitor), chunks_(store.sorted_chunks()) {}
+  Descent(const BrickStore& store, Visitor& visitor) : Descent(store, visitor, store.sorted_chunks()) {}
+  /// With these chunks alone, in Morton order.
+  Descent(const BrickStore& store, Visitor& visitor, std::vector<BrickStore::ChunkRef> chunks)
+      : store_(store), visitor_(visitor), chunks_(std::move(chunks)) {}
 
   Result run() { return space(kTreeLevels, 0, std::span(chunks_), std::span(store_.large_leaves()), nullptr); }
 
  private:
   static constexpr int kTreeLevels = 16;
-  using Chunks = std::span<const std::pair<std::uint32_t, const BrickStore::Chunk*>>;
+  using Chunks = std::span<const BrickStore::ChunkRef>;
   using Leaves = std::span<const BrickStore::LargeLeaf>;
 
   /// A cube of 2^levels voxels, of a chunk or more. `cover`: the large leaf that it lies in.
@@ -38,10 +40,15 @@ class Descent {
     if (chunks.empty() && leaves.empty()) {
       return cover ? visitor_.leaf(levels, std::uint64_t{code} << 18, cover->log_odds) : visitor_.unknown();
     }
-    if (levels == 6) return slots(6, std::uint64_t{code} << 18, *chunks[0].second, 0);
+    if (levels == 6) {
+      const BrickStore::Visit visit(store_, chunks[0]);
+      return slots(6, std::uint64_t{code} << 18, visit.chunk(), 0);
+    }
     return visitor_.inner(levels, std::uint64_t{code} << 18, [&](unsigned child) {
       const std::uint32_t first = code + (child << (3 * (levels - 7)));
       const std::uint64_t end = std::uint64_t{first} + (std::uint64_t{1} << (3 * (levels - 7)));
+      while (!chunks.empty() && chunks[0].first < first) chunks = chunks.subspan(1);  // of children passed over
+      while (!leaves.empty() && leaves[0].code < first) leaves = leaves.subspan(1);
       std::size_t chunks_before = 0, leaves_before = 0;
       while (chunks_before < chunks.size() && chunks[chunks_before].first < end) ++chunks_before;
       while (leaves_before < leaves.size() && leaves[leaves_before].code < end) ++leaves_before;
@@ -83,7 +90,7 @@ class Descent {
 
   const BrickStore& store_;
   Visitor& visitor_;
-  const std::vector<std::pair<std::uint32_t, const BrickStore::Chunk*>> chunks_;
+  const std::vector<BrickStore::ChunkRef> chunks_;
 };
 
 }  // namespace uwsim::bricks

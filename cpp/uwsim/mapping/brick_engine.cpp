@@ -1,5 +1,7 @@
 #include "uwsim/mapping/brick_engine.h"
 
+#include "uwsim/mapping/atomic_file.h"
+#include "uwsim/mapping/brick_add.h"
 #include "uwsim/mapping/brick_tree.h"
 #include "uwsim/mapping/brick_update.h"
 #include "uwsim/mapping/morton.h"
@@ -13,15 +15,22 @@ bricks::SensorModel sensor_model(const OccupancyModel& model) {
           OccupancyModel::log_odds(model.clamping_min), OccupancyModel::log_odds(model.clamping_max)};
 }
 
+std::uint64_t code_of(const VoxelKey& key) {
+  const auto axis = [&](std::size_t i) { return static_cast<std::uint32_t>(key[i]); };
+  return morton::code(axis(0), axis(1), axis(2));
+}
+
 class BrickEngine : public MapEngine {
  public:
   BrickEngine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m, const OccupancyModel& model,
-              InstructionSet instruction_set)
+              InstructionSet instruction_set, std::size_t memory_limit_bytes, const std::string& spill_folder)
       : resolution_m_(resolution_m),
         tree_origin_world_m_(tree_origin_world_m),
         model_(model),
         store_(sensor_model(model)),
-        update_(store_, kernels_for(instruction_set)) {}
+        update_(store_, kernels_for(instruction_set)) {
+    if (memory_limit_bytes > 0) store_.limit_memory(memory_limit_bytes, spill_folder);
+  }
 
   void insert(std::span<const Scan> scans, double max_range_m, int threads) override {
     const auto scan = [&](std::size_t i) {
@@ -33,14 +42,31 @@ class BrickEngine : public MapEngine {
       }
       return input;
     };
+    store_.require_room();
     update_.insert(scans.size(), scan, threads);
   }
+
+  void add(const VoxelKey& corner, int levels, float log_odds) override {
+    if (!adder_) adder_.emplace(store_);
+    store_.changed().add(corner, levels);
+    adder_->add(code_of(corner), levels, log_odds);
+  }
+  void finish_adding() override {
+    adder_.reset();
+    store_.make_room();
+  }
+
+  void set_model(const OccupancyModel& model) override {
+    model_ = model;
+    store_.set_model(sensor_model(model));
+  }
+
+  ChangedChunks take_changed() override { return store_.take_changed(); }
 
   void load(MapFormat format, std::string_view body) override { load_tree(store_, format, body); }
 
   std::optional<float> log_odds_at(const VoxelKey& key) const override {
-    const auto axis = [&](std::size_t i) { return static_cast<std::uint32_t>(key[i]); };
-    const std::uint64_t code = morton::code(axis(0), axis(1), axis(2));
+    const std::uint64_t code = code_of(key);
     const bricks::BrickStore::Chunk* chunk = store_.find(static_cast<std::uint32_t>(code >> 18));
     if (!chunk) {
       const auto* leaf = store_.large_leaf_over(static_cast<std::uint32_t>(code >> 18));
@@ -55,24 +81,41 @@ class BrickEngine : public MapEngine {
   }
 
   void for_each_leaf(const LeafVisitor& leaf) const override { bricks::for_each_leaf(store_, leaf); }
+  void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const override {
+    bricks::for_each_leaf_in(store_, box, leaf);
+  }
   TreeBytes full_tree() const override { return bricks::full_tree(store_); }
-  TreeBytes binary_tree() const override { return written_by_octomap(likely_tree(store_), resolution_m_, model_); }
+  /// A map that must not take much memory cannot be made an octomap::OcTree, and is written by us.
+  TreeBytes binary_tree() const override {
+    if (store_.is_limited()) return bricks::binary_tree(store_);
+    return written_by_octomap(likely_tree(store_), resolution_m_, model_);
+  }
+  void write_tree(MapFormat format, AtomicFile& file) const override {
+    if (format == MapFormat::ot || store_.is_limited()) return bricks::write_tree(store_, format, resolution_m_, file);
+    const TreeBytes tree = binary_tree();
+    file.append(octree_header(format, tree.nodes, resolution_m_));
+    file.append(tree.body);
+  }
   std::uint64_t nodes() const override { return count_nodes(store_); }
   std::size_t memory_bytes() const override { return store_.memory_bytes(); }
+  std::uint64_t evictions() const override { return store_.evictions(); }
 
  private:
   const double resolution_m_;
   const Eigen::Vector3d tree_origin_world_m_;
-  const OccupancyModel model_;
+  OccupancyModel model_;
   bricks::BrickStore store_;
   bricks::BrickUpdate update_;
+  std::optional<bricks::BrickAdder> adder_;
 };
 
 }  // namespace
 
 std::unique_ptr<MapEngine> make_brick_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
-                                             const OccupancyModel& model, InstructionSet instruction_set) {
-  return std::make_unique<BrickEngine>(resolution_m, tree_origin_world_m, model, instruction_set);
+                                             const OccupancyModel& model, InstructionSet instruction_set,
+                                             std::size_t memory_limit_bytes, const std::string& spill_folder) {
+  return std::make_unique<BrickEngine>(resolution_m, tree_origin_world_m, model, instruction_set, memory_limit_bytes,
+                                       spill_folder);
 }
 
 }  // namespace uwsim

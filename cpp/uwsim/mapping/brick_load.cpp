@@ -52,6 +52,8 @@ class Loader {
   void fill(int levels, std::uint64_t code, float log_odds) {
     const auto chunk_code = static_cast<std::uint32_t>(code >> 18);
     if (levels > 6) return store_.add_large_leaf({chunk_code, levels, log_odds});
+    if (chunk_code != chunk_code_) store_.make_room();
+    chunk_code_ = chunk_code;
     BrickStore::Chunk& chunk = store_.chunk(chunk_code);
     const std::size_t brick = code >> 9 & 511;
     if (levels < 3) return fill_voxels(supply_.open(chunk.bricks[brick]), code & 511, 1u << (3 * levels), log_odds);
@@ -79,6 +81,7 @@ class Loader {
   BrickStore::Supply supply_;
   std::string_view body_;
   std::size_t at_ = 0;
+  std::uint32_t chunk_code_ = kNone;
 };
 
 }  // namespace

@@ -4,6 +4,10 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <utility>
+
+#include "uwsim/mapping/brick_spill.h"
+#include "uwsim/mapping/morton.h"
 
 namespace uwsim::bricks {
 namespace {
@@ -36,9 +40,17 @@ BrickStore::BrickStore(const SensorModel& model) : model_(model), bricks_(sizeof
   uniform_slot(model.lowest);  // the first value: see Supply::close
 }
 
+BrickStore::~BrickStore() = default;
+
 const BrickStore::Chunk* BrickStore::find(std::uint32_t code) const {
   const auto found = chunks_.find(code);
-  return found == chunks_.end() ? nullptr : found->second.get();
+  if (found != chunks_.end()) return found->second.get();
+  if (!residency_ || !residency_->saved.contains(code)) return nullptr;
+  BrickStore& self = const_cast<BrickStore&>(*this);  // where a chunk is kept is nothing that a caller sees
+  self.make_room();
+  Chunk* const chunk = self.restore(code);
+  chunk->used = ++residency_->now;
+  return chunk;
 }
 
 const BrickStore::LargeLeaf* BrickStore::large_leaf_over(std::uint32_t code) const {
@@ -49,22 +61,114 @@ const BrickStore::LargeLeaf* BrickStore::large_leaf_over(std::uint32_t code) con
   return (code - leaf.code) >> (3 * (leaf.levels - 6)) == 0 ? &leaf : nullptr;
 }
 
+ChangedChunks BrickStore::take_changed() { return std::exchange(changed_, {}); }
+
 BrickStore::Chunk& BrickStore::chunk(std::uint32_t code) {
+  if (!changed_.all) changed_.codes.insert(code);
   std::unique_ptr<Chunk>& chunk = chunks_[code];
+  if (!chunk && residency_) restore(code);
   if (!chunk) {
     chunk = std::make_unique<Chunk>();
     const LargeLeaf* leaf = large_leaf_over(code);
     chunk->bricks.fill(leaf ? uniform_slot(leaf->log_odds) : kNone);
   }
+  if (residency_) {
+    chunk->used = ++residency_->now;
+    chunk->is_saved = false;
+  }
   return *chunk;
 }
 
-std::vector<std::pair<std::uint32_t, const BrickStore::Chunk*>> BrickStore::sorted_chunks() const {
-  std::vector<std::pair<std::uint32_t, const Chunk*>> sorted;
+std::vector<BrickStore::ChunkRef> BrickStore::sorted_chunks() const {
+  std::vector<ChunkRef> sorted;
   sorted.reserve(chunks_.size());
   for (const auto& [code, chunk] : chunks_) sorted.emplace_back(code, chunk.get());
+  if (residency_) {
+    for (const auto& [code, extent] : residency_->saved) {
+      if (!chunks_.contains(code)) sorted.emplace_back(code, nullptr);
+    }
+  }
   std::sort(sorted.begin(), sorted.end());
   return sorted;
+}
+
+std::vector<BrickStore::ChunkRef> BrickStore::sorted_chunks(const KeyBox& box) const {
+  std::array<std::uint32_t, 3> low, high;
+  std::uint64_t in_box = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = static_cast<std::uint32_t>(box.low[axis]) >> 6;
+    high[axis] = static_cast<std::uint32_t>(box.high[axis]) >> 6;
+    in_box *= high[axis] - low[axis] + 1;
+  }
+  std::vector<ChunkRef> found;
+  if (in_box > chunks_.size()) {
+    for (const ChunkRef& chunk : sorted_chunks()) {
+      if (box.meets(morton::key(std::uint64_t{chunk.first} << 18), 6)) found.push_back(chunk);
+    }
+    return found;
+  }
+  for (std::uint32_t z = low[2]; z <= high[2]; ++z) {
+    for (std::uint32_t y = low[1]; y <= high[1]; ++y) {
+      for (std::uint32_t x = low[0]; x <= high[0]; ++x) {
+        const auto code = static_cast<std::uint32_t>(morton::code(x, y, z));
+        const auto chunk = chunks_.find(code);
+        if (chunk != chunks_.end()) {
+          found.emplace_back(code, chunk->second.get());
+        } else if (residency_ && residency_->saved.contains(code)) {
+          found.emplace_back(code, nullptr);
+        }
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::uint64_t BrickStore::evictions() const { return residency_ ? residency_->evictions : 0; }
+
+void BrickStore::set_model(const SensorModel& model) {
+  const float old_lowest = model_.lowest;
+  model_ = model;
+  if (model.lowest == old_lowest) return;
+  // The first value is the lowest's: what was it before gets a value of its own.
+  uniform_indices_.erase(old_lowest);
+  const std::uint32_t old_slot = uniform_slot(old_lowest);
+  const auto known_value = uniform_indices_.find(model.lowest);
+  const std::uint32_t known_slot = known_value == uniform_indices_.end() ? kNone : kUniform | known_value->second;
+  uniform_values_[0] = model.lowest;
+  uniform_indices_[model.lowest] = 0;
+  for (const ChunkRef& ref : sorted_chunks()) {
+    make_room();
+    relower(chunk(ref.first), old_slot, known_slot, old_lowest);
+  }
+}
+
+/// Slots and bricks as a new lowest log-odds wants them.
+void BrickStore::relower(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_lowest) {
+  Supply supply(*this);
+  for (std::uint32_t& slot : chunk.bricks) {
+    if (slot == kNone) continue;
+    if (slot >= kUniform) {
+      if (slot == kUniform)
+        slot = old_slot;
+      else if (slot == known_slot)
+        slot = kUniform;
+      continue;
+    }
+    Brick& brick = this->brick(slot);
+    for (int word = 0; word < 8; ++word) {
+      std::uint32_t& block = brick.block[word];
+      if (brick.known[word] != 0 && block == kNone) {
+        Blocks& free = supply.blocks(1);
+        block = free.free[--free.free_count];
+        for (int i = 0; i < 64; ++i) free.at(block)[i] = brick.known[word] >> i & 1 ? old_lowest : 0.0f;
+      }
+      brick.low[word] = 0;
+      for (std::uint64_t bits = brick.known[word]; bits != 0; bits &= bits - 1) {
+        if (this->block(block)[__builtin_ctzll(bits)] <= model_.lowest) brick.low[word] |= bits & -bits;
+      }
+    }
+  }
 }
 
 std::uint32_t BrickStore::uniform_slot(float log_odds) {

@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "uwsim/mapping/growing.h"
+#include "uwsim/mapping/map_engine.h"
 #include "uwsim/mapping/pages.h"
 #include "uwsim/mapping/scan_kernels.h"
 
@@ -25,6 +28,7 @@ class Arena {
   std::byte* at(std::uint32_t index) const {
     return pointers()[index >> kSegmentBits] + element_bytes_ * (index & (kSegment - 1));
   }
+  std::uint32_t taken() const { return taken_; }
   std::byte* const* pointers() const { return table_.as<std::byte*>(); }
   std::size_t memory_bytes() const { return segments_.size() * kSegment * element_bytes_; }
 
@@ -35,6 +39,8 @@ class Arena {
   std::vector<Pages> segments_;
 };
 
+struct Residency;
+
 /// The voxels of a map: bricks of 8 x 8 x 8 in chunks of 8 x 8 x 8 bricks, found by a hash. What is the same all over
 /// (a brick seen free until it could be no freer, a large leaf of a file) is kept as one value.
 class BrickStore {
@@ -42,8 +48,13 @@ class BrickStore {
   /// 512 bricks in Morton order: kNone, an index of a brick, or kUniform with an index of a value.
   struct Chunk {
     std::array<std::uint32_t, 512> bricks;
+    std::uint64_t used = 0;  ///< when it last was
+    bool is_saved = false;   ///< as it is, in the file of what leaves memory
   };
   static constexpr std::uint32_t kUniform = 0x80000000;
+
+  /// A chunk and its code; null if it is not in memory.
+  using ChunkRef = std::pair<std::uint32_t, const Chunk*>;
 
   /// A leaf of a file that is larger than a chunk.
   struct LargeLeaf {
@@ -53,16 +64,53 @@ class BrickStore {
   };
 
   explicit BrickStore(const SensorModel& model);
+  ~BrickStore();
 
   const SensorModel& model() const { return model_; }
+  /// For later scans: the voxels stay as they are.
+  void set_model(const SensorModel& model);
+
+  /// Keeps what the chunks take near so many bytes: those that were not used for longest go to a file in `folder`
+  /// (empty: the system's), and come back when they are used. Throws FileError.
+  void limit_memory(std::size_t bytes, const std::string& folder);
+  bool is_limited() const { return residency_ != nullptr; }
+  /// Sends chunks away if there are too many: what find() and chunk() gave before may be gone. If the file cannot be
+  /// written they stay.
+  void make_room();
+  /// The same; throws FileError if the file cannot be written and there are too many.
+  void require_room();
+  std::uint64_t evictions() const;
+  /// A chunk while it is looked at, out of the file if need be.
+  class Visit {
+   public:
+    Visit(const BrickStore& store, const ChunkRef& chunk);
+    ~Visit();
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+    const Chunk& chunk() const { return *chunk_; }
+
+   private:
+    BrickStore& store_;
+    const std::uint32_t code_;
+    const Chunk* chunk_;
+    const bool is_guest_;
+  };
+
+  /// Chunks that chunk() gave since it was last asked, all at first; recorded from then on.
+  ChangedChunks take_changed();
+  ChangedChunks& changed() { return changed_; }
+
+  /// What is held is good until the next call.
   const Chunk* find(std::uint32_t code) const;
   /// Makes the chunk if need be, out of the large leaf that covers it if there is one. For one thread at a time.
   Chunk& chunk(std::uint32_t code);
   /// In Morton order.
-  std::vector<std::pair<std::uint32_t, const Chunk*>> sorted_chunks() const;
+  std::vector<ChunkRef> sorted_chunks() const;
+  std::vector<ChunkRef> sorted_chunks(const KeyBox& box) const;
   const std::vector<LargeLeaf>& large_leaves() const { return large_leaves_; }
-  /// In Morton order of their codes, none within another, and before any chunk is made.
+  /// In Morton order of their codes, none within another; where there are chunks, they are what counts.
   void add_large_leaf(const LargeLeaf& leaf) { large_leaves_.push_back(leaf); }
+  void set_large_leaves(std::vector<LargeLeaf> leaves) { large_leaves_ = std::move(leaves); }
   const LargeLeaf* large_leaf_over(std::uint32_t code) const;
 
   Brick& brick(std::uint32_t index) const { return *reinterpret_cast<Brick*>(bricks_.at(index)); }
@@ -97,6 +145,17 @@ class BrickStore {
   std::size_t memory_bytes() const;
 
  private:
+  friend class Visit;
+
+  std::size_t used_bytes() const;
+  std::vector<std::byte> packed(const Chunk& chunk) const;
+  void unpack(std::span<const std::byte> in, Chunk& chunk);
+  /// Null if the file does not have it.
+  Chunk* restore(std::uint32_t code);
+  void drop(std::uint32_t code);
+  void evict(std::uint32_t code, Chunk& chunk);
+  void relower(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_lowest);
+
   SensorModel model_;
   std::unordered_map<std::uint32_t, std::unique_ptr<Chunk>> chunks_;
   std::vector<LargeLeaf> large_leaves_;
@@ -105,6 +164,8 @@ class BrickStore {
   Arena bricks_, blocks_;
   std::vector<std::uint32_t> spare_bricks_, spare_blocks_;
   std::mutex mutex_;
+  ChangedChunks changed_{true, {}};
+  std::unique_ptr<Residency> residency_;  ///< null: all of it stays in memory
 };
 
 /// Log-odds of a voxel of a brick, known or not: `index` in Morton order.

@@ -7,6 +7,7 @@
 
 #include "uwsim/mapping/brick_descent.h"
 #include "uwsim/mapping/morton.h"
+#include "uwsim/mapping/tree_buffer.h"
 
 namespace uwsim::bricks {
 namespace {
@@ -29,8 +30,32 @@ class LeafLister {
   const MapEngine::LeafVisitor& visit_;
 };
 
-/// Writes nodes in preorder, a float of log-odds and a byte of child flags each. A node comes before its children and
-/// is only known after them: it is mended, or, if they are one, they are taken back.
+/// The same of a box.
+class BoxLister {
+ public:
+  BoxLister(const KeyBox& box, const MapEngine::LeafVisitor& visit) : box_(box), visit_(visit) {}
+  bool unknown() { return false; }
+  bool leaf(int levels, std::uint64_t code, float log_odds) {
+    const VoxelKey corner = morton::key(code);
+    if (box_.meets(corner, levels)) visit_(corner, levels, log_odds);
+    return true;
+  }
+  template <typename Child>
+  bool inner(int levels, std::uint64_t code, const Child& child) {
+    for (unsigned i = 0; i < 8; ++i) {
+      if (box_.meets(morton::key(code + (std::uint64_t{i} << (3 * (levels - 1)))), levels - 1)) child(i);
+    }
+    return true;
+  }
+
+ private:
+  const KeyBox& box_;
+  const MapEngine::LeafVisitor& visit_;
+};
+
+/// Writes nodes in preorder, in one of OctoMap's forms: full, a float of log-odds and a byte of child flags each;
+/// binary, two bits a child in the two bytes of an inner node. A node comes before its children and is only known after
+/// them: it is mended, or, if they are one, they are taken back.
 class TreeWriter {
  public:
   struct Node {
@@ -42,26 +67,30 @@ class TreeWriter {
   };
   using Counts = std::array<std::uint64_t, kTreeDepth + 1>;
 
-  /// Everything: full log-odds.
-  TreeWriter(bool keeps_bytes) : keeps_bytes_(keeps_bytes) {}
+  /// Everything: full log-odds. buffer: null to count alone.
+  explicit TreeWriter(TreeBuffer* buffer) : buffer_(buffer) {}
   /// Maximum likelihood, which makes more leaves equal; those are united up to `united_levels` above the finest.
-  TreeWriter(bool keeps_bytes, const SensorModel& model, int united_levels)
-      : keeps_bytes_(keeps_bytes), is_likely_(true), model_(model), united_levels_(united_levels) {}
+  TreeWriter(TreeBuffer* buffer, MapFormat form, const SensorModel& model, int united_levels)
+      : buffer_(buffer),
+        is_binary_(form == MapFormat::bt),
+        is_likely_(true),
+        model_(model),
+        united_levels_(united_levels) {}
 
   Node unknown() { return {}; }
 
   Node leaf(int, std::uint64_t, float log_odds) {
     const float written = likely(log_odds);
-    put(tree.body.size(), written, 0, true);
+    put_leaf(written);
     return {true, true, true, log_odds, written};
   }
 
   template <typename Child>
   Node inner(int levels, std::uint64_t, const Child& child) {
-    const std::size_t at = tree.body.size();
-    const std::uint64_t nodes_before = tree.nodes;
-    put(at, 0, 0, true);
-    unsigned flags = 0;
+    const std::uint64_t at = buffer_ ? buffer_->size() : 0, nodes_before = nodes;
+    if (buffer_) buffer_->append("\0\0\0\0", is_binary_ ? 2 : 5);
+    ++nodes;
+    unsigned flags = 0, codes = 0;
     Node first, node{true, false, false, std::numeric_limits<float>::lowest(), 0};
     bool equal = levels < kTreeDepth, equal_written = equal;  // a .bt says nothing of a root that is a leaf
     for (unsigned i = 0; i < 8; ++i) {
@@ -71,6 +100,7 @@ class TreeWriter {
       equal_written = equal_written && below.is_leaf && below.written == first.written;
       if (!below.exists) continue;
       flags |= 1u << i;
+      codes |= (below.is_leaf ? (OccupancyModel::is_occupied(below.log_odds) ? 2u : 1u) : 3u) << (2 * i);
       node.log_odds = std::max(node.log_odds, below.log_odds);
     }
     if (flags == 0) {
@@ -81,14 +111,14 @@ class TreeWriter {
     if (!equal && equal_written) ++united[static_cast<std::size_t>(levels)];
     if (equal || (equal_written && levels <= united_levels_)) {
       take_back(at, nodes_before);
-      put(at, first.written, 0, true);
+      put_leaf(first.written);
       return {true, true, equal, first.log_odds, first.written};
     }
-    put(at, node.written, flags, false);
+    mend(at, node.written, flags, codes);
     return node;
   }
 
-  TreeBytes tree;
+  std::uint64_t nodes = 0;
   Counts united{};  ///< nodes by level that were united, or would have been, only for being maximum likelihood
 
  private:
@@ -97,21 +127,34 @@ class TreeWriter {
     return OccupancyModel::is_occupied(log_odds) ? model_.highest : model_.lowest;
   }
 
-  void put(std::size_t at, float log_odds, unsigned flags, bool is_new) {
-    tree.nodes += is_new;
-    if (!keeps_bytes_) return;
-    char bytes[5];
+  void put_leaf(float log_odds) {
+    ++nodes;
+    if (!buffer_ || is_binary_) return;
+    char bytes[5] = {};
     std::memcpy(bytes, &log_odds, 4);
-    bytes[4] = static_cast<char>(flags);
-    is_new ? tree.body.append(bytes, 5) : tree.body.replace(at, 5, bytes, 5);
+    buffer_->append(bytes, 5);
   }
 
-  void take_back(std::size_t at, std::uint64_t nodes_before) {
-    tree.body.resize(at);
-    tree.nodes = nodes_before;
+  void mend(std::uint64_t at, float log_odds, unsigned flags, unsigned codes) {
+    if (!buffer_) return;
+    char bytes[5];
+    if (is_binary_) {
+      bytes[0] = static_cast<char>(codes);
+      bytes[1] = static_cast<char>(codes >> 8);
+    } else {
+      std::memcpy(bytes, &log_odds, 4);
+      bytes[4] = static_cast<char>(flags);
+    }
+    buffer_->mend(at, bytes, is_binary_ ? 2 : 5);
   }
 
-  const bool keeps_bytes_, is_likely_ = false;
+  void take_back(std::uint64_t at, std::uint64_t nodes_before) {
+    if (buffer_) buffer_->take_back(at);
+    nodes = nodes_before;
+  }
+
+  TreeBuffer* const buffer_;
+  const bool is_binary_ = false, is_likely_ = false;
   const SensorModel model_{};
   const int united_levels_ = 0;
 };
@@ -121,6 +164,30 @@ TreeWriter write(const BrickStore& store, TreeWriter writer) {
   return writer;
 }
 
+struct LikelyShape {
+  int united_levels;
+  std::uint64_t nodes;
+};
+
+/// Up to which level OctoMap's prune comes, and what is left then.
+LikelyShape likely_shape(const BrickStore& store) {
+  const TreeWriter all = write(store, TreeWriter(nullptr, MapFormat::ot, store.model(), kTreeDepth));
+  LikelyShape shape{0, all.nodes};
+  while (shape.united_levels + 1 < kTreeDepth && all.united[static_cast<std::size_t>(shape.united_levels) + 1] > 0) {
+    ++shape.united_levels;
+  }
+  for (int levels = shape.united_levels + 1; levels < kTreeDepth; ++levels) {
+    shape.nodes += 8 * all.united[static_cast<std::size_t>(levels)];  // children that stay
+  }
+  return shape;
+}
+
+TreeBytes likely(const BrickStore& store, MapFormat form) {
+  TreeBuffer buffer;
+  const TreeWriter written = write(store, TreeWriter(&buffer, form, store.model(), likely_shape(store).united_levels));
+  return {buffer.take(), written.nodes};
+}
+
 }  // namespace
 
 void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf) {
@@ -128,15 +195,29 @@ void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf) 
   Descent(store, lister).run();
 }
 
-TreeBytes full_tree(const BrickStore& store) { return write(store, TreeWriter(true)).tree; }
+void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf) {
+  BoxLister lister(box, leaf);
+  Descent(store, lister, store.sorted_chunks(box)).run();
+}
 
-std::uint64_t count_nodes(const BrickStore& store) { return write(store, TreeWriter(false)).tree.nodes; }
+TreeBytes full_tree(const BrickStore& store) {
+  TreeBuffer buffer;
+  const std::uint64_t nodes = write(store, TreeWriter(&buffer)).nodes;
+  return {buffer.take(), nodes};
+}
 
-TreeBytes likely_tree(const BrickStore& store) {
-  const TreeWriter::Counts united = write(store, TreeWriter(false, store.model(), kTreeDepth)).united;
-  int levels = 0;
-  while (levels + 1 < kTreeDepth && united[static_cast<std::size_t>(levels) + 1] > 0) ++levels;
-  return write(store, TreeWriter(true, store.model(), levels)).tree;
+std::uint64_t count_nodes(const BrickStore& store) { return write(store, TreeWriter(nullptr)).nodes; }
+
+TreeBytes likely_tree(const BrickStore& store) { return likely(store, MapFormat::ot); }
+TreeBytes binary_tree(const BrickStore& store) { return likely(store, MapFormat::bt); }
+
+void write_tree(const BrickStore& store, MapFormat format, double resolution_m, AtomicFile& file) {
+  const LikelyShape shape = format == MapFormat::bt ? likely_shape(store) : LikelyShape{kTreeDepth, count_nodes(store)};
+  file.append(octree_header(format, shape.nodes, resolution_m));
+  TreeBuffer buffer(&file);
+  write(store, format == MapFormat::bt ? TreeWriter(&buffer, MapFormat::bt, store.model(), shape.united_levels)
+                                       : TreeWriter(&buffer));
+  buffer.flush();
 }
 
 }  // namespace uwsim::bricks

@@ -78,6 +78,7 @@ void BrickUpdate::insert(std::size_t count, const std::function<ScanInput(std::s
     const std::size_t together = std::min(count - first, wanted);
     insert_together(first, together, scan, std::min(together, static_cast<std::size_t>(threads)));
     first += together;
+    store_.make_room();
   }
 }
 

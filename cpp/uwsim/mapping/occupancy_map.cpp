@@ -1,5 +1,7 @@
 #include "uwsim/mapping/occupancy_map.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -9,12 +11,12 @@
 #include "uwsim/core/check.h"
 #include "uwsim/mapping/atomic_file.h"
 #include "uwsim/mapping/brick_engine.h"
+#include "uwsim/mapping/occupancy_map_impl.h"
 #include "uwsim/mapping/octomap_engine.h"
 
 namespace uwsim {
 namespace {
 
-constexpr int kHalfExtent = 1 << (kTreeDepth - 1);
 /// OctoMap collects a ray's keys in a buffer of 100,000, and its assertions are on: past it the process ends.
 constexpr double kRayStepsMax = 99'990;
 constexpr double kMaxRangeMin_m = 1e-9;  // OctoMap may not end a walk shorter than floats can tell
@@ -32,57 +34,31 @@ void for_each_voxel(const VoxelKey& key, int levels, const Visit& visit) {
   }
 }
 
-std::unique_ptr<MapEngine> make_engine(double resolution_m, const Eigen::Vector3d& origin_world_m,
-                                       const MapOptions& options) {
+}  // namespace
+
+std::unique_ptr<MapEngine> OccupancyMap::Impl::make_engine(double resolution_m, const Eigen::Vector3d& origin_world_m,
+                                                           const MapOptions& options) {
   if (options.engine == MapEngineKind::octomap) {
     return make_octomap_engine(resolution_m, origin_world_m, options.model);
   }
-  return make_brick_engine(resolution_m, origin_world_m, options.model, options.instruction_set);
+  return make_brick_engine(resolution_m, origin_world_m, options.model, options.instruction_set,
+                           options.memory_limit_bytes, options.spill_folder);
 }
 
-}  // namespace
-
-struct OccupancyMap::Impl {
-  Impl(double resolution, const Eigen::Vector3d& origin, const MapOptions& what)
-      : resolution_m(resolution),
-        origin_world_m(origin),
-        options(what),
-        engine(make_engine(resolution, origin, what)) {}
-
-  /// Voxels from OctoMap's origin along an axis, as OctoMap itself reckons it.
-  double cell(double tree_m) const { return std::floor(1.0 / resolution_m * tree_m); }
-
-  /// Within the cube, less its outermost voxels: a ray along the very edge could step over it.
-  bool in_cube(float tree_m) const { return std::abs(cell(tree_m) + 0.5) < kHalfExtent - 1; }
-
-  void require_in_cube(const Eigen::Vector3f& tree_m, const char* path) const {
-    if (in_cube(tree_m.x()) && in_cube(tree_m.y()) && in_cube(tree_m.z())) return;
-    std::ostringstream rule;
-    rule << "must be within " << (kHalfExtent - 1) * resolution_m
-         << " m of map.origin_world_m = " << origin_world_m.transpose() << " along each axis";
-    require(false, path, (tree_m.cast<double>() + origin_world_m).transpose(), rule.str());
-  }
-
-  Eigen::Vector3f tree_m(const Eigen::Vector3d& world_m) const { return (world_m - origin_world_m).cast<float>(); }
-
-  Scan checked(std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m,
-               double max_range_m) const;
-  void check_points(const Scan& scan, double max_range_m) const;
-  void insert(std::span<const Scan> scans, double max_range_m, int threads);
-  std::uint64_t count(bool occupied) const;
-  std::vector<double> voxels_world_m(bool occupied) const;
-
-  const double resolution_m;
-  const Eigen::Vector3d origin_world_m;
-  const MapOptions options;
-  const std::unique_ptr<MapEngine> engine;
-  mutable std::mutex mutex;
-};
+void OccupancyMap::Impl::require_in_cube(const Eigen::Vector3f& tree_m, const char* path) const {
+  if (in_cube(tree_m)) return;
+  std::ostringstream rule;
+  rule << "must be within " << (kHalfExtent - 1) * resolution_m
+       << " m of map.origin_world_m = " << origin_world_m.transpose() << " along each axis";
+  require(false, path, (tree_m.cast<double>() + origin_world_m).transpose(), rule.str());
+}
 
 OccupancyMap::OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m, const MapOptions& options) {
   require_resolution(resolution_m, "map.resolution_m");
   require(origin_world_m.allFinite(), "map.origin_world_m", origin_world_m.transpose(), "must be finite");
   options.model.check();
+  require(options.memory_limit_bytes == 0 || options.engine == MapEngineKind::bricks, "map.memory_limit_mb",
+          static_cast<double>(options.memory_limit_bytes) / 1e6, "only engine 'bricks' can hold to a limit of memory");
   impl_ = std::make_unique<Impl>(resolution_m, origin_world_m, options);
 }
 
@@ -90,9 +66,29 @@ OccupancyMap::~OccupancyMap() = default;
 OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
 OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 
+namespace {
+
+/// A file of a few bytes a chunk may ask for a thousand times as much memory: such a map is refused before it takes it.
+void require_memory_for(const OctreeFile& file, std::string_view name, const MapOptions& options) {
+  if (options.memory_limit_bytes > 0) return;
+  constexpr double kChunkBytes = 2'200, kFullBrickBytes = 2'240, kOctomapNodeBytes = 100;
+  const auto inner = [&](int levels) {
+    return static_cast<double>(file.inner_nodes[std::size_t(kTreeDepth - levels)]);
+  };
+  const double needed = options.engine == MapEngineKind::octomap ? static_cast<double>(file.nodes) * kOctomapNodeBytes
+                                                                 : inner(6) * kChunkBytes + inner(3) * kFullBrickBytes;
+  const double there = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  require(needed <= there / 2, "map '" + std::string(name) + "': memory",
+          std::to_string(static_cast<std::uint64_t>(needed / 1e6)) + " MB",
+          "may be needed, more than half of what this machine has; read it with a memory_limit_mb");
+}
+
+}  // namespace
+
 OccupancyMap OccupancyMap::from_bytes(std::string_view bytes, std::string_view name,
                                       const Eigen::Vector3d& origin_world_m, const MapOptions& options) {
   const OctreeFile file = check_octree_file(bytes, name);
+  require_memory_for(file, name, options);
   OccupancyMap map(file.resolution_m, origin_world_m, options);
   if (file.nodes > 0) map.impl_->engine->load(file.format, bytes.substr(file.body_offset));
   return map;
@@ -152,6 +148,28 @@ Scan OccupancyMap::Impl::checked(std::span<const float> points_world_m, const Ei
   return scan;
 }
 
+std::pair<std::vector<float>, std::uint64_t> OccupancyMap::Impl::inside(
+    std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m) const {
+  std::pair<std::vector<float>, std::uint64_t> found{{}, 0};
+  const bool from_inside = !scan_origin_world_m.allFinite() || in_cube(tree_m(scan_origin_world_m));
+  std::vector<std::size_t> lost;
+  for (std::size_t i = 0; i < points_world_m.size(); i += 3) {
+    const Eigen::Vector3d point_world_m(points_world_m[i], points_world_m[i + 1], points_world_m[i + 2]);
+    if (point_world_m.allFinite() && !(from_inside && in_cube(tree_m(point_world_m)))) lost.push_back(i);
+  }
+  found.second = lost.size();
+  if (lost.empty() || !from_inside) return found;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < points_world_m.size(); i += 3) {
+    if (next < lost.size() && lost[next] == i) {
+      ++next;
+    } else {
+      for (std::size_t axis = 0; axis < 3; ++axis) found.first.push_back(points_world_m[i + axis]);
+    }
+  }
+  return found;
+}
+
 void OccupancyMap::Impl::insert(std::span<const Scan> scans, double max_range_m, int threads) {
   const std::scoped_lock lock(mutex);
   engine->insert(scans, max_range_m, threads);
@@ -171,9 +189,8 @@ double octomap_range_m(double max_range_m) {
 void OccupancyMap::insert_scan(std::span<const float> points_world_m, const Eigen::Vector3d& origin_world_m,
                                double max_range_m) {
   require(points_world_m.size() % 3 == 0, "scan.points_world_m.size", points_world_m.size(), "must be rows of x, y, z");
-  const double range_m = octomap_range_m(max_range_m);
-  const Scan scan = impl_->checked(points_world_m, origin_world_m, range_m);
-  impl_->insert({&scan, 1}, range_m, 1);
+  const std::int64_t count = static_cast<std::int64_t>(points_world_m.size() / 3);
+  insert_scans(points_world_m, {&count, 1}, {origin_world_m.data(), 3}, max_range_m, 1);
 }
 
 void OccupancyMap::insert_scans(std::span<const float> points_world_m, std::span<const std::int64_t> counts,
@@ -184,17 +201,28 @@ void OccupancyMap::insert_scans(std::span<const float> points_world_m, std::span
   const double range_m = octomap_range_m(max_range_m);
   std::vector<Scan> scans;
   scans.reserve(counts.size());
+  std::vector<std::vector<float>> kept;  // the points of scans of which some lie outside
+  std::uint64_t outside = 0;
   std::size_t at = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     require(counts[i] >= 0 && static_cast<std::size_t>(counts[i]) <= points_world_m.size() / 3 - at,
             "scans.counts[" + std::to_string(i) + "]", counts[i], "must add up to the number of points");
     const auto count = static_cast<std::size_t>(counts[i]);
-    scans.push_back(impl_->checked(points_world_m.subspan(3 * at, 3 * count),
-                                   Eigen::Vector3d(origins_world_m.data() + 3 * i), range_m));
+    std::span<const float> points = points_world_m.subspan(3 * at, 3 * count);
+    Eigen::Vector3d origin(origins_world_m.data() + 3 * i);
     at += count;
+    if (impl_->options.on_outside == OnOutside::count) {
+      auto [inside, lost] = impl_->inside(points, origin);
+      outside += lost;
+      if (lost > 0 && inside.empty()) continue;
+      if (lost > 0) points = kept.emplace_back(std::move(inside));
+    }
+    scans.push_back(impl_->checked(points, origin, range_m));
   }
   require(3 * at == points_world_m.size(), "scans.counts", at, "must add up to the number of points");
   impl_->insert(scans, range_m, threads);
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->outside_points += outside;
 }
 
 std::uint64_t OccupancyMap::Impl::count(bool occupied) const {
@@ -216,7 +244,7 @@ std::vector<double> OccupancyMap::Impl::voxels_world_m(bool occupied) const {
     if (OccupancyModel::is_occupied(log_odds) != occupied) return;
     for_each_voxel(corner, levels, [&](const VoxelKey& key) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        centres.push_back((key[axis] - kHalfExtent + 0.5) * resolution_m + origin_world_m[Eigen::Index(axis)]);
+        centres.push_back(centre_world_m(key, 0, axis));
       }
     });
   });
@@ -226,31 +254,6 @@ std::vector<double> OccupancyMap::Impl::voxels_world_m(bool occupied) const {
 std::vector<double> OccupancyMap::occupied_voxels_world_m() const { return impl_->voxels_world_m(true); }
 std::vector<double> OccupancyMap::free_voxels_world_m() const { return impl_->voxels_world_m(false); }
 
-MapStatistics OccupancyMap::statistics() const {
-  const std::scoped_lock lock(impl_->mutex);
-  return {impl_->count(true), impl_->count(false), impl_->engine->nodes(), impl_->engine->memory_bytes()};
-}
-
-std::vector<std::int8_t> OccupancyMap::state_at(std::span<const double> points_world_m) const {
-  require(points_world_m.size() % 3 == 0, "points_world_m.size", points_world_m.size(), "must be rows of x, y, z");
-  for (const double x : points_world_m) require(std::isfinite(x), "points_world_m", x, "must be finite");
-  const std::scoped_lock lock(impl_->mutex);
-  std::vector<std::int8_t> states(points_world_m.size() / 3, -1);
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    VoxelKey key;
-    bool inside = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double cell =
-          impl_->cell(points_world_m[3 * i + axis] - impl_->origin_world_m[Eigen::Index(axis)]) + kHalfExtent;
-      inside = inside && cell >= 0 && cell < 2 * kHalfExtent;
-      if (inside) key[axis] = static_cast<int>(cell);
-    }
-    const std::optional<float> log_odds = inside ? impl_->engine->log_odds_at(key) : std::nullopt;
-    if (log_odds) states[i] = OccupancyModel::is_occupied(*log_odds) ? 1 : 0;
-  }
-  return states;
-}
-
 std::string OccupancyMap::to_bytes(MapFormat format) const {
   const std::scoped_lock lock(impl_->mutex);
   const TreeBytes tree = format == MapFormat::bt ? impl_->engine->binary_tree() : impl_->engine->full_tree();
@@ -258,7 +261,10 @@ std::string OccupancyMap::to_bytes(MapFormat format) const {
 }
 
 void OccupancyMap::write(const std::string& path, MapFormat format) const {
-  write_file_atomically(path, to_bytes(format));
+  AtomicFile file(path);
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->engine->write_tree(format, file);
+  file.commit();
 }
 
 std::shared_ptr<octomap::OcTree> OccupancyMap::octree() const {

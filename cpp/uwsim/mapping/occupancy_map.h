@@ -25,17 +25,38 @@ enum class MapEngineKind {
   bricks,   ///< ours, much faster
 };
 
+/// What happens to points, and to whole scans by their origin, that lie outside OctoMap's cube.
+enum class OnOutside {
+  refuse,  ///< InvalidValue, and nothing is inserted
+  count,   ///< they are left out and counted: MapStatistics::outside_points
+};
+
 struct MapOptions {
   MapEngineKind engine = MapEngineKind::bricks;
   OccupancyModel model;
   InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks; the bytes do not depend on it
+  OnOutside on_outside = OnOutside::refuse;
+  /// What the voxels may take of memory, near enough: one batch of scans comes on top, and the reserves of memory.
+  /// Parts of the map that were not used for longest go to a file without a name in `spill_folder` (empty: the
+  /// system's), and come back when they are used. 0: no limit. Only of the bricks.
+  std::size_t memory_limit_bytes = 0;
+  std::string spill_folder = {};
 };
 
 struct MapStatistics {
   std::uint64_t occupied_voxels;  ///< counted at the finest level: a pruned leaf is as many voxels as it covers
   std::uint64_t free_voxels;
-  std::size_t nodes;         ///< of the pruned tree
-  std::size_t memory_bytes;  ///< octomap: by its own reckoning, which leaves out the allocator's share; bricks: all
+  std::size_t nodes;             ///< of the pruned tree
+  std::size_t memory_bytes;      ///< octomap: by its own reckoning, which leaves out the allocator's share; bricks: all
+  std::uint64_t outside_points;  ///< left out so far, with OnOutside::count
+  std::uint64_t evictions;       ///< parts of the map that left memory so far
+};
+
+/// Cubes of a map, by columns.
+struct MapCubes {
+  std::vector<double> centres_world_m;  ///< x, y, z by rows
+  std::vector<double> edges_m;
+  std::vector<float> log_odds;
 };
 
 /// A probabilistic occupancy map: OctoMap's octree (Hornung et al. 2013, Autonomous Robots 34(3)) with OctoMap's sensor
@@ -88,14 +109,55 @@ class OccupancyMap {
 
   MapStatistics statistics() const;
 
+  // Defined in occupancy_map_queries.cpp:
+
   /// 1 occupied, 0 free, -1 unknown or outside the cube; one a point. Throws InvalidValue on points that are not
   /// finite.
   std::vector<std::int8_t> state_at(std::span<const double> points_world_m) const;
+  /// Log-odds of being occupied, NaN where state_at is -1.
+  std::vector<float> log_odds_at(std::span<const double> points_world_m) const;
+
+  /// The leaves of the pruned tree, in Morton order.
+  MapCubes leaves() const;
+  /// Cubes at a depth of the tree, 1 to 16, the finest, of which something is known, in Morton order: the greatest of
+  /// their log-odds, as in OctoMap's inner nodes. Throws InvalidValue past 100 million.
+  MapCubes cells(int depth) const;
+  /// Known voxels of the finest level whose centres lie in a box, both faces included, in Morton order. Throws
+  /// InvalidValue past 100 million.
+  MapCubes voxels_in(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const;
+
+  struct Casts {
+    std::vector<std::int8_t> ends;              ///< 1 occupied, 0 its greatest range or the cube's edge, -1 unknown
+    std::vector<double> voxel_centres_world_m;  ///< of the last voxel each ray came to
+  };
+  /// Rays, x, y, z by rows, as octomap::OcTree::castRay walks them, in float32. max_range_m: to a voxel's centre,
+  /// infinity for no limit. Throws InvalidValue on an origin outside the cube and on a direction of no length.
+  Casts cast_rays(std::span<const double> origins_world_m, std::span<const double> directions_world,
+                  bool ignore_unknown, double max_range_m) const;
+
+  struct Changes {
+    std::vector<double> voxel_centres_world_m;
+    std::vector<std::int8_t> states;  ///< 1 occupied, 0 free, -1 unknown
+  };
+  /// Voxels whose state is another than at the last call, in Morton order; at the first call, all that are known. A
+  /// voxel that changed and changed back is not told. Throws InvalidValue past 100 million.
+  Changes changed_voxels();
+
+  /// Adds another map's log-odds, voxel by voxel: unknown is 0, the sum is clamped to this map's limits. The other may
+  /// be about another origin, a whole number of voxels away. Throws InvalidValue, having changed nothing, if it is not,
+  /// is of another resolution, is this map itself or reaches outside the cube.
+  void merge(const OccupancyMap& other);
+
+  OccupancyModel model() const;
+  /// For later scans: voxels stay as they are until one changes them. Throws InvalidValue.
+  void set_model(const OccupancyModel& model);
 
   /// The file as bytes. The map stays as it is: a .bt written in mid-survey does not round the live log-odds off.
-  /// A .bt is written by an octomap::OcTree, the bytes those of its writeBinary.
+  /// A .bt is written by an octomap::OcTree, the bytes those of its writeBinary; one of a map with a limit of memory by
+  /// us, the same bytes.
   std::string to_bytes(MapFormat format) const;
-  /// Atomically; throws FileError.
+  /// Atomically, as it is made: an .ot, and a .bt of a map with a limit, take a few megabytes of memory. Throws
+  /// FileError.
   void write(const std::string& path, MapFormat format) const;
 
   /// A copy as OctoMap's own tree, with all its log-odds.

@@ -3,7 +3,9 @@
 #include <octomap/OcTree.h>
 
 #include <sstream>
+#include <utility>
 
+#include "uwsim/mapping/file_stream.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
 // The tree's code is Debian's own, linked from its archives: compiled here, it could give another tree.
@@ -27,6 +29,13 @@ struct Children : OcTreeNode {
 struct Root : octomap::OcTree {
   /// Null in an empty tree.
   static OcTreeNode* of(const octomap::OcTree& tree) { return tree.*(&Root::root); }
+  static void make(octomap::OcTree& tree) {
+    tree.*(&Root::root) = new OcTreeNode();
+    ++(tree.*(&Root::tree_size));
+  }
+  /// OctoMap's own change detection.
+  static octomap::KeyBoolMap& changed(octomap::OcTree& tree) { return tree.*(&Root::changed_keys); }
+  static void detect_changes(octomap::OcTree& tree) { tree.*(&Root::use_change_detection) = true; }
 };
 
 /// Prunes and refreshes the inner nodes bottom up, as insertions would have left them, in a tree out of a file. The
@@ -42,6 +51,42 @@ void settle(octomap::OcTree& tree, OcTreeNode& node) {
 /// The lowest corner of a child, from that of its parent, which is two halves wide.
 VoxelKey child_corner(const VoxelKey& corner, int child, int half) {
   return {corner[0] + (child & 1) * half, corner[1] + (child >> 1 & 1) * half, corner[2] + (child >> 2 & 1) * half};
+}
+
+/// Adds to all voxels below a node, of which some may be unknown.
+void add_to_all(octomap::OcTree& tree, OcTreeNode& node, float log_odds) {
+  if (Children::none(node)) return tree.updateNodeLogOdds(&node, log_odds);
+  for (int child = 0; child < 8; ++child) {
+    if (const OcTreeNode* below = Children::at(node, child)) {
+      add_to_all(tree, const_cast<OcTreeNode&>(*below), log_odds);
+    } else {
+      tree.updateNodeLogOdds(tree.createNodeChild(&node, static_cast<unsigned>(child)), log_odds);
+    }
+  }
+}
+
+/// Goes down to the cube of 2^levels voxels with this corner, from a node 2^at wide.
+void add_to_cube(octomap::OcTree& tree, OcTreeNode& node, bool is_new, int at, const VoxelKey& corner, int levels,
+                 float log_odds) {
+  if (at == levels) return add_to_all(tree, node, log_odds);
+  if (Children::none(node) && !is_new) tree.expandNode(&node);
+  unsigned child = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) child |= unsigned(corner[axis] >> (at - 1) & 1) << axis;
+  const OcTreeNode* below = Children::at(node, static_cast<int>(child));
+  OcTreeNode& next = below ? const_cast<OcTreeNode&>(*below) : *tree.createNodeChild(&node, child);
+  add_to_cube(tree, next, !below, at - 1, corner, levels, log_odds);
+}
+
+/// `box`: of interest.
+void visit_leaves_in(const OcTreeNode& node, const VoxelKey& key, int levels, const KeyBox& box,
+                     const MapEngine::LeafVisitor& leaf) {
+  if (!box.meets(key, levels)) return;
+  if (Children::none(node)) return leaf(key, levels, node.getLogOdds());
+  const int half = 1 << (levels - 1);
+  for (int child = 0; child < 8; ++child) {
+    const OcTreeNode* below = Children::at(node, child);
+    if (below) visit_leaves_in(*below, child_corner(key, child, half), levels - 1, box, leaf);
+  }
 }
 
 void visit_leaves(const OcTreeNode& node, const VoxelKey& key, int levels, const MapEngine::LeafVisitor& leaf) {
@@ -77,7 +122,7 @@ class OctomapEngine : public MapEngine {
  public:
   OctomapEngine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m, const OccupancyModel& model)
       : tree_(resolution_m), tree_origin_world_m_(tree_origin_world_m), model_(model) {
-    set_model(tree_, model);
+    uwsim::set_model(tree_, model);
   }
 
   void insert(std::span<const Scan> scans, double max_range_m, int) override {
@@ -86,6 +131,29 @@ class OctomapEngine : public MapEngine {
     }
     // A cube that is known all over and equal has no children left: a leaf at the root, of which no .bt can tell.
     if (OcTreeNode* root = Root::of(tree_); root && Children::none(*root)) tree_.expandNode(root);
+  }
+
+  void add(const VoxelKey& corner, int levels, float log_odds) override {
+    changed_.add(corner, levels);
+    const bool is_new = !Root::of(tree_);
+    if (is_new) Root::make(tree_);
+    add_to_cube(tree_, *Root::of(tree_), is_new, kTreeDepth, corner, levels, log_odds);
+  }
+  void finish_adding() override {
+    if (OcTreeNode* root = Root::of(tree_)) settle(tree_, *root);
+  }
+
+  void set_model(const OccupancyModel& model) override {
+    model_ = model;
+    uwsim::set_model(tree_, model);
+  }
+
+  ChangedChunks take_changed() override {
+    ChangedChunks changed = std::exchange(changed_, {});
+    for (const auto& [key, is_created] : Root::changed(tree_)) changed.add({key[0], key[1], key[2]}, 0);
+    Root::detect_changes(tree_);
+    Root::changed(tree_).clear();
+    return changed;
   }
 
   void load(MapFormat format, std::string_view body) override {
@@ -104,21 +172,38 @@ class OctomapEngine : public MapEngine {
     if (const OcTreeNode* root = Root::of(tree_)) visit_leaves(*root, {}, kTreeDepth, leaf);
   }
 
+  void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const override {
+    if (const OcTreeNode* root = Root::of(tree_)) visit_leaves_in(*root, {}, kTreeDepth, box, leaf);
+  }
+
   TreeBytes full_tree() const override { return full_data(tree_); }
 
   /// What writeBinary does, on a copy: the live tree keeps its log-odds.
-  TreeBytes binary_tree() const override {
-    if (!Root::of(tree_)) return {};
-    const std::shared_ptr<octomap::OcTree> copy = octree_of(full_data(tree_), tree_.getResolution(), model_);
-    copy->toMaxLikelihood();
-    copy->prune();
-    return binary_data(*copy);
+  TreeBytes binary_tree() const override { return Root::of(tree_) ? binary_data(*likely_copy()) : TreeBytes{}; }
+
+  void write_tree(MapFormat format, AtomicFile& file) const override {
+    FileStream stream(file);
+    const auto write = [&](const octomap::OcTree& tree) {
+      file.append(octree_header(format, tree.size(), tree.getResolution()));
+      const QuietStderr quiet;
+      format == MapFormat::bt ? tree.writeBinaryData(stream) : tree.writeData(stream);
+      stream.flush();
+    };
+    if (format == MapFormat::ot || !Root::of(tree_)) return write(tree_);
+    write(*likely_copy());
   }
 
   std::uint64_t nodes() const override { return tree_.size(); }
   std::size_t memory_bytes() const override { return tree_.memoryUsage(); }
 
  private:
+  std::shared_ptr<octomap::OcTree> likely_copy() const {
+    std::shared_ptr<octomap::OcTree> copy = octree_of(full_data(tree_), tree_.getResolution(), model_);
+    copy->toMaxLikelihood();
+    copy->prune();
+    return copy;
+  }
+
   /// The points as the tree takes them. One whose distance a float cannot tell from zero is put at the origin:
   /// OctoMap's walk to it might not end.
   octomap::Pointcloud cloud(const Scan& scan) const {
@@ -138,7 +223,8 @@ class OctomapEngine : public MapEngine {
 
   octomap::OcTree tree_;
   const Eigen::Vector3d tree_origin_world_m_;
-  const OccupancyModel model_;
+  OccupancyModel model_;
+  ChangedChunks changed_{true, {}};
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ std::string_view take_line(std::string_view bytes, std::size_t& at, std::string_
 }
 
 OctreeFile parse_header(std::string_view bytes, std::string_view name) {
-  OctreeFile file{MapFormat::bt, 0, 0, 0};
+  OctreeFile file{MapFormat::bt, 0, 0, 0, {}};
   if (bytes.starts_with(kFullTitle)) {
     file.format = MapFormat::ot;
   } else if (!bytes.starts_with(kBinaryTitle)) {
@@ -82,6 +82,7 @@ class Walk {
   /// An inner node of a .bt, itself already counted: it must have a level below it, its inner children another.
   void binary_node(int depth) {
     const auto codes = take<std::uint16_t>();
+    ++inner_nodes[static_cast<std::size_t>(depth)];
     if (codes == 0) refuse(name_, "damaged: an inner node without children");
     for (int child = 0; child < 8; ++child) nodes += code(codes, child) != 0;
     for (int child = 0; child < 8; ++child) {
@@ -93,6 +94,7 @@ class Walk {
   void full_node(int depth) {
     if (!std::isfinite(take<float>())) refuse(name_, "damaged: a log-odds that is not finite");
     const auto flags = take<std::uint8_t>();
+    inner_nodes[static_cast<std::size_t>(depth)] += flags != 0;
     if (depth == 0 && flags == 0) refuse(name_, "damaged: a root without children");
     for (int child = 0; child < 8; ++child) {
       if (!((flags >> child) & 1)) continue;
@@ -106,6 +108,7 @@ class Walk {
   }
 
   std::uint64_t nodes = 1;
+  std::array<std::uint64_t, kTreeDepth + 1> inner_nodes{};
 
  private:
   static unsigned code(unsigned codes, int child) { return (codes >> (2 * child)) & 3u; }
@@ -132,7 +135,7 @@ class Walk {
 }  // namespace
 
 OctreeFile check_octree_file(std::string_view bytes, std::string_view name) {
-  const OctreeFile file = parse_header(bytes, name);
+  OctreeFile file = parse_header(bytes, name);
   Walk walk(bytes, file.body_offset, name);
   if (file.nodes == 0) {
     walk.expect_end();
@@ -140,6 +143,7 @@ OctreeFile check_octree_file(std::string_view bytes, std::string_view name) {
   }
   file.format == MapFormat::bt ? walk.binary_node(0) : walk.full_node(0);
   walk.expect_end();
+  file.inner_nodes = walk.inner_nodes;
   if (walk.nodes != file.nodes) {
     refuse(name,
            "damaged: " + std::to_string(walk.nodes) + " nodes, but the header says " + std::to_string(file.nodes));

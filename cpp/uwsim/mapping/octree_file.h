@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -20,8 +21,9 @@ inline constexpr int kTreeDepth = 16;
 struct OctreeFile {
   MapFormat format;
   double resolution_m;
-  std::uint64_t nodes;      ///< 0 for an empty map, whose body is empty too
-  std::size_t body_offset;  ///< where the tree begins
+  std::uint64_t nodes;                                      ///< 0 for an empty map, whose body is empty too
+  std::size_t body_offset;                                  ///< where the tree begins
+  std::array<std::uint64_t, kTreeDepth + 1> inner_nodes{};  ///< by depth
 };
 
 /// Reads the header and walks the whole tree. Throws InvalidValue that names `name` unless the id is OcTree, the

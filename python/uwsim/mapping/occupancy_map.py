@@ -1,16 +1,9 @@
-"""Occupancy maps: OctoMap's octree to the bit, its probabilities and its files.
-
-world = OccupancyMap(resolution_m=0.2)
-world.insert_scan(points_world_m, origin_world_m, max_range_m=55.0)
-world.write("lake.bt")
-world = OccupancyMap.read("lake.bt")
-"""
+"""The map itself: the face of `_core.OccupancyMap`."""
 
 from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, Self
 
@@ -18,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
+from uwsim.mapping.results import Cubes, MapChanges, MapStatistics, OccupancyModel, RayCasts, probability
 
 MapFormat = Literal["bt", "ot"]
 MapEngine = Literal["bricks", "octomap"]
 InstructionSet = Literal["best", "portable", "avx2", "avx512"]
+OnOutside = Literal["raise", "count"]
 
 ENGINES = {"bricks": _core.MapEngine.BRICKS, "octomap": _core.MapEngine.OCTOMAP}
 INSTRUCTION_SETS = {
@@ -30,20 +25,7 @@ INSTRUCTION_SETS = {
     "avx2": _core.InstructionSet.AVX2,
     "avx512": _core.InstructionSet.AVX512,
 }
-
-
-@dataclass(frozen=True)
-class MapStatistics:
-    """How much a map holds. Voxels are counted at the finest level, a pruned leaf as all those it covers.
-
-    nodes: of the pruned tree. memory_bytes: of "bricks" all that the map holds; of "octomap" by OctoMap's own
-    reckoning, without the allocator's share.
-    """
-
-    occupied_voxels: int
-    free_voxels: int
-    nodes: int
-    memory_bytes: int
+ON_OUTSIDE = ("raise", "count")
 
 
 class OccupancyMap:
@@ -59,6 +41,13 @@ class OccupancyMap:
     hit, miss: probabilities of a voxel that holds a point, in [0.5, 1), and of one that a ray goes through, in
     (0, 0.5]. clamping: the limits of what scans may make of a voxel. The defaults are OctoMap's.
     instruction_set: of the bricks' inner loops, for tests and benchmarks; the bytes do not depend on it.
+    on_outside: whether scans with points outside the cube "raise" ValueError and are not inserted, or lose those points
+    (all, if the origin is outside), which statistics() "count"s.
+    memory_limit_mb: what the bricks may take of memory, near enough: a batch of scans comes on top, and what is kept
+    for changed_voxels. The parts of the map that were not used for longest go to a file without a name in spill_dir (by
+    default the system's folder for temporary files, which must not itself be in memory), gone with the process however
+    it ends, and come back when they are used. The bytes do not depend on it. Inserting raises OSError, having inserted
+    nothing, while that file cannot be written; the map is whole.
 
     The bytes of a map depend on the scans and their order alone. Calls release the GIL and wait for each other.
     """
@@ -73,8 +62,12 @@ class OccupancyMap:
         miss: float = 0.4,
         clamping: tuple[float, float] = (0.1192, 0.971),
         instruction_set: InstructionSet = "best",
+        on_outside: OnOutside = "raise",
+        memory_limit_mb: float | None = None,
+        spill_dir: str | os.PathLike[str] | None = None,
     ) -> None:
-        options = _options(engine, hit, miss, clamping, instruction_set)
+        model = OccupancyModel(hit, miss, clamping)
+        options = _options(engine, model, instruction_set, on_outside, memory_limit_mb, spill_dir)
         self._map = _core.OccupancyMap(resolution_m, _origin(origin_world_m), options)
 
     @classmethod
@@ -87,6 +80,9 @@ class OccupancyMap:
         hit: float = 0.7,
         miss: float = 0.4,
         clamping: tuple[float, float] = (0.1192, 0.971),
+        on_outside: OnOutside = "raise",
+        memory_limit_mb: float | None = None,
+        spill_dir: str | os.PathLike[str] | None = None,
     ) -> Self:
         """Read a .bt or .ot file, told apart by its first line, not by its name.
 
@@ -94,7 +90,8 @@ class OccupancyMap:
         degrees: its voxels come back at the limits of certainty.
         """
         occupancy_map = cls.__new__(cls)
-        options = _options(engine, hit, miss, clamping, "best")
+        model = OccupancyModel(hit, miss, clamping)
+        options = _options(engine, model, "best", on_outside, memory_limit_mb, spill_dir)
         occupancy_map._map = _core.OccupancyMap.read(os.fspath(path), _origin(origin_world_m), options)
         return occupancy_map
 
@@ -162,6 +159,76 @@ class OccupancyMap:
         """State of the voxels that hold points_world_m, (n, 3): 1 occupied, 0 free, -1 unknown or outside the cube."""
         return self._map.state_at(points_world_m)
 
+    def log_odds_at(self, points_world_m: ArrayLike) -> NDArray[np.float32]:
+        """Log-odds, (n,) float32, that the voxels of points_world_m, (n, 3), are occupied; NaN where unknown."""
+        return self._map.log_odds_at(points_world_m)
+
+    def probability_at(self, points_world_m: ArrayLike) -> NDArray[np.float64]:
+        """Probability, (n,) float64, that the voxels of points_world_m, (n, 3), are occupied; NaN where unknown."""
+        return probability(self.log_odds_at(points_world_m))
+
+    def leaves(self) -> Cubes:
+        """The leaves of OctoMap's pruned tree: cubes of voxels that are equal, as large as they can be."""
+        return Cubes(*self._map.leaves())
+
+    def cells(self, depth: int) -> Cubes:
+        """Cubes at a depth of the tree, 1 to 16 (the finest), of which something is known.
+
+        Their log-odds are the greatest of the voxels in them, as in OctoMap's inner nodes: a cube counts as occupied if
+        any part of it is. Raises ValueError past 100 million.
+        """
+        return Cubes(*self._map.cells(depth))
+
+    def voxels_in(self, low_world_m: ArrayLike, high_world_m: ArrayLike) -> Cubes:
+        """The known voxels of the finest level whose centres lie in a box, corners (3,), its faces included.
+
+        Raises ValueError past 100 million.
+        """
+        return Cubes(*self._map.voxels_in(low_world_m, high_world_m))
+
+    def cast_rays(
+        self,
+        origins_world_m: ArrayLike,
+        directions_world: ArrayLike,
+        max_range_m: float = math.inf,
+        ignore_unknown: bool = False,
+    ) -> RayCasts:
+        """Follow rays to the first occupied voxel, the same as octomap::OcTree::castRay, in float32.
+
+        origins_world_m, directions_world: (n, 3), of any length but zero. max_range_m: to a voxel's centre. With
+        ignore_unknown rays go on through the unknown. An origin in an occupied voxel ends there. Raises ValueError on
+        an origin outside the cube.
+        """
+        return RayCasts(*self._map.cast_rays(origins_world_m, directions_world, ignore_unknown, max_range_m))
+
+    def changed_voxels(self) -> MapChanges:
+        """The voxels whose state, unknown, free or occupied, is another than at the last call: for a live view.
+
+        The first call gives all that are known. A voxel that changed and changed back is not given, nor one whose
+        probability alone changed. From the first call on the map keeps a copy of the states, two bits a voxel where
+        they are mixed. Raises ValueError past 100 million; the next call then gives them.
+        """
+        return MapChanges(*self._map.changed_voxels())
+
+    def merge(self, other: OccupancyMap) -> None:
+        """Add another map's log-odds, voxel by voxel; the sum is clamped to this map's limits.
+
+        What is unknown to one takes the other's value. The other must be of this resolution and about this origin or
+        one a whole number of voxels away. Raises ValueError, having changed nothing, if it is not, is this very map or
+        reaches outside this map's cube; OSError if what must leave memory cannot.
+        """
+        self._map.merge(other._map)
+
+    @property
+    def model(self) -> OccupancyModel:
+        """Probabilities and limits for the scans to come: voxels stay as they are until a scan changes them."""
+        hit, miss, lowest, highest = self._map.model()
+        return OccupancyModel(hit, miss, (lowest, highest))
+
+    @model.setter
+    def model(self, model: OccupancyModel) -> None:
+        self._map.set_model(model.hit, model.miss, *model.clamping)
+
     def to_bytes(self, map_format: MapFormat) -> bytes:
         """Return what `write` would put into a file of that suffix."""
         return self._map.to_bytes(map_format)
@@ -188,18 +255,29 @@ def _origin(origin_world_m: ArrayLike | None) -> ArrayLike:
 
 
 def _options(
-    engine: str, hit: float, miss: float, clamping: tuple[float, float], instruction_set: str
+    engine: str,
+    model: OccupancyModel,
+    instruction_set: str,
+    on_outside: str,
+    memory_limit_mb: float | None,
+    spill_dir: str | os.PathLike[str] | None,
 ) -> _core.MapOptions:
-    if engine not in ENGINES:
-        raise ValueError(f"map.engine = {engine!r}: must be one of {', '.join(ENGINES)}")
-    if instruction_set not in INSTRUCTION_SETS:
-        raise ValueError(f"map.instruction_set = {instruction_set!r}: must be one of {', '.join(INSTRUCTION_SETS)}")
-    lowest, highest = clamping
+    for name, value, known in (
+        ("engine", engine, ENGINES),
+        ("instruction_set", instruction_set, INSTRUCTION_SETS),
+        ("on_outside", on_outside, ON_OUTSIDE),
+    ):
+        if value not in known:
+            raise ValueError(f"map.{name} = {value!r}: must be one of {', '.join(known)}")
+    lowest, highest = model.clamping
     return _core.MapOptions(
         engine=ENGINES[engine],
-        hit=hit,
-        miss=miss,
+        hit=model.hit,
+        miss=model.miss,
         clamping_min=lowest,
         clamping_max=highest,
         instruction_set=INSTRUCTION_SETS[instruction_set],
+        count_outside=on_outside == "count",
+        memory_limit_mb=memory_limit_mb,
+        spill_folder="" if spill_dir is None else os.fsdecode(spill_dir),
     )

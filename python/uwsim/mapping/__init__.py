@@ -1,0 +1,33 @@
+"""Occupancy maps: OctoMap's octree to the bit, its probabilities and its files.
+
+world = OccupancyMap(resolution_m=0.2)
+world.insert_scan(points_world_m, origin_world_m, max_range_m=55.0)
+world.write("lake.bt")
+world = OccupancyMap.read("lake.bt")
+"""
+
+from uwsim.mapping.occupancy_map import (
+    ENGINES,
+    INSTRUCTION_SETS,
+    InstructionSet,
+    MapEngine,
+    MapFormat,
+    OccupancyMap,
+    OnOutside,
+)
+from uwsim.mapping.results import Cubes, MapChanges, MapStatistics, OccupancyModel, RayCasts
+
+__all__ = [
+    "ENGINES",
+    "INSTRUCTION_SETS",
+    "Cubes",
+    "InstructionSet",
+    "MapChanges",
+    "MapEngine",
+    "MapFormat",
+    "MapStatistics",
+    "OccupancyMap",
+    "OccupancyModel",
+    "OnOutside",
+    "RayCasts",
+]

@@ -1,0 +1,183 @@
+// A map that holds to a limit of memory is, to the byte, the one made in one piece.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "map_cases.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kEdge_m = 0.2;
+
+MapOptions limited(std::size_t bytes) {
+  MapOptions options;
+  options.memory_limit_bytes = bytes;
+  return options;
+}
+
+OccupancyMap map_of(const MapOptions& options = {}) { return OccupancyMap(kEdge_m, Vector3d::Zero(), options); }
+
+/// To and fro along a line, some scans together.
+void fly(OccupancyMap& map, int legs, int threads) {
+  std::mt19937 random(8);
+  for (int leg = 0; leg < legs; ++leg) {
+    for (int step = 0; step < 20; ++step) {
+      const double x_m = 6.0 * (leg % 2 ? 20 - step : step);
+      std::vector<float> points_m;
+      std::vector<std::int64_t> counts;
+      std::vector<double> origins_m;
+      for (int scan = 0; scan < 3; ++scan) {
+        const Vector3d origin_m(x_m + scan, 2.0 * leg, -3);
+        const std::vector<float> points = random_points(random, 60, 12, origin_m - Vector3d(0, 0, 8));
+        points_m.insert(points_m.end(), points.begin(), points.end());
+        counts.push_back(60);
+        origins_m.insert(origins_m.end(), origin_m.begin(), origin_m.end());
+      }
+      map.insert_scans(points_m, counts, origins_m, 15, threads);
+    }
+  }
+}
+
+std::string file_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  return bytes.str();
+}
+
+TEST(MapSpill, TheBytesDoNotDependOnTheLimit) {
+  OccupancyMap whole = map_of();
+  fly(whole, 3, 1);
+  const std::string folder = testing::TempDir();
+  for (const std::size_t limit : {std::size_t{1}, std::size_t{300'000}, std::size_t{2'000'000}}) {
+    for (const int threads : {1, 2}) {
+      if (limit == 1 && threads == 2) continue;
+      OccupancyMap tiles = map_of(limited(limit));
+      fly(tiles, 3, threads);
+      EXPECT_GT(tiles.statistics().evictions, limit < 1'000'000 ? 1000u : 10u) << limit;
+      expect_same_bytes(whole, tiles);
+      for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
+        const std::string path = folder + (format == MapFormat::bt ? "spill.bt" : "spill.ot");
+        tiles.write(path, format);
+        EXPECT_TRUE(file_bytes(path) == whole.to_bytes(format));
+        whole.write(path, format);
+        EXPECT_TRUE(file_bytes(path) == whole.to_bytes(format));
+        std::filesystem::remove(path);
+      }
+      EXPECT_EQ(whole.statistics().nodes, tiles.statistics().nodes);
+      EXPECT_EQ(whole.statistics().free_voxels, tiles.statistics().free_voxels);
+    }
+  }
+}
+
+TEST(MapSpill, QuestionsBringBackWhatLeft) {
+  OccupancyMap whole = map_of(), tiles = map_of(limited(100'000));
+  for (OccupancyMap* map : {&whole, &tiles}) {
+    fly(*map, 3, 1);
+    map->changed_voxels();
+  }
+  const Vector3d all = Vector3d::Constant(1e6);
+  const MapCubes voxels = whole.voxels_in(-all, all);
+  EXPECT_EQ(tiles.voxels_in(-all, all).log_odds, voxels.log_odds);
+  std::mt19937 random(4);
+  std::vector<double> points_m, directions;
+  for (const float x : random_points(random, 3000, 60, {60, 0, -8})) points_m.push_back(x);
+  for (const float x : random_points(random, 3000, 1)) directions.push_back(x);
+  EXPECT_EQ(tiles.state_at(points_m), whole.state_at(points_m));
+  EXPECT_EQ(tiles.cast_rays(points_m, directions, true, 30).ends, whole.cast_rays(points_m, directions, true, 30).ends);
+  EXPECT_EQ(tiles.cells(12).log_odds, whole.cells(12).log_odds);
+  EXPECT_EQ(tiles.leaves().edges_m, whole.leaves().edges_m);
+  for (OccupancyMap* map : {&whole, &tiles}) {
+    map->set_model({0.8, 0.3, 0.2, 0.9});
+    insert_some(*map, 3, 3, 10, {30, 0, -5});
+  }
+  EXPECT_EQ(tiles.changed_voxels().voxel_centres_world_m, whole.changed_voxels().voxel_centres_world_m);
+  OccupancyMap other = map_of(), other_tiles = map_of(limited(50'000));
+  for (OccupancyMap* map : {&other, &other_tiles}) fly(*map, 1, 1);
+  whole.merge(other);
+  tiles.merge(other_tiles);
+  expect_same_bytes(whole, tiles);
+}
+
+TEST(MapSpill, AFileIsReadWithinTheLimit) {
+  OccupancyMap whole = map_of();
+  fly(whole, 3, 1);
+  for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
+    const std::string bytes = whole.to_bytes(format);
+    const OccupancyMap tiles = OccupancyMap::from_bytes(bytes, "x", Vector3d::Zero(), limited(100'000));
+    EXPECT_GT(tiles.statistics().evictions, 10u);
+    EXPECT_TRUE(tiles.to_bytes(format) == bytes);
+  }
+}
+
+/// What a process may write to a file, for a while.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_;
+};
+
+TEST(MapSpill, AFullDiskLeavesTheMapWhole) {
+  OccupancyMap whole = map_of(), tiles = map_of(limited(200'000));
+  const auto insert = [&](OccupancyMap& map, double x_m) {
+    std::mt19937 random(static_cast<unsigned>(x_m));
+    map.insert_scan(random_points(random, 200, 12, {x_m, 0, -8}), {x_m, 0, 0}, 15);
+  };
+  int refused = 0;
+  {
+    const FileSizeLimit full(400'000);
+    for (double x_m = 0; x_m < 200; x_m += 5) {
+      try {
+        insert(tiles, x_m);
+        insert(whole, x_m);
+      } catch (const FileError& error) {
+        ++refused;
+        EXPECT_NE(std::string(error.what()).find("File too large; the map is whole"), std::string::npos);
+      }
+    }
+    EXPECT_GT(refused, 3);
+    EXPECT_LT(refused, 40);
+  }
+  expect_same_bytes(whole, tiles);
+  insert(tiles, 7);  // there is room again
+  insert(whole, 7);
+  expect_same_bytes(whole, tiles);
+}
+
+TEST(MapSpill, LeavesNothingInItsFolder) {
+  const std::string folder = testing::TempDir() + "spill_here";
+  std::filesystem::create_directory(folder);
+  MapOptions options = limited(1);
+  options.spill_folder = folder;
+  OccupancyMap map = map_of(options);
+  fly(map, 1, 1);
+  EXPECT_GT(map.statistics().evictions, 10u);
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::remove(folder);
+  EXPECT_THROW(map_of(options), FileError);
+}
+
+TEST(MapSpill, IsOfTheBricksAlone) {
+  MapOptions options = limited(1'000'000);
+  options.engine = MapEngineKind::octomap;
+  EXPECT_THROW(map_of(options), InvalidValue);
+}
+
+}  // namespace
+}  // namespace uwsim

@@ -1,0 +1,238 @@
+"""What a map answers, what it tells of changes, and maps put together: the same from both engines."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from uwsim.mapping import OccupancyMap, OccupancyModel
+
+ENGINES = ["octomap", "bricks"]
+EDGE_M = 0.5
+MIDDLE = np.array([10.0, 20.0, -5.0])
+
+
+def some_map(engine, seed=1, origin=(10.0, 20.0, -5.0), scans=4, **options):
+    rng = np.random.default_rng(seed)
+    occupancy = OccupancyMap(EDGE_M, origin, engine=engine, **options)
+    for scan in range(scans):
+        points = MIDDLE + rng.uniform(-8, 8, (60, 3))
+        for _ in range(1 + scan):
+            occupancy.insert_scan(points, [10.1 + 0.3 * scan, 20.2, -5.0])
+    return occupancy
+
+
+def everything(occupancy):
+    return occupancy.voxels_in([-1e4, -1e4, -1e4], [1e4, 1e4, 1e4])
+
+
+def as_states(cubes):
+    return dict(zip(map(tuple, cubes.centres_m.tolist()), cubes.states.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_box_of_everything_is_the_map(engine):
+    occupancy = some_map(engine)
+    cubes = everything(occupancy)
+    statistics = occupancy.statistics()
+    assert len(cubes) == statistics.occupied_voxels + statistics.free_voxels
+    np.testing.assert_array_equal(cubes.only(cubes.states == 1).centres_m, occupancy.occupied_voxels())
+    np.testing.assert_array_equal(cubes.only(cubes.states == 0).centres_m, occupancy.free_voxels())
+    np.testing.assert_array_equal(occupancy.state_at(cubes.centres_m), cubes.states)
+    np.testing.assert_array_equal(occupancy.log_odds_at(cubes.centres_m), cubes.log_odds)
+    np.testing.assert_array_equal(occupancy.probability_at(cubes.centres_m), cubes.probabilities)
+    assert set(cubes.edges_m) == {EDGE_M}
+    assert len(occupancy.voxels_in([500, 0, 0], [600, 1, 1])) == 0
+    assert np.isnan(occupancy.probability_at([[500, 0, 0], [1e9, 0, 0]])).all()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_one_point_is_a_hit_of_octomaps_probability(engine):
+    occupancy = OccupancyMap(EDGE_M, engine=engine)
+    occupancy.insert_scan([[3.1, 0.1, 0.1]], [0.1, 0.1, 0.1])
+    assert occupancy.probability_at([[3.1, 0.1, 0.1]])[0] == pytest.approx(0.7, abs=1e-6)
+    assert occupancy.probability_at([[1.1, 0.1, 0.1]])[0] == pytest.approx(0.4, abs=1e-6)
+    assert occupancy.log_odds_at([[3.1, 0.1, 0.1]])[0] == np.float32(math.log(0.7 / 0.3))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_leaves_and_cells_cover_the_voxels(engine):
+    occupancy = some_map(engine)
+    fine = everything(occupancy)
+    leaves = occupancy.leaves()
+    assert leaves.edges_m.max() > EDGE_M
+    assert (leaves.edges_m**3).sum() == pytest.approx(len(fine) * EDGE_M**3)
+    for depth in (1, 8, 13, 15, 16):
+        cells = occupancy.cells(depth)
+        edge_m = EDGE_M * 2 ** (16 - depth)
+        assert set(cells.edges_m) == {edge_m}
+        corner_of = np.floor((fine.centres_m - occupancy.origin_world_m) / edge_m)
+        expected = {}
+        for corner, log_odds in zip(map(tuple, corner_of.tolist()), fine.log_odds.tolist(), strict=True):
+            expected[corner] = max(log_odds, expected.get(corner, -math.inf))
+        got = np.floor((cells.centres_m - occupancy.origin_world_m) / edge_m)
+        assert dict(zip(map(tuple, got.tolist()), cells.log_odds.tolist(), strict=True)) == expected
+    with pytest.raises(ValueError, match=r"map\.depth = 17: must be in \[1, 16\]"):
+        occupancy.cells(17)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_rays_find_a_wall(engine):
+    occupancy = OccupancyMap(EDGE_M, engine=engine)
+    wall = [[5.1, y, z] for y in np.arange(-2, 2, 0.2) for z in np.arange(-2, 2, 0.2)]
+    occupancy.insert_scan(wall, [0.1, 0.1, 0.1])
+    origins = np.full((5, 3), 0.1)
+    directions = [[2, 0, 0], [1, 0.1, 0], [-1, 0, 0], [1, 0, 0], [0, 0, 1]]
+    cast = occupancy.cast_rays(origins[:3], directions[:3], max_range_m=20)
+    assert cast.states.tolist() == [1, 1, -1]
+    assert cast.voxels_m[0].tolist() == [5.25, 0.25, 0.25]
+    assert cast.voxels_m[2].tolist() == [-0.25, 0.25, 0.25]
+    assert occupancy.cast_rays(origins[:1], directions[:1], max_range_m=3).states.tolist() == [0]
+    assert occupancy.cast_rays(origins[4:], directions[4:], ignore_unknown=True).states.tolist() == [0]
+    with pytest.raises(ValueError, match=r"rays\.directions_world"):
+        occupancy.cast_rays([[0, 0, 0]], [[0, 0, 0]])
+    with pytest.raises(ValueError, match=r"rays\.origins_world_m"):
+        occupancy.cast_rays([[1e6, 0, 0]], [[0, 0, 1]])
+
+
+def test_both_engines_answer_alike():
+    first, second = (some_map(engine, seed=3) for engine in ENGINES)
+    rng = np.random.default_rng(5)
+    origins, directions = MIDDLE + rng.uniform(-5, 5, (500, 3)), rng.normal(size=(500, 3))
+    for ignore in (False, True):
+        one, two = (m.cast_rays(origins, directions, 15.0, ignore) for m in (first, second))
+        np.testing.assert_array_equal(one.states, two.states)
+        np.testing.assert_array_equal(one.voxels_m, two.voxels_m)
+        assert set(one.states) == ({0, 1} if ignore else {-1, 1})
+    for ask in (OccupancyMap.leaves, lambda m: m.cells(12), lambda m: m.voxels_in([5, 15, -9], [12, 22, -1])):
+        one, two = ask(first), ask(second)
+        assert len(one) > 0
+        for name in ("centres_m", "edges_m", "log_odds"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_changes_keep_a_copy_up_to_date(engine):
+    occupancy, copy = some_map(engine), {}
+    told = []
+    for step in range(6):
+        changes = occupancy.changed_voxels()
+        told.append(len(changes))
+        for centre, state in zip(map(tuple, changes.centres_m.tolist()), changes.states.tolist(), strict=True):
+            assert copy.get(centre) != state
+            copy[centre] = state
+        assert copy == as_states(everything(occupancy))
+        if step == 3:
+            occupancy.merge(some_map(engine, seed=9))
+        elif step != 1:
+            occupancy.insert_scan(MIDDLE + np.random.default_rng(step).uniform(-9, 9, (30, 3)), MIDDLE)
+    assert told[0] > max(told[1:])
+    assert [count > 0 for count in told] == [True, True, False, True, True, True]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("apart", [(0.0, 0.0, 0.0), (1.5, -32.0, 0.5)])
+def test_merged_map_is_the_clamped_sum(engine, apart):
+    here, there = some_map(engine), some_map(engine, seed=2, origin=MIDDLE + apart)
+    centres = np.concatenate([everything(here).centres_m, everything(there).centres_m])
+    terms = np.array([occupancy.log_odds_at(centres) for occupancy in (here, there)])
+    lowest, highest = (np.float32(math.log(p / (1 - p))) for p in (0.1192, 0.971))
+    expected = np.clip(np.where(np.isnan(terms), np.float32(0), terms).sum(axis=0, dtype=np.float32), lowest, highest)
+    here.merge(there)
+    np.testing.assert_array_equal(here.log_odds_at(centres), expected)
+    assert len(everything(here)) == len(np.unique(centres, axis=0))
+
+
+def test_merging_is_refused_across_grids():
+    occupancy = some_map("bricks")
+    before = occupancy.to_bytes("ot")
+    for other, rule in (
+        (OccupancyMap(0.25), r"merge\.resolution_m = 0\.25: must be that of this map"),
+        (OccupancyMap(EDGE_M, [0.2, 0, 0]), r"merge\.origin_world_m = .*a whole number of voxels"),
+        (some_map("octomap", origin=(-16000.0, 0, 0)), "outside this map's cube"),
+        (occupancy, "cannot be merged with itself"),
+    ):
+        with pytest.raises(ValueError, match=rule):
+            occupancy.merge(other)
+    assert occupancy.to_bytes("ot") == before
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_points_outside_are_counted_if_asked(engine):
+    points = np.array([[1, 1, 1], [1e5, 0, 0], [2, 1, 1]])
+    with pytest.raises(ValueError, match="must be within"):
+        OccupancyMap(engine=engine).insert_scan(points, [0, 0, 0])
+    occupancy = OccupancyMap(engine=engine, on_outside="count")
+    occupancy.insert_scan(points, [0, 0, 0])
+    assert occupancy.statistics().outside_points == 1
+    occupancy.insert_scans(points[[0, 1, 2, 1]], [1, 3], [[9e4, 0, 0], [0, 0, 0]])
+    assert occupancy.statistics().outside_points == 4
+    assert occupancy.statistics().occupied_voxels == 2
+    with pytest.raises(ValueError, match=r"map\.on_outside = 'lose': must be one of raise, count"):
+        OccupancyMap(on_outside="lose")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_model_acts_on_later_scans(engine):
+    occupancy = OccupancyMap(EDGE_M, engine=engine, hit=0.8)
+    assert occupancy.model == OccupancyModel(hit=0.8)
+    point, origin = [[3.1, 0.1, 0.1]], [0.1, 0.1, 0.1]
+    occupancy.insert_scan(point, origin)
+    occupancy.model = OccupancyModel(hit=0.6, miss=0.3, clamping=(0.2, 0.75))
+    assert occupancy.model.clamping == (0.2, 0.75)
+    assert occupancy.probability_at(point)[0] == pytest.approx(0.8)  # as it was
+    for _ in range(9):
+        occupancy.insert_scan(point, origin)
+    assert occupancy.probability_at([[1.1, 0.1, 0.1]])[0] == pytest.approx(0.2)
+    with pytest.raises(ValueError, match=r"map\.hit = 0\.2: must be in \[0\.5, 1\)"):
+        occupancy.model = OccupancyModel(hit=0.2)
+    assert occupancy.model.hit == 0.6
+
+
+def test_limit_of_memory_does_not_change_the_map(tmp_path):
+    spill = tmp_path / "spill"
+    spill.mkdir()
+    whole, tiles = some_map("bricks"), some_map("bricks", memory_limit_mb=0.05, spill_dir=spill)
+    assert tiles.statistics().evictions > 0
+    assert list(spill.iterdir()) == []  # the file has no name
+    for suffix in ("bt", "ot"):
+        tiles.write(tmp_path / f"tiles.{suffix}")
+        assert (tmp_path / f"tiles.{suffix}").read_bytes() == whole.to_bytes(suffix)
+        again = OccupancyMap.read(tmp_path / f"tiles.{suffix}", whole.origin_world_m, memory_limit_mb=0.05)
+        assert again.to_bytes(suffix) == whole.to_bytes(suffix)
+    for bad in (0, -1, math.nan, math.inf):
+        with pytest.raises(ValueError, match=r"map\.memory_limit_mb = "):
+            OccupancyMap(memory_limit_mb=bad)
+    with pytest.raises(ValueError, match="only engine 'bricks'"):
+        OccupancyMap(memory_limit_mb=10, engine="octomap")
+    with pytest.raises(OSError, match="No such file or directory"):
+        OccupancyMap(memory_limit_mb=10, spill_dir=tmp_path / "nowhere")
+
+
+def test_full_disk_leaves_a_map_in_memory(tmp_path):
+    script = """
+import resource, sys
+import numpy as np
+from uwsim.mapping import OccupancyMap
+whole, tiles = OccupancyMap(0.2), OccupancyMap(0.2, memory_limit_mb=0.3, spill_dir=sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, resource.RLIM_INFINITY))
+rng, refused = np.random.default_rng(1), 0
+for x in range(0, 100, 5):
+    points = rng.uniform(-9, 9, (100, 3)) + [x, 0, 0]
+    try:
+        tiles.insert_scan(points, [x, 0, 0])
+        whole.insert_scan(points, [x, 0, 0])
+    except OSError as error:
+        refused += 1
+        message = str(error)
+assert refused, "nothing was refused"
+assert tiles.to_bytes("ot") == whole.to_bytes("ot")
+print(message)
+"""
+    command = [sys.executable, "-c", script, str(tmp_path)]
+    said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
+    assert "cannot be kept there: File too large; the map is whole" in said.stdout
+    assert said.stderr == ""
+    assert list(tmp_path.iterdir()) == []
