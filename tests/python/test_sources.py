@@ -1,4 +1,4 @@
-"""Every figure of a packaged vehicle, thruster and sensor says where it is from, or that it is assumed."""
+"""Every figure of a packaged vehicle, thruster, sensor and sonar says where it is from, or that it is assumed."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,8 @@ import pytest
 
 from uwsim.scenario.paths import assets_folder
 
-FILES = sorted(p for kind in ("vehicles", "thrusters", "sensors") for p in (assets_folder() / kind).glob("*.yaml"))
+KINDS = ("vehicles", "thrusters", "sensors", "sonars")
+FILES = sorted(p for kind in KINDS for p in (assets_folder() / kind).glob("*.yaml"))
 TAG = re.compile(r"\[([A-Za-z]+)\]")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.])")
 LISTS = ("thrusters:", "fins:", "sensors:")  # whose members are figures' owners, each by itself

@@ -1,5 +1,6 @@
 #pragma once
 
+/// Textbook relations are cited from memory; chapters and pages were not checked against the books.
 namespace uwsim {
 
 /// What an active sonar sends, hears and decides by. Levels in dB: of the source re 1 uPa at 1 m, of the noise re 1 uPa

@@ -17,7 +17,7 @@ struct SoundState {
 
 /// A ray of sound through a layered profile, after Snell: cos(dip) / c is kept. In a layer of constant gradient g the
 /// path is an arc of curvature g cos(dip) / c, bent towards slower water (Urick 1983, "Principles of Underwater Sound",
-/// ch. 5; Medwin and Clay 1998, "Fundamentals of Acoustical Oceanography", ch. 3). Steps and times are closed forms
+/// ch. 5; cited from memory, the closed forms derived here). Steps and times are closed forms
 /// that stay exact where the gradient vanishes, the ray is vertical, or it turns. High-frequency limit: no diffraction,
 /// no focusing; the water is layered in depth alone.
 class SoundPath {

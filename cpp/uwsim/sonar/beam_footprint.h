@@ -11,8 +11,8 @@ namespace uwsim {
 ///
 /// The pattern is the product of the transmitter's, narrow across the fan's plane, and the receiver's, narrow within
 /// it; both are taken for Gaussian (main lobe alone, no side lobes; widths do not grow with steering). Offsets are a
-/// sunflower's (Vogel 1979, Math. Biosci. 44:179) at the Gaussian's radii, made exact in mean and variance, so that a
-/// footprint's middle and extent do not depend on how many rays there are.
+/// sunflower's (Vogel 1979, Math. Biosci. 44:179; from memory) at the Gaussian's radii, made exact in mean and
+/// variance, so that a footprint's middle and extent do not depend on how many rays there are.
 class BeamFootprint {
  public:
   /// Offsets within and across the fan's plane in standard deviations of the pattern. Throws InvalidValue unless rays
