@@ -43,6 +43,7 @@ def survey(
     mission_time: MissionTime = None,
     voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
     threads: Threads = None,
+    engine: Annotated[str | None, typer.Option(help="Of the map: bricks (default), or octomap for stock's.")] = None,
     verify_map: Annotated[
         bool, typer.Option("--verify-map", help="Map with stock OctoMap too, and exit with 1 if a byte differs.")
     ] = False,
@@ -60,6 +61,7 @@ def survey(
         "sonar_model": sonar_model,
         "mission_time_s": mission_time,
         "voxel_m": voxel,
+        "engine": engine,
     }
     if resume:
         asked |= {"scenario": scenario, "verify_map": verify_map or None}

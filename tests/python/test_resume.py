@@ -22,7 +22,7 @@ from uwsim.survey.fly import fly_survey
 from uwsim.survey.record import INTERRUPTED
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
-ORDER = SurveyOrder("pool", 0, None, None, 0.5, False)
+ORDER = SurveyOrder("pool", 0, None, None, 0.5, "bricks", False)
 
 
 @pytest.fixture(autouse=True)

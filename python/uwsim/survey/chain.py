@@ -16,8 +16,8 @@ from uwsim import ranging
 from uwsim.mapping import OccupancyMap
 from uwsim.survey.stages import VERIFICATION, WAITING, StageTimer
 
-SCANS_IN_FLIGHT = 256  # bounds what waits for the map's thread
-SCANS_A_BATCH = 16
+SCANS_A_BATCH = 16  # a map takes several together faster than one by one, and threads hand over less often
+BATCHES_IN_FLIGHT = 16  # bounds what waits for the map's thread
 
 
 Scan = tuple[NDArray[np.float32], NDArray[np.float64]]
@@ -58,7 +58,8 @@ class ScanChain:
         self.timer = timer or StageTimer()
         self._tamper = tamper
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
-        self._scans: deque[Scan] = deque()  # not yet taken to the map
+        self._map_threads = max(1, threads - 1)  # one flies
+        self._batch: list[Scan] = []
         self._in_flight: deque[Future[None]] = deque()
 
     def insert(
@@ -86,40 +87,47 @@ class ScanChain:
 
     def finish(self) -> None:
         """Wait until every scan is in the map."""
-        if self._mapper is None:
-            self._insert_batch()
-            return
+        self._send_batch()
         with self.timer.measure(WAITING):
             while self._in_flight:
                 self._in_flight.popleft().result()
 
     def _to_map(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
-        self._scans.append((points_world_m, origin_m))
-        if self._mapper is None:
-            if len(self._scans) >= SCANS_A_BATCH:
-                self._insert_batch()
+        self._batch.append((points_world_m, origin_m))
+        if len(self._batch) < SCANS_A_BATCH:
             return
-        self._in_flight.append(self._mapper.submit(self._insert_batch))
-        if len(self._in_flight) > SCANS_IN_FLIGHT or self._in_flight[0].done():
+        self._send_batch()
+        if len(self._in_flight) > BATCHES_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
             with self.timer.measure(WAITING):
-                while len(self._in_flight) > SCANS_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
+                while len(self._in_flight) > BATCHES_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
                     self._in_flight.popleft().result()
 
-    def _insert_batch(self) -> None:
-        """What waits, as far as a batch goes: an earlier one may have left nothing."""
-        batch = [self._scans.popleft() for _ in range(min(len(self._scans), SCANS_A_BATCH))]
+    def _send_batch(self) -> None:
+        batch, self._batch = self._batch, []
         if not batch:
             return
+        if self._mapper is None:
+            self._insert(batch)
+        else:
+            self._in_flight.append(self._mapper.submit(self._insert, batch))
+
+    def _insert(self, batch: list[Scan]) -> None:
         # The scan's own range_max has done its work; float32 points may come out a hair longer.
         max_range_m = ranging.MODELS[self.model].range_max_m
         with self.timer.measure("map"):
-            for points_world_m, origin_m in batch:
-                self.occupancy.insert_scan(points_world_m, origin_m, max_range_m)
+            points_world_m = np.concatenate([points for points, _ in batch])
+            counts = np.array([len(points) for points, _ in batch])
+            origins_m = np.array([origin_m for _, origin_m in batch])
+            try:
+                self.occupancy.insert_scans(points_world_m, counts, origins_m, max_range_m, self._map_threads)
+            except ValueError:  # took none of them: the scans before the one that is refused were seen
+                for points_m, origin_m in batch:
+                    self.occupancy.insert_scan(points_m, origin_m, max_range_m)
         if self.reference is None:
             return
         with self.timer.measure(VERIFICATION):
-            for points_world_m, origin_m in batch:
-                self.reference.insert_scan(points_world_m, origin_m, max_range_m)
+            for points_m, origin_m in batch:
+                self.reference.insert_scan(points_m, origin_m, max_range_m)
 
     def __enter__(self) -> Self:
         return self
@@ -128,10 +136,11 @@ class ScanChain:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Whatever ends the flight, what was seen gets into the map; the first error is the one to tell."""
-        if self._mapper is not None:
-            self._mapper.shutdown(wait=True)
         try:
             self.finish()
         except Exception:
             if error is None:
                 raise
+        finally:
+            if self._mapper is not None:
+                self._mapper.shutdown(wait=True)

@@ -18,8 +18,8 @@ from typing import Any
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from uwsim.mapping import OccupancyMap
 from uwsim.atomic_file import write_atomically
+from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.survey.flight_state import FlightState, from_bytes, to_bytes
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "survey.state", "checkpoint.old"
@@ -35,7 +35,16 @@ class SurveyOrder:
     sonar_model: int | None
     mission_time_s: float | None
     voxel_m: float
+    engine: MapEngine
     verify_map: bool
+
+    def new_map(self) -> OccupancyMap:
+        """An empty one, as ordered."""
+        return OccupancyMap(resolution_m=self.voxel_m, engine=self.engine)
+
+    def new_reference(self) -> OccupancyMap | None:
+        """Stock OctoMap's, where the map is to be compared with it."""
+        return OccupancyMap(resolution_m=self.voxel_m, engine="octomap") if self.verify_map else None
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
@@ -97,7 +106,12 @@ class Checkpoint:
             raise ValueError(f"--resume: '{path}': {error.errors()[0]['msg']}") from None
         except ValueError as error:
             raise ValueError(f"--resume: '{path}': {error}") from None
-        maps = {name.split("-")[0]: self._read_map(name, digest) for name, digest in digests.items()}
+        engines: dict[str, MapEngine] = {"map": order.engine, "reference": "octomap"}
+        maps = {
+            kind: self._read_map(name, digest, engines[kind])
+            for name, digest in digests.items()
+            if (kind := name.split("-")[0]) in engines
+        }
         if "map" not in maps or ("reference" in maps) != order.verify_map:
             raise ValueError(f"--resume: '{path}': names {sorted(maps)}: must name its maps")
         return SavedSurvey(order, state, maps["map"], maps.get("reference"))
@@ -122,13 +136,13 @@ class Checkpoint:
         shutil.rmtree(aside, ignore_errors=True)
         return self.folder.rename(aside)
 
-    def _read_map(self, name: str, digest: str) -> OccupancyMap:
+    def _read_map(self, name: str, digest: str, engine: MapEngine) -> OccupancyMap:
         path = self.folder / Path(name).name
         if not path.exists():
             raise ValueError(f"--resume: '{path}': is missing")
         if _digest(path) != digest:
             raise ValueError(f"--resume: '{path}': is damaged: its checksum is not the one that was saved")
-        return OccupancyMap.read(path)
+        return OccupancyMap.read(path, engine=engine)
 
     def _tidy(self, keep: Any = None) -> None:
         """Drop maps that belong to no state: all but `keep`, or but those the present state names."""

@@ -16,7 +16,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from uwsim.mapping import OccupancyMap
+from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.messages import validated
 from uwsim.simulator import Simulator
@@ -43,13 +43,14 @@ def run_survey(
     mission_time_s: float | None = None,
     voxel_m: float | None = None,
     threads: int | None = None,
+    engine: MapEngine | None = None,
     verify_map: bool = False,
     autosave_s: float = AUTOSAVE_S,
 ) -> SurveyRecord:
     """Fly a scenario's survey and leave map.bt, report.html and pictures in `out`; returns the survey's record.
 
-    verify_map: insert every scan into a stock OctoMap map too, and compare. autosave_s: wall time between saves, from
-    which `resume_survey` flies on; 0 for none.
+    engine: of the map, bricks by default. verify_map: insert every scan into a stock OctoMap map too, and compare.
+    autosave_s: wall time between saves, from which `resume_survey` flies on; 0 for none.
     Raises ScenarioError or ValueError for what is wrong in the scenario or the options, OSError for `out`. Whatever
     ends the flight, the map of what was seen until then is written.
     """
@@ -61,9 +62,16 @@ def run_survey(
         survey = required_survey(sim.scenario)
         if voxel_m is not None:
             survey = validated(Survey, {**dict(survey), "voxel_m": voxel_m})
-        order = SurveyOrder(_source(scenario), sim.seed, sonar_model, mission_time_s, survey.voxel_m, verify_map)
-        occupancy = OccupancyMap(resolution_m=survey.voxel_m)
-        reference = OccupancyMap(resolution_m=survey.voxel_m) if verify_map else None
+        order = SurveyOrder(
+            scenario=_source(scenario),
+            seed=sim.seed,
+            sonar_model=sonar_model,
+            mission_time_s=mission_time_s,
+            voxel_m=survey.voxel_m,
+            engine=engine or "bricks",
+            verify_map=verify_map,
+        )
+        occupancy, reference = order.new_map(), order.new_reference()
     _require_writable(out)
     checkpoint = Checkpoint(out)
     checkpoint.sweep()
