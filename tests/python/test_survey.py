@@ -10,6 +10,7 @@ import pytest
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
 from uwsim.missions import COVERED
+from uwsim.survey.chain import ScanChain, SelfBox
 from uwsim.survey.fly import fly_survey
 from uwsim.survey.record import INTERRUPTED
 from uwsim.survey.score import score_map
@@ -45,6 +46,26 @@ def test_scenario_and_seed_fix_the_map_to_the_byte_whatever_the_threads() -> Non
     assert survey_bytes(seed=3, threads=1) == first
     assert survey_bytes(seed=3, threads=2) == first
     assert survey_bytes(seed=4, threads=1) != first, "the sensors' noise steers the vehicle"
+
+
+def test_both_engines_give_the_same_map_to_the_byte() -> None:
+    maps = [OccupancyMap(0.2, engine=engine) for engine in ("bricks", "octomap")]
+    for occupancy, threads in zip(maps, (2, 1), strict=True):
+        fly_survey(Simulator("pool", mission_time_s=10.0, threads=threads), occupancy)
+    assert maps[0].to_bytes("ot") == maps[1].to_bytes("ot")
+    assert maps[0].to_bytes("bt") == maps[1].to_bytes("bt")
+
+
+def test_scans_before_one_that_is_refused_are_in_the_map() -> None:
+    box = SelfBox(np.full(3, -0.1), np.full(3, 0.1))
+    ranges_m = np.full(513, 10.0, np.float32)
+    far = np.eye(4)
+    far[0, 3] = 1e6
+    occupancy = OccupancyMap(0.5)
+    with pytest.raises(ValueError, match="must be within"), ScanChain(occupancy, 2, box) as chain:
+        for world_from_sonar in (np.eye(4), far, np.eye(4)):
+            chain.insert(ranges_m, world_from_sonar, world_from_sonar, 0.0)
+    assert len(occupancy.occupied_voxels()) > 0
 
 
 def test_what_is_corrupted_in_the_string_is_corrupted_in_the_map() -> None:

@@ -1,4 +1,7 @@
-"""Where a survey's time goes: real-time factor and the share of each stage, medians of several runs in one process."""
+"""Where a survey's time goes: real-time factor and the share of each stage, medians of several runs in one process.
+
+With several engines the runs take turns, so that a busy machine is as unfair to one as to the other.
+"""
 
 from __future__ import annotations
 
@@ -12,32 +15,45 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator
-from uwsim.survey.fly import fly_survey
+from uwsim.mapping import ENGINES, OccupancyMap
+from uwsim.survey.fly import fly_survey, required_survey
 from uwsim.survey.record import SurveyRecord
-from uwsim.survey.stages import STAGES, WAITING
+from uwsim.survey.stages import MAP_THREAD, STAGES, WAITING
 
 console = Console()
 
 
 def main(
     scenario: Annotated[str, typer.Argument(help="A packaged scenario's name or the path of a YAML file.")] = "lake",
-    runs: Annotated[int, typer.Option(min=1, help="How many surveys; medians are reported.")] = 3,
+    runs: Annotated[int, typer.Option(min=1, help="How many surveys with each engine; medians are reported.")] = 3,
     mission_time: Annotated[
-        float | None, typer.Option(help="Simulated seconds of each; the whole survey without.")
+        float | None, typer.Option(help="Simulated seconds of each; 0 for the whole survey.")
     ] = 300.0,
+    voxel: Annotated[float | None, typer.Option(help="Edge of a voxel [m]; the scenario's without.")] = None,
+    engine: Annotated[
+        list[str] | None, typer.Option(help=f"Of the map: {', '.join(ENGINES)}; may be repeated. bricks without.")
+    ] = None,
     threads: Annotated[int | None, typer.Option(help="Threads to use; all by default.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
     """Fly a survey several times and print medians."""
-    records = []
+    engines = engine or ["bricks"]
+    records: dict[str, list[SurveyRecord]] = {name: [] for name in engines}
     for run in range(runs):
-        with console.status(f"run {run + 1} of {runs}"):
-            sim = Simulator(scenario, mission_time_s=mission_time, threads=threads)
-            records.append(fly_survey(sim)[1])
-    figures = summarise(records)
-    console.print(_table(figures, records[0]))
+        for name in engines:
+            with console.status(f"run {run + 1} of {runs}, {name}"):
+                sim = Simulator(scenario, mission_time_s=mission_time or None, threads=threads)
+                voxel_m = voxel if voxel is not None else required_survey(sim.scenario).voxel_m
+                records[name].append(fly_survey(sim, OccupancyMap(voxel_m, engine=name))[1])
+    figures = {name: summarise(flown) for name, flown in records.items()}
+    for name, flown in records.items():
+        console.print(_table(name, figures[name], flown[0]))
+    if len(engines) > 1:
+        first, second = (figures[name]["real_time_factor"] for name in engines[:2])
+        console.print(f"{engines[0]} / {engines[1]}: {first / second:.2f} times the real-time factor")
     if json_file is not None:
-        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+        written = figures if len(engines) > 1 else figures[engines[0]]
+        json_file.write_text(json.dumps(written, indent=2) + "\n", encoding="utf-8")
 
 
 def summarise(records: list[SurveyRecord]) -> dict[str, float]:
@@ -58,10 +74,11 @@ def summarise(records: list[SurveyRecord]) -> dict[str, float]:
     return figures
 
 
-def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
+def _table(engine: str, figures: dict[str, float], record: SurveyRecord) -> Table:
     table = Table(
-        title=f"{record.scenario_name}, seed {record.seed}, model {record.sonar_model}, {record.threads} threads: "
-        f"{figures['real_time_factor']:.1f} x real time over {figures['simulated_s']:.0f} simulated s",
+        title=f"{record.scenario_name}, seed {record.seed}, model {record.sonar_model}, {engine} of {record.voxel_m:g} m, "
+        f"{record.threads} threads: {figures['real_time_factor']:.1f} x real time over "
+        f"{figures['simulated_s']:.0f} simulated s",
         title_justify="left",
     )
     table.add_column("stage")
@@ -69,7 +86,7 @@ def _table(figures: dict[str, float], record: SurveyRecord) -> Table:
         table.add_column(column, justify="right")
     for stage in (*STAGES, WAITING, "mission"):
         seconds = figures[f"{stage}_s"]
-        name = f"{stage} (beside the rest)" if stage == "map" and record.threads > 1 else stage
+        name = f"{stage} (beside the rest)" if stage in MAP_THREAD and record.threads > 1 else stage
         share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)
         table.add_row(name, f"{seconds:.2f}", f"{share:.0%}", f"{ping_us:.0f}")
     table.add_row(
