@@ -3,13 +3,14 @@
 import os
 import signal
 import threading
+import weakref
 
 import numpy as np
 import pytest
 
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
-from uwsim.missions import COVERED
+from uwsim.missions import COVERED, AdaptiveLawnMower
 from uwsim.survey.chain import ScanChain, SelfBox
 from uwsim.survey.fly import fly_survey
 from uwsim.survey.record import INTERRUPTED
@@ -54,6 +55,20 @@ def test_both_engines_give_the_same_map_to_the_byte() -> None:
         fly_survey(Simulator("pool", mission_time_s=10.0, threads=threads), occupancy)
     assert maps[0].to_bytes("ot") == maps[1].to_bytes("ot")
     assert maps[0].to_bytes("bt") == maps[1].to_bytes("bt")
+
+
+def test_a_survey_keeps_no_pings() -> None:
+    """But one for the picture: hours of them would fill the memory."""
+    pings: list[weakref.ref[object]] = []
+
+    class Counting(AdaptiveLawnMower):
+        def _water_ahead(self, ping: object) -> bool:
+            pings.append(weakref.ref(ping.ranges_m))
+            return super()._water_ahead(ping)
+
+    fly_survey(Simulator("pool"), mission=Counting)
+    assert len(pings) > 100
+    assert sum(ping() is not None for ping in pings) <= 3
 
 
 def test_scans_before_one_that_is_refused_are_in_the_map() -> None:

@@ -76,7 +76,7 @@ def summarise(records: list[SurveyRecord]) -> dict[str, float]:
 
 def _table(engine: str, figures: dict[str, float], record: SurveyRecord) -> Table:
     table = Table(
-        title=f"{record.scenario_name}, seed {record.seed}, model {record.sonar_model}, {engine} of {record.voxel_m:g} m, "
+        title=f"{record.scenario_name}, model {record.sonar_model}, {engine} at {record.voxel_m:g} m, "
         f"{record.threads} threads: {figures['real_time_factor']:.1f} x real time over "
         f"{figures['simulated_s']:.0f} simulated s",
         title_justify="left",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -25,7 +26,8 @@ class Autosave:
         self._order = order
         self._interval_s = interval_s
         self._tell = tell
-        self._next_s = time.monotonic() + interval_s
+        self._due_s = time.monotonic()  # when the last save was asked for
+        self._next_s = self._due_s + interval_s
         self._stopping = False
         self.failure: str | None = None
         """Why the last save failed."""
@@ -39,14 +41,16 @@ class Autosave:
         return self._stopping
 
     def save_due(self) -> bool:
-        """Whether the interval is over."""
-        return self._interval_s > 0.0 and time.monotonic() >= self._next_s
+        """Whether the interval is over; if so, not again before it was saved."""
+        due = self._interval_s > 0.0 and time.monotonic() >= self._next_s
+        if due:
+            self._due_s, self._next_s = time.monotonic(), math.inf
+        return due
 
     def save(self, state: FlightState, occupancy: OccupancyMap, reference: OccupancyMap | None) -> None:
         """Save, or tell why not."""
         if self._interval_s <= 0.0:
             return
-        begun_s = time.monotonic()
         try:
             self._checkpoint.write(self._order, state, occupancy, reference)
         except (OSError, MemoryError) as error:
@@ -57,6 +61,6 @@ class Autosave:
             if self.failure is not None:
                 self._tell("autosave works again")
             self.failure = None
-        took_s = time.monotonic() - begun_s
+        took_s = time.monotonic() - self._due_s
         # What is readable must not grow older than the interval while the next is being written.
-        self._next_s = begun_s + max(self._interval_s - took_s, took_s / MOST_OF_THE_TIME)
+        self._next_s = self._due_s + max(self._interval_s - took_s, took_s / MOST_OF_THE_TIME)

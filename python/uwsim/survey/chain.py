@@ -17,7 +17,8 @@ from uwsim.mapping import OccupancyMap
 from uwsim.survey.stages import VERIFICATION, WAITING, StageTimer
 
 SCANS_A_BATCH = 16  # a map takes several together faster than one by one, and threads hand over less often
-BATCHES_IN_FLIGHT = 16  # bounds what waits for the map's thread
+BACKLOG_S, BATCHES_MIN, BATCHES_MAX = 1.0, 4, 512
+"""What may wait for the map's thread: so much of its work, within these. A save takes a second; Ctrl-C waits for it."""
 
 
 Scan = tuple[NDArray[np.float32], NDArray[np.float64]]
@@ -60,6 +61,7 @@ class ScanChain:
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
         self._map_threads = max(1, threads - 1)  # one flies
         self._batch: list[Scan] = []
+        self._batches_sent = 0
         self._in_flight: deque[Future[None]] = deque()
 
     def insert(
@@ -85,6 +87,11 @@ class ScanChain:
         self._to_map(points_world, np.ascontiguousarray(world_from_sonar[:3, 3]))
         return points_world
 
+    def when_mapped(self, job: Callable[[], None]) -> None:
+        """Do this when the map holds every scan so far and none after: at once, or beside the flight."""
+        self._send_batch()
+        self._in_turn(job)
+
     def finish(self) -> None:
         """Wait until every scan is in the map."""
         self._send_batch()
@@ -97,19 +104,30 @@ class ScanChain:
         if len(self._batch) < SCANS_A_BATCH:
             return
         self._send_batch()
-        if len(self._in_flight) > BATCHES_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
+        while self._in_flight and self._in_flight[0].done():
+            self._in_flight.popleft().result()
+        if len(self._in_flight) > self._most_in_flight():
             with self.timer.measure(WAITING):
-                while len(self._in_flight) > BATCHES_IN_FLIGHT or (self._in_flight and self._in_flight[0].done()):
-                    self._in_flight.popleft().result()
+                self._in_flight.popleft().result()
+
+    def _most_in_flight(self) -> float:
+        """As many batches as the map is seen to take in BACKLOG_S."""
+        batch_s = self.timer.wall_s["map"] / max(1, self._batches_sent - len(self._in_flight))
+        return min(max(BACKLOG_S / max(batch_s, 1e-9), BATCHES_MIN), BATCHES_MAX)
+
+    def _in_turn(self, job: Callable[[], None]) -> None:
+        """Where the map is filled, after what was sent before."""
+        if self._mapper is None:
+            job()
+        else:
+            self._in_flight.append(self._mapper.submit(job))
 
     def _send_batch(self) -> None:
         batch, self._batch = self._batch, []
         if not batch:
             return
-        if self._mapper is None:
-            self._insert(batch)
-        else:
-            self._in_flight.append(self._mapper.submit(self._insert, batch))
+        self._batches_sent += 1
+        self._in_turn(lambda: self._insert(batch))
 
     def _insert(self, batch: list[Scan]) -> None:
         # The scan's own range_max has done its work; float32 points may come out a hair longer.

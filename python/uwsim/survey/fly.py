@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -30,7 +31,7 @@ class FlightWatch(Protocol):
         """Whether `save` is wanted now."""
 
     def save(self, state: FlightState, occupancy: OccupancyMap, reference: OccupancyMap | None) -> None:
-        """Keep the state and its maps, which hold every scan so far."""
+        """Keep the state and its maps, which hold every scan until then. May be called by the map's thread."""
 
     def stopping(self) -> bool:
         """Whether the flight is to end here, as by Ctrl-C. It is saved before."""
@@ -80,11 +81,13 @@ def fly_survey(
                 return
             stopping = watch.stopping()
             if stopping or watch.save_due():
-                chain.finish()
-                with timer.measure(AUTOSAVE):
-                    watch.save(state(), occupancy, reference)
+                chain.when_mapped(partial(save, watch, state()))
             if stopping:
                 raise KeyboardInterrupt
+
+        def save(watch: FlightWatch, state: FlightState) -> None:
+            with timer.measure(AUTOSAVE):
+                watch.save(state, occupancy, reference)
 
         def state() -> FlightState:
             return FlightState(
@@ -94,7 +97,7 @@ def fly_survey(
                 begun_s=begun_s,
                 wall_s=time.perf_counter() - begun,
                 stage_wall_s=dict(timer.wall_s),
-                log=log,
+                log=log.copy(),
             )
 
         clock = PingingClock(sim, chain, log, 1.0 / survey.ping_rate_hz, lambda: on_progress(flown.progress), on_pause)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ class SurveyLog:
 
     def note(self, ping: _core.Ping, points_world_m: NDArray[np.float32]) -> None:
         """Keep the ping's place, count its echoes, and now and then see whether it makes a better picture."""
-        position = ping.world_from_sonar[:3, 3]
+        position = ping.world_from_sonar[:3, 3].copy()  # a view would keep the whole ping
         self.positions_world_m.append(position)
         self.echo_count += len(points_world_m)
         if len(self.positions_world_m) % PINGS_A_CANDIDATE:
@@ -37,6 +37,10 @@ class SurveyLog:
         if score > self.richest_score and inside_polygon(position[None, :2], self.area_world_m)[0]:
             self.richest_score = score
             self.richest = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, points_world_m)
+
+    def copy(self) -> SurveyLog:
+        """As it is now; what was noted does not change."""
+        return replace(self, positions_world_m=self.positions_world_m.copy())
 
     @property
     def path_world_m(self) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 STAGES = ("physics", "rays", "codec", "conversion", "map")
 WAITING = "waiting for the map"  # of the flying thread, where the map has a thread of its own
 AUTOSAVE, VERIFICATION = "autosave", "verification"  # listed where there are any
-MAP_THREAD = ("map", VERIFICATION)  # where the map has a thread of its own
+MAP_THREAD = ("map", VERIFICATION, AUTOSAVE)  # where the map has a thread of its own
 
 
 class StageTimer:

@@ -1,0 +1,209 @@
+"""Ten kilometres of track in bounded memory: time and memory against distance, with a limit of memory and without.
+
+A multibeam of the widest kind is towed to and fro, 8 m above hills of noise; each ping goes from the rays to the map.
+Each case runs in a process of its own, whose memory is what the system says. The maps' files must be the same bytes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import _core
+from uwsim.mapping import OccupancyMap
+from uwsim.survey.figure_style import ACCENT, INK, add_legend, dress, new_figure, save_figure
+
+console = Console()
+
+ALTITUDE_M, TILT_DEG, BEAMS, FAN_DEG, RANGE_M = 8.0, 7.0, 1025, 170.0, 95.0
+LEG_M, LEG_SPACING_M = 1000.0, 80.0
+BATCH = 16
+SAMPLE_M = 100.0
+
+
+def main(
+    track_km: Annotated[float, typer.Option(min=0.1, help="Length of the track.")] = 10.0,
+    resolution: Annotated[float, typer.Option(help="Edge of a voxel [m].")] = 0.2,
+    step: Annotated[float, typer.Option(help="Between two pings [m].")] = 0.5,
+    limit_mb: Annotated[float, typer.Option(help="The limit of memory of one of the two maps.")] = 200.0,
+    threads: Annotated[int, typer.Option(min=1)] = 2,
+    plot: Annotated[Path, typer.Option(help="Where time and memory against distance are drawn.")] = Path("scale.png"),
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    one: Annotated[bool, typer.Option(hidden=True, help="Run one case here; 0 MB is no limit.")] = False,
+) -> None:
+    """Fly the track twice, compare the maps, print and draw."""
+    if one:
+        print(json.dumps(fly(track_km, resolution, step, limit_mb or None, threads)))
+        return
+    cases = {}
+    for name, limit in (("no limit", 0.0), (f"limit {limit_mb:g} MB", limit_mb)):
+        options = {"track-km": track_km, "resolution": resolution, "step": step, "limit-mb": limit, "threads": threads}
+        words = [f"--{key}={value}" for key, value in options.items()]
+        with console.status(name):
+            done = subprocess.run([sys.executable, __file__, "--one", *words], check=True, capture_output=True)
+        cases[name] = json.loads(done.stdout)
+    console.print(_table(cases))
+    draw(plot, cases)
+    console.print(str(plot))
+    if json_file is not None:
+        json_file.write_text(json.dumps(cases, indent=2) + "\n", encoding="utf-8")
+    digests = [(case["ot"], case["bt"]) for case in cases.values()]
+    if digests[0] != digests[1]:
+        raise SystemExit("the two maps differ")
+    console.print("the .ot and the .bt of both are the same bytes")
+
+
+def hills(width_m: float, height_m: float, rng: np.random.Generator) -> _core.World:
+    """Return a bed of smooth noise about 30 m deep, hills of some metres every few tens of metres."""
+    x, y = np.arange(-150.0, width_m + 150.0), np.arange(-150.0, height_m + 150.0)
+    heights = np.full((len(y), len(x)), -30.0)
+    for wave_m, size_m in ((160.0, 3.0), (60.0, 1.2), (23.0, 0.4)):
+        for heading in rng.uniform(0.0, 2.0 * np.pi, 4):
+            along = np.cos(heading) * x[None, :] + np.sin(heading) * y[:, None]
+            heights += size_m / 2.0 * np.sin(2.0 * np.pi * along / wave_m + rng.uniform(0.0, 2.0 * np.pi))
+    world = _core.World()
+    world.set_terrain(heights.astype(np.float32), 1.0, (float(x[0]), float(y[0])))
+    return world
+
+
+def track(track_m: float, step_m: float) -> NDArray[np.float64]:
+    """Return (n, 3): x, y and heading +1 or -1 along x, of a lawn-mower's legs."""
+    along = np.arange(0.0, track_m, step_m)
+    leg, within = np.divmod(along, LEG_M)
+    forth = leg % 2 == 0
+    return np.column_stack([np.where(forth, within, LEG_M - within), leg * LEG_SPACING_M, np.where(forth, 1.0, -1.0)])
+
+
+def fan() -> NDArray[np.float64]:
+    """Return (beams, 3): directions of a fan across x, tilted down and forward."""
+    angles, tilt = np.radians(np.linspace(-FAN_DEG / 2.0, FAN_DEG / 2.0, BEAMS)), np.radians(TILT_DEG)
+    down = np.cos(angles)
+    return np.column_stack([down * np.sin(tilt), np.sin(angles), -down * np.cos(tilt)])
+
+
+def fly(track_km: float, resolution_m: float, step_m: float, limit_mb: float | None, threads: int) -> dict[str, Any]:
+    """Fly the track with one map and return what it took."""
+    pings = track(1000.0 * track_km, step_m)
+    legs = 1 + int(pings[-1, 1] // LEG_SPACING_M)
+    world = hills(LEG_M, legs * LEG_SPACING_M, np.random.default_rng(7))
+    scene, beams = _core.RayScene(world), fan()
+    occupancy = OccupancyMap(resolution_m, memory_limit_mb=limit_mb)
+    at_start_mb = rss_mb()
+    samples = [(0.0, 0.0, 0.0, at_start_mb)]
+    rays_s = map_s = 0.0
+    starts = range(0, len(pings), BATCH)
+    for first in starts:
+        started = time.perf_counter()
+        points, origins = [], []
+        for x, y, heading in pings[first : first + BATCH]:
+            origin = np.array([x, y, float(world.height_at([[x, y]])[0]) + ALTITUDE_M])
+            directions = beams * (heading, 1.0, 1.0)
+            ranges_m = scene.cast(origin[None, :], directions, RANGE_M).ranges_m
+            hit = np.isfinite(ranges_m)
+            points.append((origin + directions[hit] * ranges_m[hit, None]).astype(np.float32))
+            origins.append(origin)
+        cast = time.perf_counter()
+        counts = [len(part) for part in points]
+        occupancy.insert_scans(np.concatenate(points), counts, np.array(origins), RANGE_M + 1.0, threads)
+        rays_s, map_s = rays_s + cast - started, map_s + time.perf_counter() - cast
+        distance_m = min(first + BATCH, len(pings)) * step_m
+        if distance_m // SAMPLE_M != samples[-1][0] // SAMPLE_M or first == starts[-1]:
+            samples.append((distance_m, rays_s, map_s, rss_mb()))
+    flown_mb = peak_mb()
+    statistics = occupancy.statistics()
+    written = write(occupancy)
+    return {
+        "pings": len(pings),
+        "samples": samples,
+        "map_peak_mb": flown_mb - at_start_mb,
+        "peak_mb": flown_mb,
+        "map_s": map_s,
+        "rays_s": rays_s,
+        "evictions": statistics.evictions,
+        "occupied": statistics.occupied_voxels,
+        "free": statistics.free_voxels,
+        **written,
+    }
+
+
+def write(occupancy: OccupancyMap) -> dict[str, Any]:
+    """Write both files and return their digests, and what it took."""
+    found: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for suffix in ("ot", "bt"):
+            path, started = Path(folder) / f"map.{suffix}", time.perf_counter()
+            occupancy.write(path)
+            found[f"{suffix}_s"] = time.perf_counter() - started
+            found[f"{suffix}_mb"] = path.stat().st_size / 1e6
+            with path.open("rb") as file:
+                found[suffix] = hashlib.file_digest(file, "sha256").hexdigest()
+            found[f"peak_after_{suffix}_mb"] = peak_mb()
+    return found
+
+
+def rss_mb() -> float:
+    """Return what this process holds in memory now."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
+
+
+def peak_mb() -> float:
+    """Return the most it ever held."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6
+
+
+def _table(cases: dict[str, dict[str, Any]]) -> Table:
+    first = next(iter(cases.values()))
+    title = f"{first['pings']:,} pings of {BEAMS} beams over {first['samples'][-1][0] / 1000:g} km"
+    table = Table(title=title, title_justify="left")
+    for column in ("", *cases):
+        table.add_column(column, justify="left" if column == "" else "right")
+    rows = (
+        ("map, s", "map_s", ".1f"), ("rays, s", "rays_s", ".1f"), ("peak of the process, MB", "peak_mb", ",.0f"),
+        ("of it by flying, MB", "map_peak_mb", ",.0f"), ("peak after the .ot, MB", "peak_after_ot_mb", ",.0f"),
+        ("peak after the .bt, MB", "peak_after_bt_mb", ",.0f"), ("writing the .ot, s", "ot_s", ".1f"),
+        ("writing the .bt, s", "bt_s", ".1f"), (".ot, MB", "ot_mb", ",.1f"), (".bt, MB", "bt_mb", ",.1f"),
+        ("chunks that left memory", "evictions", ",d"), ("occupied voxels", "occupied", ",d"),
+        ("free voxels", "free", ",d"),
+    )  # fmt: skip
+    for name, key, form in rows:
+        table.add_row(name, *(format(case[key], form) for case in cases.values()))
+    return table
+
+
+def draw(path: Path, cases: dict[str, dict[str, Any]]) -> None:
+    """Draw the map's time and the process's memory against distance."""
+    figure = new_figure(10.0, 4.6)
+    figure.subplots_adjust(left=0.08, right=0.98, top=0.9, bottom=0.27, wspace=0.22)
+    per_100_m, memory = figure.subplots(1, 2)
+    dress(per_100_m, "time of the map", "distance [km]", "seconds in 100 m of track")
+    dress(memory, "memory of the process", "distance [km]", "resident [MB]")
+    for (name, case), colour in zip(cases.items(), (INK, ACCENT), strict=True):
+        samples = np.array(case["samples"])
+        rates = [(b[2] - a[2]) / (b[0] - a[0]) * 100.0 for a, b in pairwise(case["samples"])]
+        per_100_m.plot(samples[1:, 0] / 1000.0, rates, color=colour, label=name, linewidth=1.2)
+        memory.plot(samples[:, 0] / 1000.0, samples[:, 3], color=colour, label=name, linewidth=1.2)
+    for axes in (per_100_m, memory):
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlim(left=0.0)
+        add_legend(axes, 2)
+    save_figure(figure, path)
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench scale")
