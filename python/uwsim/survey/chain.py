@@ -84,7 +84,7 @@ class ScanChain:
             points_body = ranging.transform_points(points_sonar, body_from_sonar)
             others = ranging.remove_box(points_body, self.self_box.low_body_m, self.self_box.high_body_m)
             points_world = ranging.transform_points(others, world_from_body)
-        self._to_map(points_world, np.ascontiguousarray(world_from_sonar[:3, 3]))
+        self._to_map(points_world, world_from_sonar[:3, 3].copy())
         return points_world
 
     def when_mapped(self, job: Callable[[], None]) -> None:
