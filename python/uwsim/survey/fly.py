@@ -22,6 +22,7 @@ from uwsim.survey.record import INTERRUPTED, SurveyRecord
 from uwsim.survey.stages import AUTOSAVE, StageTimer
 
 SELF_MARGIN_M = 0.05
+MakeMission = Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission]
 
 
 class FlightWatch(Protocol):
@@ -41,7 +42,7 @@ def fly_survey(
     sim: Simulator,
     occupancy: OccupancyMap | None = None,
     *,
-    mission: Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission] = AdaptiveLawnMower,
+    mission: MakeMission = AdaptiveLawnMower,
     on_progress: Callable[[float], None] = lambda share: None,
     tamper: Callable[[str], str] | None = None,
     reference: OccupancyMap | None = None,
@@ -53,82 +54,119 @@ def fly_survey(
     occupancy: the map to fill; by default a new one of the scenario's voxel_m. mission: makes the mission to fly.
     on_progress: called at every ping with the share flown, 0..1. tamper: stands for the channel between sonar and
     decoder; gets each string, returns another. reference: a second map, which gets every scan one by one.
-    resume: flies on from there, given the maps as they were then.
+    watch: may save the flight or stop it whenever the mission waits. resume: flies on from there, given the maps as
+    they were then.
     Raises ScenarioError when the scenario has no survey, ValueError when the flight cannot be resumed.
     """
     survey = required_survey(sim.scenario)
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
-    begun = time.perf_counter()
-    if resume is not None:
-        sim.restore_state(resume.simulation)
-        begun -= resume.wall_s
-    log = resume.log if resume is not None else SurveyLog(np.asarray(survey.area_m))
-    begun_s = resume.begun_s if resume is not None else sim.time_s
-    timer = StageTimer(resume.stage_wall_s if resume is not None else None)
+    flight = _Flight(sim, occupancy, reference, watch, resume)
     with ScanChain(
         occupancy,
         sim.rov.sonar.model.number,
         _self_box(sim.scenario),
         threads=sim.threads,
-        timer=timer,
+        timer=flight.timer,
         tamper=tamper,
         reference=reference,
     ) as chain:
+        stopped_because = flight.fly(chain, mission, survey, on_progress)
+    return occupancy, flight.record(stopped_because)
 
-        def on_pause() -> None:
-            if watch is None:
-                return
-            stopping = watch.stopping()
-            if stopping or watch.save_due():
-                chain.when_mapped(partial(save, watch, state()))
-            if stopping:
-                raise KeyboardInterrupt
 
-        def save(watch: FlightWatch, state: FlightState) -> None:
-            with timer.measure(AUTOSAVE):
-                watch.save(state, occupancy, reference)
+class _Flight:
+    """A survey being flown, from its start or from where it was saved."""
 
-        def state() -> FlightState:
-            return FlightState(
-                simulation=sim.save_state(),
-                mission=flown.save() if isinstance(flown, ResumableMission) else None,
-                steps_to_ping=clock.steps_to_ping,
-                begun_s=begun_s,
-                wall_s=time.perf_counter() - begun,
-                stage_wall_s=dict(timer.wall_s),
-                log=log.copy(),
-            )
+    def __init__(
+        self,
+        sim: Simulator,
+        occupancy: OccupancyMap,
+        reference: OccupancyMap | None,
+        watch: FlightWatch | None,
+        resume: FlightState | None,
+    ) -> None:
+        self._sim, self._occupancy, self._reference = sim, occupancy, reference
+        self._watch, self._resume = watch, resume
+        self._begun = time.perf_counter()
+        if resume is None:
+            self._begun_s, self._log = sim.time_s, SurveyLog(np.asarray(required_survey(sim.scenario).area_m))
+            self.timer = StageTimer()
+        else:
+            sim.restore_state(resume.simulation)
+            self._begun -= resume.wall_s
+            self._begun_s, self._log = resume.begun_s, resume.log
+            self.timer = StageTimer(resume.stage_wall_s)
 
-        clock = PingingClock(sim, chain, log, 1.0 / survey.ping_rate_hz, lambda: on_progress(flown.progress), on_pause)
-        flown = mission(sim.rov, clock, _plan(survey))
-        if resume is not None:
-            clock.steps_to_ping = resume.steps_to_ping
-            _take_up(flown, resume)
+    def fly(
+        self, chain: ScanChain, make_mission: MakeMission, survey: Survey, on_progress: Callable[[float], None]
+    ) -> str:
+        """Returns what ended it."""
+        self._chain = chain
+        self._clock = PingingClock(
+            self._sim,
+            chain,
+            self._log,
+            1.0 / survey.ping_rate_hz,
+            lambda: on_progress(self._mission.progress),
+            self._on_pause,
+        )
+        self._mission = make_mission(self._sim.rov, self._clock, _plan(survey))
+        if self._resume is not None:
+            self._clock.steps_to_ping = self._resume.steps_to_ping
+            _take_up(self._mission, self._resume)
         try:
-            stopped_because = flown.run()
+            return self._mission.run()
         except KeyboardInterrupt:
-            stopped_because = INTERRUPTED
-    return occupancy, SurveyRecord(
-        scenario_name=sim.scenario.name,
-        seed=sim.seed,
-        sonar_model=sim.rov.sonar.model.number,
-        step_s=sim.step_s,
-        voxel_m=occupancy.resolution_m,
-        threads=sim.threads,
-        stopped_because=stopped_because,
-        simulated_s=sim.time_s - begun_s,
-        wall_s=time.perf_counter() - begun,
-        ping_count=len(log.positions_world_m),
-        echo_count=log.echo_count,
-        collision_count=sim.rov.collisions,
-        path_world_m=log.path_world_m,
-        area_world_m=log.area_world_m,
-        range_max_m=sim.rov.sonar.model.range_limit_m,
-        sample_ping=log.richest,
-        stage_wall_s=timer.wall_s,
-        ended_early=stopped_because != COVERED,
-    )
+            return INTERRUPTED
+
+    def _on_pause(self) -> None:
+        if self._watch is None:
+            return
+        stopping = self._watch.stopping()
+        if stopping or self._watch.save_due():
+            self._chain.when_mapped(partial(self._save, self._watch, self._state()))
+        if stopping:
+            raise KeyboardInterrupt
+
+    def _save(self, watch: FlightWatch, state: FlightState) -> None:
+        with self.timer.measure(AUTOSAVE):
+            watch.save(state, self._occupancy, self._reference)
+
+    def _state(self) -> FlightState:
+        return FlightState(
+            simulation=self._sim.save_state(),
+            mission=self._mission.save() if isinstance(self._mission, ResumableMission) else None,
+            steps_to_ping=self._clock.steps_to_ping,
+            begun_s=self._begun_s,
+            wall_s=time.perf_counter() - self._begun,
+            stage_wall_s=dict(self.timer.wall_s),
+            log=self._log.copy(),
+        )
+
+    def record(self, stopped_because: str) -> SurveyRecord:
+        """What the survey hands over, its map apart."""
+        sim, log = self._sim, self._log
+        return SurveyRecord(
+            scenario_name=sim.scenario.name,
+            seed=sim.seed,
+            sonar_model=sim.rov.sonar.model.number,
+            step_s=sim.step_s,
+            voxel_m=self._occupancy.resolution_m,
+            threads=sim.threads,
+            stopped_because=stopped_because,
+            simulated_s=sim.time_s - self._begun_s,
+            wall_s=time.perf_counter() - self._begun,
+            ping_count=len(log.positions_world_m),
+            echo_count=log.echo_count,
+            collision_count=sim.rov.collisions,
+            path_world_m=log.path_world_m,
+            area_world_m=log.area_world_m,
+            range_max_m=sim.rov.sonar.model.range_limit_m,
+            sample_ping=log.richest,
+            stage_wall_s=self.timer.wall_s,
+            ended_early=stopped_because != COVERED,
+        )
 
 
 def _take_up(flown: Mission, state: FlightState) -> None:
