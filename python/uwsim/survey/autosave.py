@@ -16,7 +16,8 @@ MOST_OF_THE_TIME = 0.5  # that saving may take, where a save takes longer than t
 class Autosave:
     """Watches a flight: saves it every interval_s of wall time, 0 for never; ends it when `stop` was called.
 
-    What cannot be written is told once, and again when it can be; the flight goes on with the map in memory.
+    The first save is at the start, so that there is a map from then on. What cannot be written an interval later is
+    told once, and again when it can be; the flight goes on with the map in memory.
     """
 
     def __init__(
@@ -27,7 +28,9 @@ class Autosave:
         self._interval_s = interval_s
         self._tell = tell
         self._due_s = time.monotonic()  # when the last save was asked for
-        self._next_s = self._due_s + interval_s
+        self._next_s = self._due_s
+        self._saves = 0
+        self._told = False
         self._stopping = False
         self.failure: str | None = None
         """Why the last save failed."""
@@ -54,13 +57,16 @@ class Autosave:
         try:
             self._checkpoint.write(self._order, state, occupancy, reference)
         except (OSError, MemoryError) as error:
-            if self.failure is None:
-                self._tell(f"autosave failed: {error}; flying on with the map in memory")
             self.failure = str(error)
+            if self._saves > 0 and not self._told:  # a short survey only tells how it ends
+                self._tell(f"autosave failed: {error}; flying on with the map in memory")
+                self._told = True
         else:
-            if self.failure is not None:
-                self._tell("autosave works again")
             self.failure = None
+            if self._told:
+                self._tell("autosave works again")
+                self._told = False
+        self._saves += 1
         took_s = time.monotonic() - self._due_s
         # What is readable must not grow older than the interval while the next is being written.
         self._next_s = self._due_s + max(self._interval_s - took_s, took_s / MOST_OF_THE_TIME)

@@ -76,12 +76,12 @@ class Checkpoint:
     ) -> None:
         """Replace what is saved, all of it or nothing. Raises OSError."""
         occupancy.write(self.out / MAP)
-        self.folder.mkdir(exist_ok=True)
         count = len(state.log.positions_world_m)
         maps = {f"map-{count}.ot": occupancy}
         if reference is not None:
             maps[f"reference-{count}.ot"] = reference
         try:
+            self.folder.mkdir(exist_ok=True)
             for name, each in maps.items():
                 each.write(self.folder / name)
             digests = {name: _digest(self.folder / name) for name in maps}
@@ -155,6 +155,8 @@ class Checkpoint:
             for path in self.folder.glob("*.ot"):
                 if path.name not in keep:
                     path.unlink()
+            if not keep:
+                self.folder.rmdir()
 
 
 def _remove_leftovers(folder: Path) -> None:

@@ -160,18 +160,17 @@ class _Survey:
             raise
         self._write_map()
         if record.interrupted:
-            resumable = self.autosave_s > 0.0 and watch.failure is None and self.checkpoint.exists
+            resumable = self.checkpoint.exists and watch.failure is None
             hint = "; uwsim survey --resume flies on" if resumable else ""
-            _tell(
-                progress, f"interrupted; {out / MAP} holds what was seen so far{hint} (Ctrl-C again skips the report)"
-            )
+            seen = f"{out / MAP} holds what was seen so far"
+            _tell(progress, f"interrupted; {seen}{hint} (Ctrl-C again skips the report)")
+        else:
+            self.checkpoint.remove()
         if self.reference is not None:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         _report(self.sim, self.occupancy, record, out, progress)
         if record.verified is not None:
             _print(f"{MAP} {'is identical to' if record.verified else 'DIFFERS from'} that of stock OctoMap")
-        if not record.interrupted:
-            self.checkpoint.remove()
         return record
 
     def _fly(self, watch: Autosave, saved: SavedSurvey | None) -> SurveyRecord:
