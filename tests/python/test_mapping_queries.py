@@ -146,12 +146,13 @@ def test_merged_map_is_the_clamped_sum(engine, apart):
 
 
 def test_merging_is_refused_across_grids():
-    occupancy = some_map("bricks")
+    occupancy, far = some_map("bricks", origin=(0, 0, 0)), OccupancyMap(EDGE_M, [-16000, 0, 0])
+    far.insert_scan([[-17000, 0, 0]], [-17010, 0, 0])
     before = occupancy.to_bytes("ot")
     for other, rule in (
         (OccupancyMap(0.25), r"merge\.resolution_m = 0\.25: must be that of this map"),
         (OccupancyMap(EDGE_M, [0.2, 0, 0]), r"merge\.origin_world_m = .*a whole number of voxels"),
-        (some_map("octomap", origin=(-16000.0, 0, 0)), "outside this map's cube"),
+        (far, "outside this map's cube"),
         (occupancy, "cannot be merged with itself"),
     ):
         with pytest.raises(ValueError, match=rule):

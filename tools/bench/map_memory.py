@@ -206,4 +206,4 @@ def draw(path: Path, cases: dict[str, dict[str, Any]]) -> None:
 if __name__ == "__main__":
     app = typer.Typer(add_completion=False)
     app.command()(main)
-    app(prog_name="uwsim bench scale")
+    app(prog_name="uwsim bench map_memory")
