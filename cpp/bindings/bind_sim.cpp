@@ -13,42 +13,6 @@
 namespace uwsim::bindings {
 namespace {
 
-template <typename T>
-py::array read_only(py::array_t<T> array) {
-  array.attr("flags").attr("writeable") = false;
-  return array;
-}
-
-struct Ping {
-  int model;
-  std::uint64_t time_ns;
-  Eigen::Matrix4d world_from_sonar;
-  py::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, labels, valid;
-};
-
-Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t sonar) {
-  MultibeamPing raw;
-  Ping out;
-  std::vector<float> angles;
-  owned.with([&](Simulation& sim) {
-    raw = sim.ping(vehicle, sonar);
-    out.time_ns = sim.time_ns();
-    out.world_from_sonar = sim.world_from_sonar(vehicle, sonar).matrix();
-    const MultibeamModel& model = sim.vehicle(vehicle).sonars.at(sonar).model();
-    out.model = model.number;
-    for (int beam = 0; beam < model.beams; ++beam) angles.push_back(static_cast<float>(model.angle_rad(beam)));
-  });
-  const auto beams = static_cast<py::ssize_t>(raw.ranges_m.size());
-  out.ranges_m = read_only(move_out(std::move(raw.ranges_m)));
-  out.angles_rad = read_only(move_out(std::move(angles)));
-  out.points_sonar_m = read_only(move_out(std::move(raw.points_sonar_m), {beams, 3}));
-  out.incidence_rad = read_only(move_out(std::move(raw.incidence_rad)));
-  out.intensity_db = read_only(move_out(std::move(raw.intensity_db)));
-  out.labels = read_only(move_out(std::move(raw.labels)));
-  out.valid = read_only(move_out(std::move(raw.valid)).attr("view")("bool").cast<py::array_t<bool>>());
-  return out;
-}
-
 SensorReading read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor, bool with_noise) {
   Sample sample;
   const SensorKind* kind = nullptr;
@@ -118,19 +82,6 @@ void bind_specs(py::module_& m) {
 }
 
 void bind_results(py::module_& m) {
-  py::class_<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, a value a beam.")
-      .def_readonly("model", &Ping::model, "EM 2040 variant 1..4")
-      .def_readonly("time_ns", &Ping::time_ns)
-      .def_readonly("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")
-      .def_readonly("ranges_m", &Ping::ranges_m, "(beams,) float32, inf = no echo")
-      .def_readonly("angles_rad", &Ping::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
-      .def_readonly("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN = no echo")
-      .def_readonly("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
-      .def_readonly("intensity_db", &Ping::intensity_db,
-                    "(beams,) float32, echo level less source level (Lambert, 40 log R, absorption); -inf = no echo")
-      .def_readonly("labels", &Ping::labels, "(beams,) uint16, see World.label_names")
-      .def_readonly("valid", &Ping::valid, "(beams,) bool");
-
   py::class_<Telemetry>(m, "Telemetry", "The paper's vehicle panel.")
       .def_readonly("time_s", &Telemetry::time_s)
       .def_readonly("speed_m_s", &Telemetry::speed_m_s)
@@ -157,6 +108,7 @@ void bind_sim(py::module_& m) {
                                          "A world with vehicles, advanced by fixed steps; vehicles by index.");
   bind_commands(simulation);
   bind_acoustic_pings(simulation);
+  bind_pings(m, simulation);
   simulation
       .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
            py::arg("scene").none(false), py::arg("spec"))
@@ -198,15 +150,9 @@ void bind_sim(py::module_& m) {
           "telemetry",
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
           py::arg("vehicle"))
-      .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
-           "Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.")
       .def(
-          "aim",
-          [](OwnedSimulation& o, std::size_t v, std::size_t sonar, double elevation_rad) {
-            o.with([&](Simulation& s) { s.aim(v, sonar, elevation_rad); });
-          },
-          py::arg("vehicle"), py::arg("sonar"), py::arg("elevation_rad"), "Positive is up. Raises ValueError.")
-      .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"))
+          "read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
+          "Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.")
       .def(
           "save_state",
           [](OwnedSimulation& o, const std::string& scenario, const std::string& build) {

@@ -147,6 +147,27 @@ SurfaceMesh surface_mesh(const World& world) {
 }  // namespace
 
 void bind_world(py::module_& m) {
+  py::class_<RoundShape>(m, "RoundShape", "A sphere, or a straight piece of round pipe: what rays meet without facets.")
+      .def_static(
+          "sphere",
+          [](const py::object& centre, double radius_m) {
+            return sphere(as_vector3(centre, "centre_world_m"), radius_m);
+          },
+          py::arg("centre_world_m"), py::arg("radius_m"), "centre_world_m: (3,). Raises ValueError.")
+      .def_static(
+          "cylinder",
+          [](const py::object& start, const py::object& end, double radius_m) {
+            return cylinder(as_vector3(start, "start_world_m"), as_vector3(end, "end_world_m"), radius_m);
+          },
+          py::arg("start_world_m"), py::arg("end_world_m"), py::arg("radius_m"),
+          "Between two points (3,) on its axis, with flat caps. Raises ValueError.")
+      .def_static(
+          "pipe",
+          [](const py::object& line, double radius_m) { return pipe(as_points(line, "line_world_m"), radius_m); },
+          py::arg("line_world_m"), py::arg("radius_m"),
+          "Pieces along a line (n, 3), capped at both ends, mitred where it bends. Raises ValueError.")
+      .def_readonly("radius_m", &RoundShape::radius_m);
+
   py::class_<World, std::shared_ptr<World>>(m, "World",
                                             "The one world that feeds physics and rays. ENU, z up, water at z = 0.")
       .def(py::init<>())
@@ -156,12 +177,17 @@ void bind_world(py::module_& m) {
            "Raises ValueError on shape, non-finite heights or spacing.")
       .def(
           "add_solid",
-          [](World& world, std::string name, const py::object& vertices_world_m, const py::object& triangles) {
-            return world.add_solid(std::move(name), {as_points(vertices_world_m, "vertices_world_m"),
-                                                     as_triangles(triangles, "triangles")});
+          [](World& world, std::string name, const py::object& vertices_world_m, const py::object& triangles,
+             std::vector<RoundShape> shapes) {
+            return world.add_solid(
+                std::move(name),
+                {as_points(vertices_world_m, "vertices_world_m"), as_triangles(triangles, "triangles")},
+                std::move(shapes));
           },
           py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
-          "vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. Returns the label. Raises ValueError.")
+          py::arg("shapes") = std::vector<RoundShape>(),
+          "vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes: what rays meet instead of the mesh,\n"
+          "which then stands for contacts and the true surface. Returns the label. Raises ValueError.")
       .def_property_readonly("label_names", &World::label_names, "Names by label: nothing, terrain, then the solids'.")
       .def(
           "solid_around",

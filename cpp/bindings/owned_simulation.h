@@ -51,5 +51,7 @@ void bind_commands(py::class_<OwnedSimulation>& simulation);
 
 /// Pings in physics mode: bind_acoustic_multibeam.cpp.
 void bind_acoustic_pings(py::class_<OwnedSimulation>& simulation);
+/// Sonars' heads and their pings in geometry mode: bind_pings.cpp.
+void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
 
 }  // namespace uwsim::bindings

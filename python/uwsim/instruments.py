@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import cast
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim import _core
 
 Value = float | SimpleNamespace
@@ -107,13 +110,31 @@ class Sonar:
         self._last: tuple[int, _core.Ping] | None = None
 
     def aim(self, elevation_rad: float) -> None:
-        """Turn the head: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2."""
+        """Where the head is to point: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2.
+
+        It turns there as simulated time passes, at the model's tilt rate; `elevation_rad` tells how far it has come.
+        """
         self._simulation.aim(self._vehicle, self._index, elevation_rad)
+
+    @property
+    def elevation_rad(self) -> float:
+        """Where the head points now; pings are taken from there."""
+        return self._simulation.sonar_elevation_rad(self._vehicle, self._index)
+
+    @property
+    def ping_rate_max_hz(self) -> float:
+        """At most so many pings a second, c / (2 range): sound must come back from the farthest before the next leaves.
+
+        c at the head's present depth. `ping` itself does not hold to it, since it takes no time; a survey's clock does.
+        """
+        return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
 
     def ping(self) -> _core.Ping:
         """One ping from where the vehicle is now; see _core.Ping for its arrays. At one time it is always the same.
 
-        In physics mode a _core.PhysicsPing, which has the same arrays and more.
+        What lies above the water gives no echo. A head above the water or under the terrain hears nothing: no beam is
+        valid, ranges are inf. A head inside an obstacle hears its walls from within. In physics mode a
+        _core.PhysicsPing, which has the same arrays and more.
         """
         version = self._simulation.version
         if self._last is None or self._last[0] != version:
@@ -124,3 +145,11 @@ class Sonar:
         if self.mode == "physics":
             return cast(_core.Ping, self._simulation.acoustic_ping(self._vehicle, self._index))
         return self._simulation.ping(self._vehicle, self._index)
+
+    def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:
+        """Pings from many places at once, as if the vehicle were there: (n, 4, 4) rigid transforms; it stays put.
+
+        Arrays are (n, beams); see _core.PingBatch. In geometry mode, the head tilted as it is now. threads: how many
+        to use, by default all; results do not depend on it. Raises ValueError.
+        """
+        return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

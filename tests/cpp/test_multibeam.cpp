@@ -35,7 +35,7 @@ TEST(Multibeam, ABeamMeetsAFlatBedAtItsHeightOverTheSineOfItsDip) {
   const RayScene scene(flat_world(-20));
   Multibeam sonar(em2040(4), Pose{{0.5, 0, -0.2}, Eigen::Quaterniond::Identity()});
   const double tilt = 0.6;
-  sonar.aim(-tilt);
+  sonar.point(-tilt);
   const Pose body{{3, 2, -8}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))};
   const MultibeamPing ping = sonar.ping(scene, Water{}, body);
   for (int beam = 0; beam < 1025; ++beam) {
@@ -63,7 +63,7 @@ TEST(Multibeam, PositiveElevationLooksUpAndPositiveAnglesToPort) {
   for (auto& v : target.vertices_m) v += Eigen::Vector3d(0, 10, 0);
   world.add_solid("above to port", target);
   Multibeam sonar(em2040(2), Pose{});
-  sonar.aim(up);
+  sonar.point(up);
   const MultibeamPing ping = sonar.ping(RayScene(world), Water{}, {{0, 0, -30}, Eigen::Quaterniond::Identity()});
   EXPECT_EQ(ping.labels[256], kTerrain + 1);
   bool port = false;
@@ -75,7 +75,7 @@ TEST(Multibeam, PositiveElevationLooksUpAndPositiveAnglesToPort) {
 TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
   const auto level = [](float depth) {
     Multibeam sonar(em2040(1), Pose{});
-    sonar.aim(-std::numbers::pi / 2);
+    sonar.point(-std::numbers::pi / 2);
     const RayScene scene(flat_world(-depth));
     return sonar.ping(scene, Water{}, Pose{{0, 0, -1}, Eigen::Quaterniond::Identity()}).intensity_db;
   };
@@ -93,13 +93,67 @@ TEST(Multibeam, SoundDoesNotLeaveTheWater) {
   world.add_solid("bank", bank);
   const RayScene scene(world);
   Multibeam sonar(em2040(2), Pose{});
-  sonar.aim(0.05);
+  sonar.point(0.05);
   const auto echoes = [&](double z) {
     return sonar.ping(scene, Water{}, {{0, 0, z}, Eigen::Quaterniond::Identity()}).valid;
   };
   EXPECT_EQ(echoes(-2)[256], 1);
   EXPECT_EQ(echoes(-0.2)[256], 0) << "meets the bank above the surface";
   EXPECT_EQ(echoes(1)[256], 0) << "a dry head";
+}
+
+TEST(Multibeam, AHeadUnderTheGroundHearsNothingAndAHeadInASolidItsWalls) {
+  World world = flat_world(-20);
+  TriangleMesh hollow = testing::box(4, 4, 4);
+  for (auto& v : hollow.vertices_m) v += Eigen::Vector3d(50, 0, -10);
+  world.add_solid("hollow", hollow);
+  world.add_solid("buried", testing::box(1, 1, 1), {sphere({3, 0, -25}, 1)});
+  const RayScene scene(world);
+  const Multibeam sonar(em2040(2), Pose{});
+  const auto ping = [&](const Eigen::Vector3d& at) {
+    return sonar.ping(scene, Water{}, {at, Eigen::Quaterniond::Identity()});
+  };
+  for (const Eigen::Vector3d& under : {Eigen::Vector3d(0, 0, -25), Eigen::Vector3d(0, 0, -20)}) {
+    const MultibeamPing deaf = ping(under);
+    for (std::size_t k = 0; k < 513; ++k) {
+      EXPECT_EQ(deaf.valid[k], 0);
+      EXPECT_EQ(deaf.labels[k], kNothing);
+      EXPECT_TRUE(std::isinf(deaf.ranges_m[k]));
+    }
+  }
+  const MultibeamPing walled = ping({50, 0, -10});
+  EXPECT_EQ(walled.labels[256], kTerrain + 1);
+  EXPECT_NEAR(walled.ranges_m[256], 2, 1e-6);
+}
+
+TEST(Multibeam, TheHeadTurnsAtItsRateAsTimePasses) {
+  Multibeam sonar(em2040(2), Pose{});
+  sonar.point(-0.5);
+  EXPECT_EQ(sonar.elevation_rad(), -0.5);
+  sonar.aim(std::numbers::pi / 2);
+  EXPECT_EQ(sonar.elevation_rad(), -0.5) << "no time has passed";
+  sonar.advance(1);
+  EXPECT_NEAR(sonar.elevation_rad(), -0.5 + 5 * std::numbers::pi / 180, 1e-6) << "5 degrees a second";
+  for (int k = 0; k < 30; ++k) sonar.advance(1);
+  EXPECT_EQ(sonar.elevation_rad(), std::numbers::pi / 2);
+  sonar.aim(1.5);
+  sonar.advance(10);
+  EXPECT_EQ(sonar.elevation_rad(), 1.5) << "it does not swing past";
+  EXPECT_THROW(sonar.aim(NAN), InvalidValue);
+  EXPECT_THROW(sonar.point(-1.6), InvalidValue);
+}
+
+TEST(Multibeam, SoundMustComeBackBeforeTheNextPing) {
+  Water water;
+  water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 10;
+  water.salinity_psu = 35;
+  for (const auto& [number, range] : {std::pair{1, 95.0}, {2, 55.0}}) {
+    // Mackenzie's own figure at 10 deg C, 35 psu and the surface is 1489.8 m/s.
+    EXPECT_NEAR(Multibeam(em2040(number), Pose{}).ping_rate_max_hz(water, 0), 1489.8 / (2 * range), 0.01);
+  }
+  MultibeamModel near = em2040(1);
+  near.range_max_m = 1;
+  EXPECT_EQ(Multibeam(near, Pose{}).ping_rate_max_hz(water, 0), near.ping_rate_max_hz) << "the electronics' limit";
 }
 
 }  // namespace

@@ -141,5 +141,49 @@ TEST(RayScene, RaysFromBeyondTheWorldMeetNothing) {
   EXPECT_EQ(scene.cast({{0, 0, 10}, {0, 0, NAN}}, 100).label, kNothing);
 }
 
+TEST(RayScene, PacketsGoThroughTheTilesOfAWideWorldAndComeFromFarAway) {
+  // 5 km of slope, in tiles; seen from inside, and from 20 km up.
+  std::vector<float> heights;
+  for (int j = 0; j < 51; ++j) {
+    for (int i = 0; i < 51; ++i) heights.push_back(-20 + 25 * static_cast<float>(i));
+  }
+  World world;
+  world.set_terrain(Heightfield(heights, 51, 51, 100.0, {1000, 2000}));
+  const RayScene scene(world);
+  for (const double z : {1500.0, 20'000.0}) {
+    const Eigen::Vector3d anchor(3030, 4040, z);
+    RayPacket rays;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const Eigen::Vector3f way = Eigen::Vector3f(0.01f * static_cast<float>(k), 0.02f, -1).normalized();
+      rays.origin_x[k] = rays.origin_y[k] = rays.origin_z[k] = 0;
+      rays.direction_x[k] = way.x();
+      rays.direction_y[k] = way.y();
+      rays.direction_z[k] = way.z();
+      rays.near_m[k] = 0;
+      rays.far_m[k] = k == 5 ? 10.0f : 1e6f;
+      rays.active[k] = k == 3 ? 0 : -1;
+    }
+    HitPacket hits;
+    Blocked blocked;
+    scene.cast(anchor, rays, hits);
+    scene.occluded(anchor, rays, blocked);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      EXPECT_EQ(blocked[k], k == 3 || k == 5 ? 0 : -1) << k;
+      if (k == 3 || k == 5) continue;
+      const double expected = (z - (-20 + 0.25 * (3030 - 1000))) / (0.25 * rays.direction_x[k] - rays.direction_z[k]);
+      EXPECT_NEAR(hits.distance_m[k], expected, 1e-7 * expected + 1e-3) << k;
+      EXPECT_EQ(hits.label[k], kTerrain);
+    }
+  }
+}
+
+TEST(RayScene, TheGroundIsUnderTheTerrainOnly) {
+  const RayScene scene(slope_world({0, 0}));
+  EXPECT_TRUE(scene.under_ground({40, 50, -10.1}));
+  EXPECT_FALSE(scene.under_ground({40, 50, -9.9}));
+  EXPECT_FALSE(scene.under_ground({-1, 50, -100}));
+  EXPECT_FALSE(RayScene(World{}).under_ground({0, 0, -1}));
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from uwsim import _core
 from uwsim.scenario import ScenarioError, Terrain
 from uwsim.scenario.obstacle_spec import ObstacleSpec
-from uwsim.scenario.obstacles import AROUND, obstacle_mesh, swept_tube
+from uwsim.scenario.obstacles import AROUND, Body, obstacle_body, swept_tube
 
 SLOPE = 0.2
 X, Y = np.meshgrid(np.linspace(-50, 50, 101), np.linspace(-50, 50, 101))
@@ -19,9 +19,12 @@ POLYGON_AREA = AROUND / 2 * np.sin(2 * np.pi / AROUND)
 """Of the regular polygon that stands for a unit circle."""
 
 
+def body(**settings: object) -> Body:
+    return obstacle_body(TypeAdapter(ObstacleSpec).validate_python({"name": "it", **settings}), BED)
+
+
 def build(**settings: object) -> trimesh.Trimesh:
-    spec = TypeAdapter(ObstacleSpec).validate_python({"name": "it", **settings})
-    vertices, triangles = obstacle_mesh(spec, BED)
+    vertices, triangles, _ = body(**settings)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
@@ -103,3 +106,47 @@ def test_what_stands_beside_the_terrain_is_refused() -> None:
 def test_shapes_that_make_no_sense_are_refused(settings: dict[str, object], rule: str) -> None:
     with pytest.raises(ValidationError, match=rule):
         build(**settings)
+
+
+ROUND = [
+    {"kind": "sphere", "position_m": [1, 2, -5], "radius_m": 2},
+    {"kind": "cylinder", "position_m": [0, 0, -5], "radius_m": 0.5, "length_m": 3, "yaw_pitch_roll_deg": [20, 50, 0]},
+    {"kind": "pipeline", "points_m": [[-30, 5], [0, 5], [20, -10]], "radius_m": 0.5},
+    {"kind": "gate", "position_m": [10, 0], "yaw_deg": 30, "width_m": 6, "height_m": 5, "bar_radius_m": 0.2},
+]
+
+
+@pytest.mark.parametrize("settings", ROUND, ids=[str(s["kind"]) for s in ROUND])
+def test_rays_meet_the_round_shape_and_the_mesh_follows_it_within_half_a_percent(settings: dict[str, object]) -> None:
+    """From every facet's middle, straight out of it: the shape lies on or a little outside the facet."""
+    vertices, triangles, shapes = body(**settings)
+    mesh = trimesh.Trimesh(vertices, triangles, process=False)
+    world = _core.World()
+    world.add_solid("it", vertices, triangles, shapes)
+    scene, radius_m = _core.RayScene(world), shapes[0].radius_m
+    faces = mesh.area_faces > 1e-3 * mesh.area_faces.mean()
+    middles, normals = mesh.triangles_center[faces], mesh.face_normals[faces]
+    hits = scene.cast(middles + 2 * radius_m * normals, -normals, 3 * radius_m)
+    outside = 2 * radius_m - hits.ranges_m
+    alone = settings["kind"] in ("sphere", "cylinder")  # else another bar, or the pipe beyond a bend, may be nearer
+    assert (outside > -1e-5).all()
+    near = outside < 0.0051 * radius_m + 1e-5
+    assert near.all() if alone else near.mean() > 0.5
+
+
+def test_a_pipelines_shape_bends_where_its_mesh_does() -> None:
+    """Rays that pass the mesh by more than half a percent of the radius pass the shape too, and the other way round."""
+    vertices, triangles, shapes = body(kind="pipeline", points_m=[[-30, 5], [0, 5], [5, -15]], radius_m=0.5)
+    round_world, faceted = _core.World(), _core.World()
+    round_world.add_solid("it", vertices, triangles, shapes)
+    faceted.add_solid("it", vertices, triangles)
+    random = np.random.default_rng(0)
+    aims = vertices[random.integers(len(vertices), size=4000)]
+    origins = aims + random.normal(size=aims.shape) * 3
+    ways = aims + random.normal(scale=0.3, size=aims.shape) - origins
+    exact, flat = (_core.RayScene(w).cast(origins, ways, 50.0).ranges_m for w in (round_world, faceted))
+    both = np.isfinite(exact) & np.isfinite(flat)
+    assert both.mean() > 0.3
+    assert (np.isfinite(exact) != np.isfinite(flat)).mean() < 0.02
+    assert np.median(np.abs(exact[both] - flat[both])) < 0.01 * 0.5, "along the ray, which meets it at a slant"
+    assert (exact[both] < flat[both] + 1e-5).mean() > 0.99, "the mesh lies inside the shape"

@@ -22,7 +22,7 @@ from uwsim.scenario import (
 )
 from uwsim.scenario import start_pose as start
 from uwsim.scenario.meshes import load_mesh
-from uwsim.scenario.obstacles import obstacle_mesh
+from uwsim.scenario.obstacles import obstacle_body
 from uwsim.scenario.paths import assets_folder
 from uwsim.scenario.vehicles import vehicle_hull
 
@@ -64,13 +64,13 @@ def test_the_survey_holds_hills_a_pipeline_and_a_gate_that_can_be_flown_over(nam
     assert beside[:, 2].max() < -12
     for kind in ("pipeline", "gate"):
         inside = [
-            Polygon(survey.area_m).contains_points(obstacle_mesh(o, terrain)[0][:, :2]).any()
+            Polygon(survey.area_m).contains_points(obstacle_body(o, terrain).vertices[:, :2]).any()
             for o in scenario.obstacles
             if o.kind == kind
         ]
         assert any(inside)
     for obstacle in scenario.obstacles:
-        vertices, _ = obstacle_mesh(obstacle, terrain)
+        vertices = obstacle_body(obstacle, terrain).vertices
         assert (vertices[:, 2] - terrain.height_at(vertices[:, :2])).max() < survey.altitude_m - 1
 
 

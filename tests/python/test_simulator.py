@@ -76,6 +76,7 @@ def test_same_scenario_and_seed_same_bits_and_another_seed_other_noise() -> None
 
 def test_a_pings_arrays_agree_with_each_other(pool: Simulator) -> None:
     pool.rov.sonar.aim(elevation_rad=-0.5)
+    pool.advance(3.0)  # the head turns
     ping = pool.rov.sonar.ping()
     beams = len(ping.ranges_m)
     assert beams == 513
@@ -140,9 +141,10 @@ def test_what_the_vehicle_hits_is_what_the_sonar_sees(kind: str, tmp_path: Path)
     """Driven at the box, it stops where its own sonar's middle beam says that the box is."""
     pool = Simulator("pool" if kind == "box" else pool_with_a_mesh_for_a_box(tmp_path))
     rov = pool.rov
+    rov.sonar.aim(0.0)
+    pool.advance(5.0)  # the head turns
     rov.release()
     rov.place([0.0, 0.0, -4.5])
-    rov.sonar.aim(0.0)
     ping = rov.sonar.ping()
     assert pool.world.label_names[ping.labels[256]] == "box"
     ahead_m = float(ping.ranges_m[256])

@@ -62,7 +62,7 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   for (const SonarSpec& sonar : spec.sonars) {
     sonar.model.check();
     vehicle.sonars.emplace_back(sonar.model, sonar.body_from_mount);
-    vehicle.sonars.back().aim(sonar.elevation_rad);
+    vehicle.sonars.back().point(sonar.elevation_rad);
     vehicle.sonar_names.push_back(sonar.name);
     vehicle.acoustics.push_back(acoustics_of(sonar, spec.name));
   }
@@ -99,6 +99,7 @@ void Simulation::step_once() {
     const bool touches = bodies_.in_contact(vehicle.body);
     if (touches && !vehicle.touching) ++vehicle.collisions;
     vehicle.touching = touches;
+    for (Multibeam& sonar : vehicle.sonars) sonar.advance(spec_.step_s);
   }
   ++tick_;
   ++version_;
@@ -218,6 +219,14 @@ AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t sonar, int
   const Eigen::Vector3d head_body = moving.linear_body_m_s() + rate_body.cross(body_from_sonar.position_m);
   const HeadMotion motion{moving.world_from_body.direction(head_body), moving.world_from_body.direction(rate_body)};
   return acoustics->ping(*scene_, moving.world_from_body * body_from_sonar, motion, tick_, threads);
+}
+
+void Simulation::ping(std::size_t index, std::size_t head, const PingRows& rows) const {
+  sonar(index, head).ping(*scene_, world_.water, state(index).world_from_body, rows);
+}
+
+const Multibeam& Simulation::sonar(std::size_t index, std::size_t head) const {
+  return item(vehicle(index).sonars, head, "sonar");
 }
 
 Pose Simulation::world_from_sonar(std::size_t index, std::size_t sonar) const {

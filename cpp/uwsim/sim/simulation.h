@@ -65,7 +65,11 @@ class Simulation {
   /// In physics mode. Draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry mode.
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1) const;
   bool in_physics_mode(std::size_t vehicle, std::size_t sonar) const;
+  void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows) const;
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
+  const Multibeam& sonar(std::size_t vehicle, std::size_t sonar) const;
+  const RayScene& scene() const { return *scene_; }
+  const Water& water() const { return world_.water; }
 
   /// All that the future depends on beside what the simulation was made of, as bytes: taken back by one that was made
   /// alike it gives the same steps and samples to the last bit.

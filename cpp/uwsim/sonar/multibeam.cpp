@@ -1,45 +1,145 @@
 #include "uwsim/sonar/multibeam.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "uwsim/acoustics/sea_water.h"
 #include "uwsim/core/check.h"
+#include "uwsim/sonar/beam_kernels.h"
 
 namespace uwsim {
 namespace {
 
 constexpr double kBottomStrength_db = -30;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-double echo_level_db(double range_m, double cos_incidence, double absorption_db_m) {
-  const double spreading = 40 * std::log10(std::max(range_m, 0.01));
-  return -spreading - 2 * absorption_db_m * range_m + kBottomStrength_db +
-         20 * std::log10(std::max(cos_incidence, 1e-6));
+double sound_speed_at(const Water& water, double z_world_m) {
+  const double given_m_s = water.given_sound_speed_m_s(z_world_m);
+  return given_m_s > 0 ? given_m_s
+                       : sound_speed_m_s(water.temperature_deg_c(z_world_m), water.salinity_at_psu(z_world_m),
+                                         std::max(0.0, Water::depth_m(z_world_m)));
 }
+
+constexpr std::size_t kTogether = 4;  // packets
+
+/// Sixteen beams' results before they go to their places; the last packet of a fan is not full.
+struct PacketEchoes {
+  alignas(64) std::array<float, kPacketRays> range_m, incidence_rad, intensity_db;
+  alignas(64) std::array<Label, kPacketRays> label;
+  alignas(64) std::array<std::uint8_t, kPacketRays> valid;
+};
+
+/// Some packets of a fan on their way from the head and back.
+class FanPart {
+ public:
+  explicit FanPart(const Pose& world_from_sonar)
+      : head_(world_from_sonar.position_m), rotation_(world_from_sonar.rotation()) {
+    for (ExactRays& rays : rays_) {
+      rays.origin_x.fill(head_.x());
+      rays.origin_y.fill(head_.y());
+      rays.origin_z.fill(head_.z());
+    }
+  }
+
+  void cast(const RayScene& scene, const EchoRule& rule, const double* ahead, const double* aside, std::size_t count) {
+    const std::size_t packets = (count + kPacketRays - 1) / kPacketRays;
+    for (std::size_t p = 0; p < packets; ++p) {
+      ExactRays& rays = rays_[p];
+      kernels_.directions(rotation_.col(0).data(), rotation_.col(1).data(), ahead + p * kPacketRays,
+                          aside + p * kPacketRays, rays.direction_x.data(), rays.direction_y.data(),
+                          rays.direction_z.data());
+      kernels_.reach(head_.z(), rule.range_max_m, rays.direction_z.data(), rays.far_m.data());
+      for (std::size_t k = 0; k < kPacketRays; ++k) rays.active[k] = p * kPacketRays + k < count ? -1 : 0;
+    }
+    scene.cast(std::span(rays_).first(packets), std::span(hits_).first(packets));
+  }
+
+  void store(const EchoRule& rule, const double* ahead, const double* aside, std::size_t count, const PingRows& rows,
+             std::size_t first) {
+    for (std::size_t done = 0; done < count; done += kPacketRays) {
+      const ExactRays& rays = rays_[done / kPacketRays];
+      const ExactHits& hits = hits_[done / kPacketRays];
+      kernels_.echoes({hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(),
+                       rays.direction_x.data(), rays.direction_y.data(), rays.direction_z.data(), hits.label.data()},
+                      rule,
+                      {echoes_.range_m.data(), echoes_.incidence_rad.data(), echoes_.intensity_db.data(),
+                       echoes_.label.data(), echoes_.valid.data()});
+      copy_out(hits, ahead + done, aside + done, std::min(kPacketRays, count - done), rows, first + done);
+    }
+  }
+
+ private:
+  void copy_out(const ExactHits& hits, const double* ahead, const double* aside, std::size_t count,
+                const PingRows& rows, std::size_t first) const {
+    std::copy_n(echoes_.range_m.begin(), count, rows.ranges_m + first);
+    std::copy_n(echoes_.incidence_rad.begin(), count, rows.incidence_rad + first);
+    std::copy_n(echoes_.intensity_db.begin(), count, rows.intensity_db + first);
+    std::copy_n(echoes_.label.begin(), count, rows.labels + first);
+    std::copy_n(echoes_.valid.begin(), count, rows.valid + first);
+    float* point = rows.points_sonar_m + 3 * first;
+    for (std::size_t k = 0; k < count; ++k, point += 3) {
+      const bool valid = echoes_.valid[k] != 0;
+      point[0] = valid ? static_cast<float>(hits.distance_m[k] * ahead[k]) : kNone;
+      point[1] = valid ? static_cast<float>(hits.distance_m[k] * aside[k]) : kNone;
+      point[2] = valid ? 0.0f : kNone;
+    }
+  }
+
+  Eigen::Vector3d head_;
+  Eigen::Matrix3d rotation_;
+  const BeamKernels& kernels_ = beam_kernels();
+  std::array<ExactRays, kTogether> rays_;
+  std::array<ExactHits, kTogether> hits_;
+  PacketEchoes echoes_;
+};
 
 }  // namespace
 
+PingRows PingRows::row(std::size_t ping, std::size_t beams) const {
+  const std::size_t skip = ping * beams;
+  return {ranges_m + skip, points_sonar_m + 3 * skip, incidence_rad + skip, intensity_db + skip, labels + skip,
+          valid + skip};
+}
+
 Multibeam::Multibeam(const MultibeamModel& model, const Pose& body_from_mount)
     : model_(model), body_from_mount_(body_from_mount) {
-  for (int beam = 0; beam < model_.beams; ++beam) {
-    directions_sonar_.emplace_back(std::cos(model_.angle_rad(beam)), std::sin(model_.angle_rad(beam)), 0);
+  const auto beams = static_cast<std::size_t>(model_.beams);
+  const std::size_t lanes = (beams + kPacketRays - 1) / kPacketRays * kPacketRays;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    const double angle_rad = model_.angle_rad(static_cast<int>(std::min(k, beams - 1)));
+    if (k < beams) angles_rad_.push_back(static_cast<float>(angle_rad));
+    ahead_.push_back(std::cos(angle_rad));
+    aside_.push_back(std::sin(angle_rad));
   }
 }
 
 void Multibeam::aim(double elevation_rad) {
   require(std::abs(elevation_rad) <= std::numbers::pi / 2, "sonar.elevation_rad", elevation_rad,
           "must be in [-pi/2, pi/2] rad");
+  aimed_rad_ = elevation_rad;
+}
+
+void Multibeam::point(double elevation_rad) {
+  aim(elevation_rad);
   elevation_rad_ = elevation_rad;
 }
 
+void Multibeam::advance(double duration_s) {
+  const double most_rad = model_.tilt_rate_rad_s * duration_s;
+  const double left_rad = aimed_rad_ - elevation_rad_;
+  elevation_rad_ = std::abs(left_rad) <= most_rad ? aimed_rad_ : elevation_rad_ + std::copysign(most_rad, left_rad);
+}
+
 void Multibeam::exchange_state(StateArchive& archive) {
-  double elevation_rad = elevation_rad_;
+  double elevation_rad = elevation_rad_, aimed_rad = aimed_rad_;
   archive(elevation_rad);
-  aim(elevation_rad);
+  archive(aimed_rad);
+  point(elevation_rad);
+  aim(aimed_rad);
 }
 
 Pose Multibeam::body_from_sonar() const {
@@ -48,39 +148,35 @@ Pose Multibeam::body_from_sonar() const {
   return body_from_mount_ * Pose{Eigen::Vector3d::Zero(), tilt};
 }
 
-MultibeamPing Multibeam::ping(const RayScene& scene, const Water& water, const Pose& world_from_body) const {
-  const Pose world_from_sonar = world_from_body * body_from_sonar();
-  const Eigen::Matrix3d rotation = world_from_sonar.rotation();
-  const std::size_t n = directions_sonar_.size();
-  std::vector<Ray> rays(n);
-  std::vector<RayHit> hits(n);
-  for (std::size_t k = 0; k < n; ++k) rays[k] = {world_from_sonar.position_m, rotation * directions_sonar_[k]};
-  scene.cast(rays, model_.range_max_m, hits);
+double Multibeam::ping_rate_max_hz(const Water& water, double head_z_m) const {
+  return std::min(model_.ping_rate_max_hz, sound_speed_at(water, head_z_m) / (2 * model_.range_max_m));
+}
 
-  const double z = world_from_sonar.position_m.z();
-  const double absorption_db_m = absorption_db_km(model_.frequency_hz, water.temperature_deg_c(z), water.salinity_psu,
-                                                  std::max(0.0, Water::depth_m(z))) /
-                                 1000;
-  MultibeamPing ping{std::vector<float>(n, kInfinity), std::vector<float>(3 * n, kNone),
-                     std::vector<float>(n, kNone),     std::vector<float>(n, -kInfinity),
-                     std::vector<Label>(n, kNothing),  std::vector<std::uint8_t>(n, 0)};
-  for (std::size_t k = 0; k < n; ++k) {
-    const RayHit& hit = hits[k];
-    const double hit_z = rays[k].origin_world_m.z() + hit.distance_m * rays[k].direction_world.z();
-    const bool under_water = z <= 0 && hit_z <= 0;
-    if (!under_water || !(hit.distance_m < model_.range_max_m)) continue;
-    const double cosine = std::min(1.0, std::abs(hit.normal_world.cast<double>().dot(rays[k].direction_world)));
-    ping.ranges_m[k] = static_cast<float>(hit.distance_m);
-    for (int axis = 0; axis < 3; ++axis) {
-      ping.points_sonar_m[3 * k + static_cast<std::size_t>(axis)] =
-          static_cast<float>(hit.distance_m * directions_sonar_[k](axis));
-    }
-    ping.incidence_rad[k] = static_cast<float>(std::acos(cosine));
-    ping.intensity_db[k] = static_cast<float>(echo_level_db(hit.distance_m, cosine, absorption_db_m));
-    ping.labels[k] = hit.label;
-    ping.valid[k] = 1;
+MultibeamPing Multibeam::ping(const RayScene& scene, const Water& water, const Pose& world_from_body) const {
+  const std::size_t n = beams();
+  MultibeamPing result{std::vector<float>(n), std::vector<float>(3 * n), std::vector<float>(n),
+                       std::vector<float>(n), std::vector<Label>(n),     std::vector<std::uint8_t>(n)};
+  ping(scene, water, world_from_body,
+       {result.ranges_m.data(), result.points_sonar_m.data(), result.incidence_rad.data(), result.intensity_db.data(),
+        result.labels.data(), result.valid.data()});
+  return result;
+}
+
+void Multibeam::ping(const RayScene& scene, const Water& water, const Pose& world_from_body,
+                     const PingRows& rows) const {
+  const Pose world_from_sonar = world_from_body * body_from_sonar();
+  const Eigen::Vector3d& head = world_from_sonar.position_m;
+  const bool deaf = !(head.z() <= 0) || scene.under_ground(head);
+  const EchoRule rule{head.z(), deaf ? 0 : model_.range_max_m, kBottomStrength_db,
+                      absorption_db_km(model_.frequency_hz, water.temperature_deg_c(head.z()),
+                                       water.salinity_at_psu(head.z()), std::max(0.0, Water::depth_m(head.z()))) /
+                          1000};
+  FanPart part(world_from_sonar);
+  for (std::size_t first = 0; first < beams(); first += kTogether * kPacketRays) {
+    const std::size_t count = std::min(kTogether * kPacketRays, beams() - first);
+    part.cast(scene, rule, &ahead_[first], &aside_[first], count);
+    part.store(rule, &ahead_[first], &aside_[first], count, rows, first);
   }
-  return ping;
 }
 
 }  // namespace uwsim

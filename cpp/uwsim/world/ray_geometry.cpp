@@ -2,8 +2,12 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "uwsim/core/check.h"
 
@@ -32,6 +36,18 @@ void attach(RTCDevice device, RTCScene tree, std::size_t count, std::uint32_t ge
   rtcAttachGeometryByID(tree, owner.get(), geometry_id);
 }
 
+/// What Embree passes to the callbacks of round geometries.
+struct CastContext {
+  RTCIntersectContext embree;
+  RayDetail detail;
+
+  CastContext(const RayDetail& of_rays, RayOrder order) : detail(of_rays) {
+    static_assert(offsetof(CastContext, detail) == sizeof(RTCIntersectContext));
+    rtcInitIntersectContext(&embree);
+    if (order == RayOrder::kCoherent) embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  }
+};
+
 void round_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
   const ShapeBounds box = bounds(round.surfaces->shape(round.geometry, args->primID));
@@ -41,40 +57,83 @@ void round_bounds(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = {low.x(), low.y(), low.z(), 0, high.x(), high.y(), high.z(), 0};
 }
 
-struct Followed {
-  TileRay ray;
-  double start_m;
-};
+/// A callback's rays in double: the exact ones where there are any.
+class CallbackRays {
+ public:
+  CallbackRays(const RTCIntersectContext* context, RTCRayN* rays, unsigned n)
+      : detail_(*reinterpret_cast<const RayDetail*>(context + 1)), rays_(rays), n_(n) {}
 
-/// Ray k of a callback's packet in double: the exact one where there is one.
-Followed followed(const RTCIntersectContext* context, RTCRayN* rays, unsigned n, unsigned k) {
-  const auto& detail = *reinterpret_cast<const RayDetail*>(context + 1);
-  if (detail.exact != nullptr) {
-    const ExactRays& exact = *detail.exact;
-    const unsigned lane = RTCRayN_id(rays, n, k);
-    return {{{exact.origin_x[lane], exact.origin_y[lane], exact.origin_z[lane]},
-             {exact.direction_x[lane], exact.direction_y[lane], exact.direction_z[lane]},
-             0},
-            detail.starts_m != nullptr ? detail.starts_m[lane] : 0};
+  double start_m(unsigned k) const {
+    return detail_.exact != nullptr && detail_.starts_m != nullptr ? detail_.starts_m[RTCRayN_id(rays_, n_, k)] : 0;
   }
-  const Eigen::Vector3d origin(RTCRayN_org_x(rays, n, k), RTCRayN_org_y(rays, n, k), RTCRayN_org_z(rays, n, k));
-  const Eigen::Vector3d way(RTCRayN_dir_x(rays, n, k), RTCRayN_dir_y(rays, n, k), RTCRayN_dir_z(rays, n, k));
-  return {{origin + detail.surfaces->middle_m(), way, 0}, 0};
-}
+  double near_m(unsigned k) const { return start_m(k) + double{RTCRayN_tnear(rays_, n_, k)}; }
+  double far_m(unsigned k) const { return start_m(k) + double{RTCRayN_tfar(rays_, n_, k)}; }
+
+  Eigen::Vector3d origin_world_m(unsigned k) const {
+    if (detail_.exact == nullptr) {
+      return Eigen::Vector3d(RTCRayN_org_x(rays_, n_, k), RTCRayN_org_y(rays_, n_, k), RTCRayN_org_z(rays_, n_, k)) +
+             detail_.surfaces->middle_m();
+    }
+    const unsigned lane = RTCRayN_id(rays_, n_, k);
+    return {detail_.exact->origin_x[lane], detail_.exact->origin_y[lane], detail_.exact->origin_z[lane]};
+  }
+
+  Eigen::Vector3d direction_world(unsigned k) const {
+    if (detail_.exact == nullptr) {
+      return {RTCRayN_dir_x(rays_, n_, k), RTCRayN_dir_y(rays_, n_, k), RTCRayN_dir_z(rays_, n_, k)};
+    }
+    const unsigned lane = RTCRayN_id(rays_, n_, k);
+    return {detail_.exact->direction_x[lane], detail_.exact->direction_y[lane], detail_.exact->direction_z[lane]};
+  }
+
+  std::optional<ShapeHit> meet(const RoundShape& shape, unsigned k) const {
+    return first_hit(shape, origin_world_m(k), direction_world(k), near_m(k), far_m(k));
+  }
+
+  /// Takes the rays out of `valid` that pass the shape by. A full packet's lanes are in order.
+  void leave_out_misses(const RoundShape& shape, const int* valid, std::int32_t* left) const {
+    std::copy_n(valid, n_, left);
+    if (n_ != kPacketRays) return;
+    ExactRays converted;
+    if (detail_.exact == nullptr) convert(converted);
+    std::array<std::int32_t, kPacketRays> passes;
+    static const RayKernels& kernels = ray_kernels();
+    kernels.may_meet_round(lanes_of(detail_.exact != nullptr ? *detail_.exact : converted),
+                           shape.ends[0].point_world_m.data(), shape.axis.data(), shape.radius_m, passes.data());
+    for (std::size_t k = 0; k < kPacketRays; ++k) left[k] &= passes[k];
+  }
+
+ private:
+  void convert(ExactRays& out) const {
+    const Eigen::Vector3d& middle = detail_.surfaces->middle_m();
+    for (unsigned k = 0; k < kPacketRays; ++k) {
+      out.origin_x[k] = RTCRayN_org_x(rays_, n_, k) + middle.x();
+      out.origin_y[k] = RTCRayN_org_y(rays_, n_, k) + middle.y();
+      out.origin_z[k] = RTCRayN_org_z(rays_, n_, k) + middle.z();
+      out.direction_x[k] = RTCRayN_dir_x(rays_, n_, k);
+      out.direction_y[k] = RTCRayN_dir_y(rays_, n_, k);
+      out.direction_z[k] = RTCRayN_dir_z(rays_, n_, k);
+    }
+  }
+
+  const RayDetail& detail_;
+  RTCRayN* rays_;
+  unsigned n_;
+};
 
 void round_intersect(const RTCIntersectFunctionNArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
   const RoundShape& shape = round.surfaces->shape(round.geometry, args->primID);
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
+  const CallbackRays callback(args->context, rays, args->N);
+  std::array<std::int32_t, kPacketRays> left;
+  callback.leave_out_misses(shape, args->valid, left.data());
   for (unsigned k = 0; k < args->N; ++k) {
-    if (args->valid[k] == 0) continue;
-    const auto [ray, start_m] = followed(args->context, rays, args->N, k);
-    const auto hit =
-        first_hit(shape, ray.origin_world_m, ray.direction_world, start_m + double{RTCRayN_tnear(rays, args->N, k)},
-                  start_m + double{RTCRayN_tfar(rays, args->N, k)});
+    if (left[k] == 0) continue;
+    const auto hit = callback.meet(shape, k);
     if (!hit) continue;
-    RTCRayN_tfar(rays, args->N, k) = static_cast<float>(hit->distance_m - start_m);
+    RTCRayN_tfar(rays, args->N, k) = static_cast<float>(hit->distance_m - callback.start_m(k));
     RTCHitN_Ng_x(hits, args->N, k) = static_cast<float>(hit->normal_world.x());
     RTCHitN_Ng_y(hits, args->N, k) = static_cast<float>(hit->normal_world.y());
     RTCHitN_Ng_z(hits, args->N, k) = static_cast<float>(hit->normal_world.z());
@@ -88,55 +147,13 @@ void round_intersect(const RTCIntersectFunctionNArguments* args) {
 void round_occluded(const RTCOccludedFunctionNArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
   const RoundShape& shape = round.surfaces->shape(round.geometry, args->primID);
+  const CallbackRays callback(args->context, args->ray, args->N);
+  std::array<std::int32_t, kPacketRays> left;
+  callback.leave_out_misses(shape, args->valid, left.data());
   for (unsigned k = 0; k < args->N; ++k) {
-    if (args->valid[k] == 0) continue;
-    const auto [ray, start_m] = followed(args->context, args->ray, args->N, k);
-    const bool met = first_hit(shape, ray.origin_world_m, ray.direction_world,
-                               start_m + double{RTCRayN_tnear(args->ray, args->N, k)},
-                               start_m + double{RTCRayN_tfar(args->ray, args->N, k)})
-                         .has_value();
-    if (met) RTCRayN_tfar(args->ray, args->N, k) = -std::numeric_limits<float>::infinity();
+    if (left[k] == 0 || !callback.meet(shape, k)) continue;
+    RTCRayN_tfar(args->ray, args->N, k) = -std::numeric_limits<float>::infinity();
   }
-}
-
-/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
-Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
-  const auto& [a, b, c] = triangle;
-  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  const double along_bc = (d4 - d3) + (d5 - d6);
-  if (va <= 0 && d4 >= d3 && d5 >= d6 && along_bc > 0) return b + (d4 - d3) / along_bc * (c - b);
-  const double whole = va + vb + vc;
-  return whole > 0 ? Eigen::Vector3d(a + (vb * ab + vc * ac) / whole) : a;
-}
-
-struct NearestTriangle {
-  const TileSurfaces* surfaces;
-  bool meshes;
-  Eigen::Vector3d point_world_m;
-  double distance_m;
-};
-
-bool visit_triangle(RTCPointQueryFunctionArguments* args) {
-  auto* nearest = static_cast<NearestTriangle*>(args->userPtr);
-  const TileSurfaces& surfaces = *nearest->surfaces;
-  if (!nearest->meshes && surfaces.is_round(args->geomID)) return false;
-  const Corners t = nearest->meshes ? surfaces.mesh_corners(args->geomID, args->primID)
-                                    : surfaces.corners(args->geomID, args->primID);
-  const double distance = (closest_on_triangle(nearest->point_world_m, t) - nearest->point_world_m).norm();
-  if (!(distance < nearest->distance_m)) return false;
-  nearest->distance_m = distance;
-  // A hair wider than the double result, so that float rounding hides no nearer triangle.
-  args->query->radius = static_cast<float>(distance * (1 + 1e-5) + 4 * surfaces.reach_m());
-  return true;
 }
 
 }  // namespace
@@ -170,7 +187,7 @@ void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces&
     }
     Corners corners = surfaces.corners(geometry, k);
     for (Eigen::Vector3d& corner : corners) corner -= middle;
-    return widened(corners, surfaces.reach_m());
+    return widened(corners, surfaces.rim_m());
   });
 }
 
@@ -194,15 +211,20 @@ void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& ro
   rtcAttachGeometryByID(tree, owner.get(), round.geometry);
 }
 
-double nearest_triangle_m(RTCSceneTy* tree, const TileSurfaces& surfaces, bool meshes,
-                          const Eigen::Vector3d& point_world_m, double nearest_m) {
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  const Eigen::Vector3f p = (point_world_m - surfaces.middle_m()).cast<float>();
-  RTCPointQuery query{p.x(), p.y(), p.z(), 0, static_cast<float>(nearest_m * (1 + 1e-5) + 4 * surfaces.reach_m())};
-  NearestTriangle nearest{&surfaces, meshes, point_world_m, nearest_m};
-  rtcPointQuery(tree, &query, &context, &visit_triangle, &nearest);
-  return nearest.distance_m;
+void intersect(RTCSceneTy* tree, const RayDetail& detail, RayOrder order, const std::int32_t* active,
+               RTCRayHit16& packet) {
+  CastContext context(detail, order);
+  rtcIntersect16(active, tree, &context.embree, &packet);
+}
+
+void intersect(RTCSceneTy* tree, const RayDetail& detail, RTCRayHit& ray) {
+  CastContext context(detail, RayOrder::kIncoherent);
+  rtcIntersect1(tree, &context.embree, &ray);
+}
+
+void occluded(RTCSceneTy* tree, const RayDetail& detail, RayOrder order, const std::int32_t* active, RTCRay16& packet) {
+  CastContext context(detail, order);
+  rtcOccluded16(active, tree, &context.embree, &packet);
 }
 
 }  // namespace uwsim

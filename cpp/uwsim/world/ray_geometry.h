@@ -9,6 +9,9 @@
 
 struct RTCDeviceTy;
 struct RTCSceneTy;
+struct RTCRay16;
+struct RTCRayHit;
+struct RTCRayHit16;
 
 namespace uwsim {
 
@@ -21,13 +24,18 @@ struct ReleaseScene {
 using RayDevice = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
 using RayTree = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 
-/// What Embree's callbacks are told about the rays they get, by what follows the RTCIntersectContext: lane `id` of
-/// `exact` that starts `starts_m[id]` along its way (0 when null); with `exact` null, only what the float ray says.
+/// What the callbacks of round solids know of the rays they get: lane `id` of `exact` that starts `starts_m[id]` along
+/// its way (0 when null); with `exact` null, only what the float ray says.
 struct RayDetail {
   const TileSurfaces* surfaces;
   const ExactRays* exact;
   const double* starts_m;
 };
+
+inline LaneRays lanes_of(const ExactRays& rays) {
+  return {rays.origin_x.data(),    rays.origin_y.data(),    rays.origin_z.data(), rays.direction_x.data(),
+          rays.direction_y.data(), rays.direction_z.data(), rays.far_m.data(),    rays.active.data()};
+}
 
 /// One round solid within a tile, as its callbacks know it. It must outlive the tree.
 struct RoundGeometry {
@@ -47,8 +55,10 @@ void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces&
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);
 void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& round);
 
-/// The least of `nearest_m` and the distance to a triangle of the tree; of shapes it knows nothing.
-double nearest_triangle_m(RTCSceneTy* tree, const TileSurfaces& surfaces, bool meshes,
-                          const Eigen::Vector3d& point_world_m, double nearest_m);
+/// Casts through a tree that may hold round solids; hit fields are to be invalid before.
+void intersect(RTCSceneTy* tree, const RayDetail& detail, RayOrder order, const std::int32_t* active,
+               RTCRayHit16& packet);
+void intersect(RTCSceneTy* tree, const RayDetail& detail, RTCRayHit& ray);
+void occluded(RTCSceneTy* tree, const RayDetail& detail, RayOrder order, const std::int32_t* active, RTCRay16& packet);
 
 }  // namespace uwsim

@@ -96,13 +96,14 @@ ExactRays exact(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays) {
 struct RayScene::Impl {
   RayDevice device = make_ray_device();
   std::vector<RayTile> tiles;
+  std::shared_ptr<const Heightfield> terrain;
 
-  explicit Impl(const World& world) {
+  explicit Impl(const World& world) : terrain(world.terrain()) {
     for (TileContents& contents : cut_into_tiles(world)) tiles.emplace_back(device.get(), world, std::move(contents));
   }
 
   /// The usual case: nothing to choose and nothing to move.
-  const RayTile* only_tile(const ExactRays& rays) const {
+  const RayTile* only_tile(std::span<const ExactRays> rays) const {
     return tiles.size() == 1 && tiles.front().is_near(rays) ? &tiles.front() : nullptr;
   }
 
@@ -133,8 +134,12 @@ struct RayScene::Impl {
     return found;
   }
 
-  void cast(const ExactRays& rays, ExactHits& hits) const {
-    if (const RayTile* tile = only_tile(rays)) return tile->cast(rays, nullptr, hits);
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+    if (const RayTile* tile = only_tile(rays)) return tile->cast(rays, hits);
+    for (std::size_t k = 0; k < rays.size(); ++k) cast_through_tiles(rays[k], hits[k]);
+  }
+
+  void cast_through_tiles(const ExactRays& rays, ExactHits& hits) const {
     hits.distance_m.fill(kInfinity);
     hits.normal_x.fill(0);
     hits.normal_y.fill(0);
@@ -207,7 +212,7 @@ struct RayScene::Impl {
         const bool sane = ray.origin_world_m.allFinite() && ray.direction_world.allFinite();
         set_ray(packet, k, ray.origin_world_m, ray.direction_world, max_range_m, k < count && sane);
       }
-      cast(packet, met);
+      cast({&packet, 1}, {&met, 1});
       for (std::size_t k = 0; k < count; ++k) {
         const Eigen::Vector3d normal(met.normal_x[k], met.normal_y[k], met.normal_z[k]);
         hits[first + k] = {met.distance_m[k], normal.cast<float>(), static_cast<Label>(met.label[k])};
@@ -234,7 +239,10 @@ RayHit RayScene::cast(const Ray& ray, double max_range_m) const {
   return hit;
 }
 
-void RayScene::cast(const ExactRays& rays, ExactHits& hits) const { impl_->cast(rays, hits); }
+void RayScene::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+  require(hits.size() == rays.size(), "hits.size", hits.size(), "must equal the number of packets");
+  impl_->cast(rays, hits);
+}
 
 void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
                     RayOrder order) const {
@@ -244,6 +252,11 @@ void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays
 void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                         RayOrder order) const {
   impl_->occluded(anchor_world_m, rays, blocked, order);
+}
+
+bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
+  const auto& terrain = impl_->terrain;
+  return terrain && point_world_m.z() <= terrain->height_at(point_world_m.x(), point_world_m.y());
 }
 
 void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m,

@@ -37,8 +37,8 @@ class RayScene {
   void cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads = 1) const;
   RayHit cast(const Ray& ray, double max_range_m) const;
 
-  /// The same, sixteen rays at a time without conversions.
-  void cast(const ExactRays& rays, ExactHits& hits) const;
+  /// The same, packets of sixteen rays without conversions; several together cost less than one by one.
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
 
   /// The bare float cast, for pictures: at the cost of the ray tree itself. Distances err by some 1e-4 m.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
@@ -46,6 +46,9 @@ class RayScene {
   /// Idle lanes are not blocked.
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                 RayOrder order = RayOrder::kIncoherent) const;
+
+  /// Whether the point lies on or under the terrain; never beside it.
+  bool under_ground(const Eigen::Vector3d& point_world_m) const;
 
   /// Distance from each point to the nearest triangle of the terrain and the solids' meshes, exact to double rounding;
   /// infinity in an empty world.

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "uwsim/world/ray_float.h"
 #include "uwsim/world/ray_geometry.h"
+#include "uwsim/world/ray_query.h"
 
 namespace uwsim {
 namespace {
@@ -17,25 +18,13 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeastSine = 1.7e-3;  // within 0.1 degree of tangency no one asks for more
 constexpr int kTurns = 64;             // rims a ray may brush past before it is given up to float
+constexpr std::size_t kTogether = 4;   // packets; their heights come from memory while the next are cast
 constexpr float kFarthest = std::numeric_limits<float>::max();
 
 /// What Embree names.
 struct Named {
   std::uint32_t geometry, primitive;
   double distance_m;
-};
-
-/// What Embree passes to the callbacks of round geometries.
-struct CastContext {
-  RTCIntersectContext embree;
-  RayDetail detail;
-
-  CastContext(const TileSurfaces& surfaces, const ExactRays* exact, const double* starts_m, RayOrder order)
-      : detail{&surfaces, exact, starts_m} {
-    static_assert(offsetof(CastContext, detail) == sizeof(RTCIntersectContext));
-    rtcInitIntersectContext(&embree);
-    if (order == RayOrder::kCoherent) embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  }
 };
 
 float at_most_float(double value) { return value < kFarthest ? static_cast<float>(value) : kFarthest; }
@@ -64,7 +53,7 @@ struct RayTile::Impl {
   std::vector<RoundGeometry> round;
   std::vector<std::vector<std::uint8_t>> crowded;  // by geometry and primitive: another surface comes near
   TerrainBlock block{};
-  TerrainSolve solve_terrain = best_terrain_solve();
+  const RayKernels& kernels = ray_kernels();
 
   Impl(RTCDevice shared_device, const World& world, TileContents contents)
       : surfaces(world, std::move(contents)),
@@ -91,81 +80,10 @@ struct RayTile::Impl {
     commit(device, mesh_tree.get(), triangles);
     if (surfaces.count(TileSurfaces::kPlainTerrain) > 0) block = surfaces.terrain_block();
     crowded.resize(geometries);
-    for (const TileContents::Share& share : surfaces.contents().solids) find_crowded(share.label);
-  }
-
-  // ---- what is near ----
-
-  struct Search {
-    const Impl* tile;
-    const TileRay* ray;
-    double from_m, to_m;
-    std::optional<TileHit> best;
-    Label label = kNothing;
-  };
-
-  static bool try_primitive(RTCPointQueryFunctionArguments* args) {
-    auto* search = static_cast<Search*>(args->userPtr);
-    const auto hit = search->tile->surfaces.meet(args->geomID, args->primID, *search->ray);
-    if (!hit || hit->distance_m < search->from_m || hit->distance_m > search->to_m) return false;
-    if (search->best && search->best->distance_m <= hit->distance_m) return false;
-    search->best = hit;
-    search->label = TileSurfaces::label(args->geomID);
-    return false;
-  }
-
-  void query(const Eigen::Vector3d& point_world_m, double radius_m, RTCPointQueryFunction visit, void* user) const {
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    const Eigen::Vector3f p = (point_world_m - surfaces.middle_m()).cast<float>();
-    RTCPointQuery sphere{p.x(), p.y(), p.z(), 0, static_cast<float>(radius_m + 4 * surfaces.reach_m())};
-    rtcPointQuery(scene, &sphere, &context, visit, user);
-  }
-
-  struct Company {
-    const Impl* tile;
-    std::uint32_t geometry;
-    Corners corners;
-    Eigen::AlignedBox3d box;
-    bool found;
-  };
-
-  static bool find_company(RTCPointQueryFunctionArguments* args) {
-    auto* me = static_cast<Company*>(args->userPtr);
-    const TileSurfaces& surfaces = me->tile->surfaces;
-    Eigen::AlignedBox3d other;
-    if (surfaces.is_round(args->geomID)) {
-      const ShapeBounds limits = bounds(surfaces.shape(args->geomID, args->primID));
-      other = {limits.low_m, limits.high_m};
-    } else {
-      const Corners corners = surfaces.corners(args->geomID, args->primID);
-      for (const Eigen::Vector3d& corner : corners) {
-        // A neighbour, or itself: the search around rims takes care of these.
-        if (args->geomID == me->geometry && std::ranges::find(me->corners, corner) != me->corners.end()) return false;
-        other.extend(corner);
-      }
-    }
-    if (!me->box.intersects(other)) return false;
-    me->found = true;
-    args->query->radius = 0;
-    return true;
-  }
-
-  void find_crowded(Label label) {
-    if (surfaces.is_round(label)) return;
-    crowded[label].resize(surfaces.count(label));
-    for (std::uint32_t k = 0; k < crowded[label].size(); ++k) {
-      Company me{this, label, surfaces.corners(label, k), {}, false};
-      for (const Eigen::Vector3d& corner : me.corners) me.box.extend(corner);
-      const double radius = 0.5 * me.box.diagonal().norm();
-      me.box.min().array() -= 8 * surfaces.reach_m();
-      me.box.max().array() += 8 * surfaces.reach_m();
-      query(me.box.center(), radius, &find_company, &me);
-      crowded[label][k] = me.found;
+    for (const TileContents::Share& share : surfaces.contents().solids) {
+      if (!surfaces.is_round(share.label)) crowded[share.label] = crowded_triangles(scene, surfaces, share.label);
     }
   }
-
-  // ---- exact casts ----
 
   double sine(const Named& named, const TileRay& ray) const {
     if (surfaces.is_round(named.geometry)) return 1;
@@ -175,7 +93,6 @@ struct RayTile::Impl {
 
   std::optional<Named> cast_one(const ExactRays& rays, std::size_t lane, const TileRay& ray, double start_m,
                                 double from_m, const double* starts_m) const {
-    CastContext context(surfaces, &rays, starts_m, RayOrder::kIncoherent);
     const Eigen::Vector3d start = ray.origin_world_m + start_m * ray.direction_world - surfaces.middle_m();
     RTCRayHit one;
     one.ray = {static_cast<float>(start.x()),
@@ -192,9 +109,19 @@ struct RayTile::Impl {
                0};
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &context.embree, &one);
+    intersect(scene, {&surfaces, &rays, starts_m}, one);
     if (one.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     return Named{one.hit.geomID, one.hit.primID, start_m + double{one.ray.tfar}};
+  }
+
+  /// The first of everything near a point; of terrain alone, where nothing else is near, without searching the tree.
+  std::optional<LabelledHit> first_around(std::uint32_t geometry, const Eigen::Vector3d& point, double radius,
+                                          const TileRay& ray, double from_m, double to_m) const {
+    if (geometry == TileSurfaces::kPlainTerrain) {
+      const TileSurfaces::Around around = surfaces.meet_terrain_around(point, radius, ray, from_m, to_m);
+      if (around.plain) return around.hit ? std::optional(LabelledHit{*around.hit, kTerrain}) : std::nullopt;
+    }
+    return first_hit_around(scene, surfaces, point, radius, ray, from_m, to_m);
   }
 
   /// The true first hit of a ray of which Embree says where it may be at the earliest.
@@ -204,19 +131,12 @@ struct RayTile::Impl {
                       rays.far_m[lane]};
     const double start_m = starts_m ? starts_m[lane] : 0;
     for (int turn = 0; turn < kTurns; ++turn) {
-      const double radius = 4 * surfaces.reach_m() * (1 + 1 / std::max(kLeastSine, sine(named, ray)));
+      const double radius = 2 * surfaces.rim_m() * (1 + 1 / std::max(kLeastSine, sine(named, ray)));
       const Eigen::Vector3d point = ray.origin_world_m + named.distance_m * ray.direction_world;
-      Search search{this, &ray, std::max(0.0, named.distance_m - radius), named.distance_m + radius, {}, kTerrain};
-      TileSurfaces::Around around{false, {}};
-      if (named.geometry == TileSurfaces::kPlainTerrain) {
-        around = surfaces.meet_terrain_around(point, radius, ray, search.from_m, search.to_m);
+      const double from_m = std::max(0.0, named.distance_m - radius), to_m = named.distance_m + radius;
+      if (const auto hit = first_around(named.geometry, point, radius, ray, from_m, to_m)) {
+        return set_hit_within(hits, lane, hit->hit, hit->label, ray.far_m);
       }
-      if (around.plain) {
-        search.best = around.hit;
-      } else {
-        query(point, radius, &try_primitive, &search);
-      }
-      if (search.best) return set_hit_within(hits, lane, *search.best, search.label, ray.far_m);
       const auto next = cast_one(rays, lane, ray, start_m, named.distance_m + 0.5 * radius, starts_m);
       if (!next) return set_miss(hits, lane);
       named = *next;
@@ -230,64 +150,97 @@ struct RayTile::Impl {
     hit.distance_m <= far_m ? set_hit(hits, lane, hit, label) : set_miss(hits, lane);
   }
 
-  void fill(const ExactRays& rays, const double* starts_m, RTCRay16& out) const {
-    const Eigen::Vector3d middle = surfaces.middle_m();
-    alignas(64) std::array<double, kPacketRays> zero{};
-    const double* start = starts_m ? starts_m : zero.data();
+  /// What Embree does not change.
+  static void fill_constants(RTCRayHit16& packet) {
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      out.org_x[k] = static_cast<float>(rays.origin_x[k] + start[k] * rays.direction_x[k] - middle.x());
-      out.org_y[k] = static_cast<float>(rays.origin_y[k] + start[k] * rays.direction_y[k] - middle.y());
-      out.org_z[k] = static_cast<float>(rays.origin_z[k] + start[k] * rays.direction_z[k] - middle.z());
-    }
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      out.dir_x[k] = static_cast<float>(rays.direction_x[k]);
-      out.dir_y[k] = static_cast<float>(rays.direction_y[k]);
-      out.dir_z[k] = static_cast<float>(rays.direction_z[k]);
-      out.tnear[k] = 0;
-      out.tfar[k] = at_most_float((rays.far_m[k] - start[k]) * (1 + 1e-6) + 1e-6);  // exact limits come after
-      out.time[k] = 0;
-      out.mask[k] = ~0u;
-      out.id[k] = static_cast<unsigned>(k);
-      out.flags[k] = 0;
+      packet.ray.tnear[k] = 0;
+      packet.ray.time[k] = 0;
+      packet.ray.mask[k] = ~0u;
+      packet.ray.id[k] = static_cast<unsigned>(k);
+      packet.ray.flags[k] = 0;
     }
   }
 
-  void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const {
-    CastContext context(surfaces, &rays, starts_m, RayOrder::kCoherent);
-    RTCRayHit16 packet;
-    fill(rays, starts_m, packet.ray);
+  void fill(const ExactRays& rays, const double* starts_m, RTCRayHit16& packet) const {
+    kernels.to_float(lanes_of(rays), surfaces.middle_m().data(),
+                     {packet.ray.org_x, packet.ray.org_y, packet.ray.org_z, packet.ray.dir_x, packet.ray.dir_y,
+                      packet.ray.dir_z, packet.ray.tfar});
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
       packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(rays.active.data(), scene, &context.embree, &packet);
+    if (starts_m == nullptr) return;
+    const Eigen::Vector3d middle = surfaces.middle_m();
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      packet.ray.org_x[k] = static_cast<float>(rays.origin_x[k] + starts_m[k] * rays.direction_x[k] - middle.x());
+      packet.ray.org_y[k] = static_cast<float>(rays.origin_y[k] + starts_m[k] * rays.direction_y[k] - middle.y());
+      packet.ray.org_z[k] = static_cast<float>(rays.origin_z[k] + starts_m[k] * rays.direction_z[k] - middle.z());
+      packet.ray.tfar[k] = at_most_float((rays.far_m[k] - starts_m[k]) * (1 + 1e-6) + 1e-6);
+    }
+  }
 
+  /// Embree's answer to a packet, and where the heights of its terrain triangles are.
+  struct Answer {
+    alignas(64) std::array<std::uint32_t, kPacketRays> geometry, primitive;
+    alignas(64) std::array<float, kPacketRays> distance_m;
+    TerrainPlaces places;
+    bool any_terrain;
+  };
+
+  void ask(RTCRayHit16& packet, const ExactRays& rays, const double* starts_m, Answer& answer) const {
+    fill(rays, starts_m, packet);
+    intersect(scene, {&surfaces, &rays, starts_m}, RayOrder::kCoherent, rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
-    alignas(64) std::array<std::int32_t, kPacketRays> inside;
-    bool any_terrain = false;
+    std::uint32_t any = 0;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const bool terrain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain;
-      triangles[k] = terrain ? packet.hit.primID[k] : 0;
-      any_terrain |= terrain;
+      const std::uint32_t terrain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain ? ~0u : 0u;
+      triangles[k] = packet.hit.primID[k] & terrain;
+      any |= terrain;
     }
-    if (any_terrain) {
-      solve_terrain(
-          block, triangles.data(),
-          {rays.origin_x.data(), rays.origin_y.data(), rays.origin_z.data(), rays.direction_x.data(),
-           rays.direction_y.data(), rays.direction_z.data()},
-          {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), inside.data()});
+    std::copy_n(packet.hit.geomID, kPacketRays, answer.geometry.begin());
+    std::copy_n(packet.hit.primID, kPacketRays, answer.primitive.begin());
+    std::copy_n(packet.ray.tfar, kPacketRays, answer.distance_m.begin());
+    answer.any_terrain = any != 0;
+    if (answer.any_terrain) kernels.locate(block, triangles.data(), answer.places);
+  }
+
+  void conclude(const Answer& answer, const ExactRays& rays, const double* starts_m, ExactHits& hits) const {
+    alignas(64) std::array<std::int32_t, kPacketRays> met;
+    met.fill(0);
+    if (answer.any_terrain) {
+      kernels.solve(
+          block, answer.places, lanes_of(rays),
+          {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
     }
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::uint32_t geometry = packet.hit.geomID[k];
-      if (geometry == TileSurfaces::kPlainTerrain && inside[k] && hits.distance_m[k] >= 0 &&
-          hits.distance_m[k] <= rays.far_m[k]) {
+      const std::uint32_t geometry = answer.geometry[k];
+      if (geometry == TileSurfaces::kPlainTerrain && met[k] != 0) {
         hits.label[k] = kTerrain;
-      } else if (!rays.active[k] || geometry == RTC_INVALID_GEOMETRY_ID) {
+      } else if (rays.active[k] == 0 || geometry == RTC_INVALID_GEOMETRY_ID) {
         set_miss(hits, k);
       } else {
-        const double start_m = starts_m ? starts_m[k] : 0;
-        settle(rays, k, starts_m, {geometry, packet.hit.primID[k], start_m + double{packet.ray.tfar[k]}}, hits);
+        const double start_m = starts_m != nullptr ? starts_m[k] : 0;
+        settle(rays, k, starts_m, {geometry, answer.primitive[k], start_m + double{answer.distance_m[k]}}, hits);
       }
+    }
+  }
+
+  void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const {
+    RTCRayHit16 packet;
+    Answer answer;
+    fill_constants(packet);
+    ask(packet, rays, starts_m, answer);
+    conclude(answer, rays, starts_m, hits);
+  }
+
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+    RTCRayHit16 packet;
+    std::array<Answer, kTogether> answers;
+    fill_constants(packet);
+    for (std::size_t first = 0; first < rays.size(); first += kTogether) {
+      const std::size_t last = std::min(first + kTogether, rays.size());
+      for (std::size_t k = first; k < last; ++k) ask(packet, rays[k], nullptr, answers[k - first]);
+      for (std::size_t k = first; k < last; ++k) conclude(answers[k - first], rays[k], nullptr, hits[k]);
     }
   }
 
@@ -306,71 +259,6 @@ struct RayTile::Impl {
     }
     follow(rays, lane, starts_m, named, hits);
   }
-
-  // ---- casts for pictures ----
-
-  RTCRay16 rays_of(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m) const {
-    RTCRay16 out;
-    const Eigen::Vector3d shift = anchor_world_m - surfaces.middle_m();
-    const Eigen::Vector3f near = shift.cast<float>();
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      out.org_x[k] = near.x() + rays.origin_x[k];
-      out.org_y[k] = near.y() + rays.origin_y[k];
-      out.org_z[k] = near.z() + rays.origin_z[k];
-      out.dir_x[k] = rays.direction_x[k];
-      out.dir_y[k] = rays.direction_y[k];
-      out.dir_z[k] = rays.direction_z[k];
-      out.tnear[k] = rays.near_m[k];
-      out.tfar[k] = rays.far_m[k];
-      out.time[k] = 0;
-      out.mask[k] = ~0u;
-      out.id[k] = static_cast<unsigned>(k);
-      out.flags[k] = 0;
-    }
-    for (std::size_t k = 0; starts_m != nullptr && k < kPacketRays; ++k) {
-      out.org_x[k] = static_cast<float>(shift.x() + rays.origin_x[k] + starts_m[k] * rays.direction_x[k]);
-      out.org_y[k] = static_cast<float>(shift.y() + rays.origin_y[k] + starts_m[k] * rays.direction_y[k]);
-      out.org_z[k] = static_cast<float>(shift.z() + rays.origin_z[k] + starts_m[k] * rays.direction_z[k]);
-      out.tnear[k] = std::max(0.0f, static_cast<float>(rays.near_m[k] - starts_m[k]));
-      out.tfar[k] = static_cast<float>(rays.far_m[k] - starts_m[k]);
-    }
-    return out;
-  }
-
-  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, HitPacket& hits,
-            RayOrder order) const {
-    CastContext context(surfaces, nullptr, nullptr, order);
-    RTCRayHit16 packet;
-    packet.ray = rays_of(anchor_world_m, rays, starts_m);
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-    }
-    rtcIntersect16(rays.active.data(), scene, &context.embree, &packet);
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::uint32_t geometry = packet.hit.geomID[k];
-      const bool met = geometry != RTC_INVALID_GEOMETRY_ID;
-      const float start = starts_m != nullptr ? static_cast<float>(starts_m[k]) : 0.0f;
-      hits.distance_m[k] = met ? start + packet.ray.tfar[k] : std::numeric_limits<float>::infinity();
-      hits.u[k] = packet.hit.u[k];
-      hits.v[k] = packet.hit.v[k];
-      hits.normal_x[k] = packet.hit.Ng_x[k];
-      hits.normal_y[k] = packet.hit.Ng_y[k];
-      hits.normal_z[k] = packet.hit.Ng_z[k];
-      hits.label[k] = met ? std::max<std::uint32_t>(geometry, kTerrain) : kNothing;
-      hits.primitive[k] = met ? surfaces.world_number(geometry, packet.hit.primID[k]) : 0;
-    }
-  }
-
-  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, Blocked& blocked,
-                RayOrder order) const {
-    CastContext context(surfaces, nullptr, nullptr, order);
-    RTCRay16 packet = rays_of(anchor_world_m, rays, starts_m);
-    rtcOccluded16(rays.active.data(), scene, &context.embree, &packet);
-    for (std::size_t k = 0; k < kPacketRays; ++k) {  // Embree marks what is blocked by tfar = -inf
-      blocked[k] = packet.tfar[k] == -std::numeric_limits<float>::infinity() ? rays.active[k] : 0;
-    }
-  }
 };
 
 RayTile::RayTile(RTCDevice device, const World& world, TileContents contents)
@@ -385,18 +273,15 @@ bool RayTile::is_near(const Eigen::Vector3d& point_world_m) const {
   return (point_world_m - impl_->surfaces.middle_m()).cwiseAbs().maxCoeff() <= impl_->surfaces.diagonal_m();
 }
 
-bool RayTile::is_near(const ExactRays& rays) const {
-  const Eigen::Vector3d middle = impl_->surfaces.middle_m();
-  const double reach = impl_->surfaces.diagonal_m();
-  bool near = true;
-  for (std::size_t k = 0; k < kPacketRays; ++k) {
-    const bool here = (std::abs(rays.origin_x[k] - middle.x()) <= reach) &
-                      (std::abs(rays.origin_y[k] - middle.y()) <= reach) &
-                      (std::abs(rays.origin_z[k] - middle.z()) <= reach);
-    near &= here | (rays.active[k] == 0);
+bool RayTile::is_near(std::span<const ExactRays> rays) const {
+  const double* middle_m = impl_->surfaces.middle_m().data();
+  for (const ExactRays& packet : rays) {
+    if (!impl_->kernels.all_near(lanes_of(packet), middle_m, impl_->surfaces.diagonal_m())) return false;
   }
-  return near;
+  return true;
 }
+
+void RayTile::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const { impl_->cast(rays, hits); }
 
 void RayTile::cast(const ExactRays& rays, const double* start_m, ExactHits& hits) const {
   impl_->cast(rays, start_m, hits);
@@ -404,12 +289,12 @@ void RayTile::cast(const ExactRays& rays, const double* start_m, ExactHits& hits
 
 void RayTile::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* start_m, HitPacket& hits,
                    RayOrder order) const {
-  impl_->cast(anchor_world_m, rays, start_m, hits, order);
+  cast_float(impl_->scene, impl_->surfaces, anchor_world_m, rays, start_m, hits, order);
 }
 
 void RayTile::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* start_m,
                        Blocked& blocked, RayOrder order) const {
-  impl_->occluded(anchor_world_m, rays, start_m, blocked, order);
+  occluded_float(impl_->scene, impl_->surfaces, anchor_world_m, rays, start_m, blocked, order);
 }
 
 double RayTile::distance(const Eigen::Vector3d& point_world_m, double nearest_m) const {

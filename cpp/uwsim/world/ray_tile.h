@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "uwsim/world/ray_packet.h"
 #include "uwsim/world/tile_surfaces.h"
@@ -14,10 +15,10 @@ namespace uwsim {
 
 /// A piece of the world, some 1 km wide at most, as Embree sees it: ROBUST, in float about the piece's own middle.
 ///
-/// Float errs by up to 1e-6 of the tile's size. So each triangle is handed to Embree widened by that: a ray that truly
-/// meets a triangle always meets its widened twin. What Embree names first is solved again in double. Where that point
-/// lies on the rim or outside, or where other surfaces come near, everything within reach of the error is tried in
-/// double and the true first hit taken; where there is none, the ray goes on behind it.
+/// Float errs by up to 1e-6 of the tile's size. So each triangle is handed to Embree widened by more than that: a ray
+/// that truly meets a triangle meets its widened twin. What Embree names first is solved again in double. Where that
+/// point lies on the rim or outside, or where other surfaces come near, everything within reach of the error is tried
+/// in double and the true first hit taken; where there is none, the ray goes on behind it.
 class RayTile {
  public:
   /// Throws InvalidValue when Embree cannot build its tree.
@@ -30,10 +31,12 @@ class RayTile {
   const Eigen::AlignedBox3d& box() const;
   /// Whether rays from here may be cast in float as they are; others are to start where they enter the box.
   bool is_near(const Eigen::Vector3d& point_world_m) const;
-  bool is_near(const ExactRays& rays) const;
+  bool is_near(std::span<const ExactRays> rays) const;
 
   /// The true first hits in this tile of rays that start `start_m` along their way (at 0 when null).
   void cast(const ExactRays& rays, const double* start_m, ExactHits& hits) const;
+  /// The same of packets that are near, at 0. Cast together they cost less: memory is asked for ahead of its use.
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
   /// As Embree has them; `start_m` as above, distances count from the rays' origins.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* start_m, HitPacket& hits,
             RayOrder order) const;

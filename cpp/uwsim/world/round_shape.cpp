@@ -50,22 +50,24 @@ bool within(const RoundShape::End& end, const Eigen::Vector3d& point) {
   return end.outward.dot(point - end.point_world_m) <= kSeam_m;
 }
 
-void meet_wall(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& way, Nearest& nearest) {
+/// False when the ray misses the endless cylinder, and so the caps within it.
+bool meet_wall(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& way, Nearest& nearest) {
   const auto off_axis = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - shape.axis.dot(v) * shape.axis; };
   const Eigen::Vector3d start = off_axis(origin - shape.ends[0].point_world_m), turn = off_axis(way);
   const double slope = turn.squaredNorm();
-  if (slope < 1e-24) return;  // along the axis
+  if (slope < 1e-24) return start.norm() <= shape.radius_m + kSeam_m;  // along the axis
   const double closest = -start.dot(turn) / slope;
   const Eigen::Vector3d across = start + closest * turn;
   const double half_chord_squared = (shape.radius_m * shape.radius_m - across.squaredNorm()) / slope;
-  if (half_chord_squared < 0) return;
+  if (half_chord_squared < 0) return false;
   const double half_chord = std::sqrt(half_chord_squared);
   for (const double distance : {closest - half_chord, closest + half_chord}) {
     const Eigen::Vector3d point = origin + distance * way;
     if (!nearest.wants(distance) || !within(shape.ends[0], point) || !within(shape.ends[1], point)) continue;
     nearest.take(distance, (across + (distance - closest) * turn) / shape.radius_m);
-    return;
+    break;
   }
+  return true;
 }
 
 void meet_cap(const RoundShape& shape, std::size_t index, const Eigen::Vector3d& origin, const Eigen::Vector3d& way,
@@ -121,8 +123,7 @@ std::optional<ShapeHit> first_hit(const RoundShape& shape, const Eigen::Vector3d
   Nearest nearest(near_m, far_m);
   if (shape.is_sphere()) {
     meet_sphere(shape, origin_world_m, direction_world, nearest);
-  } else {
-    meet_wall(shape, origin_world_m, direction_world, nearest);
+  } else if (meet_wall(shape, origin_world_m, direction_world, nearest)) {
     meet_cap(shape, 0, origin_world_m, direction_world, nearest);
     meet_cap(shape, 1, origin_world_m, direction_world, nearest);
   }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFloatError = 1e-6;  // of half the tile's diagonal: some sixteen units in the last place
 constexpr double kLeastReach_m = 1e-8;
-constexpr double kSharpest = 8;  // how many times the reach a corner may move
+constexpr double kSharpest = 8;  // how many times the rim a corner may move
 constexpr double kSeam = 1e-10;  // barycentric: what double leaves open between neighbours
 constexpr double kCrossing = 8;  // times the reach, within which surfaces count as near each other
 
@@ -47,7 +47,7 @@ std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray
   return TileHit{-normal.dot(from_a) / along, normal / area, clear};
 }
 
-Corners widened(const Corners& triangle, double reach_m) {
+Corners widened(const Corners& triangle, double rim_m) {
   Corners wide = triangle;
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d one = (triangle[(k + 1) % 3] - triangle[k]).stableNormalized();
@@ -55,7 +55,7 @@ Corners widened(const Corners& triangle, double reach_m) {
     const Eigen::Vector3d inward = one + two;
     const double sine = 0.5 * (one - two).norm(), cosine = 0.5 * inward.norm();  // of half the corner's angle
     if (cosine < 1e-9) continue;
-    wide[k] -= reach_m * std::min(1 / sine, kSharpest) * inward / (2 * cosine);
+    wide[k] -= rim_m * std::min(1 / sine, kSharpest) * inward / (2 * cosine);
   }
   return wide;
 }
@@ -65,6 +65,8 @@ TileSurfaces::TileSurfaces(const World& world, TileContents contents)
   for (std::size_t k = 0; k < contents_.solids.size(); ++k) {
     share_of_geometry_[contents_.solids[k].label] = static_cast<std::int32_t>(k);
   }
+  whole_terrain_ = world_.terrain() && contents_.columns == world_.terrain()->nx() - 1 &&
+                   contents_.rows == world_.terrain()->ny() - 1;
   measure();
   mark_all_crossed();
 }
@@ -89,8 +91,8 @@ void TileSurfaces::measure() {
   middle_m_ = box_.center();
   diagonal_m_ = box_.diagonal().norm();
   reach_m_ = std::max(kLeastReach_m, kFloatError * 0.5 * diagonal_m_);
-  box_.min().array() -= 2 * kSharpest * reach_m_;
-  box_.max().array() += 2 * kSharpest * reach_m_;
+  box_.min().array() -= 2 * kSharpest * rim_m();
+  box_.max().array() += 2 * kSharpest * rim_m();
 }
 
 void TileSurfaces::mark_all_crossed() {
@@ -145,6 +147,7 @@ bool TileSurfaces::is_round(std::uint32_t geometry) const {
 }
 
 std::uint32_t TileSurfaces::terrain_number(std::uint32_t plain_triangle) const {
+  if (whole_terrain_) return plain_triangle;
   const std::uint32_t cell = plain_triangle / 2;
   const auto columns = static_cast<std::uint32_t>(world_.terrain()->nx() - 1);
   const std::uint32_t row = contents_.first_row + cell / contents_.columns;

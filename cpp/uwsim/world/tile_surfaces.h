@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "uwsim/world/terrain_solve.h"
+#include "uwsim/world/ray_kernels.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -53,6 +53,9 @@ class TileSurfaces {
   double diagonal_m() const { return diagonal_m_; }
   /// More than any point of a ray or surface in this tile moves when rounded to float about the middle.
   double reach_m() const { return reach_m_; }
+  /// By how much triangles are widened for the ray tree. At grazing incidence a ray's error grows along the surface, so
+  /// it is several times the reach: enough down to about a degree, and in practice below.
+  double rim_m() const { return kRim * reach_m_; }
 
   std::size_t count(std::uint32_t geometry) const;
   bool is_round(std::uint32_t geometry) const;
@@ -81,6 +84,8 @@ class TileSurfaces {
   TerrainBlock terrain_block() const;
 
  private:
+  static constexpr double kRim = 4;
+
   const TileContents::Share& share(std::uint32_t geometry) const;
   std::uint32_t terrain_number(std::uint32_t plain_triangle) const;
   void measure();
@@ -92,6 +97,7 @@ class TileSurfaces {
   Eigen::AlignedBox3d box_;
   Eigen::Vector3d middle_m_;
   double diagonal_m_ = 0, reach_m_ = 0;
+  bool whole_terrain_ = false;                   // its numbers are the world's
   std::vector<std::uint8_t> crossed_cells_;      // by cell of the block
   std::vector<std::uint32_t> crossed_;           // plain triangles
   std::vector<std::int32_t> share_of_geometry_;  // into contents_.solids, -1 for none
@@ -100,7 +106,7 @@ class TileSurfaces {
 /// Where a ray meets a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double.
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double reach_m);
 
-/// The triangle with each edge moved outward in its plane by `reach_m` (less at corners sharper than 14 degrees).
-Corners widened(const Corners& triangle, double reach_m);
+/// The triangle with each edge moved outward in its plane by `rim_m` (less at corners sharper than 14 degrees).
+Corners widened(const Corners& triangle, double rim_m);
 
 }  // namespace uwsim

@@ -17,6 +17,7 @@ def main() -> None:
             print(f"{sim.time_s:4.0f} s: {panel.depth_m:5.2f} m deep, {panel.speed_m_s:.2f} m/s, {efforts}")
 
         rov.sonar.aim(elevation_rad=-0.7)
+        sim.advance(3.0)  # the head turns by 5 degrees a second
         ping = rov.sonar.ping()
         names = [sim.world.label_names[label] for label in np.unique(ping.labels[ping.valid])]
         print(f"{ping.valid.sum()} of {len(ping.ranges_m)} beams came back, from: {', '.join(names)}")

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.meshes import Triangles, Vertices, load_mesh
-from uwsim.scenario.obstacles import obstacle_mesh
+from uwsim.scenario.obstacles import obstacle_body
 from uwsim.scenario.schema import Scenario, Station, Vehicle
 from uwsim.scenario.terrain import Terrain, build_terrain
 from uwsim.scenario.water import build_water
@@ -24,7 +24,7 @@ def build_world(scenario: Scenario) -> _core.World:
     world.set_terrain(terrain.heights_m, terrain.spacing_m, terrain.origin_m)
     for index, obstacle in enumerate(scenario.obstacles):
         with place("obstacles", index):
-            world.add_solid(obstacle.name, *obstacle_mesh(obstacle, terrain))
+            world.add_solid(obstacle.name, *obstacle_body(obstacle, terrain))
     if scenario.station.mesh is not None:
         with place("station", "mesh"):
             world.add_solid("station", *_station_mesh(scenario.station))

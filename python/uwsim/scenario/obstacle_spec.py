@@ -1,4 +1,7 @@
-"""Fixed things in the water, each told by its `kind`; every one both collides and echoes."""
+"""Fixed things in the water, each told by its `kind`; every one both collides and echoes.
+
+What is round echoes as the exact shape; contacts and maps' scores meet a mesh of it, see scenario.obstacles.
+"""
 
 from __future__ import annotations
 
@@ -106,6 +109,15 @@ class Cylinder(Model):
     length_m: Size
 
 
+class Sphere(Model):
+    """A ball about its centre position_m (world)."""
+
+    kind: Literal["sphere"]
+    name: Name
+    position_m: Point3
+    radius_m: Size
+
+
 class MeshObstacle(Model):
     """A mesh file (FBX, glTF, OBJ, STL, PLY and others), its own origin at position_m (world).
 
@@ -123,4 +135,4 @@ class MeshObstacle(Model):
     up: Literal["y", "z"] | None = None
 
 
-ObstacleSpec = Annotated[Pipeline | Gate | Box | Cylinder | MeshObstacle, Field(discriminator="kind")]
+ObstacleSpec = Annotated[Pipeline | Gate | Box | Cylinder | Sphere | MeshObstacle, Field(discriminator="kind")]

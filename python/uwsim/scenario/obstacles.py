@@ -1,42 +1,65 @@
-"""The things in the water as closed triangle meshes in the world frame."""
+"""The things in the water in the world frame: closed triangle meshes, and the exact shapes of what is round.
+
+Rays meet the shapes. Contacts and the truth that maps are scored against meet the mesh, whose corners lie on the round
+surface and whose facets lie within 0.5 % of the radius inside it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim import _core
 from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.meshes import Triangles, Vertices, joined, load_mesh
-from uwsim.scenario.obstacle_spec import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline
+from uwsim.scenario.obstacle_spec import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline, Sphere
 from uwsim.scenario.terrain import Terrain
 
-AROUND = 16
-"""Sides of what is round: its flats are within 2 % of the radius."""
+AROUND = 32
+"""Sides of what is round: the flats' middles lie r (1 - cos(pi / 32)) = 0.48 % of the radius inside."""
+BALL_SUBDIVISIONS = 4
+"""Of an icosahedron: facets lie within 0.1 % of the radius inside."""
 POST_FOOT_M = 0.5
 """How far a gate's posts reach into the bed, so that no slope shows their ends."""
 
 Mesh = tuple[Vertices, Triangles]
+Shapes = list[_core.RoundShape]
 
 
-def obstacle_mesh(obstacle: ObstacleSpec, terrain: Terrain) -> Mesh:
-    """Vertices (n, 3), world frame, metres, and triangles (m, 3), winding outward. Raises ScenarioError."""
+class Body(NamedTuple):
+    """vertices (n, 3), world frame, metres, and triangles (m, 3), winding outward; shapes of what is round, or none."""
+
+    vertices: Vertices
+    triangles: Triangles
+    shapes: Shapes
+
+
+def obstacle_body(obstacle: ObstacleSpec, terrain: Terrain) -> Body:
+    """The obstacle where it stands. Raises ScenarioError."""
     match obstacle:
         case Pipeline():
             return _pipeline(obstacle, terrain)
         case Gate():
             return _gate(obstacle, terrain)
         case Box():
-            return _posed(_parts(trimesh.creation.box(obstacle.size_m)), obstacle)
+            return Body(*_posed(_parts(trimesh.creation.box(obstacle.size_m)), obstacle), [])
         case Cylinder():
-            solid = trimesh.creation.cylinder(obstacle.radius_m, obstacle.length_m, sections=AROUND)
-            return _posed(_parts(solid), obstacle)
+            ends = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * obstacle.length_m
+            start, end = _world_from_local(obstacle).apply(ends) + np.asarray(obstacle.position_m)
+            return _bars([(start, end)], obstacle.radius_m)
+        case Sphere():
+            ball = trimesh.creation.icosphere(subdivisions=BALL_SUBDIVISIONS, radius=obstacle.radius_m)
+            vertices, triangles = _parts(ball)
+            shape = _core.RoundShape.sphere(obstacle.position_m, obstacle.radius_m)
+            return Body(vertices + np.asarray(obstacle.position_m), triangles, [shape])
         case MeshObstacle():
-            return _posed(load_mesh(obstacle.file, scale=obstacle.scale, up=obstacle.up), obstacle)
+            return Body(*_posed(load_mesh(obstacle.file, scale=obstacle.scale, up=obstacle.up), obstacle), [])
         case _:
             assert_never(obstacle)
 
@@ -45,17 +68,29 @@ def _parts(solid: trimesh.Trimesh) -> Mesh:
     return np.asarray(solid.vertices, np.float64), np.asarray(solid.faces, np.uint32)
 
 
-def _posed(mesh: Mesh, obstacle: Box | Cylinder | MeshObstacle) -> Mesh:
-    world_from_local = Rotation.from_euler("ZYX", obstacle.yaw_pitch_roll_deg, degrees=True)
-    return world_from_local.apply(mesh[0]) + np.asarray(obstacle.position_m), mesh[1]
+def _world_from_local(obstacle: Box | Cylinder | MeshObstacle) -> Rotation:
+    return Rotation.from_euler("ZYX", obstacle.yaw_pitch_roll_deg, degrees=True)
 
 
-def _pipeline(pipeline: Pipeline, terrain: Terrain) -> Mesh:
+def _posed(mesh: Mesh, obstacle: Box | MeshObstacle) -> Mesh:
+    return _world_from_local(obstacle).apply(mesh[0]) + np.asarray(obstacle.position_m), mesh[1]
+
+
+def _bars(lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], radius_m: float) -> Body:
+    """Round bars, each between two points (3,) on its axis, with flat ends."""
+    solids = [trimesh.creation.cylinder(radius_m, segment=line, sections=AROUND) for line in lines]
+    vertices, triangles = joined([_parts(solid) for solid in solids])
+    shapes = [_core.RoundShape.cylinder(start, end, radius_m) for start, end in lines]
+    return Body(vertices, triangles.astype(np.uint32), shapes)
+
+
+def _pipeline(pipeline: Pipeline, terrain: Terrain) -> Body:
     """Sweep a tube along the line, its axis at bed height + radius (1 - 2 buried_fraction) at each of its points."""
     xy = _densified(np.asarray(pipeline.points_m, np.float64), step_m=max(1.0, terrain.spacing_m))
     lift = pipeline.radius_m * (1 - 2 * pipeline.buried_fraction)
     axis = np.column_stack([xy, _bed(terrain, xy, pipeline.name) + lift])
-    return swept_tube(axis, pipeline.radius_m)
+    shapes = _core.RoundShape.pipe(axis, pipeline.radius_m)
+    return Body(*swept_tube(axis, pipeline.radius_m), shapes)
 
 
 def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64]:
@@ -110,7 +145,7 @@ def _skinned(rings: NDArray[np.float64], first: NDArray[np.float64], last: NDArr
     return vertices, np.vstack([wall, start_fan, end_fan]).astype(np.uint32)
 
 
-def _gate(gate: Gate, terrain: Terrain) -> Mesh:
+def _gate(gate: Gate, terrain: Terrain) -> Body:
     """Put posts from below the bed to the crossbar, whose height counts from the bed in the middle."""
     yaw = np.radians(gate.yaw_deg)
     across = np.array([-np.sin(yaw), np.cos(yaw)])
@@ -122,12 +157,10 @@ def _gate(gate: Gate, terrain: Terrain) -> Mesh:
         raise ScenarioError(
             f"obstacle '{gate.name}': the bed at a post is higher than the crossbar; make height_m larger"
         )
-    lines = [[[*foot, low], [*foot, top]] for foot, low in zip(feet, bottom, strict=True)]
+    lines = [(np.array([*foot, low]), np.array([*foot, top])) for foot, low in zip(feet, bottom, strict=True)]
     bars = [top] if gate.lower_bar_m is None else [top, heights[2] + gate.lower_bar_m]
-    lines += [[[*feet[0], z], [*feet[1], z]] for z in bars]
-    solids = [trimesh.creation.cylinder(gate.bar_radius_m, segment=line, sections=AROUND) for line in lines]
-    vertices, triangles = joined([_parts(solid) for solid in solids])
-    return vertices, triangles.astype(np.uint32)
+    lines += [(np.array([*feet[0], z]), np.array([*feet[1], z])) for z in bars]
+    return _bars(lines, gate.bar_radius_m)
 
 
 def _bed(terrain: Terrain, xy_m: NDArray[np.float64], name: str) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from functools import partial
@@ -107,7 +108,7 @@ class _Flight:
             self._sim,
             chain,
             self._log,
-            1.0 / survey.ping_rate_hz,
+            _ping_interval_s(self._sim, survey),
             lambda: on_progress(self._mission.progress),
             self._on_pause,
         )
@@ -182,6 +183,12 @@ def required_survey(scenario: Scenario) -> Survey:
             f"scenario '{scenario.name}': no survey: give it area_m, altitude_m, line_spacing_m, speed_m_s"
         )
     return scenario.survey
+
+
+def _ping_interval_s(sim: Simulator, survey: Survey) -> float:
+    """The scenario's, or what two-way travel time allows where that is longer; whole steps."""
+    least_s = 1.0 / sim.rov.sonar.ping_rate_max_hz
+    return max(1.0 / survey.ping_rate_hz, math.ceil(least_s / sim.step_s) * sim.step_s)
 
 
 def _plan(survey: Survey) -> LawnMowerPlan:

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "uwsim/sonar/beam_kernels.h"
+
+// Compiled once for each width of vector unit; hence the anonymous namespace, and loops that compilers vectorise.
+namespace uwsim {
+namespace {
+
+constexpr int kLanes = 16;
+constexpr float kInfinity = __builtin_inff();
+constexpr float kDecibel = 8.68588964f;  // 20 / ln 10
+constexpr double kLeastCosine = 1e-6;
+constexpr float kNearest_m = 0.01f;
+
+/// Natural logarithm of a positive, normal number: ln 2 times its exponent, and of its mantissa m in [0.7, 1.41] the
+/// series 2 (z + z^3/3 + z^5/5 + ...) with z = (m - 1) / (m + 1), |z| < 0.172.
+inline float log_series(float x) {
+  std::int32_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  const std::int32_t exponent = (bits - 0x3f3504f3) >> 23;  // of x / sqrt(1/2), rounded down
+  bits -= exponent * (1 << 23);
+  float m;
+  std::memcpy(&m, &bits, sizeof m);
+  const float z = (m - 1) / (m + 1), z2 = z * z;
+  const float series = 2 * z * (1 + z2 * (1.0f / 3 + z2 * (1.0f / 5 + z2 * (1.0f / 7 + z2 * (1.0f / 9)))));
+  return static_cast<float>(exponent) * 0.69314718f + series;
+}
+
+/// Angle of a right triangle's corner from its two sides, both not negative: arc tangent by its series, about 0, 45 or
+/// 90 degrees, whichever is nearest, so that its argument is at most tan(22.5 deg).
+inline float angle_series(float opposite, float adjacent) {
+  const float less = opposite < adjacent ? opposite : adjacent, more = opposite < adjacent ? adjacent : opposite;
+  const bool middle = less > 0.41421356f * more;
+  const float q = (middle ? less - more : less) / (middle ? less + more : more);
+  const float q2 = q * q;
+  const float tail = 1.0f / 7 - q2 * (1.0f / 9 - q2 * (1.0f / 11 - q2 * (1.0f / 13 - q2 * (1.0f / 15))));
+  const float series = q * (1 - q2 * (1.0f / 3 - q2 * (1.0f / 5 - q2 * tail)));
+  const float small = (middle ? 0.78539816f : 0.0f) + series;
+  return opposite < adjacent ? small : 1.57079633f - small;
+}
+
+void directions(const double* x_axis, const double* y_axis, const double* ahead, const double* aside,
+                double* direction_x, double* direction_y, double* direction_z) {
+#pragma GCC ivdep  // what is read and what is written are apart
+  for (int k = 0; k < kLanes; ++k) {
+    direction_x[k] = x_axis[0] * ahead[k] + y_axis[0] * aside[k];
+    direction_y[k] = x_axis[1] * ahead[k] + y_axis[1] * aside[k];
+    direction_z[k] = x_axis[2] * ahead[k] + y_axis[2] * aside[k];
+  }
+}
+
+void reach(double head_z_m, double range_max_m, const double* direction_z, double* far_m) {
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const double to_surface_m = -head_z_m / direction_z[k];
+    const bool surfaces = (direction_z[k] > 0) & (to_surface_m < range_max_m);
+    far_m[k] = surfaces ? to_surface_m : range_max_m;
+  }
+}
+
+void echoes(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& out) {
+  alignas(64) std::int32_t valid[kLanes];
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const double hit_z = rule.head_z_m + hits.distance_m[k] * hits.direction_z[k];
+    const bool heard = (hits.distance_m[k] < rule.range_max_m) & (hit_z <= 0);
+    const double along = hits.normal_x[k] * hits.direction_x[k] + hits.normal_y[k] * hits.direction_y[k] +
+                         hits.normal_z[k] * hits.direction_z[k];
+    const double turned = along < 0 ? -along : along;
+    const double cosine = turned < 1 ? turned : 1;
+    const auto range = static_cast<float>(heard ? hits.distance_m[k] : 1);
+    const float near = range > kNearest_m ? range : kNearest_m;
+    const auto visible = static_cast<float>(cosine > kLeastCosine ? cosine : kLeastCosine);
+    const float angle = angle_series(static_cast<float>(std::sqrt(1 - cosine * cosine)), static_cast<float>(cosine));
+    const float level = kDecibel * log_series(visible / (near * near)) -
+                        static_cast<float>(2 * rule.absorption_db_m) * range + static_cast<float>(rule.strength_db);
+    out.range_m[k] = heard ? range : kInfinity;
+    out.incidence_rad[k] = heard ? angle : __builtin_nanf("");
+    out.intensity_db[k] = heard ? level : -kInfinity;
+    valid[k] = heard;
+  }
+  for (int k = 0; k < kLanes; ++k) {
+    out.label[k] = static_cast<std::uint16_t>(valid[k] != 0 ? hits.label[k] : 0);
+    out.valid[k] = static_cast<std::uint8_t>(valid[k]);
+  }
+}
+
+constexpr BeamKernels kKernels{&directions, &reach, &echoes};
+
+}  // namespace
+}  // namespace uwsim

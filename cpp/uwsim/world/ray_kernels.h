@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+
+namespace uwsim {
+
+/// A block of a height field's triangles, as the ray tree numbers them: two a cell, cells row by row within the block.
+struct TerrainBlock {
+  const float* heights_m;     ///< of the whole height field
+  double origin_x, origin_y;  ///< of the whole height field [m]
+  double cells_per_m;
+  double margin_cells;                             ///< how far inside its triangle a hit must lie
+  std::uint32_t row_length;                        ///< vertices in a row of the whole height field
+  std::uint32_t first_column, first_row, columns;  ///< the block, in cells
+};
+
+/// Sixteen rays, as pointers to sixteen numbers each.
+struct LaneRays {
+  const double *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *far_m;
+  const std::int32_t* active;
+};
+
+/// The same in float about a point.
+struct LaneFloats {
+  float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *far_m;
+};
+
+/// Of sixteen triangles: the vertex at the right angle, and whether that is the cell's far corner.
+struct TerrainPlaces {
+  alignas(64) std::int32_t vertex[16];
+  alignas(64) std::int32_t far_corner[16];
+  alignas(64) std::int32_t column[16], row[16];
+};
+
+/// Sixteen results. `met` is -1 where the ray meets its triangle at least the margin from every edge and between 0 and
+/// far_m, else 0 (and then nothing else is said).
+struct LaneHits {
+  double *distance_m, *normal_x, *normal_y, *normal_z;
+  std::int32_t* met;
+};
+
+/// The loops over sixteen lanes, compiled for one width of vector unit. All widths give the same bits.
+struct RayKernels {
+  /// Whether every active ray starts within `reach_m` of the point along each axis.
+  bool (*all_near)(const LaneRays& rays, const double* middle_m, double reach_m);
+  /// far_m a little enlarged: the exact limit is held to in double.
+  void (*to_float)(const LaneRays& rays, const double* middle_m, const LaneFloats& floats);
+  /// passes[k] is 0 where ray k's line stays outside an endless cylinder about an axis (point and unit direction; zero:
+  /// a sphere about the point), else -1.
+  void (*may_meet_round)(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,
+                         std::int32_t* passes);
+  /// Where the triangles' heights are, and asks the memory for them: the solution comes later.
+  void (*locate)(const TerrainBlock& block, const std::uint32_t* triangles, TerrainPlaces& places);
+  /// Meets ray k with triangle k's plane, in double. On a height field this needs no cross products: over its cell a
+  /// triangle is a linear function, z = h + gx (x - x0) + gy (y - y0).
+  void (*solve)(const TerrainBlock& block, const TerrainPlaces& places, const LaneRays& rays, const LaneHits& hits);
+};
+
+const RayKernels& baseline_ray_kernels();
+const RayKernels& avx2_ray_kernels();
+const RayKernels& avx512_ray_kernels();
+/// The widest of these that this processor runs.
+const RayKernels& ray_kernels();
+
+}  // namespace uwsim

@@ -1,0 +1,140 @@
+#include "uwsim/world/ray_query.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace uwsim {
+namespace {
+
+constexpr double kCompany = 8;  // times the reach, within which surfaces count as near each other
+
+void query(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& point_world_m, double radius_m,
+           RTCPointQueryFunction visit, void* user) {
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const Eigen::Vector3f p = (point_world_m - surfaces.middle_m()).cast<float>();
+  RTCPointQuery sphere{p.x(), p.y(), p.z(), 0, static_cast<float>(radius_m + 4 * surfaces.reach_m())};
+  rtcPointQuery(tree, &sphere, &context, visit, user);
+}
+
+struct Search {
+  const TileSurfaces* surfaces;
+  const TileRay* ray;
+  double from_m, to_m;
+  std::optional<LabelledHit> best;
+};
+
+bool try_primitive(RTCPointQueryFunctionArguments* args) {
+  auto* search = static_cast<Search*>(args->userPtr);
+  const auto hit = search->surfaces->meet(args->geomID, args->primID, *search->ray);
+  if (!hit || hit->distance_m < search->from_m || hit->distance_m > search->to_m) return false;
+  if (search->best && search->best->hit.distance_m <= hit->distance_m) return false;
+  search->best = {*hit, TileSurfaces::label(args->geomID)};
+  return false;
+}
+
+struct Company {
+  const TileSurfaces* surfaces;
+  std::uint32_t geometry;
+  Corners corners;
+  Eigen::AlignedBox3d box;
+  bool found;
+};
+
+bool find_company(RTCPointQueryFunctionArguments* args) {
+  auto* me = static_cast<Company*>(args->userPtr);
+  Eigen::AlignedBox3d other;
+  if (me->surfaces->is_round(args->geomID)) {
+    const ShapeBounds limits = bounds(me->surfaces->shape(args->geomID, args->primID));
+    other = {limits.low_m, limits.high_m};
+  } else {
+    for (const Eigen::Vector3d& corner : me->surfaces->corners(args->geomID, args->primID)) {
+      // A neighbour, or itself: the search around rims takes care of these.
+      if (args->geomID == me->geometry && std::ranges::find(me->corners, corner) != me->corners.end()) return false;
+      other.extend(corner);
+    }
+  }
+  if (!me->box.intersects(other)) return false;
+  me->found = true;
+  args->query->radius = 0;
+  return true;
+}
+
+/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
+Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return a;
+  if (d3 >= 0 && d4 <= d3) return b;
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  const double along_bc = (d4 - d3) + (d5 - d6);
+  if (va <= 0 && d4 >= d3 && d5 >= d6 && along_bc > 0) return b + (d4 - d3) / along_bc * (c - b);
+  const double whole = va + vb + vc;
+  return whole > 0 ? Eigen::Vector3d(a + (vb * ab + vc * ac) / whole) : a;
+}
+
+struct NearestTriangle {
+  const TileSurfaces* surfaces;
+  bool meshes;
+  Eigen::Vector3d point_world_m;
+  double distance_m;
+};
+
+bool visit_triangle(RTCPointQueryFunctionArguments* args) {
+  auto* nearest = static_cast<NearestTriangle*>(args->userPtr);
+  const TileSurfaces& surfaces = *nearest->surfaces;
+  if (!nearest->meshes && surfaces.is_round(args->geomID)) return false;
+  const Corners t = nearest->meshes ? surfaces.mesh_corners(args->geomID, args->primID)
+                                    : surfaces.corners(args->geomID, args->primID);
+  const double distance = (closest_on_triangle(nearest->point_world_m, t) - nearest->point_world_m).norm();
+  if (!(distance < nearest->distance_m)) return false;
+  nearest->distance_m = distance;
+  // A hair wider than the double result, so that float rounding hides no nearer triangle.
+  args->query->radius = static_cast<float>(distance * (1 + 1e-5) + 4 * surfaces.reach_m());
+  return true;
+}
+
+}  // namespace
+
+std::optional<LabelledHit> first_hit_around(RTCSceneTy* tree, const TileSurfaces& surfaces,
+                                            const Eigen::Vector3d& point_world_m, double radius_m, const TileRay& ray,
+                                            double from_m, double to_m) {
+  Search search{&surfaces, &ray, from_m, to_m, {}};
+  query(tree, surfaces, point_world_m, radius_m, &try_primitive, &search);
+  return search.best;
+}
+
+std::vector<std::uint8_t> crowded_triangles(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label) {
+  std::vector<std::uint8_t> crowded(surfaces.count(label));
+  for (std::uint32_t k = 0; k < crowded.size(); ++k) {
+    Company me{&surfaces, label, surfaces.corners(label, k), {}, false};
+    for (const Eigen::Vector3d& corner : me.corners) me.box.extend(corner);
+    const double radius = 0.5 * me.box.diagonal().norm();
+    me.box.min().array() -= kCompany * surfaces.reach_m();
+    me.box.max().array() += kCompany * surfaces.reach_m();
+    query(tree, surfaces, me.box.center(), radius + kCompany * surfaces.reach_m(), &find_company, &me);
+    crowded[k] = me.found ? 1 : 0;
+  }
+  return crowded;
+}
+
+double nearest_triangle_m(RTCSceneTy* tree, const TileSurfaces& surfaces, bool meshes,
+                          const Eigen::Vector3d& point_world_m, double nearest_m) {
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const Eigen::Vector3f p = (point_world_m - surfaces.middle_m()).cast<float>();
+  RTCPointQuery query{p.x(), p.y(), p.z(), 0, static_cast<float>(nearest_m * (1 + 1e-5) + 4 * surfaces.reach_m())};
+  NearestTriangle nearest{&surfaces, meshes, point_world_m, nearest_m};
+  rtcPointQuery(tree, &query, &context, &visit_triangle, &nearest);
+  return nearest.distance_m;
+}
+
+}  // namespace uwsim

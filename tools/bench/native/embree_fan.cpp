@@ -1,0 +1,68 @@
+// The limit that `uwsim bench sonar` measures against: rays built from pose and angle table, cast in Embree's 16-wide
+// packets, and nothing else. Usage: embree_fan CASE [coherent], then a line on stdin for every run.
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "ray_case.h"
+
+int main(int count, char** arguments) {
+  if (count < 2) {
+    std::fprintf(stderr, "usage: embree_fan CASE [coherent]\n");
+    return 2;
+  }
+  const bool coherent = count > 2 && std::strcmp(arguments[2], "coherent") == 0;
+  const RayCase rays(arguments[1]);
+  RTCDevice device = rtcNewDevice(nullptr);
+  RTCScene scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                           rays.vertex_count);
+  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            3 * sizeof(std::uint32_t), rays.triangle_count);
+  std::memcpy(vertices, rays.vertices_m.data(), rays.vertices_m.size() * sizeof(float));
+  std::memcpy(triangles, rays.triangles.data(), rays.triangles.size() * sizeof(std::uint32_t));
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+
+  answer(rays, [&](const double* pose) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) int valid[16];
+    for (int k = 0; k < 16; ++k) {
+      packet.ray.org_x[k] = static_cast<float>(pose[9]);
+      packet.ray.org_y[k] = static_cast<float>(pose[10]);
+      packet.ray.org_z[k] = static_cast<float>(pose[11]);
+      packet.ray.tnear[k] = 0;
+      packet.ray.time[k] = 0;
+      packet.ray.mask[k] = ~0u;
+      packet.ray.flags[k] = 0;
+    }
+    double sum = 0;
+    for (std::uint64_t first = 0; first < rays.beam_count; first += 16) {
+      for (std::uint64_t k = 0; k < 16; ++k) {
+        const double* beam = &rays.beams[2 * std::min(first + k, rays.beam_count - 1)];
+        packet.ray.dir_x[k] = static_cast<float>(pose[0] * beam[0] + pose[1] * beam[1]);
+        packet.ray.dir_y[k] = static_cast<float>(pose[3] * beam[0] + pose[4] * beam[1]);
+        packet.ray.dir_z[k] = static_cast<float>(pose[6] * beam[0] + pose[7] * beam[1]);
+        packet.ray.tfar[k] = static_cast<float>(rays.range_max_m);
+        packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+        valid[k] = first + k < rays.beam_count ? -1 : 0;
+      }
+      rtcIntersect16(valid, scene, &context, &packet);
+      for (int k = 0; k < 16; ++k) {
+        if (valid[k] != 0 && packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID) sum += packet.ray.tfar[k];
+      }
+    }
+    return sum;
+  });
+  rtcReleaseScene(scene);
+  rtcReleaseDevice(device);
+}

@@ -1,0 +1,353 @@
+"""Pings per second on the lake, against the rays alone (the limit), Bullet, pybullet and trimesh with embreex.
+
+All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds,
+and of ratios taken round by round. One thread and its processor time, but for the batch's threads, which are timed by
+the clock on the wall.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import struct
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+from scipy.spatial.transform import Rotation
+
+from uwsim import Simulator, _core
+from uwsim.scenario import load
+
+console = Console()
+
+SONAR_MODEL = 3  # 1,025 beams to 95 m
+ALTITUDE_M = 8.0
+AREA_M = ((-104.0, 56.0), (-80.0, 24.0))  # the lake's survey
+SIZES = (10_000, 31_623, 100_000, 316_228, 1_000_000, 3_162_278, 10_000_000)
+GOALS = {
+    "ping/limit": 0.8,
+    "batch_2/batch_1": 1.7,
+    "ping/bullet": 10.0,
+    "ping/pybullet": 10.0,
+    "ping/trimesh": 2.0,
+    "ping/physics": 12.0,  # at most
+}
+
+
+@dataclass(frozen=True)
+class Heads:
+    """Where the sonar pings from: the vehicle's poses, and the head's (n, 4, 4), with the fan's angles (beams,)."""
+
+    positions_world_m: NDArray[np.float64]
+    orientations_xyzw: NDArray[np.float64]
+    world_from_body: NDArray[np.float64]
+    world_from_sonar: NDArray[np.float64]
+    angles_rad: NDArray[np.float64]
+    range_m: float
+
+    @property
+    def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Origins and directions (n, beams, 3), world."""
+        table = np.column_stack([np.cos(self.angles_rad), np.sin(self.angles_rad)])
+        ways = np.einsum("nij,bj->nbi", self.world_from_sonar[:, :3, :2], table)
+        return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], ways.shape), ways
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
+    pings: Annotated[int, typer.Option(min=1, help="How many, from different places, make a measurement.")] = 200,
+    growth: Annotated[bool, typer.Option(help="Measure the cost against the number of triangles too.")] = True,
+    plot: Annotated[Path, typer.Option(help="Where that cost is drawn.")] = Path("sonar_triangles.png"),
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    sim = lake()
+    heads = heads_over(sim, pings)
+    vertices, triangles, _ = sim.world.surface_mesh()
+    console.print(f"the lake: {len(triangles):,} triangles; {pings} pings of {len(heads.angles_rad):,} beams a round")
+    with tempfile.TemporaryDirectory() as folder:
+        cases = our_cases(sim, heads)
+        cases |= peer_cases(heads, vertices, triangles, Path(folder))
+        growing = {f"triangles_{size}": Pings(lake(size), heads) for size in SIZES} if growth else {}
+        rates = measure(cases | growing, rounds)
+    figures = summarise(rates)
+    console.print(_table(figures))
+    if growth:
+        figures |= _growth(figures, plot)
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def measure(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, list[float]]:
+    """Pings per second of each case, round by round."""
+    rates: dict[str, list[float]] = {name: [] for name in cases}
+    for turn in range(-1, rounds):
+        with console.status(f"round {turn + 1} of {rounds}"):
+            for name, case in cases.items():
+                rate = case()
+                if turn >= 0:  # the first round warms up
+                    rates[name].append(rate)
+    return rates
+
+
+def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
+    """Median pings per second of each case, and of the ratios that the goals name."""
+    figures = {name: statistics.median(values) for name, values in rates.items()}
+    if "limit_coherent" in figures:
+        best = max(("limit_coherent", "limit_incoherent"), key=figures.__getitem__)
+        rates["limit"], figures["limit"] = rates[best], figures[best]
+    for name in GOALS:
+        one, other = name.split("/")
+        if one in rates and other in rates:
+            figures[name] = statistics.median(a / b for a, b in zip(rates[one], rates[other], strict=True))
+    return figures
+
+
+def lake(triangles: int | None = None) -> Simulator:
+    """The lake, its terrain of about so many triangles."""
+    scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
+    if triangles is not None:
+        spacing_m = float(scenario.terrain.size_m[0] / np.sqrt(triangles / 2))
+        terrain = scenario.terrain.model_copy(update={"spacing_m": spacing_m})
+        scenario = scenario.model_copy(update={"terrain": terrain, "obstacles": ()})
+    sim = Simulator(scenario)
+    sim.rov.release()
+    return sim
+
+
+def heads_over(sim: Simulator, count: int) -> Heads:
+    """Places over the survey's area at its altitude, with any heading and some roll and pitch."""
+    random = np.random.default_rng(1)
+    xy = np.column_stack([random.uniform(low, high, count) for low, high in AREA_M])
+    z = np.minimum(sim.world.height_at(xy) + ALTITUDE_M, -1.0)
+    turns = Rotation.from_euler("ZYX", random.normal(0, [180, 5, 5], (count, 3)), degrees=True)
+    positions = np.column_stack([xy, z])
+    world_from_body = np.tile(np.eye(4), (count, 1, 1))
+    world_from_body[:, :3, :3] = turns.as_matrix()
+    world_from_body[:, :3, 3] = positions
+    batch = sim.rov.sonar.ping_batch(world_from_body)
+    return Heads(
+        positions,
+        turns.as_quat(),
+        world_from_body,
+        batch.world_from_sonar,
+        np.linspace(float(batch.angles_rad[0]), float(batch.angles_rad[-1]), len(batch.angles_rad)),
+        sim.rov.sonar.model.range_max_m,
+    )
+
+
+class Pings:
+    """One ping at a time from Python, each from a new place; called, it gives pings per second of one thread."""
+
+    def __init__(self, sim: Simulator, heads: Heads) -> None:
+        self._rov = sim.rov
+        z = heads.positions_world_m[:, 2] + 1.0  # coarser terrain may lie a little higher
+        self._places = [
+            ((x, y, max(up, bed)), q)
+            for (x, y, _), up, bed, q in zip(
+                heads.positions_world_m,
+                z - 1.0,
+                sim.world.height_at(heads.positions_world_m[:, :2]) + 1.0,
+                heads.orientations_xyzw,
+                strict=True,
+            )
+        ]
+
+    def __call__(self) -> float:
+        """Pings per second; putting the vehicle there is not counted."""
+        taken_s, rov, sonar = 0.0, self._rov, self._rov.sonar
+        for position, orientation in self._places:
+            rov.place(position, orientation)
+            begun = time.thread_time()
+            sonar.ping()
+            taken_s += time.thread_time() - begun
+        return len(self._places) / taken_s
+
+
+def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
+    """One ping at a time; batches on one thread and two; physics mode where the scenario has one."""
+
+    def batch(threads: int) -> Callable[[], float]:
+        def run() -> float:
+            begun = time.perf_counter()
+            sim.rov.sonar.ping_batch(heads.world_from_body, threads=threads)
+            return len(heads.world_from_body) / (time.perf_counter() - begun)
+
+        return run
+
+    cases: dict[str, Callable[[], float]] = {"ping": Pings(sim, heads), "batch_1": batch(1), "batch_2": batch(2)}
+    first = sim.scenario.vehicles[0]
+    if "mode" in type(first.sonar).model_fields:
+        sonar = first.sonar.model_copy(update={"mode": "physics"})
+        vehicles = (first.model_copy(update={"sonar": sonar}),)
+        acoustic = Simulator(sim.scenario.model_copy(update={"vehicles": vehicles}))
+        acoustic.rov.release()
+        cases["physics"] = Pings(acoustic, heads)
+    return cases
+
+
+def peer_cases(
+    heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], folder: Path
+) -> dict[str, Callable[[], float]]:
+    """The limit and the peers that are installed, all with the same surface and rays."""
+    cases: dict[str, Callable[[], float]] = {}
+    case = folder / "case.bin"
+    write_case(heads, vertices_m, triangles, case)
+    native = Path(_core.__file__).parent / "bench" / "native"
+    for name, command in {
+        "limit_coherent": ["embree_fan", case, "coherent"],
+        "limit_incoherent": ["embree_fan", case],
+        "bullet": ["bullet_fan", case],
+    }.items():
+        if (native / str(command[0])).is_file():
+            cases[name] = NativePeer([native / str(command[0]), *command[1:]], len(heads.world_from_sonar))
+        else:
+            console.print(f"{name} left out: {command[0]} is not installed beside the package (run tools/setup)")
+    for name, make in {"pybullet": pybullet_peer, "trimesh": trimesh_peer}.items():
+        try:
+            cases[name] = make(heads, vertices_m, triangles, folder)
+        except ImportError as error:
+            console.print(f"{name} left out: {error} (pip install {error.name})")
+    return cases
+
+
+def write_case(heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], path: Path) -> None:
+    """What the native peers read; see native/ray_case.h."""
+    turns, positions = heads.world_from_sonar[:, :3, :3], heads.world_from_sonar[:, :3, 3]
+    counts = len(vertices_m), len(triangles), len(heads.angles_rad), len(positions)
+    with path.open("wb") as file:
+        file.write(struct.pack("<4Qd", *counts, heads.range_m))
+        file.write(vertices_m.astype(np.float32).tobytes())
+        file.write(triangles.astype(np.uint32).tobytes())
+        file.write(np.column_stack([np.cos(heads.angles_rad), np.sin(heads.angles_rad)]).tobytes())
+        file.write(np.hstack([turns.reshape(-1, 9), positions]).tobytes())
+
+
+class NativePeer:
+    """A program that holds the surface and casts all fans each time it is asked."""
+
+    def __init__(self, command: list[Path | str], pings: int) -> None:
+        self._pings = pings
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._ask, self._answers = self._process.stdin, self._process.stdout
+        self._answers.readline()
+
+    def __call__(self) -> float:
+        """Pings per second, of the program's processor time."""
+        self._ask.write("run\n")
+        self._ask.flush()
+        return self._pings / float(self._answers.readline().split()[0])
+
+    def __del__(self) -> None:
+        self._ask.close()
+        self._process.wait()
+
+
+def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
+    """The same mesh and rays through pybullet's rayTestBatch, from arrays to ranges, on one thread."""
+    import pybullet as p
+
+    mesh = folder / "surface.obj"
+    with mesh.open("w", encoding="ascii") as file:
+        np.savetxt(file, vertices_m, fmt="v %.7g %.7g %.7g")
+        np.savetxt(file, triangles + 1, fmt="f %d %d %d")
+    p.connect(p.DIRECT)
+    shape = p.createCollisionShape(p.GEOM_MESH, fileName=str(mesh), flags=p.GEOM_FORCE_CONCAVE_TRIMESH)
+    p.createMultiBody(0, shape)
+    origins, ways = heads.rays
+    few = min(10, len(origins))  # it is slow
+
+    def run() -> float:
+        begun = time.thread_time()
+        for start, way in zip(origins[:few], ways[:few], strict=True):
+            hits = p.rayTestBatch(start.tolist(), (start + heads.range_m * way).tolist(), numThreads=1)
+            np.array([hit[2] for hit in hits]) * heads.range_m
+        return few / (time.thread_time() - begun)
+
+    return run
+
+
+def trimesh_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
+    """The same mesh and rays through trimesh with embreex, from arrays to points of first hits."""
+    import embreex  # noqa: F401
+    import trimesh
+    from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+    mesh = RayMeshIntersector(trimesh.Trimesh(vertices_m, triangles, process=False))
+    origins, ways = heads.rays
+    few = min(50, len(origins))
+
+    def run() -> float:
+        begun = time.thread_time()
+        for start, way in zip(origins[:few], ways[:few], strict=True):
+            mesh.intersects_id(start, way, multiple_hits=False, return_locations=True)
+        return few / (time.thread_time() - begun)
+
+    return run
+
+
+def _table(figures: dict[str, float]) -> Table:
+    labels = {
+        "ping": "a ping from Python, all outputs",
+        "batch_1": "ping_batch, one thread",
+        "batch_2": "ping_batch, two threads",
+        "physics": "a ping in physics mode",
+        "limit_coherent": "bare Embree packets, coherent",
+        "limit_incoherent": "bare Embree packets, incoherent",
+        "bullet": "Bullet's rayTest, C++",
+        "pybullet": "pybullet's rayTestBatch",
+        "trimesh": "trimesh with embreex",
+    }
+    table = Table(title="Pings of 1,025 beams to 95 m over the lake: medians", title_justify="left")
+    table.add_column("case")
+    for column in ("pings/s", "us a ping", "goal", "met"):
+        table.add_column(column, justify="right")
+    for key, label in labels.items():
+        if key in figures:
+            table.add_row(label, f"{figures[key]:,.0f}", f"{1e6 / figures[key]:,.1f}", "", "")
+    table.add_section()
+    for name, goal in GOALS.items():
+        if name in figures:
+            at_most = name == "ping/physics"
+            met = figures[name] <= goal if at_most else figures[name] >= goal
+            limit = f"{'at most' if at_most else 'at least'} {goal:g}"
+            table.add_row(name, f"{figures[name]:,.2f}", "", limit, "[green]yes[/]" if met else "[red]no[/]")
+    return table
+
+
+def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
+    """Draws the cost against the number of triangles, with the straight line in log n that fits it best."""
+    import matplotlib.pyplot as plt
+
+    sizes = np.array(SIZES)
+    cost_us = np.array([1e6 / figures[f"triangles_{size}"] for size in SIZES])
+    slope, offset = np.polyfit(np.log10(sizes), cost_us, 1)
+    figure, panel = plt.subplots(figsize=(6, 4), layout="constrained")
+    panel.semilogx(sizes, cost_us, "o-", label="measured")
+    panel.semilogx(sizes, offset + slope * np.log10(sizes), "--", alpha=0.6, label=f"{slope:.1f} us a decade")
+    panel.set(xlabel="triangles", ylabel="a ping of 1,025 beams [us]", ylim=(0, None), title="Cost against triangles")
+    panel.grid(alpha=0.3)
+    panel.legend()
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
+    rows = ", ".join(f"{size:,}: {cost:.0f}" for size, cost in zip(SIZES, cost_us, strict=True))
+    console.print(f"us a ping by triangles: {rows}; {slope:.1f} us a decade; drawn in {path}")
+    return {"us_a_decade": float(slope)}
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench sonar")
