@@ -7,9 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario import Scenario, VehicleModel, rigid_body, start_pose, vehicle_hull
-from uwsim.scenario.build import label_names
+from uwsim.scenario.build import backscatter_by_label
 from uwsim.scenario.collision_shapes import vehicle_pieces
-from uwsim.scenario.material_spec import ROCK
 from uwsim.scenario.schema import Vehicle
 from uwsim.scenario.water import surface_density_kg_m3
 
@@ -46,7 +45,7 @@ def _sonar(scenario: Scenario, vehicle: Vehicle, mount_m: tuple[float, float, fl
             sonar.frequency_khz,
             bending=sonar.bending,
             rays_per_beam=sonar.rays_per_beam,
-            materials=[scenario.materials.get(name, ROCK) for name in label_names(scenario)],
+            bottoms=backscatter_by_label(scenario),
         )
     return _core.SonarSpec(
         "sonar",

@@ -10,7 +10,8 @@ import pytest
 
 from uwsim import Simulator, _core, ranging
 from uwsim.scenario import ScenarioError, load
-from uwsim.scenario.build import build_world, label_names
+from uwsim.scenario.build import backscatter_by_label, build_world, label_names
+from uwsim.scenario.material_spec import BACKSCATTER
 from uwsim.scenario.paths import assets_folder
 from uwsim.scenario.sonar_spec import load_sonar
 
@@ -146,26 +147,32 @@ def test_a_model_without_acoustics_is_for_geometry_mode_alone(tmp_path: Path) ->
         load(pool(tmp_path, "{model: fan.yaml, mode: physics}"))
 
 
-def test_materials_are_named_by_what_they_are_of(tmp_path: Path) -> None:
+def test_sound_hears_what_surfaces_are_made_of(tmp_path: Path) -> None:
     physics = "{model: 2, mode: physics, tilt_deg: 90}"
 
-    def levels(materials: str) -> float:
-        sim = Simulator(pool(tmp_path, physics, more=f"materials: {materials}\n"))
+    def levels(ground: str) -> float:
+        sim = Simulator(pool(tmp_path, physics, more=f"ground: {ground}\n"))
         sim.rov.release()
         sim.rov.place((-6.5, 5.0, -2.0))
         return float(np.median(sim.rov.sonar.ping().intensity_db))
 
-    assert levels("{terrain: rock}") - levels("{terrain: mud}") == pytest.approx(14.0, abs=1.5)
-    loud = "{terrain: {strength_db: -20, relief: 0.1}}"
-    assert levels(loud) - levels("{box: steel}") == pytest.approx(10.0, abs=0.5)
-    for materials, told in (
-        ("{terrain: sandd}", "materials.terrain = 'sandd': must be one of rock, gravel"),
-        ("{bax: sand}", "materials.bax: nothing of this name; did you mean 'box'?"),
-        ("{terrain: {strength_db: 50}}", "materials.terrain.strength_db = 50 dB: must be in [-100, 30] dB"),
+    assert levels("{bed: rock}") - levels("{bed: mud}") == pytest.approx(14.0, abs=1.5)
+    assert levels("{bed: sand, strength_db: -20, relief: 0.1}") - levels("{bed: rock}") == pytest.approx(10.0, abs=0.5)
+    for ground, told in (
+        ("{bed: sandd}", "ground.bed = 'sandd': must be one of plain, sand"),
+        ("{strength_db: 50}", "ground.strength_db = 50 dB: must be in [-100, 30] dB"),
     ):
         with pytest.raises(ScenarioError) as error:
-            load(pool(tmp_path, physics, more=f"materials: {materials}\n"))
+            load(pool(tmp_path, physics, more=f"ground: {ground}\n"))
         assert told in str(error.value)
+
+
+def test_each_label_scatters_as_its_material() -> None:
+    scenario = load("lake")
+    by_name = dict(zip(label_names(scenario), backscatter_by_label(scenario), strict=True))
+    assert by_name["terrain"] == BACKSCATTER[scenario.ground.bed]
+    assert by_name["pipeline_main"] == BACKSCATTER["steel"]
+    assert by_name["station"] == scenario.station.material.backscatter
 
 
 @pytest.mark.parametrize("name", ["pool", "lake"])

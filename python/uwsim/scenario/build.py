@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario.errors import ScenarioError
+from uwsim.scenario.material_spec import ROCK, Backscatter
 from uwsim.scenario.meshes import Triangles, Vertices, load_mesh
 from uwsim.scenario.obstacles import obstacle_body
 from uwsim.scenario.schema import Scenario, Station, Vehicle
@@ -43,6 +44,13 @@ def label_names(scenario: Scenario) -> list[str]:
     """What World.label_names will say of the world that `build_world` makes."""
     station = ["station"] if scenario.station.mesh is not None else []
     return ["nothing", "terrain", *(obstacle.name for obstacle in scenario.obstacles), *station]
+
+
+def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
+    """How what is under each label scatters sound, in the order of `label_names`."""
+    station = [scenario.station.material] if scenario.station.mesh is not None else []
+    solids = [obstacle.material for obstacle in scenario.obstacles] + station
+    return [ROCK, scenario.ground.backscatter, *(material.backscatter for material in solids)]
 
 
 def start_pose(scenario: Scenario, vehicle: Vehicle) -> tuple[tuple[float, float, float], float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -62,6 +62,21 @@ class InRange:
     def _check(self, value: float) -> float:
         if not self.low <= value <= self.high:  # NaN neither
             raise broken(f"must be in [{self.low}, {self.high}] {self.unit}".rstrip(), unit=self.unit)
+        return value
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """One of these names."""
+
+    names: Sequence[str]
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def _check(self, value: str) -> str:
+        if value not in self.names:
+            raise broken(f"must be one of {', '.join(self.names)}{did_you_mean(value, self.names)}")
         return value
 
 

@@ -24,7 +24,7 @@ from uwsim.scenario.fields import (
     YawPitchRoll,
     broken,
 )
-from uwsim.scenario.optics_spec import Material, MaterialSpec
+from uwsim.scenario.material_spec import Material, MaterialSpec
 
 MAX_BEND_DEG = 120.0
 LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)

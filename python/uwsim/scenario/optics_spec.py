@@ -1,54 +1,17 @@
-"""What light is like in a scenario, and what its surfaces are made of."""
+"""What light is like in a scenario."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator
+from pydantic import BeforeValidator
 
 from uwsim import _core
-from uwsim.scenario.camera_spec import Colour
-from uwsim.scenario.fields import Degrees, InRange, Model, broken
-from uwsim.scenario.paths import did_you_mean
+from uwsim.scenario.fields import Degrees, InRange, Model, OneOf, broken
 
 PerMetre = Annotated[float, InRange(1e-4, 100, "1/m")]
 PerBand = tuple[PerMetre, PerMetre, PerMetre]
-
-
-def _known(names: list[str]) -> AfterValidator:
-    def check(value: str) -> str:
-        if value not in names:
-            raise broken(f"must be one of {', '.join(names)}{did_you_mean(value, names)}")
-        return value
-
-    return AfterValidator(check)
-
-
-MaterialName = Annotated[str, _known(_core.material_names())]
-
-
-class Material(Model):
-    """What a surface is made of; colour: its albedo, red, green and blue, instead of the material's own."""
-
-    kind: MaterialName
-    colour: Colour | None = None
-
-
-def _named(value: object) -> object:
-    return {"kind": value} if isinstance(value, str) else value
-
-
-MaterialSpec = Annotated[Material, BeforeValidator(_named)]
-"""A material's name, or kind and colour."""
-
-
-class Ground(Model):
-    """What the terrain is made of: under water, where it is steep, and above the water."""
-
-    bed: MaterialName = "sand"
-    steep: MaterialName = "rock"
-    land: MaterialName = "land"
 
 
 class WaterCoefficients(Model):
@@ -73,7 +36,7 @@ class Optics(Model):
     ripples bend light only, vehicles feel the waves of `water.surface`. particles_per_m3: that are seen one by one.
     """
 
-    jerlov: Annotated[str, BeforeValidator(_jerlov), _known(_core.jerlov_types())] = "III"
+    jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(_core.jerlov_types())] = "III"
     coefficients: WaterCoefficients | None = None
     sun_elevation_deg: Annotated[float, InRange(-6, 90, "deg")] = 55.0
     sun_azimuth_deg: Degrees = 120.0

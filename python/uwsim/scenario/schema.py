@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.camera_spec import STATION_CAMERA, CameraMounts
+from uwsim.scenario.errors import ScenarioError
 from uwsim.scenario.fields import (
     AssetFile,
     Degrees,
@@ -22,12 +22,11 @@ from uwsim.scenario.fields import (
     Point3,
     broken,
 )
-from uwsim.scenario.material_spec import NamedMaterial
+from uwsim.scenario.material_spec import Ground, Material, MaterialSpec
 from uwsim.scenario.messages import validated
 from uwsim.scenario.obstacle_spec import ObstacleSpec
-from uwsim.scenario.optics_spec import Ground, Material, MaterialSpec, Optics
+from uwsim.scenario.optics_spec import Optics
 from uwsim.scenario.origin import Origin
-from uwsim.scenario.paths import did_you_mean
 from uwsim.scenario.polygon import area, crossing_edges, narrowest_width
 from uwsim.scenario.sonar_spec import WIRE_NUMBERS, FrequencyKhz, SonarMode, SonarModel, load_sonar
 from uwsim.scenario.terrain_spec import TerrainSpec
@@ -187,10 +186,7 @@ class Survey(Model):
 
 
 class Scenario(Model):
-    """All that fixes a run, the number of threads excepted. World ENU, z up, water surface at z = 0.
-
-    materials: by name of `terrain`, `station` or an obstacle; rock what is not named.
-    """
+    """All that fixes a run, the number of threads excepted. World ENU, z up, water surface at z = 0."""
 
     name: Name
     description: str = ""
@@ -203,7 +199,6 @@ class Scenario(Model):
     ground: Ground = Ground()
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
     station: Station
-    materials: dict[Name, NamedMaterial] = Field(default_factory=dict)
     vehicles: Annotated[tuple[Vehicle, ...], Field(min_length=1, max_length=64)]
     warnings: Warnings = Warnings()
     survey: Survey | None = None
@@ -218,14 +213,6 @@ class Scenario(Model):
                 if item.name in taken:
                     raise broken("is taken", at=(kind, index, "name"), value=item.name)
                 taken.add(item.name)
-        return self
-
-    @model_validator(mode="after")
-    def _materials_are_of_something(self) -> Scenario:
-        known = ["terrain", "station", *(obstacle.name for obstacle in self.obstacles)]
-        for name in self.materials:
-            if name not in known:
-                raise broken(f"nothing of this name{did_you_mean(name, known)}", at=("materials", name))
         return self
 
     @model_validator(mode="after")

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.scenario.document import read_document
 from uwsim.scenario.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
-from uwsim.scenario.material_spec import ROCK, Material
+from uwsim.scenario.material_spec import ROCK, Backscatter
 from uwsim.scenario.messages import validated
 from uwsim.scenario.paths import assets_folder, find_yaml
 
@@ -157,9 +157,9 @@ class SonarModel(Model):
         *,
         bending: bool = False,
         rays_per_beam: int = 8,
-        materials: Sequence[Material] = (),
+        bottoms: Sequence[Backscatter] = (),
     ) -> _core.AcousticSpec:
-        """What the core needs for physics mode. materials: by label, rock beyond. Raises ValueError."""
+        """What the core needs for physics mode. bottoms: by label, rock beyond. Raises ValueError."""
         band = self.band(frequency_khz)
         spec, figures = _core.AcousticSpec(), _core.SonarFigures()
         for key in ACOUSTIC:
@@ -178,7 +178,7 @@ class SonarModel(Model):
         spec.range_noise = self.noise.range
         spec.bending = bending
         spec.bottom = ROCK.core_material()
-        spec.materials = [material.core_material() for material in materials]
+        spec.materials = [bottom.core_material() for bottom in bottoms]
         return spec
 
 

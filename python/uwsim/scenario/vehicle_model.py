@@ -11,8 +11,8 @@ from pydantic import Field, model_validator
 from uwsim.scenario.actuator_spec import FinMount, ThrusterMount
 from uwsim.scenario.camera_spec import CameraMounts, LampSwitches
 from uwsim.scenario.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
-from uwsim.scenario.optics_spec import Material, MaterialSpec
 from uwsim.scenario.imaging_spec import ImagingMount
+from uwsim.scenario.material_spec import Material, MaterialSpec
 from uwsim.scenario.sensor_spec import Sensors
 
 Force = Annotated[float, InRange(0, 1e6, "N")]
