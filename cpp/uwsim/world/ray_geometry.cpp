@@ -50,10 +50,10 @@ struct CastContext {
 
 void round_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
-  const ShapeBounds box = bounds(round.surfaces->shape(round.geometry, args->primID));
-  const Eigen::Vector3d room = Eigen::Vector3d::Constant(2 * round.surfaces->reach_m());
-  const Eigen::Vector3f low = (box.low_m - round.surfaces->middle_m() - room).cast<float>();
-  const Eigen::Vector3f high = (box.high_m - round.surfaces->middle_m() + room).cast<float>();
+  const ShapeBounds box = bounds(round.shapes[args->primID]);
+  const Eigen::Vector3d room = Eigen::Vector3d::Constant(round.room_m);
+  const Eigen::Vector3f low = (box.low_m - round.middle_m - room).cast<float>();
+  const Eigen::Vector3f high = (box.high_m - round.middle_m + room).cast<float>();
   *args->bounds_o = {low.x(), low.y(), low.z(), 0, high.x(), high.y(), high.z(), 0};
 }
 
@@ -90,6 +90,15 @@ class CallbackRays {
     return first_hit(shape, origin_world_m(k), direction_world(k), near_m(k), far_m(k));
   }
 
+  void keep(unsigned k, const ShapeHit& hit) const {
+    if (detail_.round_hits == nullptr) return;
+    const unsigned lane = RTCRayN_id(rays_, n_, k);
+    detail_.round_hits->distance_m[lane] = hit.distance_m;
+    detail_.round_hits->normal_x[lane] = hit.normal_world.x();
+    detail_.round_hits->normal_y[lane] = hit.normal_world.y();
+    detail_.round_hits->normal_z[lane] = hit.normal_world.z();
+  }
+
   /// Takes the rays out of `valid` that pass the shape by. A full packet's lanes are in order.
   void leave_out_misses(const RoundShape& shape, const int* valid, std::int32_t* left) const {
     std::copy_n(valid, n_, left);
@@ -123,7 +132,7 @@ class CallbackRays {
 
 void round_intersect(const RTCIntersectFunctionNArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
-  const RoundShape& shape = round.surfaces->shape(round.geometry, args->primID);
+  const RoundShape& shape = round.shapes[args->primID];
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
   const CallbackRays callback(args->context, rays, args->N);
@@ -133,6 +142,7 @@ void round_intersect(const RTCIntersectFunctionNArguments* args) {
     if (left[k] == 0) continue;
     const auto hit = callback.meet(shape, k);
     if (!hit) continue;
+    callback.keep(k, *hit);
     RTCRayN_tfar(rays, args->N, k) = static_cast<float>(hit->distance_m - callback.start_m(k));
     RTCHitN_Ng_x(hits, args->N, k) = static_cast<float>(hit->normal_world.x());
     RTCHitN_Ng_y(hits, args->N, k) = static_cast<float>(hit->normal_world.y());
@@ -146,7 +156,7 @@ void round_intersect(const RTCIntersectFunctionNArguments* args) {
 
 void round_occluded(const RTCOccludedFunctionNArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
-  const RoundShape& shape = round.surfaces->shape(round.geometry, args->primID);
+  const RoundShape& shape = round.shapes[args->primID];
   const CallbackRays callback(args->context, args->ray, args->N);
   std::array<std::int32_t, kPacketRays> left;
   callback.leave_out_misses(shape, args->valid, left.data());
@@ -202,7 +212,7 @@ void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surf
 
 void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& round) {
   const GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER), &rtcReleaseGeometry);
-  rtcSetGeometryUserPrimitiveCount(owner.get(), static_cast<unsigned>(round.surfaces->count(round.geometry)));
+  rtcSetGeometryUserPrimitiveCount(owner.get(), static_cast<unsigned>(round.shapes.size()));
   rtcSetGeometryUserData(owner.get(), const_cast<RoundGeometry*>(&round));
   rtcSetGeometryBoundsFunction(owner.get(), &round_bounds, nullptr);
   rtcSetGeometryIntersectFunction(owner.get(), &round_intersect);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "uwsim/world/ray_packet.h"
 #include "uwsim/world/tile_surfaces.h"
@@ -30,6 +31,7 @@ struct RayDetail {
   const TileSurfaces* surfaces;
   const ExactRays* exact;
   const double* starts_m;
+  ExactHits* round_hits = nullptr;  ///< takes the exact distance and normal of each round hit, by lane, if not null
 };
 
 inline LaneRays lanes_of(const ExactRays& rays) {
@@ -37,10 +39,12 @@ inline LaneRays lanes_of(const ExactRays& rays) {
           rays.direction_y.data(), rays.direction_z.data(), rays.far_m.data(),    rays.active.data()};
 }
 
-/// One round solid within a tile, as its callbacks know it. It must outlive the tree.
+/// One round solid within a tile, as its callbacks know it: its shapes by primitive. It must outlive the tree.
 struct RoundGeometry {
-  const TileSurfaces* surfaces;
   std::uint32_t geometry;
+  std::vector<RoundShape> shapes;
+  Eigen::Vector3d middle_m;
+  double room_m;  ///< about each
 };
 
 RayDevice make_ray_device();

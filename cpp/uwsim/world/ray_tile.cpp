@@ -18,6 +18,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeastSine = 1.7e-3;  // within 0.1 degree of tangency no one asks for more
 constexpr int kTurns = 64;             // rims a ray may brush past before it is given up to float
+constexpr std::size_t kFew = 16;       // so many surfaces near a cell are tried one by one
 constexpr std::size_t kTogether = 4;   // packets; their heights come from memory while the next are cast
 constexpr float kFarthest = std::numeric_limits<float>::max();
 
@@ -26,6 +27,12 @@ struct Named {
   std::uint32_t geometry, primitive;
   double distance_m;
 };
+
+TileRay ray_of(const ExactRays& rays, std::size_t lane) {
+  return {{rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
+          {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
+          rays.far_m[lane]};
+}
 
 float at_most_float(double value) { return value < kFarthest ? static_cast<float>(value) : kFarthest; }
 
@@ -68,7 +75,10 @@ struct RayTile::Impl {
       if (surfaces.count(geometry) == 0) continue;
       triangles += surfaces.count(geometry);
       if (surfaces.is_round(geometry)) {
-        round.push_back({&surfaces, geometry});
+        round.push_back({geometry, {}, surfaces.middle_m(), 2 * surfaces.reach_m()});
+        for (std::uint32_t k = 0; k < surfaces.count(geometry); ++k) {
+          round.back().shapes.push_back(surfaces.shape(geometry, k));
+        }
         attach_round(device, scene, round.back());
       } else {
         attach_triangles(device, scene, surfaces, geometry);
@@ -126,9 +136,7 @@ struct RayTile::Impl {
 
   /// The true first hit of a ray of which Embree says where it may be at the earliest.
   void follow(const ExactRays& rays, std::size_t lane, const double* starts_m, Named named, ExactHits& hits) const {
-    const TileRay ray{{rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
-                      {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
-                      rays.far_m[lane]};
+    const TileRay ray = ray_of(rays, lane);
     const double start_m = starts_m ? starts_m[lane] : 0;
     for (int turn = 0; turn < kTurns; ++turn) {
       const double radius = 2 * surfaces.rim_m() * (1 + 1 / std::max(kLeastSine, sine(named, ray)));
@@ -184,18 +192,23 @@ struct RayTile::Impl {
     alignas(64) std::array<std::uint32_t, kPacketRays> geometry, primitive;
     alignas(64) std::array<float, kPacketRays> distance_m;
     TerrainPlaces places;
+    ExactHits round;
     bool any_terrain;
   };
 
   void ask(RTCRayHit16& packet, const ExactRays& rays, const double* starts_m, Answer& answer) const {
     fill(rays, starts_m, packet);
-    intersect(scene, {&surfaces, &rays, starts_m}, RayOrder::kCoherent, rays.active.data(), packet);
+    intersect(scene, {&surfaces, &rays, starts_m, &answer.round}, RayOrder::kCoherent, rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
     std::uint32_t any = 0;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::uint32_t terrain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain ? ~0u : 0u;
-      triangles[k] = packet.hit.primID[k] & terrain;
-      any |= terrain;
+      const std::uint32_t geometry = packet.hit.geomID[k];
+      const std::uint32_t plain = geometry == TileSurfaces::kPlainTerrain ? ~0u : 0u;
+      triangles[k] = packet.hit.primID[k] & plain;
+      any |= plain;
+      if (geometry != TileSurfaces::kCrossedTerrain) continue;
+      triangles[k] = surfaces.plain_number(packet.hit.primID[k]);
+      any = ~0u;
     }
     std::copy_n(packet.hit.geomID, kPacketRays, answer.geometry.begin());
     std::copy_n(packet.hit.primID, kPacketRays, answer.primitive.begin());
@@ -216,8 +229,16 @@ struct RayTile::Impl {
       const std::uint32_t geometry = answer.geometry[k];
       if (geometry == TileSurfaces::kPlainTerrain && met[k] != 0) {
         hits.label[k] = kTerrain;
-      } else if (rays.active[k] == 0 || geometry == RTC_INVALID_GEOMETRY_ID) {
+      } else if (geometry == TileSurfaces::kCrossedTerrain && met[k] != 0 &&
+                 surfaces.company(answer.primitive[k]).size() <= kFew) {
+        hits.label[k] = kTerrain;
+        yield_to_company(rays, k, answer.primitive[k], hits);
+      } else if (geometry == RTC_INVALID_GEOMETRY_ID) {
         set_miss(hits, k);
+      } else if (surfaces.is_round(geometry)) {
+        const Eigen::Vector3d normal(answer.round.normal_x[k], answer.round.normal_y[k], answer.round.normal_z[k]);
+        set_hit_within(hits, k, {answer.round.distance_m[k], normal, true}, TileSurfaces::label(geometry),
+                       rays.far_m[k]);
       } else {
         const double start_m = starts_m != nullptr ? starts_m[k] : 0;
         settle(rays, k, starts_m, {geometry, answer.primitive[k], start_m + double{answer.distance_m[k]}}, hits);
@@ -244,16 +265,24 @@ struct RayTile::Impl {
     }
   }
 
-  /// A hit on anything but the inside of a plain terrain triangle.
+  /// Float may have taken terrain for first that something else is before by less than its error.
+  void yield_to_company(const ExactRays& rays, std::size_t lane, std::uint32_t crossed_triangle,
+                        ExactHits& hits) const {
+    const TileRay ray = ray_of(rays, lane);
+    for (const TileSurfaces::Member& other : surfaces.company(crossed_triangle)) {
+      const auto hit = surfaces.meet(other.geometry, other.primitive, ray);
+      if (!hit || hit->distance_m < 0 || hit->distance_m >= hits.distance_m[lane]) continue;
+      set_hit(hits, lane, *hit, TileSurfaces::label(other.geometry));
+    }
+  }
+
+  /// A hit on a solid's triangle, or not well inside one of plain terrain.
   void settle(const ExactRays& rays, std::size_t lane, const double* starts_m, const Named& named,
               ExactHits& hits) const {
-    if (named.geometry > kTerrain) {
-      const TileRay ray{{rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
-                        {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
-                        rays.far_m[lane]};
-      const bool alone = surfaces.is_round(named.geometry) || !crowded[named.geometry][named.primitive];
+    if (named.geometry > kTerrain && crowded[named.geometry][named.primitive] == 0) {
+      const TileRay ray = ray_of(rays, lane);
       const auto hit = surfaces.meet(named.geometry, named.primitive, ray);
-      if (hit && hit->clear_of_edges && alone && hit->distance_m >= 0) {
+      if (hit && hit->clear_of_edges && hit->distance_m >= 0) {
         return set_hit_within(hits, lane, *hit, TileSurfaces::label(named.geometry), ray.far_m);
       }
     }

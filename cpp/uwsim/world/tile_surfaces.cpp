@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kFloatError = 1e-6;  // of half the tile's diagonal: some sixteen units in the last place
 constexpr double kLeastReach_m = 1e-8;
-constexpr double kSharpest = 8;  // how many times the rim a corner may move
-constexpr double kSeam = 1e-10;  // barycentric: what double leaves open between neighbours
-constexpr double kCrossing = 8;  // times the reach, within which surfaces count as near each other
+constexpr double kSharpest = 8;   // how many times the rim a corner may move
+constexpr double kSeam = 1e-10;   // barycentric: what double leaves open between neighbours
+constexpr double kCrossing = 16;  // times the reach, within which surfaces count as near each other
 
 Eigen::AlignedBox3d box_of(const RoundShape& shape) {
   const ShapeBounds limits = bounds(shape);
@@ -22,6 +22,13 @@ Eigen::AlignedBox3d box_of(const Corners& triangle) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& corner : triangle) box.extend(corner);
   return box;
+}
+
+/// Whether the box comes within `room` of the endless cylinder (or the sphere) that the shape is a piece of.
+bool may_touch(const RoundShape& shape, const Eigen::AlignedBox3d& box, double room) {
+  const Eigen::Vector3d from = box.center() - shape.ends[0].point_world_m;
+  const double away = (from - shape.axis.dot(from) * shape.axis).norm();
+  return away <= shape.radius_m + 0.5 * box.diagonal().norm() + room;
 }
 
 Corners solid_corners(const Solid& solid, std::uint32_t triangle) {
@@ -68,7 +75,7 @@ TileSurfaces::TileSurfaces(const World& world, TileContents contents)
   whole_terrain_ = world_.terrain() && contents_.columns == world_.terrain()->nx() - 1 &&
                    contents_.rows == world_.terrain()->ny() - 1;
   measure();
-  mark_all_crossed();
+  find_crossings();
 }
 
 void TileSurfaces::measure() {
@@ -95,22 +102,30 @@ void TileSurfaces::measure() {
   box_.max().array() += 2 * kSharpest * rim_m();
 }
 
-void TileSurfaces::mark_all_crossed() {
-  crossed_cells_.assign(std::size_t{contents_.columns} * contents_.rows, 0);
+void TileSurfaces::find_crossings() {
+  is_crossed_.assign(std::size_t{contents_.columns} * contents_.rows, 0);
   if (contents_.columns == 0) return;
+  std::vector<std::pair<std::uint32_t, Member>> found;
   for (const TileContents::Share& share : contents_.solids) {
-    for (std::uint32_t k = 0; k < share.members.size(); ++k) {
-      mark_crossed(is_round(share.label) ? box_of(shape(share.label, k)) : box_of(corners(share.label, k)));
-    }
+    for (std::uint32_t k = 0; k < share.members.size(); ++k) add_cells_near({share.label, k}, found);
   }
-  for (std::uint32_t cell = 0; cell < crossed_cells_.size(); ++cell) {
-    if (crossed_cells_[cell] != 0) crossed_.insert(crossed_.end(), {2 * cell, 2 * cell + 1});
+  std::ranges::stable_sort(found, {}, [](const auto& entry) { return entry.first; });
+  for (const auto& [cell, member] : found) {
+    if (is_crossed_[cell] == 0) crossings_.push_back({cell, static_cast<std::uint32_t>(company_.size()), 0});
+    is_crossed_[cell] = 1;
+    ++crossings_.back().count;
+    company_.push_back(member);
   }
 }
 
-void TileSurfaces::mark_crossed(const Eigen::AlignedBox3d& solid) {
-  const Heightfield& terrain = *world_.terrain();
+void TileSurfaces::add_cells_near(const Member& member, std::vector<std::pair<std::uint32_t, Member>>& found) const {
+  const bool round = is_round(member.geometry);
   const double room = kCrossing * reach_m_;
+  Eigen::AlignedBox3d solid =
+      round ? box_of(shape(member.geometry, member.primitive)) : box_of(corners(member.geometry, member.primitive));
+  solid.min().array() -= room;
+  solid.max().array() += room;
+  const Heightfield& terrain = *world_.terrain();
   const auto cell = [&](double at_m, double origin_m, std::uint32_t first, std::uint32_t count) {
     const double local = std::floor((at_m - origin_m) / terrain.spacing_m()) - first;
     return static_cast<std::int64_t>(std::clamp(local, -1.0, static_cast<double>(count)));
@@ -119,15 +134,16 @@ void TileSurfaces::mark_crossed(const Eigen::AlignedBox3d& solid) {
     return cell(x, terrain.origin_m().x(), contents_.first_column, contents_.columns);
   };
   const auto row = [&](double y) { return cell(y, terrain.origin_m().y(), contents_.first_row, contents_.rows); };
-  const std::int64_t last_row = std::min<std::int64_t>(row(solid.max().y() + room), contents_.rows - 1);
-  const std::int64_t last_column = std::min<std::int64_t>(column(solid.max().x() + room), contents_.columns - 1);
-  for (std::int64_t j = std::max<std::int64_t>(0, row(solid.min().y() - room)); j <= last_row; ++j) {
-    for (std::int64_t i = std::max<std::int64_t>(0, column(solid.min().x() - room)); i <= last_column; ++i) {
-      const auto at = static_cast<std::size_t>(j * contents_.columns + i);
-      const Corners near = corners(kPlainTerrain, static_cast<std::uint32_t>(2 * at));
-      const Corners far = corners(kPlainTerrain, static_cast<std::uint32_t>(2 * at + 1));
-      const auto [low, high] = std::minmax({near[0].z(), near[1].z(), near[2].z(), far[1].z()});
-      if (solid.min().z() - room <= high && solid.max().z() + room >= low) crossed_cells_[at] = 1;
+  const std::int64_t last_row = std::min<std::int64_t>(row(solid.max().y()), contents_.rows - 1);
+  const std::int64_t last_column = std::min<std::int64_t>(column(solid.max().x()), contents_.columns - 1);
+  for (std::int64_t j = std::max<std::int64_t>(0, row(solid.min().y())); j <= last_row; ++j) {
+    for (std::int64_t i = std::max<std::int64_t>(0, column(solid.min().x())); i <= last_column; ++i) {
+      const auto at = static_cast<std::uint32_t>(j * contents_.columns + i);
+      Eigen::AlignedBox3d bed = box_of(corners(kPlainTerrain, 2 * at));
+      bed.extend(box_of(corners(kPlainTerrain, 2 * at + 1)));
+      if (!solid.intersects(bed)) continue;
+      if (round && !may_touch(shape(member.geometry, member.primitive), bed, room)) continue;
+      found.push_back({at, member});
     }
   }
 }
@@ -137,7 +153,7 @@ const TileContents::Share& TileSurfaces::share(std::uint32_t geometry) const {
 }
 
 std::size_t TileSurfaces::count(std::uint32_t geometry) const {
-  if (geometry == kCrossedTerrain) return crossed_.size();
+  if (geometry == kCrossedTerrain) return 2 * crossings_.size();
   if (geometry == kPlainTerrain) return 2 * std::size_t{contents_.columns} * contents_.rows;
   return share_of_geometry_[geometry] < 0 ? 0 : share(geometry).members.size();
 }
@@ -156,7 +172,7 @@ std::uint32_t TileSurfaces::terrain_number(std::uint32_t plain_triangle) const {
 }
 
 std::uint32_t TileSurfaces::world_number(std::uint32_t geometry, std::uint32_t primitive) const {
-  if (geometry == kCrossedTerrain) return terrain_number(crossed_[primitive]);
+  if (geometry == kCrossedTerrain) return terrain_number(plain_number(primitive));
   if (geometry == kPlainTerrain) return terrain_number(primitive);
   return share(geometry).members[primitive];
 }
@@ -186,28 +202,43 @@ std::optional<TileHit> TileSurfaces::meet(std::uint32_t geometry, std::uint32_t 
 TileSurfaces::Around TileSurfaces::meet_terrain_around(const Eigen::Vector3d& point_world_m, double radius_m,
                                                        const TileRay& ray, double from_m, double to_m) const {
   const Heightfield& terrain = *world_.terrain();
+  const double scale = 1 / terrain.spacing_m();
   const auto cell = [&](double at_m, double origin_m, std::uint32_t first, std::uint32_t count) {
-    const double local = std::floor((at_m - origin_m) / terrain.spacing_m()) - first;
-    return static_cast<std::int64_t>(std::clamp(local, 0.0, count - 1.0));
+    return first + static_cast<std::size_t>(std::clamp((at_m - origin_m) * scale - first, 0.0, count - 1.0));
   };
-  const Eigen::Vector2d low = point_world_m.head<2>().array() - radius_m,
-                        high = point_world_m.head<2>().array() + radius_m;
-  const std::int64_t last_row = cell(high.y(), terrain.origin_m().y(), contents_.first_row, contents_.rows);
-  const std::int64_t last_column = cell(high.x(), terrain.origin_m().x(), contents_.first_column, contents_.columns);
+  const auto column = [&](double x) {
+    return cell(x, terrain.origin_m().x(), contents_.first_column, contents_.columns);
+  };
+  const auto row = [&](double y) { return cell(y, terrain.origin_m().y(), contents_.first_row, contents_.rows); };
+  const std::size_t last_row = row(point_world_m.y() + radius_m), last_column = column(point_world_m.x() + radius_m);
   Around around{true, {}};
-  for (std::int64_t j = cell(low.y(), terrain.origin_m().y(), contents_.first_row, contents_.rows); j <= last_row;
-       ++j) {
-    for (std::int64_t i = cell(low.x(), terrain.origin_m().x(), contents_.first_column, contents_.columns);
-         i <= last_column; ++i) {
-      const auto triangle = static_cast<std::uint32_t>(2 * (j * contents_.columns + i));
-      if (is_crossed(triangle)) return {false, {}};
-      for (const std::uint32_t t : {triangle, triangle + 1}) {
-        const auto hit = meet_triangle(corners(kPlainTerrain, t), ray, reach_m_);
-        if (!hit || hit->distance_m < from_m || hit->distance_m > to_m) continue;
-        if (!around.hit || hit->distance_m < around.hit->distance_m) around.hit = hit;
+  double nearest_m = to_m, slope_x = 0, slope_y = 0;  // slopes in metres a cell, as in the kernel
+  for (std::size_t j = row(point_world_m.y() - radius_m); j <= last_row; ++j) {
+    for (std::size_t i = column(point_world_m.x() - radius_m); i <= last_column; ++i) {
+      if (is_crossed_[(j - contents_.first_row) * contents_.columns + i - contents_.first_column] != 0) {
+        return {false, {}};
+      }
+      for (const int side : {1, -1}) {
+        const std::size_t u = side > 0 ? i : i + 1, v = side > 0 ? j : j + 1;
+        const float* here = &terrain.heights_m()[v * terrain.nx() + u];
+        const double gx = side * (double{here[side]} - *here);
+        const double gy = side * (double{here[side * static_cast<std::ptrdiff_t>(terrain.nx())]} - *here);
+        const double x = (ray.origin_world_m.x() - terrain.origin_m().x()) * scale - static_cast<double>(u);
+        const double y = (ray.origin_world_m.y() - terrain.origin_m().y()) * scale - static_cast<double>(v);
+        const double dx = ray.direction_world.x() * scale, dy = ray.direction_world.y() * scale;
+        const double distance_m =
+            (*here + gx * x + gy * y - ray.origin_world_m.z()) / (ray.direction_world.z() - gx * dx - gy * dy);
+        if (!(distance_m >= from_m && distance_m <= nearest_m)) continue;
+        const double a = side * (x + distance_m * dx), b = side * (y + distance_m * dy);
+        if (a < -kSeam || b < -kSeam || a + b > 1 + kSeam) continue;
+        nearest_m = distance_m;
+        slope_x = gx * scale;
+        slope_y = gy * scale;
+        around.hit = TileHit{distance_m, {}, false};
       }
     }
   }
+  if (around.hit) around.hit->normal_world = Eigen::Vector3d(-slope_x, -slope_y, 1).normalized();
   return around;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "uwsim/world/ray_kernels.h"
@@ -68,7 +70,18 @@ class TileSurfaces {
   Corners mesh_corners(std::size_t mesh, std::uint32_t member) const;
   const RoundShape& shape(std::uint32_t geometry, std::uint32_t primitive) const;
   /// A plain terrain triangle's cell is crossed, so that it counts under kCrossedTerrain only.
-  bool is_crossed(std::uint32_t plain_triangle) const { return crossed_cells_[plain_triangle / 2] != 0; }
+  bool is_crossed(std::uint32_t plain_triangle) const { return is_crossed_[plain_triangle / 2] != 0; }
+  /// The plain number of a crossed triangle, and what comes near its cell.
+  std::uint32_t plain_number(std::uint32_t crossed_triangle) const {
+    return 2 * crossings_[crossed_triangle / 2].cell + crossed_triangle % 2;
+  }
+  struct Member {
+    std::uint32_t geometry, primitive;
+  };
+  std::span<const Member> company(std::uint32_t crossed_triangle) const {
+    const Crossing& crossing = crossings_[crossed_triangle / 2];
+    return std::span(company_).subspan(crossing.first, crossing.count);
+  }
   /// Where a ray meets one triangle or shape, its edges included.
   std::optional<TileHit> meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const;
 
@@ -89,17 +102,23 @@ class TileSurfaces {
   const TileContents::Share& share(std::uint32_t geometry) const;
   std::uint32_t terrain_number(std::uint32_t plain_triangle) const;
   void measure();
-  void mark_crossed(const Eigen::AlignedBox3d& solid);
-  void mark_all_crossed();
+  void find_crossings();
+  void add_cells_near(const Member& member, std::vector<std::pair<std::uint32_t, Member>>& found) const;
+
+  /// A cell of the block that something comes near, and where in `company_` that is listed.
+  struct Crossing {
+    std::uint32_t cell, first, count;
+  };
 
   World world_;
   TileContents contents_;
   Eigen::AlignedBox3d box_;
   Eigen::Vector3d middle_m_;
   double diagonal_m_ = 0, reach_m_ = 0;
-  bool whole_terrain_ = false;                   // its numbers are the world's
-  std::vector<std::uint8_t> crossed_cells_;      // by cell of the block
-  std::vector<std::uint32_t> crossed_;           // plain triangles
+  bool whole_terrain_ = false;            // its numbers are the world's
+  std::vector<std::uint8_t> is_crossed_;  // by cell of the block
+  std::vector<Crossing> crossings_;
+  std::vector<Member> company_;
   std::vector<std::int32_t> share_of_geometry_;  // into contents_.solids, -1 for none
 };
 
