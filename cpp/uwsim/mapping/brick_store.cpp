@@ -27,10 +27,15 @@ std::uint32_t Arena::take(std::uint32_t count) {
   if (taken_ > kIndices - count) throw std::bad_alloc();
   while (segments_.size() * std::size_t{kSegment} < std::size_t{taken_} + count) {
     Pages segment(kSegment * element_bytes_);
-    if (!segments_.empty()) segment.prefault();  // a small map stays small
+    if (!segments_.empty()) {
+      segment.ask_for_large();
+      segment.prefault(0, segment.size());
+    }
     table_.as<std::byte*>()[segments_.size()] = segment.as<std::byte>();
     segments_.push_back(std::move(segment));
   }
+  // A small map stays small: its first segment is there as it is taken.
+  if (taken_ < kSegment) segments_[0].prefault(taken_ * element_bytes_, count * element_bytes_);
   const std::uint32_t first = taken_;
   taken_ += count;
   return first;

@@ -13,7 +13,7 @@ namespace uwsim::bricks {
 namespace {
 
 /// Scans go together while their masks fit here: what a core's own cache may hold with the bricks they change.
-constexpr std::size_t kMaskBytesTogether = 2 << 20;
+constexpr std::size_t kMaskBytesTogether = 3 << 20;
 constexpr std::size_t kScansTogether = 64;
 
 /// Threads that do parts of a job together, one part after the other. What one of them throws ends the job: it is

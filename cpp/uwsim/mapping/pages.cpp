@@ -2,6 +2,7 @@
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <new>
 #include <utility>
@@ -39,10 +40,14 @@ Pages& Pages::operator=(Pages&& other) noexcept {
   return *this;
 }
 
-void Pages::prefault() {
-  ::madvise(data_, bytes_, MADV_HUGEPAGE);
+void Pages::ask_for_large() { ::madvise(data_, bytes_, MADV_HUGEPAGE); }
+
+void Pages::prefault([[maybe_unused]] std::size_t first_byte, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_POPULATE_WRITE
-  ::madvise(data_, bytes_, MADV_POPULATE_WRITE);
+  constexpr std::size_t kPage = 4096;
+  const std::size_t first = first_byte / kPage * kPage;
+  const std::size_t end = std::min((first_byte + bytes + kPage - 1) / kPage * kPage, bytes_ / kPage * kPage);
+  if (first < end) ::madvise(static_cast<std::byte*>(data_) + first, end - first, MADV_POPULATE_WRITE);
 #endif
 }
 

@@ -13,8 +13,10 @@ class Pages {
   Pages(Pages&& other) noexcept;
   Pages& operator=(Pages&& other) noexcept;
 
-  /// Asks for large pages and has them all present: no page faults later. What the system cannot do is left.
-  void prefault();
+  /// Asks for large pages, where they are used.
+  void ask_for_large();
+  /// Has the pages of a part present: no page faults there later. What the system cannot do is left.
+  void prefault(std::size_t first_byte, std::size_t bytes);
 
   std::size_t size() const { return bytes_; }
   template <typename T>
