@@ -673,6 +673,11 @@ class MultibeamModel:
         1..4, as on the wire
         """
     @property
+    def ping_rate_max_hz(self) -> float:
+        """
+        Of the electronics.
+        """
+    @property
     def range_limit_m(self) -> float:
         """
         The published decoder's limit: above it, no echo.
@@ -682,6 +687,8 @@ class MultibeamModel:
         """
         A range at or past it is no echo.
         """
+    @property
+    def tilt_rate_rad_s(self) -> float: ...
 
 class OccupancyMap:
     """

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import map_coordinates, uniform_filter1d
 
+from uwsim.atomic_file import write_atomically
 from uwsim.imaging import SonarImage
-from uwsim.survey.atomic_file import write_atomically
 
 Levels = NDArray[np.float32]
 

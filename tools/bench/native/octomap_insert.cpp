@@ -1,7 +1,7 @@
 // Stock OctoMap's insertPointCloud: the peer that `uwsim bench mapping` measures against.
-// Usage: octomap_insert SCANS RESOLUTION_M MAX_RANGE_M eager|lazy. SCANS: for each scan an int32 count, three float32 of
-// its origin and count times three float32. Prints the processor seconds and the wall seconds of a scan. Lazy leaves out
-// the updateInnerOccupancy that it asks for at the end.
+// Usage: octomap_insert SCANS RESOLUTION_M MAX_RANGE_M eager|lazy. SCANS: for each scan an int32 count, three float32
+// of its origin and count times three float32. Prints the processor seconds and the wall seconds of a scan. Lazy leaves
+// out the updateInnerOccupancy that it asks for at the end.
 #include <octomap/OcTree.h>
 
 #include <chrono>
