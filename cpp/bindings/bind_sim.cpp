@@ -155,19 +155,21 @@ void bind_sim(py::module_& m) {
           "Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.")
       .def(
           "save_state",
-          [](OwnedSimulation& o, const std::string& scenario, const std::string& build) {
-            return py::bytes(o.with([&](Simulation& s) { return s.save_state({scenario, build}); }));
+          [](OwnedSimulation& o, const std::string& scenario, const std::string& build, const std::string& notes) {
+            return py::bytes(o.with([&](Simulation& s) { return s.save_state({scenario, build}, notes); }));
           },
-          py::arg("scenario"), py::arg("build"),
-          "All that the future depends on beside what the simulation was made of, with fingerprints of that.")
+          py::arg("scenario"), py::arg("build"), py::arg("notes") = "",
+          "All that the future depends on beside what the simulation was made of, with fingerprints of that.\n"
+          "notes: kept with it.")
       .def(
           "restore_state",
           [](OwnedSimulation& o, const py::bytes& state, const std::string& scenario, const std::string& build) {
             const std::string_view bytes = state;
-            o.with([&](Simulation& s) { s.restore_state(bytes, {scenario, build}); });
+            return o.with([&](Simulation& s) { return s.restore_state(bytes, {scenario, build}); });
           },
           py::arg("state"), py::arg("scenario"), py::arg("build"),
-          "Raises ValueError, changing nothing, for a state that is damaged or has other fingerprints.");
+          "Returns the notes. Raises ValueError, changing nothing, for a state that is damaged or has other "
+          "fingerprints.");
 }
 
 }  // namespace uwsim::bindings

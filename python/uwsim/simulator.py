@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 from types import TracebackType
@@ -109,12 +110,13 @@ class Simulator:
         self.advance(duration_s)
 
     def save_state(self) -> bytes:
-        """All that the future depends on beside scenario and seed: motion, commands, clocks, what sensors remember.
+        """All that the future depends on beside scenario and seed: motion, commands, lamps, clocks, sensors' memories.
 
         A Simulator of the same scenario, seed and build that restores it gives the same poses and samples to the last
-        bit. Commands are in it; what a mission or a map remembers is not.
+        bit. What a mission or a map remembers, and the light of set_optics, is not in it.
         """
-        return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint())
+        lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
+        return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), json.dumps(lit))
 
     def restore_state(self, state: bytes) -> None:
         """Go on from what `save_state` gave.
@@ -123,7 +125,10 @@ class Simulator:
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
-        self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint())
+        lit = self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint())
+        for name, lamps in json.loads(lit).items():
+            for lamp, on in lamps.items():
+                self.vehicles[name].lamps[lamp].on = on
 
     def __enter__(self) -> Self:
         return self

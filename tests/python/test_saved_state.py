@@ -54,6 +54,16 @@ def test_a_fresh_simulator_goes_on_to_the_last_bit(scenario: str) -> None:
         np.testing.assert_array_equal(got, expected)
 
 
+def test_lamps_stay_lit() -> None:
+    sim = flown("lake")
+    lamp = next(iter(sim.rov.lamps))
+    sim.rov.lamps[lamp].on = True
+    fresh = Simulator("lake", seed=5)
+    assert not fresh.rov.lamps[lamp].on
+    fresh.restore_state(sim.save_state())
+    assert fresh.rov.lamps[lamp].on
+
+
 def test_the_same_simulator_may_go_back_in_time() -> None:
     sim = flown()
     state = sim.save_state()

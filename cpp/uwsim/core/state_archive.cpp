@@ -9,7 +9,6 @@ namespace uwsim {
 namespace {
 
 constexpr double kUnitTolerance = 1e-6;  // of an orientation's length; a step keeps it within rounding
-constexpr std::uint64_t kLongestName = 4096;
 
 }  // namespace
 
@@ -38,6 +37,14 @@ void StateArchive::numbers(std::span<double> values) {
   for (const double value : values) require(std::isfinite(value), "state", value, "figures must be finite");
 }
 
+void StateArchive::operator()(std::string& text) {
+  std::uint64_t size = text.size();
+  (*this)(size);
+  require(!restoring_ || size <= source_.size(), "state", "truncated", "must be as long as it was saved");
+  text.resize(size);
+  exchange(text.data(), text.size());
+}
+
 void StateArchive::operator()(BodyState& state) {
   Pose& pose = state.world_from_body;
   numbers({pose.position_m.data(), 3});
@@ -54,12 +61,8 @@ void StateArchive::same(std::string_view what, std::uint64_t value) {
 }
 
 void StateArchive::same(std::string_view what, const std::string& value) {
-  std::uint64_t size = value.size();
-  (*this)(size);
-  require(size <= kLongestName, "state." + std::string(what), "too long", "must be '" + value + "'");
   std::string held = value;
-  held.resize(size);
-  exchange(held.data(), held.size());
+  (*this)(held);
   require(held == value, "state." + std::string(what), "'" + held + "'", "must be '" + value + "'");
 }
 

@@ -28,6 +28,7 @@ class StateArchive {
   void operator()(std::uint64_t& value);
   void operator()(bool& value);
   void operator()(Vector6d& value) { numbers({value.data(), 6}); }
+  void operator()(std::string& text);
   /// Throws when the orientation that is read is none.
   void operator()(BodyState& state);
   /// Writes `value`; what is read must be the same, or throws: "state.<what> = 3: must be 2".

@@ -233,18 +233,21 @@ Pose Simulation::world_from_sonar(std::size_t index, std::size_t sonar) const {
   return state(index).world_from_body * item(vehicle(index).sonars, sonar, "sonar").body_from_sonar();
 }
 
-std::string Simulation::save_state(const StateOrigin& origin) {
+std::string Simulation::save_state(const StateOrigin& origin, const std::string& notes) {
   StateArchive archive;
+  std::string kept = notes;
+  archive(kept);
   exchange_state(archive);
   return sealed_state(archive.bytes(), origin);
 }
 
-void Simulation::restore_state(std::string_view bytes, const StateOrigin& origin) {
-  const std::string_view figures = unsealed_state(bytes, origin);
+std::string Simulation::restore_state(std::string_view bytes, const StateOrigin& origin) {
+  StateArchive archive(unsealed_state(bytes, origin));
+  std::string notes;
+  archive(notes);
   StateArchive before;
   exchange_state(before);
   try {
-    StateArchive archive(figures);
     exchange_state(archive);
     archive.finish();
   } catch (...) {
@@ -253,6 +256,7 @@ void Simulation::restore_state(std::string_view bytes, const StateOrigin& origin
     throw;
   }
   ++version_;
+  return notes;
 }
 
 void Simulation::exchange_state(StateArchive& archive) {

@@ -72,10 +72,10 @@ class Simulation {
   const Water& water() const { return world_.water; }
 
   /// All that the future depends on beside what the simulation was made of, as bytes: taken back by one that was made
-  /// alike it gives the same steps and samples to the last bit.
-  std::string save_state(const StateOrigin& origin);
-  /// Throws InvalidValue, and changes nothing, for a state that is damaged or was saved elsewhere.
-  void restore_state(std::string_view bytes, const StateOrigin& origin);
+  /// alike it gives the same steps and samples to the last bit. `notes` are kept with it.
+  std::string save_state(const StateOrigin& origin, const std::string& notes = {});
+  /// Returns the notes. Throws InvalidValue, and changes nothing, for a state that is damaged or was saved elsewhere.
+  std::string restore_state(std::string_view bytes, const StateOrigin& origin);
 
  private:
   void exchange_state(StateArchive& archive);

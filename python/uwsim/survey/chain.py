@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import ranging
+from uwsim import _core, ranging
 from uwsim.mapping import OccupancyMap
 from uwsim.survey.stages import VERIFICATION, WAITING, StageTimer
 
@@ -44,7 +44,7 @@ class ScanChain:
     def __init__(
         self,
         occupancy: OccupancyMap,
-        model: int,
+        model: int | _core.MultibeamModel,
         self_box: SelfBox,
         *,
         threads: int = 1,
@@ -54,7 +54,7 @@ class ScanChain:
     ) -> None:
         self.occupancy = occupancy
         self.reference = reference
-        self.model = model
+        self.model = model if isinstance(model, _core.MultibeamModel) else ranging.MODELS[model]
         self.self_box = self_box
         self.timer = timer or StageTimer()
         self._tamper = tamper
@@ -131,7 +131,7 @@ class ScanChain:
 
     def _insert(self, batch: list[Scan]) -> None:
         # The scan's own range_max has done its work; float32 points may come out a hair longer.
-        max_range_m = ranging.MODELS[self.model].range_max_m
+        max_range_m = self.model.range_max_m
         with self.timer.measure("map"):
             points_world_m = np.concatenate([points for points, _ in batch])
             counts = np.array([len(points) for points, _ in batch])

@@ -65,7 +65,7 @@ def fly_survey(
     flight = _Flight(sim, occupancy, reference, watch, resume)
     with ScanChain(
         occupancy,
-        sim.rov.sonar.model.number,
+        sim.rov.sonar.model,
         _self_box(sim.scenario),
         threads=sim.threads,
         timer=flight.timer,
@@ -151,7 +151,7 @@ class _Flight:
         return SurveyRecord(
             scenario_name=sim.scenario.name,
             seed=sim.seed,
-            sonar_model=sim.rov.sonar.model.number,
+            sonar_model=sim.rov.sonar.model.number or sim.rov.sonar.model.name,
             step_s=sim.step_s,
             voxel_m=self._occupancy.resolution_m,
             threads=sim.threads,

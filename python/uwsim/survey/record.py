@@ -39,7 +39,7 @@ class SurveyRecord:
 
     scenario_name: str
     seed: int
-    sonar_model: int
+    sonar_model: int | str
     step_s: float
     voxel_m: float
     threads: int
