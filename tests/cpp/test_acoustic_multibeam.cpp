@@ -301,11 +301,14 @@ TEST(AcousticMultibeam, BendingShowsInTheTravelTimeNotInTheBeam) {
   EXPECT_LT(bent.travel_time_s[0], straight.travel_time_s[0]);
 }
 
-TEST(AcousticMultibeam, ADryHeadHearsNothing) {
-  const AcousticPing ping = sonar_of(fan_of(31, 90), {}).ping(RayScene(bed_world(0, -30)), looking_down(-1), {}, 0);
-  for (std::size_t k = 0; k < 31; ++k) {
-    EXPECT_EQ(ping.valid[k], 0);
-    EXPECT_TRUE(std::isinf(ping.ranges_m[k]));
+TEST(AcousticMultibeam, AHeadOutOfTheWaterOrUnderTheGroundHearsNothing) {
+  const RayScene scene(bed_world(0, -30));
+  for (const double depth_m : {-1.0, 30.5}) {
+    const AcousticPing ping = sonar_of(fan_of(31, 90), {}).ping(scene, looking_down(depth_m), {}, 0);
+    for (std::size_t k = 0; k < 31; ++k) {
+      EXPECT_EQ(ping.valid[k], 0);
+      EXPECT_TRUE(std::isinf(ping.ranges_m[k]));
+    }
   }
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core, ranging
+from uwsim.fingerprint import scenario_fingerprint
 from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.build import backscatter_by_label, build_world, label_names
 from uwsim.scenario.material_spec import BACKSCATTER
@@ -207,3 +208,10 @@ def test_a_sonar_that_is_not_of_the_wire_goes_through_the_same_chain(tmp_path: P
     np.testing.assert_allclose(points, ping.points_sonar_m[ping.valid], atol=1e-5)
     with pytest.raises(ValueError, match="for model EM 2040 MKII"):
         ranging.encode_depth_string(ping.ranges_m[:5], model)
+
+
+def test_a_scenario_with_its_own_sonar_has_a_fingerprint_that_its_figures_change(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(MODEL)
+    before = scenario_fingerprint(load(pool(tmp_path, "{model: mine.yaml}")))
+    (tmp_path / "mine.yaml").write_text(MODEL.replace("beams: 101", "beams: 102"))
+    assert scenario_fingerprint(load(pool(tmp_path, "{model: mine.yaml}"))) != before

@@ -177,7 +177,7 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
   const auto beams = static_cast<std::size_t>(fan_.beams);
   AcousticPing ping = empty_ping(beams);
   const Eigen::Vector3d& head = world_from_sonar.position_m;
-  if (!(head.z() <= 0)) return ping;  // a dry head
+  if (!(head.z() <= 0) || scene.under_ground(head)) return ping;
   const double c = profile_.at(-head.z());
   const Moment now{scene,
                    world_from_sonar,

@@ -66,6 +66,8 @@ struct AcousticPing {
 /// head has moved; the fan turns about its normal between, so that a beam hears where it points at reception. Soundings
 /// are as a raw instrument gives them: motion is not corrected.
 ///
+/// A head above the water or under the terrain hears nothing, not even noise.
+///
 /// Left out: side lobes, multiple paths, the surface's echo, Doppler, near field (valid beyond the array's length^2 /
 /// wavelength), refraction's focusing.
 class AcousticMultibeam {

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, PrivateAttr, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.camera_spec import STATION_CAMERA, CameraMounts
@@ -77,6 +77,10 @@ def _sonar_model(value: object, info: ValidationInfo) -> object:
     return int(value)
 
 
+def _dumped(model: int | SonarModel) -> object:
+    return model.model_dump() if isinstance(model, SonarModel) else model
+
+
 class Sonar(Model):
     """Which multibeam the vehicle carries, and how it is simulated.
 
@@ -87,7 +91,7 @@ class Sonar(Model):
     tilt_deg: at the start, positive nose down, as on the wire's scanPos.
     """
 
-    model: Annotated[int | SonarModel, PlainValidator(_sonar_model)] = 2
+    model: Annotated[int | SonarModel, PlainValidator(_sonar_model), PlainSerializer(_dumped)] = 2
     frequency_khz: FrequencyKhz | None = None
     mode: SonarMode = "geometry"
     bending: bool = False
