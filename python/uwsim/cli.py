@@ -103,7 +103,7 @@ def sonar(
     scenario: ScenarioName = "lake",
     pose: Annotated[
         str | None,
-        typer.Option(help="X,Y,Z[,YAW[,PITCH[,ROLL]]] of the vehicle [m, deg; PITCH is nose down]; its start without."),
+        typer.Option(help="X,Y,Z,YAW,PITCH,ROLL of the vehicle: metres, degrees, PITCH nose down; its start without."),
     ] = None,
     out: Annotated[Path, typer.Option(help="The picture, a PNG.")] = Path("sonar.png"),
     kind: Annotated[
@@ -111,9 +111,9 @@ def sonar(
     ] = "all",
     sonar_model: SonarModel = None,
     tilt: Annotated[
-        float | None, typer.Option(help="Nose down [deg]; without, the scenario's for the fan and 12 for the image.")
+        float | None, typer.Option(help="Degrees nose down; without, the scenario's for the fan and 12 for the image.")
     ] = None,
-    track: Annotated[float, typer.Option(help="Length of the side-scan's track, straight ahead [m].")] = 60.0,
+    track: Annotated[float, typer.Option(help="Length of the side-scan's track straight ahead, metres.")] = 60.0,
     seed: Seed = None,
 ) -> None:
     """Draw what the sonar sees from somewhere: the fan over the true bed, a sonar image, a side-scan's waterfall."""

@@ -1,5 +1,7 @@
 """`uwsim sonar` and its pictures: what is drawn is where it is heard, and mistakes are one line."""
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +10,7 @@ from PIL import Image
 
 from test_cli import refused, uwsim
 from uwsim.imaging import ForwardLooking, SonarImage
-from uwsim.sonar_view.command import KINDS, parsed_pose
+from uwsim.sonar_view.command import KINDS, Request, parsed_pose, run_sonar
 from uwsim.sonar_view.warp import fan_pixels, shown_range, write_grey_png
 
 
@@ -75,48 +77,56 @@ def test_a_pose_is_read_in_degrees_nose_down() -> None:
     assert parsed_pose("1,2,-3")[1].tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
-def test_the_command_draws_each_kind_and_the_same_again(tmp_path: Path) -> None:
-    pose = ("--pose", "-3,0.5,-2.5,0,0,0")
+def test_each_kind_is_drawn_and_the_same_again(tmp_path: Path) -> None:
+    def draw(name: str, kind: str, seed: int = 0) -> tuple[Path, list[str]]:
+        out = tmp_path / f"{name}.png"
+        return out, run_sonar(Request("pool", out, "-3,0.5,-2.5,0,0,0", kind, track_m=3.0, seed=seed))
+
     for kind in KINDS:
-        out = tmp_path / f"{kind}.png"
-        result = uwsim("sonar", "pool", *pose, "--kind", kind, "--track", "3", "--out", str(out))
-        assert result.returncode == 0, result.stderr
-        assert result.stderr == ""
+        out, said = draw(kind, kind)
         pixels = np.asarray(Image.open(out).convert("L"))
         assert min(pixels.shape) > 400
         assert pixels.std() > 20.0
         for part in ("fan", "image", "side-scan", "profile") if kind == "all" else (kind,):
-            assert f"{part}: " in result.stdout
-    again = tmp_path / "again.png"
-    uwsim("sonar", "pool", *pose, "--kind", "image", "--out", str(again))
-    assert again.read_bytes() == (tmp_path / "image.png").read_bytes()
-    other = tmp_path / "other.png"
-    uwsim("sonar", "pool", *pose, "--kind", "image", "--seed", "1", "--out", str(other))
-    assert other.read_bytes() != again.read_bytes()
+            assert any(line.startswith(f"{part}: ") for line in said)
+    assert draw("again", "image")[0].read_bytes() == (tmp_path / "image.png").read_bytes()
+    assert draw("other", "image", seed=1)[0].read_bytes() != (tmp_path / "image.png").read_bytes()
+
+
+def test_the_command_takes_a_pose_that_begins_with_a_minus(tmp_path: Path) -> None:
+    out = tmp_path / "fan.png"
+    result = uwsim("sonar", "pool", "--pose", "-3,0.5,-2.5", "--kind", "fan", "--out", str(out))
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "fan: EM 2040" in result.stdout
+    assert out.stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("changes", "words"),
     [
-        (("--pose", "1,2"), "--pose 1,2: 2 numbers"),
-        (("--pose", "1,2,deep"), "must be X,Y,Z"),
-        (("--pose", "1,2,nan"), "finite"),
-        (("--pose", "0,0,2"), "must be in the water"),
-        (("--pose", "0,0,-7"), "--pose 0,0,-7"),
-        (("--kind", "hologram"), "--kind hologram"),
-        (("--track", "0"), "--track 0 m"),
-        (("--tilt", "120"), "elevation_rad"),
-        (("--out", "there/is/no/folder.png"), "there is no folder"),
-        (("--out", "picture.jpg"), "must end in .png"),
-        (("--sonar-model", "9"), "sonar"),
+        ({"pose": "1,2"}, "--pose 1,2: 2 numbers"),
+        ({"pose": "1,2,deep"}, "must be X,Y,Z"),
+        ({"pose": "1,2,nan"}, "finite"),
+        ({"pose": "0,0,2"}, "must be in the water"),
+        ({"pose": "0,0,-7"}, "--pose 0,0,-7"),
+        ({"kind": "hologram"}, "--kind hologram"),
+        ({"track_m": 0.0}, "--track 0 m"),
+        ({"tilt_deg": 120.0}, "--tilt 120 deg: must be in"),
+        ({"tilt_deg": float("nan")}, "--tilt nan deg"),
+        ({"pose": "0,0,-2,0,90", "kind": "side-scan"}, "needs a heading"),
+        ({"sonar_model": 9}, "sonar"),
     ],
 )
-def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path: Path, options: tuple[str, str], words: str) -> None:
-    assert words in refused(uwsim("sonar", "pool", "--kind", "fan", *options, cwd=tmp_path))
+def test_a_mistake_is_named_and_leaves_nothing(tmp_path: Path, changes: dict[str, object], words: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(words)):
+        run_sonar(replace(Request("pool", tmp_path / "a.png", kind="fan"), **changes))
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+def test_a_picture_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "taken.png").mkdir()
-    line = refused(uwsim("sonar", "pool", "--kind", "fan", "--out", str(tmp_path / "taken.png")))
-    assert "is a folder" in line
+    with pytest.raises(OSError, match="is a folder"):
+        run_sonar(Request("pool", tmp_path / "taken.png"))
+    with pytest.raises(ValueError, match=r"must end in \.png"):
+        run_sonar(Request("pool", tmp_path / "picture.jpg"))
+    assert "there is no folder" in refused(uwsim("sonar", "pool", "--out", "there/is/none.png", cwd=tmp_path))

@@ -50,6 +50,8 @@ def run_sonar(request: Request) -> list[str]:
     _require_picture(request.out)
     if not (np.isfinite(request.track_m) and PING_SPACING_M <= request.track_m <= 1000.0):
         raise ValueError(f"--track {request.track_m:g} m: must be in [{PING_SPACING_M:g}, 1000] m")
+    if request.tilt_deg is not None and not abs(request.tilt_deg) <= 90.0:
+        raise ValueError(f"--tilt {request.tilt_deg:g} deg: must be in [-90, 90] deg")
     pose = None if request.pose is None else parsed_pose(request.pose)
     sim = Simulator(request.scenario, seed=request.seed, sonar_model=request.sonar_model)
     if pose is not None:
@@ -60,6 +62,8 @@ def run_sonar(request: Request) -> list[str]:
     if request.tilt_deg is not None:
         sim.rov.sonar.aim(-np.radians(request.tilt_deg))
     _require_in_the_water(sim)
+    if request.kind in ("all", "side-scan"):
+        _ahead(sim)
     figure, said = _Sheet(sim, request).draw()
     save_figure(figure, request.out)
     return [*said, str(request.out)]
@@ -97,6 +101,15 @@ def _require_in_the_water(sim: Simulator) -> None:
     bed = float(sim.world.height_at([[x, y]])[0])
     if z < bed:
         raise ValueError(f"the sonar's head is at z = {z:.2f} m, under the bed, which is at {bed:.2f} m there")
+
+
+def _ahead(sim: Simulator) -> NDArray[np.float64]:
+    """The vehicle's level heading (3,). Raises ValueError when it has none."""
+    ahead = sim.rov.pose.world_from_body[:3, 0] * (1.0, 1.0, 0.0)
+    length = float(np.linalg.norm(ahead))
+    if not length > 1e-6:
+        raise ValueError("a side-scan's track needs a heading: the vehicle stands on its nose or tail")
+    return np.asarray(ahead / length, np.float64)
 
 
 class _Sheet:
@@ -173,11 +186,7 @@ class _Sheet:
         return height_in + GAP_IN
 
     def _side_scan(self, column: int, top_in: float, height_in: float) -> None:
-        body = self._sim.rov.pose.world_from_body
-        ahead = np.array([body[0, 0], body[1, 0], 0.0])
-        if not np.linalg.norm(ahead) > 1e-6:
-            raise ValueError("a side-scan's track needs a heading: the vehicle stands on its nose or tail")
-        ahead /= np.linalg.norm(ahead)
+        body, ahead = self._sim.rov.pose.world_from_body, _ahead(self._sim)
         pings = max(round(self._request.track_m / PING_SPACING_M), 1)
         track = np.repeat(body[None], pings, axis=0)
         track[:, :3, 3] += np.arange(pings)[:, None] * PING_SPACING_M * ahead
