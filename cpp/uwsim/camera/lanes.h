@@ -207,9 +207,15 @@ UWSIM_LANES Int floor_int(Float x) {
   return whole + (to_float(whole) > x);
 }
 UWSIM_LANES Float square_root(Float x) {
-  Float root;
-  for (int k = 0; k < kLanes; ++k) root[k] = __builtin_sqrtf(x[k]);
-  return root;
+  constexpr int kParts = Float::kParts;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps512_mask(x.part[p], x.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps256(x.part[p]);
+#else
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps(x.part[p]);
+#endif
+  return x;
 }
 UWSIM_LANES Float mix(Float a, Float b, Float share) { return a + (b - a) * share; }
 UWSIM_LANES Float smooth(Float x) {

@@ -9,6 +9,8 @@
 namespace uwsim {
 namespace {
 
+constexpr long kMostPixels = 1 << 24;  // 4096 x 4096: some 1 GB while a picture is made
+
 struct Distorted {
   Eigen::Vector2d point;
   Eigen::Matrix2d slope;
@@ -36,6 +38,8 @@ void Lens::check() const {
   };
   side("width", width);
   side("height", height);
+  require(static_cast<long>(width) * height <= kMostPixels, "camera.width", width,
+          "times its height must be at most 16.8 million pixels");
   for (const double f : {fx, fy}) {
     require(f >= 1 && f <= 1e6, "camera.focal_length", f, "must be in [1, 1e6] pixels");
   }

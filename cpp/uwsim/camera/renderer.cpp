@@ -85,7 +85,7 @@ class Rendering {
       tracer_.cast(block, hits, RayOrder::kCoherent);
       cost.primary_rays += count(block.active);
       clock.add(kPrimary);
-      place(block);
+      place(hits, block);
       kernels_.write_geometry(shot_, left, top, block, planes);
       clock.add(kDepth);
       if (exposure_.geometry_only) continue;
@@ -101,9 +101,9 @@ class Rendering {
     }
   }
 
-  void place(Block& block) const {
+  void place(const HitPacket& hits, Block& block) const {
     const auto beside = [](std::uint32_t label) { return label > kTerrain; };
-    if (std::any_of(std::begin(block.label), std::end(block.label), beside)) tracer_.refine(block);
+    if (std::any_of(std::begin(block.label), std::end(block.label), beside)) tracer_.refine(hits, block);
     kernels_.place(shot_, block);
   }
 
@@ -113,7 +113,7 @@ class Rendering {
     tracer_.cast(block, hits, RayOrder::kIncoherent);
     cost.onward_rays += count(block.active);
     clock.add(kPrimary);
-    place(block);
+    place(hits, block);
     clock.add(kDepth);
     shade(block, hits, false, cost, clock);
   }

@@ -35,8 +35,9 @@ class Tracer {
 
   /// Fills distance, normal, label and primitive of active lanes; idle lanes hit nothing. `hits` keeps u and v.
   void cast(camera::Block& block, HitPacket& hits, RayOrder order) const;
-  /// Solves again in double what is not terrain: kernels do that. Away from the anchor, as cast.
-  void refine(camera::Block& block) const;
+  /// Solves distances again in double where `hits` is not on terrain (the kernels do that): on the plane of the
+  /// triangle that was named, or by another cast for round shapes and bodies.
+  void refine(const HitPacket& hits, camera::Block& block) const;
   /// Whether something lies on a lane's way to the light, where it wants to know; lanes that do not are 0.
   void occluded(const camera::Block& block, camera::Mask& blocked, RayOrder order) const;
 
@@ -51,9 +52,12 @@ class Tracer {
     float radius_m;
   };
   void note(const RayPacket& rays, RayOrder order, int kind) const;
+  void refine_solids(const HitPacket& hits, camera::Block& block) const;
+  void recast(const RayScene& scene, const camera::Mask& lanes, const MovedBody* body, camera::Block& block) const;
   static bool comes_near(const RayPacket& rays, const MovedBody& body);
   static RayPacket turned(const RayPacket& rays, const MovedBody& body);
 
+  const World& world_;
   const RayScene& rays_;
   RayRecord* record_;
   Eigen::Vector3d anchor_world_m_;
