@@ -10,51 +10,201 @@ import os
 import typing
 
 __all__: list[str] = [
+    "AcousticMultibeam",
+    "AcousticSpec",
     "ActuatorsSpec",
     "BodyState",
+    "BottomMaterial",
+    "Camera",
+    "CameraScene",
     "CollisionShape",
     "Craft",
     "CraftParameters",
     "Current",
+    "DepthCamera",
+    "Detection",
     "FinParameters",
+    "ForwardLookingModel",
+    "ImagingAcoustics",
+    "InstructionSet",
+    "LampLight",
+    "Lens",
+    "MapEngine",
+    "MapOptions",
     "MultibeamModel",
     "NoiseSpec",
     "OccupancyMap",
+    "Optics",
+    "PhysicsPing",
+    "Picture",
     "Ping",
     "PingBatch",
     "RayHits",
     "RayScene",
     "RoundShape",
+    "RowReduction",
     "SensorKind",
     "SensorParameter",
     "SensorReading",
     "SensorSpec",
+    "SideScanModel",
     "Simulation",
     "SimulationSpec",
+    "SingleBeamModel",
     "SolidProperties",
+    "SonarFigures",
     "SonarSpec",
+    "SoundSpeedProfile",
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
     "VehicleSpec",
     "Water",
+    "WaterOptics",
     "WaterProfile",
     "Waves",
     "World",
     "absorption_db_km",
     "decode_depth_string",
+    "depth_image",
+    "depth_image_ranges",
+    "detection_probability",
+    "effect_names",
     "encode_depth_string",
     "filter_range",
+    "forward_look",
+    "ground_plane",
+    "jerlov_types",
+    "material_names",
     "multibeam_model",
+    "nadir_area_m2",
+    "nadir_snr_db",
+    "pass_through",
+    "refracted",
+    "register_cloud",
     "remove_box",
+    "remove_outliers",
     "scan_to_points",
     "sea_water_density_kg_m3",
     "sensor_kind",
     "sensor_kinds",
+    "side_scan",
+    "single_beam",
     "solid_properties",
     "sound_speed_m_s",
+    "sound_speed_profile",
+    "soundings",
+    "surface_class_names",
     "transform_points",
+    "voxel_grid",
 ]
+
+class SoundSpeedProfile:
+    """
+    Speed of sound by depth: linear between levels, constant above and below them.
+    """
+    @staticmethod
+    def even(speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> SoundSpeedProfile:
+        """
+        One speed everywhere: straight rays.
+        """
+    def __init__(self, depths_m: typing.Any, speeds_m_s: typing.Any) -> None:
+        """
+        Each (n,), depths rising. Raises ValueError that names the level.
+        """
+    def at(self, depth_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        Speed [m/s] at a depth [m].
+        """
+
+class SonarFigures:
+    """
+    What an active sonar sends, hears and decides by. Levels re 1 uPa (at 1 m).
+    """
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    def range_cell_m(self, sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    @property
+    def bandwidth_hz(self) -> float: ...
+    @bandwidth_hz.setter
+    def bandwidth_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beam_width_across_rad(self) -> float:
+        """
+        -3 dB, one way: of a receiving beam, within the fan's plane
+        """
+    @beam_width_across_rad.setter
+    def beam_width_across_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beam_width_along_rad(self) -> float:
+        """
+        -3 dB, one way: of the transmitter, across the fan's plane
+        """
+    @beam_width_along_rad.setter
+    def beam_width_along_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_threshold_db(self) -> float:
+        """
+        The signal-to-noise ratio that is detected half of the time.
+        """
+    @detection_threshold_db.setter
+    def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def directivity_index_db(self) -> float: ...
+    @directivity_index_db.setter
+    def directivity_index_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def figure_db(self) -> float:
+        """
+        SL + processing gain + DI - NL
+        """
+    @property
+    def frequency_hz(self) -> float: ...
+    @frequency_hz.setter
+    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def noise_level_db(self) -> float:
+        """
+        In the receiver's band.
+        """
+    @noise_level_db.setter
+    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def processing_gain_db(self) -> float:
+        """
+        10 log10 (bandwidth x length)
+        """
+    @property
+    def pulse_length_s(self) -> float: ...
+    @pulse_length_s.setter
+    def pulse_length_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def source_level_db(self) -> float: ...
+    @source_level_db.setter
+    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class BottomMaterial:
+    """
+    What a bottom gives back.
+    """
+    def __init__(
+        self,
+        strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
+        relief: typing.SupportsFloat | typing.SupportsIndex = 0.1,
+    ) -> None: ...
+    @property
+    def relief(self) -> float:
+        """
+        rms slope of its relief across a footprint
+        """
+    @property
+    def strength_db(self) -> float:
+        """
+        Of a square metre at normal incidence; Lambert's law.
+        """
 
 class Waves:
     """
@@ -298,6 +448,12 @@ class World:
     ) -> None:
         """
         heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). Raises ValueError on shape, non-finite heights or spacing.
+        """
+    def solid_around(
+        self, point_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
+    ) -> str | None:
+        """
+        (3,) -> the name of a closed solid that the point is inside of, or None.
         """
     def surface_mesh(
         self,
@@ -653,6 +809,23 @@ class MultibeamModel:
     """
     A multibeam's fan, evenly spread about the head's forward axis.
     """
+    def __init__(
+        self,
+        *,
+        name: str,
+        beams: typing.SupportsInt | typing.SupportsIndex,
+        field_of_view_rad: typing.SupportsFloat | typing.SupportsIndex,
+        range_max_m: typing.SupportsFloat | typing.SupportsIndex,
+        frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
+        range_limit_m: typing.SupportsFloat | typing.SupportsIndex | None = None,
+        number: typing.SupportsInt | typing.SupportsIndex = 0,
+        dual_swath: bool = False,
+        ping_rate_max_hz: typing.SupportsFloat | typing.SupportsIndex = 50.0,
+        tilt_rate_rad_s: typing.SupportsFloat | typing.SupportsIndex = 0.0872665,
+    ) -> None:
+        """
+        Raises ValueError that names the field.
+        """
     @property
     def angle_increment_rad(self) -> float: ...
     @property
@@ -670,7 +843,7 @@ class MultibeamModel:
     @property
     def number(self) -> int:
         """
-        1..4, as on the wire
+        1..4, as on the wire; 0: not of the wire
         """
     @property
     def ping_rate_max_hz(self) -> float:
@@ -690,19 +863,541 @@ class MultibeamModel:
     @property
     def tilt_rate_rad_s(self) -> float: ...
 
+class Detection:
+    """
+    How a beam's range was found.
+
+    Members:
+
+      NONE
+
+      AMPLITUDE
+
+      PHASE
+
+      FALSE : Noise was taken for an echo.
+    """
+
+    AMPLITUDE: typing.ClassVar[Detection]
+    FALSE: typing.ClassVar[Detection]
+    NONE: typing.ClassVar[Detection]
+    PHASE: typing.ClassVar[Detection]
+    __members__: typing.ClassVar[dict[str, Detection]]
+    @typing.overload
+    def __eq__(self, other: Detection) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: Detection) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class PhysicsPing:
+    """
+    One multibeam ping in physics mode: Ping's arrays and more, read-only, a value a beam.
+    """
+    @property
+    def angles_rad(self) -> numpy.ndarray:
+        """
+        (beams,) float32, about +z of the sonar, positive to port
+        """
+    @property
+    def detections(self) -> numpy.ndarray:
+        """
+        (beams,) uint8, values of Detection
+        """
+    @property
+    def incidence_rad(self) -> numpy.ndarray:
+        """
+        (beams,) float32 in [0, pi/2], true; NaN = no detection, or a false one
+        """
+    @property
+    def intensity_db(self) -> numpy.ndarray:
+        """
+        (beams,) float32, received level less source level, with speckle and noise; -inf = no detection
+        """
+    @property
+    def labels(self) -> numpy.ndarray:
+        """
+        (beams,) uint16, true, see World.label_names; 0 where false
+        """
+    @property
+    def model(self) -> int:
+        """
+        EM 2040 variant 1..4; 0: not of the wire
+        """
+    @property
+    def points_sonar_m(self) -> numpy.ndarray:
+        """
+        (beams, 3) float32, the range along the beam's axis; NaN = no detection
+        """
+    @property
+    def ranges_m(self) -> numpy.ndarray:
+        """
+        (beams,) float32, sound speed at the head x half the travel time; inf = no detection
+        """
+    @property
+    def snr_db(self) -> numpy.ndarray:
+        """
+        (beams,) float32, over the noise, at the detector; -inf = none
+        """
+    @property
+    def time_ns(self) -> int: ...
+    @property
+    def travel_time_s(self) -> numpy.ndarray:
+        """
+        (beams,) float32, two-way; inf = no detection
+        """
+    @property
+    def valid(self) -> numpy.ndarray:
+        """
+        (beams,) bool: detected, be it falsely
+        """
+    @property
+    def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        (4, 4) float64, at transmission
+        """
+
+class AcousticSpec:
+    """
+    What makes a multibeam an acoustic instrument.
+    """
+
+    false_detections: bool
+    figures: SonarFigures
+    range_noise: bool
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    @property
+    def acidity_ph(self) -> float: ...
+    @acidity_ph.setter
+    def acidity_ph(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bending(self) -> bool:
+        """
+        Whether the sound speed's profile bends the beams.
+        """
+    @bending.setter
+    def bending(self, arg0: bool) -> None: ...
+    @property
+    def bottom(self) -> BottomMaterial:
+        """
+        Of what has no line in `materials`.
+        """
+    @bottom.setter
+    def bottom(self, arg0: BottomMaterial) -> None: ...
+    @property
+    def materials(self) -> list[BottomMaterial]:
+        """
+        By label, see World.label_names.
+        """
+    @materials.setter
+    def materials(self, arg0: collections.abc.Sequence[BottomMaterial]) -> None: ...
+    @property
+    def rays_per_beam(self) -> int:
+        """
+        1, or 4 to 64
+        """
+    @rays_per_beam.setter
+    def rays_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class AcousticMultibeam:
+    """
+    A multibeam in physics mode by itself, without a vehicle. Pings do not depend on threads.
+    """
+    def __init__(
+        self,
+        model: MultibeamModel,
+        spec: AcousticSpec,
+        water: Water,
+        seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        name: str = "sonar",
+    ) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    def ping(
+        self,
+        scene: RayScene,
+        position_world_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        velocity_world_m_s: typing.Any = (0.0, 0.0, 0.0),
+        rate_world_rad_s: typing.Any = (0.0, 0.0, 0.0),
+        tick: typing.SupportsInt | typing.SupportsIndex = 0,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> PhysicsPing:
+        """
+        One ping of the head at a pose (3,), (4,), moving (3,), (3,) in world axes. Random draws are keyed by tick.
+        Raises ValueError. Releases the GIL.
+        """
+    @property
+    def profile(self) -> SoundSpeedProfile:
+        """
+        Speed of sound of its water.
+        """
+
+class ImagingAcoustics:
+    """
+    What picture-making sonars share; see uwsim.imaging.Acoustics.
+    """
+
+    time_varied_gain: bool
+    def __init__(self) -> None: ...
+    def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        Of the water at the head [dB/m].
+        """
+    @property
+    def bottom_strength_db(self) -> float: ...
+    @bottom_strength_db.setter
+    def bottom_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def frequency_hz(self) -> float: ...
+    @frequency_hz.setter
+    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def gain_db_decade(self) -> float: ...
+    @gain_db_decade.setter
+    def gain_db_decade(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def looks(self) -> int: ...
+    @looks.setter
+    def looks(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def noise_level_db(self) -> float: ...
+    @noise_level_db.setter
+    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def range_bins(self) -> int: ...
+    @range_bins.setter
+    def range_bins(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def range_max_m(self) -> float: ...
+    @range_max_m.setter
+    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def solid_strength_db(self) -> float: ...
+    @solid_strength_db.setter
+    def solid_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def source_level_db(self) -> float: ...
+    @source_level_db.setter
+    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def strengths_db(self) -> list[float]:
+        """
+        By label; NaN: bottom's or solids'.
+        """
+    @strengths_db.setter
+    def strengths_db(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+
+class ForwardLookingModel:
+    """
+    See uwsim.imaging.ForwardLooking.
+    """
+
+    acoustics: ImagingAcoustics
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def beam_width_rad(self) -> float: ...
+    @beam_width_rad.setter
+    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beams(self) -> int: ...
+    @beams.setter
+    def beams(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def columns_per_beam(self) -> int: ...
+    @columns_per_beam.setter
+    def columns_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def field_of_view_rad(self) -> float: ...
+    @field_of_view_rad.setter
+    def field_of_view_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def rays_per_column(self) -> int: ...
+    @rays_per_column.setter
+    def rays_per_column(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def taper(self) -> float: ...
+    @taper.setter
+    def taper(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def vertical_width_rad(self) -> float: ...
+    @vertical_width_rad.setter
+    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class SideScanModel:
+    """
+    See uwsim.imaging.SideScan.
+    """
+
+    acoustics: ImagingAcoustics
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def along_width_rad(self) -> float: ...
+    @along_width_rad.setter
+    def along_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def depression_rad(self) -> float: ...
+    @depression_rad.setter
+    def depression_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_db(self) -> float: ...
+    @detection_db.setter
+    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def planes(self) -> int: ...
+    @planes.setter
+    def planes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def vertical_width_rad(self) -> float: ...
+    @vertical_width_rad.setter
+    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class SingleBeamModel:
+    """
+    See uwsim.imaging.SingleBeam.
+    """
+
+    acoustics: ImagingAcoustics
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def beam_width_rad(self) -> float: ...
+    @beam_width_rad.setter
+    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_db(self) -> float: ...
+    @detection_db.setter
+    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def rays_across(self) -> int: ...
+    @rays_across.setter
+    def rays_across(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class DepthCamera:
+    """
+    See uwsim.depth_map.DepthMap.
+    """
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError.
+        """
+    @property
+    def depth_bits(self) -> int: ...
+    @depth_bits.setter
+    def depth_bits(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def height(self) -> int: ...
+    @height.setter
+    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def horizontal_fov_rad(self) -> float: ...
+    @horizontal_fov_rad.setter
+    def horizontal_fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def range_max_m(self) -> float: ...
+    @range_max_m.setter
+    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def vertical_fov_rad(self) -> float: ...
+    @vertical_fov_rad.setter
+    def vertical_fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def width(self) -> int: ...
+    @width.setter
+    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
+class RowReduction:
+    """
+    Members:
+
+      MIDDLE
+
+      NEAREST
+    """
+
+    MIDDLE: typing.ClassVar[RowReduction]
+    NEAREST: typing.ClassVar[RowReduction]
+    __members__: typing.ClassVar[dict[str, RowReduction]]
+    @typing.overload
+    def __eq__(self, other: RowReduction) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: RowReduction) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class MapEngine:
+    """
+    Members:
+
+      OCTOMAP
+
+      BRICKS
+    """
+
+    BRICKS: typing.ClassVar[MapEngine]
+    OCTOMAP: typing.ClassVar[MapEngine]
+    __members__: typing.ClassVar[dict[str, MapEngine]]
+    @typing.overload
+    def __eq__(self, other: MapEngine) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: MapEngine) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class InstructionSet:
+    """
+    Forms of the brick engine's inner loops, all with the same result.
+
+    Members:
+
+      BEST
+
+      PORTABLE
+
+      AVX2
+
+      AVX512
+    """
+
+    AVX2: typing.ClassVar[InstructionSet]
+    AVX512: typing.ClassVar[InstructionSet]
+    BEST: typing.ClassVar[InstructionSet]
+    PORTABLE: typing.ClassVar[InstructionSet]
+    __members__: typing.ClassVar[dict[str, InstructionSet]]
+    @typing.overload
+    def __eq__(self, other: InstructionSet) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: InstructionSet) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class MapOptions:
+    """
+    What a map is made of, and its probabilities of hit, miss and clamping.
+    """
+    def __init__(
+        self,
+        *,
+        engine: MapEngine,
+        hit: typing.SupportsFloat | typing.SupportsIndex,
+        miss: typing.SupportsFloat | typing.SupportsIndex,
+        clamping_min: typing.SupportsFloat | typing.SupportsIndex,
+        clamping_max: typing.SupportsFloat | typing.SupportsIndex,
+        instruction_set: InstructionSet,
+        count_outside: bool,
+        memory_limit_mb: typing.SupportsFloat | typing.SupportsIndex | None,
+        spill_folder: str,
+    ) -> None: ...
+
 class OccupancyMap:
     """
-    octomap::OcTree of the system's OctoMap, about an origin in the world.
+    OctoMap's octree, about an origin in the world.
     """
     @staticmethod
-    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any) -> OccupancyMap:
+    def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any, options: MapOptions) -> OccupancyMap:
         """
         A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of
         OctoMap's. Releases the GIL.
         """
     def __init__(
-        self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any
+        self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any, options: MapOptions
     ) -> None: ...
+    def cast_rays(
+        self,
+        origins_world_m: typing.Any,
+        directions_world: typing.Any,
+        ignore_unknown: bool,
+        max_range_m: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple[numpy.typing.NDArray[numpy.int8], numpy.typing.NDArray[numpy.float64]]:
+        """
+        (n, 3) float64 each. Returns (n,) int8 ends: 1 occupied, 0 range or edge, -1 unknown, and (n, 3) float64
+        centres of the last voxels. Releases the GIL.
+        """
+    def cells(
+        self, depth: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
+    ]:
+        """
+        As leaves, of the cubes at a depth of the tree, 1 to 16. Releases the GIL.
+        """
+    def changed_voxels(self) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int8]]:
+        """
+        (n, 3) float64 centres and (n,) int8 states of what changed since the last call. Releases the GIL.
+        """
     def free_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (n, 3) float64: centres of the finest voxels, world, in Morton order. Releases the GIL.
@@ -717,30 +1412,288 @@ class OccupancyMap:
         points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64. Raises ValueError,
         inserting nothing, on shapes, on an origin that is not finite and outside OctoMap's cube. Releases the GIL.
         """
+    def insert_scans(
+        self,
+        points_world_m: typing.Any,
+        counts: typing.Any,
+        origins_world_m: typing.Any,
+        max_range_m: typing.SupportsFloat | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        points_world_m: (n, 3) float32 of all scans; counts: (m,) int64; origins_world_m: (m, 3) float64. Raises
+        ValueError as insert_scan does, inserting none of them. Releases the GIL.
+        """
+    def leaves(
+        self,
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
+    ]:
+        """
+        Centres (n, 3) float64, edges (n,) float64, log-odds (n,) float32 of the pruned tree's leaves. Releases the GIL.
+        """
+    def log_odds_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        points_world_m: (n, 3) float64, finite. Returns (n,) float32, NaN where unknown. Releases the GIL.
+        """
+    def merge(self, other: OccupancyMap) -> None:
+        """
+        Adds the other's log-odds. Raises ValueError. Releases the GIL.
+        """
+    def model(self) -> tuple[float, float, float, float]: ...
     def occupied_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (n, 3) float64: centres of the finest voxels, world, in Morton order. Releases the GIL.
+        """
+    def set_model(
+        self,
+        hit: typing.SupportsFloat | typing.SupportsIndex,
+        miss: typing.SupportsFloat | typing.SupportsIndex,
+        clamping_min: typing.SupportsFloat | typing.SupportsIndex,
+        clamping_max: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Of later scans. Raises ValueError. Releases the GIL.
         """
     def state_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.int8]:
         """
         points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the GIL.
         """
-    def statistics(self) -> tuple[int, int, int, int]:
+    def statistics(self) -> tuple[int, int, int, int, int, int]:
         """
-        (occupied voxels, free voxels, nodes, bytes of memory). Releases the GIL.
+        (occupied voxels, free voxels, nodes, bytes of memory, points left out, evictions). Releases the GIL.
         """
     def to_bytes(self, format: str) -> bytes:
         """
         The bytes of a 'bt' or 'ot' file. Releases the GIL.
+        """
+    def voxels_in(
+        self, low_world_m: typing.Any, high_world_m: typing.Any
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
+    ]:
+        """
+        As leaves, of the finest voxels with centres in a box, (3,) float64 each. Releases the GIL.
         """
     def write(self, path: os.PathLike[str] | str | bytes, format: str) -> None:
         """
         Atomically. Raises OSError. Releases the GIL.
         """
     @property
+    def engine(self) -> MapEngine: ...
+    @property
     def origin_world_m(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def resolution_m(self) -> float: ...
+
+class WaterOptics:
+    """
+    A water's coefficients [1/m], (3,) in the order red, green, blue.
+    """
+    @staticmethod
+    def jerlov(type: str) -> WaterOptics:
+        """
+        Of a Jerlov type (sources in water_optics.h). Raises ValueError for an unknown one.
+        """
+    def __init__(
+        self,
+        diffuse_attenuation: typing.Any,
+        absorption: typing.Any,
+        scattering: typing.Any,
+        refractive_index: typing.SupportsFloat | typing.SupportsIndex = 1.333,
+    ) -> None: ...
+    @property
+    def absorption(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def beam_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def diffuse_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def refractive_index(self) -> float: ...
+    @property
+    def scattering(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+
+class Optics:
+    """
+    What light is like: the water, the sun, the wind on the surface, what drifts.
+    """
+    def __init__(
+        self,
+        water: WaterOptics,
+        sun_elevation_rad: typing.SupportsFloat | typing.SupportsIndex,
+        sun_azimuth_rad: typing.SupportsFloat | typing.SupportsIndex,
+        wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
+        particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) of the daylight just below a flat surface; 1 is the sun's outside the air.
+        """
+    @property
+    def to_sun_below_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def to_sun_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def water(self) -> WaterOptics: ...
+
+class Lens:
+    """
+    As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.
+    """
+    def __init__(
+        self,
+        width: typing.SupportsInt | typing.SupportsIndex,
+        height: typing.SupportsInt | typing.SupportsIndex,
+        fx: typing.SupportsFloat | typing.SupportsIndex,
+        fy: typing.SupportsFloat | typing.SupportsIndex,
+        cx: typing.SupportsFloat | typing.SupportsIndex,
+        cy: typing.SupportsFloat | typing.SupportsIndex,
+        distortion: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(5)"
+        ] = [0.0, 0.0, 0.0, 0.0, 0.0],
+    ) -> None:
+        """
+        distortion: k1, k2, p1, p2, k3.
+        """
+
+class Camera:
+    """
+    Lens and sensor. Raises ValueError that names the figure.
+    """
+    def __init__(
+        self,
+        name: str,
+        lens: Lens,
+        exposure: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        full_well: typing.SupportsFloat | typing.SupportsIndex = 8000.0,
+        read_noise: typing.SupportsFloat | typing.SupportsIndex = 6.0,
+        vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
+        wobble_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0008,
+    ) -> None: ...
+    @property
+    def name(self) -> str: ...
+
+class LampLight:
+    """
+    A spot lamp that shines along its x; irradiance 1 is taken as 1e5 lx.
+    """
+    def __init__(
+        self,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        flux_lm: typing.SupportsFloat | typing.SupportsIndex,
+        half_angle_rad: typing.SupportsFloat | typing.SupportsIndex,
+        soft_share: typing.SupportsFloat | typing.SupportsIndex,
+        colour: typing.Any,
+    ) -> None: ...
+
+class Picture:
+    """
+    Read-only arrays of one pass, rows from the top; see picture.h.
+    """
+    @property
+    def classes(self) -> numpy.ndarray:
+        """
+        (H, W) uint8, see surface_class_names()
+        """
+    @property
+    def depth_m(self) -> numpy.ndarray:
+        """
+        (H, W) float32 along the optical axis, inf = nothing
+        """
+    @property
+    def gain(self) -> float:
+        """
+        exposure that made rgb of radiance
+        """
+    @property
+    def labels(self) -> numpy.ndarray:
+        """
+        (H, W) uint16, see CameraScene.label_names
+        """
+    @property
+    def normals_world(self) -> numpy.ndarray:
+        """
+        (H, W, 3) float32, 0 = nothing
+        """
+    @property
+    def packets(self) -> bytes:
+        """
+        What was cast, as tools/bench/native/embree_bare_rays reads it
+        """
+    @property
+    def radiance(self) -> numpy.ndarray:
+        """
+        (H, W, 3) float32 before exposure, where asked for
+        """
+    @property
+    def rays(self) -> dict[str, int]:
+        """
+        How many were cast, by kind.
+        """
+    @property
+    def rgb(self) -> numpy.ndarray:
+        """
+        (H, W, 3) uint8, sRGB; (0, W, 3) where geometry alone was asked for
+        """
+    @property
+    def stage_s(self) -> dict[str, float]:
+        """
+        Seconds of all threads together by stage, where measured.
+        """
+
+class CameraScene:
+    """
+    The world that feeds physics and rays, with looks; and the vehicles. A snapshot of the world.
+    """
+    def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def add_body(
+        self, name: str, vertices_body_m: typing.Any, triangles: typing.Any, material: str, colour: typing.Any = None
+    ) -> int:
+        """
+        Returns the body's index.
+        """
+    def render(
+        self,
+        camera: Camera,
+        optics: Optics,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        time_s: typing.SupportsFloat | typing.SupportsIndex,
+        tick: typing.SupportsInt | typing.SupportsIndex,
+        effects: collections.abc.Sequence[str],
+        lamps: collections.abc.Sequence[LampLight] = [],
+        body_positions_m: typing.Any = None,
+        body_orientations_xyzw: typing.Any = None,
+        hidden_body: typing.SupportsInt | typing.SupportsIndex | None = None,
+        geometry_only: bool = False,
+        keep_radiance: bool = False,
+        measure: bool = False,
+        record: bool = False,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> Picture:
+        """
+        One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. body_positions_m: (n, 3), body_orientations_xyzw: (n, 4), of all bodies or none. Same bytes whatever the number of threads. Releases the GIL. Raises ValueError.
+        """
+    def set_ground(self, bed: str, steep: str, land: str) -> None: ...
+    def set_look(
+        self,
+        label: typing.SupportsInt | typing.SupportsIndex,
+        material: str,
+        surface_class: str,
+        colour: typing.Any = None,
+        texture_image: typing.Any = None,
+        texture_corners: typing.Any = None,
+    ) -> None:
+        """
+        colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the lower left. Raises ValueError.
+        """
+    @property
+    def label_names(self) -> list[str]:
+        """
+        World.label_names, then the bodies'.
+        """
 
 class SensorParameter:
     """
@@ -885,13 +1838,17 @@ class SonarSpec:
     def __init__(
         self,
         name: str,
-        model: typing.SupportsInt | typing.SupportsIndex,
+        model: MultibeamModel,
         position_m: typing.Any,
         orientation_xyzw: typing.Any,
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-    ) -> None: ...
+        acoustics: AcousticSpec | None = None,
+    ) -> None:
+        """
+        acoustics: in physics mode; without, in geometry mode.
+        """
     @property
-    def model(self) -> int: ...
+    def model(self) -> MultibeamModel: ...
     @property
     def name(self) -> str: ...
 
@@ -1010,6 +1967,15 @@ class Simulation:
     A world with vehicles, advanced by fixed steps; vehicles by index.
     """
     def __init__(self, world: World, scene: RayScene, spec: SimulationSpec) -> None: ...
+    def acoustic_ping(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sonar: typing.SupportsInt | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> PhysicsPing:
+        """
+        Of a sonar in physics mode. Raises ValueError in geometry mode. Releases the GIL.
+        """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
         Returns the vehicle's index.
@@ -1046,6 +2012,9 @@ class Simulation:
         """
         Two (6,): the largest wrench about each axis alone, ahead and astern, magnitudes [N, N m].
         """
+    def in_physics_mode(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
+    ) -> bool: ...
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping: ...
@@ -1071,6 +2040,15 @@ class Simulation:
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
+    def restore_state(self, state: bytes, scenario: str, build: str) -> str:
+        """
+        Returns the notes. Raises ValueError, changing nothing, for a state that is damaged or has other fingerprints.
+        """
+    def save_state(self, scenario: str, build: str, notes: str = "") -> bytes:
+        """
+        All that the future depends on beside what the simulation was made of, with fingerprints of that.
+        notes: kept with it.
+        """
     def set_effort(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,
@@ -1263,6 +2241,34 @@ def decode_depth_string(
     Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
     """
 
+def depth_image(
+    camera: DepthCamera,
+    scene: RayScene,
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    (height, width) float32 along the camera's x axis, inf = nothing. Raises ValueError. Releases the GIL.
+    """
+
+def depth_image_ranges(
+    camera: DepthCamera, depth_m: typing.Any, angles_rad: typing.Any, reduction: RowReduction, interpolate: bool
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    depth_m (height, width), angles_rad (n,) -> (n,) float32, inf = no echo. Raises ValueError.
+    """
+
+def detection_probability(
+    snr: typing.SupportsFloat | typing.SupportsIndex,
+    looks: typing.SupportsFloat | typing.SupportsIndex,
+    detection_threshold_db: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    snr: a ratio, not dB. looks: independent ones that the echo holds.
+    """
+
+def effect_names() -> list[str]: ...
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
     The published depthArray text: C#'s G7 text of each range, each followed by the letter a.
@@ -1280,9 +2286,94 @@ def filter_range(
     GIL.
     """
 
+def forward_look(
+    model: ForwardLookingModel,
+    scene: RayScene,
+    water: Water,
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    stream: str,
+    tick: typing.SupportsInt | typing.SupportsIndex,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    (bins, beams) float32, dB re 1 uPa; pose: world from sonar. Raises ValueError. Releases the GIL.
+    """
+
+def ground_plane(
+    points_m: typing.Any,
+    distance_m: typing.SupportsFloat | typing.SupportsIndex,
+    max_slope_rad: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"], float, numpy.ndarray]:
+    """
+    pcl::RandomSampleConsensus: normal (3,) that looks up, offset [m] with normal . p + offset = 0, and the inliers
+    (n,) bool. points_m: (n, 3) float32, finite. Raises ValueError. Releases the GIL.
+    """
+
+def jerlov_types() -> list[str]:
+    """
+    Names of the Jerlov water types.
+    """
+
+def material_names() -> list[str]: ...
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
+    """
+
+def nadir_area_m2(
+    sonar: SonarFigures,
+    bottom: BottomMaterial,
+    range_m: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    Bottom straight below that scatters one range cell's worth [m2].
+    """
+
+def nadir_snr_db(
+    sonar: SonarFigures,
+    bottom: BottomMaterial,
+    range_m: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+    absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
+) -> float:
+    """
+    The active sonar equation straight below [dB].
+    """
+
+def pass_through(
+    points_m: typing.Any,
+    axis: typing.SupportsInt | typing.SupportsIndex,
+    min_m: typing.SupportsFloat | typing.SupportsIndex,
+    max_m: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    pcl::PassThrough: the points whose coordinate 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32. Points that are
+    not finite drop out. Raises ValueError. Releases the GIL.
+    """
+
+def refracted(
+    direction: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+    normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+    n_from: typing.SupportsFloat | typing.SupportsIndex,
+    n_to: typing.SupportsFloat | typing.SupportsIndex,
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
+    """
+    Snell's law; normal points to where the ray comes from. None where it is totally reflected.
+    """
+
+def register_cloud(
+    source_m: typing.Any,
+    target_m: typing.Any,
+    guess: typing.Any,
+    max_distance_m: typing.SupportsFloat | typing.SupportsIndex,
+    max_iterations: typing.SupportsInt | typing.SupportsIndex,
+) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
+    """
+    pcl::IterativeClosestPoint: target_from_source (4, 4), rms [m] and share of the points within reach, iterations,
+    converged. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Raises ValueError. Releases the GIL.
     """
 
 def remove_box(
@@ -1291,6 +2382,16 @@ def remove_box(
     """
     pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)
     float64. Points that are not finite drop out. Raises ValueError. Releases the GIL.
+    """
+
+def remove_outliers(
+    points_m: typing.Any,
+    neighbours: typing.SupportsInt | typing.SupportsIndex,
+    deviations: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    pcl::StatisticalOutlierRemoval; (n, 3) float32. Points that are not finite drop out. Raises ValueError. Releases
+    the GIL.
     """
 
 def scan_to_points(
@@ -1323,6 +2424,39 @@ def sensor_kinds() -> list[str]:
     The kinds of sensor that are built in.
     """
 
+def side_scan(
+    model: SideScanModel,
+    scene: RayScene,
+    water: Water,
+    positions_m: typing.Any,
+    orientations_xyzw: typing.Any,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    stream: str,
+    first_ping: typing.SupportsInt | typing.SupportsIndex,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> tuple[
+    numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]
+]:
+    """
+    Poses (n, 3) and (n, 4). (port_db (n, bins), starboard_db (n, bins), altitude_m (n,)), float32. Raises ValueError. Releases the GIL.
+    """
+
+def single_beam(
+    model: SingleBeamModel,
+    scene: RayScene,
+    water: Water,
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    angles_rad: typing.Any,
+    seed: typing.SupportsInt | typing.SupportsIndex,
+    stream: str,
+    first_ping: typing.SupportsInt | typing.SupportsIndex,
+    threads: typing.SupportsInt | typing.SupportsIndex = 1,
+) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
+    """
+    angles_rad (n,). (level_db (n, bins), ranges_m (n,)), float32, inf = no echo. Raises ValueError. Releases the GIL.
+    """
+
 def solid_properties(vertices_m: typing.Any, triangles: typing.Any) -> SolidProperties:
     """
     Volume, centroid and inertia of a closed mesh (n, 3), (m, 3). Raises ValueError when it is open or inverted.
@@ -1337,10 +2471,33 @@ def sound_speed_m_s(
     Speed of sound in water [m/s], Mackenzie 1981.
     """
 
+def sound_speed_profile(water: Water) -> SoundSpeedProfile:
+    """
+    The water's speed of sound by depth: as its profile gives it, else Mackenzie's.
+    """
+
+def soundings(
+    directions_world: typing.Any, travel_time_s: typing.Any, origin_world_m: typing.Any, profile: SoundSpeedProfile
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Points (n, 3) float64, world, that a survey computes: sound traced along directions_world (n, 3), as sent, for
+    half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN where the time
+    is not finite. Raises ValueError. Releases the GIL.
+    """
+
+def surface_class_names() -> list[str]: ...
 def transform_points(
     points_source_m: typing.Any, target_from_source: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
     pcl::transformPointCloud: (n, 3) float32 in, (n, 3) float32 out. target_from_source: (4, 4) float64, rigid.
     Raises ValueError. Releases the GIL.
+    """
+
+def voxel_grid(
+    points_m: typing.Any, voxel_m: typing.SupportsFloat | typing.SupportsIndex
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m; (n, 3) float32 in, (k, 3) float32 out.
+    Points that are not finite drop out. Raises ValueError. Releases the GIL.
     """

@@ -50,7 +50,7 @@ def test_files_are_sought_beside_the_yaml_that_names_them(tmp_path: Path) -> Non
 
 def test_unknown_names_list_what_there_is() -> None:
     with pytest.raises(
-        ScenarioError, match=r"unknown scenario 'laek': .*lake, pair, pool, valley.*did you mean 'lake'\?$"
+        ScenarioError, match=r"unknown scenario 'laek': .*lake, pair, pool, reservoir, valley.*did you mean 'lake'\?$"
     ):
         load("laek")
     with pytest.raises(ScenarioError, match=r"unknown vehicle 'rv': .*did you mean 'rov'\?$"):

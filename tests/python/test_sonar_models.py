@@ -172,7 +172,7 @@ def test_each_label_scatters_as_its_material() -> None:
     scenario = load("lake")
     by_name = dict(zip(label_names(scenario), backscatter_by_label(scenario), strict=True))
     assert by_name["terrain"] == BACKSCATTER[scenario.ground.bed]
-    assert by_name["pipeline_main"] == BACKSCATTER["steel"]
+    assert by_name["pipeline_main"] == BACKSCATTER["concrete"]
     assert by_name["station"] == scenario.station.material.backscatter
 
 
