@@ -4,7 +4,6 @@ import os
 import signal
 import threading
 import weakref
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ import pytest
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
 from uwsim.missions import COVERED
-from uwsim.scenario.paths import assets_folder
 from uwsim.survey.chain import ScanChain, SelfBox
 from uwsim.survey.fly import fly_survey
 from uwsim.survey.record import INTERRUPTED
@@ -24,11 +22,8 @@ def survey_bytes(**options: object) -> bytes:
     return occupancy.to_bytes("bt")
 
 
-def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface(tmp_path: Path) -> None:
-    """With its bed a little below the faces of voxels: on them, rounding would say in which of two an echo lies."""
-    pool = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace("bed_depth_m: 5", "bed_depth_m: 5.02")
-    (tmp_path / "pool.yaml").write_text(pool)
-    sim = Simulator(tmp_path / "pool.yaml")
+def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface() -> None:
+    sim = Simulator("pool")
     occupancy, record = fly_survey(sim)
     assert record.stopped_because == COVERED
     assert not record.ended_early
