@@ -175,7 +175,7 @@ class Pings:
 
 
 def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
-    """One ping at a time; batches on one thread and two; physics mode where the scenario has one."""
+    """One ping at a time; batches on one thread and two; physics mode, with straight rays and with bent ones."""
 
     def batch(threads: int) -> Callable[[], float]:
         def run() -> float:
@@ -187,12 +187,12 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
 
     cases: dict[str, Callable[[], float]] = {"ping": Pings(sim, heads), "batch_1": batch(1), "batch_2": batch(2)}
     first = sim.scenario.vehicles[0]
-    if "mode" in type(first.sonar).model_fields:
-        sonar = first.sonar.model_copy(update={"mode": "physics"})
+    for name, bending in (("physics", False), ("physics_bent", True)):
+        sonar = first.sonar.model_copy(update={"mode": "physics", "bending": bending})
         vehicles = (first.model_copy(update={"sonar": sonar}),)
         acoustic = Simulator(sim.scenario.model_copy(update={"vehicles": vehicles}))
         acoustic.rov.release()
-        cases["physics"] = Pings(acoustic, heads)
+        cases[name] = Pings(acoustic, heads)
     return cases
 
 
@@ -303,7 +303,8 @@ def _table(figures: dict[str, float]) -> Table:
         "ping": "a ping from Python, all outputs",
         "batch_1": "ping_batch, one thread",
         "batch_2": "ping_batch, two threads",
-        "physics": "a ping in physics mode",
+        "physics": "a ping in physics mode, 8 rays a beam",
+        "physics_bent": "the same, its rays bent",
         "limit_coherent": "bare Embree packets, coherent",
         "limit_incoherent": "bare Embree packets, incoherent",
         "bullet": "Bullet's rayTest, C++",
