@@ -13,7 +13,6 @@ from rich.table import Table
 from uwsim.atomic_file import write_atomically
 from uwsim.cloud_files import FORMATS, read_cloud
 from uwsim.maps.files import Origin, open_map
-from uwsim.ranging import MODELS
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.survey.error_picture import where_it_is_wrong
 from uwsim.survey.s44 import ORDERS, share_within
@@ -119,5 +118,6 @@ def _from_scenario(scenario: Scenario) -> Track:
     """Return the area and the sonar's range that the scenario gives, and no path."""
     if scenario.survey is None:
         raise ValueError(f"scenario '{scenario.name}': has no survey, whose area_m says what to score")
-    range_max_m = MODELS[scenario.vehicles[0].sonar.model].range_limit_m
+    sonar = scenario.vehicles[0].sonar
+    range_max_m = sonar.loaded.core_model(sonar.frequency_khz).range_limit_m
     return Track(np.empty((0, 3)), np.asarray(scenario.survey.area_m, np.float64), range_max_m)
