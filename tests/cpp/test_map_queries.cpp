@@ -40,7 +40,8 @@ void expect_equal(const MapCubes& a, const MapCubes& b) {
 
 TEST(MapQueries, RaysEndWhereOctomapsEnd) {
   for (unsigned seed = 0; seed < 6; ++seed) {
-    const OccupancyMap octomap = some_map(kEngines[0], seed, 0.3), bricks = some_map(kEngines[1], seed, 0.3);
+    const double edge_m = seed % 2 ? 0.3 : 0.5;
+    const OccupancyMap octomap = some_map(kEngines[0], seed, edge_m), bricks = some_map(kEngines[1], seed, edge_m);
     const std::shared_ptr<octomap::OcTree> tree = octomap.octree();
     std::mt19937 random(seed);
     std::vector<double> origins_m, directions;
@@ -48,7 +49,12 @@ TEST(MapQueries, RaysEndWhereOctomapsEnd) {
     for (const float x : random_points(random, 1500, 1)) directions.push_back(x);
     for (std::size_t i = 0; i < 300; ++i) {  // along axes, and from corners of voxels
       directions[i] = i % 3 == 0 ? (i % 2 ? 1 : -1) : 0;
-      if (i < 150) origins_m[i] = kOrigin_m[Eigen::Index(i % 3)] + 0.3 * std::round(5 * directions[i]);
+      if (i < 150) origins_m[i] = kOrigin_m[Eigen::Index(i % 3)] + edge_m * std::round(5 * directions[i]);
+    }
+    for (std::size_t i = 300; i < 1200; ++i) {  // from middles along diagonals: ties at every step
+      const int axis = static_cast<int>(i % 3), ray = static_cast<int>(i / 3);
+      origins_m[i] = kOrigin_m[axis] + edge_m * (0.5 + std::floor((origins_m[i] - kOrigin_m[axis]) / edge_m));
+      directions[i] = ray % 4 == axis ? 0 : (ray >> axis & 4 ? 1 : -1);
     }
     for (std::size_t i = 0; i < directions.size(); i += 3) {
       if (directions[i] == 0 && directions[i + 1] == 0 && directions[i + 2] == 0) directions[i + 1] = 1;

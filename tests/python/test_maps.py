@@ -227,7 +227,6 @@ def test_a_map_and_itself_do_not_differ_and_the_exit_code_says_so(folder):
     assert runner.invoke(app, other[:-1]).exit_code == 0
 
 
-@pytest.mark.skipif(not hasattr(OccupancyMap, "merge"), reason="this engine cannot add maps up yet")
 def test_maps_of_parts_merge_into_the_map_of_the_whole(folder, tmp_path):
     run("merge", folder / "part.bt", folder / "pool.bt", "--out", tmp_path / "both.ot")
     run("merge", folder / "pool.bt", folder / "part.bt", "--out", tmp_path / "too.ot")

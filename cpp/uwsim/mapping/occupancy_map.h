@@ -74,7 +74,8 @@ class OccupancyMap {
   explicit OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                         const MapOptions& options = {});
   /// A map from a .bt or .ot file, told apart by its first line. A .bt knows only occupied or free: its voxels come
-  /// back at the clamping limits. Throws FileError if it cannot be read, InvalidValue if it is no sound map.
+  /// back at the clamping limits. Throws FileError if it cannot be read, InvalidValue if it is no sound map, or one
+  /// that may need more than half of this machine's memory and has no limit.
   static OccupancyMap read(const std::string& path, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                            const MapOptions& options = {});
   /// The same from memory; `name` stands for the path in messages.

@@ -37,7 +37,7 @@ class OccupancyMap:
 
     engine: "octomap" is the system's octomap::OcTree and its insertPointCloud, the reference; "bricks" is ours, much
     faster and smaller. After the same scans both give the same bytes, .bt and .ot, and either's .bt is written by an
-    octomap::OcTree.
+    octomap::OcTree (with a memory_limit_mb by us, as its tree would not fit; the same bytes).
     hit, miss: probabilities of a voxel that holds a point, in [0.5, 1), and of one that a ray goes through, in
     (0, 0.5]. clamping: the limits of what scans may make of a voxel. The defaults are OctoMap's.
     instruction_set: of the bricks' inner loops, for tests and benchmarks; the bytes do not depend on it.
@@ -86,8 +86,9 @@ class OccupancyMap:
     ) -> Self:
         """Read a .bt or .ot file, told apart by its first line, not by its name.
 
-        Raises OSError if the file cannot be read, ValueError if it is no sound map. A .bt knows occupied and free, no
-        degrees: its voxels come back at the limits of certainty.
+        Raises OSError if the file cannot be read, ValueError if it is no sound map, or one that may need more than half
+        of this machine's memory and has no memory_limit_mb. A .bt knows occupied and free, no degrees: its voxels come
+        back at the limits of certainty.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)

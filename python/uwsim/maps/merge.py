@@ -25,6 +25,6 @@ def merge_files(sources: Sequence[Path], target: Path) -> int:
             require_same_grid(merged, other)
         except ValueError as error:
             raise ValueError(f"'{sources[0]}' and '{source}': {error}") from None
-        merged.merge(other)  # type: ignore[attr-defined]
+        merged.merge(other)
     merged.write(target)
     return merged.statistics().occupied_voxels
