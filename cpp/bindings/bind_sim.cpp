@@ -150,9 +150,8 @@ void bind_sim(py::module_& m) {
           "telemetry",
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
           py::arg("vehicle"))
-      .def(
-          "read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
-          "Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.")
+      .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
+           "Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.")
       .def(
           "save_state",
           [](OwnedSimulation& o, const std::string& scenario, const std::string& build, const std::string& notes) {

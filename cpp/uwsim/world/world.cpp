@@ -22,7 +22,8 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
       high = high.cwiseMax(mesh_world.vertices_m[v]);
     }
   }
-  solids_.push_back(std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world), std::move(shapes), low, high}));
+  solids_.push_back(
+      std::make_shared<const Solid>(Solid{std::move(name), std::move(mesh_world), std::move(shapes), low, high}));
   return static_cast<Label>(kTerrain + solids_.size());
 }
 

@@ -114,6 +114,7 @@ class Sphere(Model):
 
     kind: Literal["sphere"]
     name: Name
+    material: MaterialSpec = Material(kind="steel")
     position_m: Point3
     radius_m: Size
 
