@@ -222,6 +222,22 @@ def test_a_vehicle_without_the_sensors_it_steers_by_is_refused() -> None:
         AdaptiveLawnMower(vehicle, vehicle, PLAN)
 
 
+def test_the_first_lane_is_mown_when_the_head_has_turned() -> None:
+    class SlowHead(ScriptedVehicle):
+        @property
+        def sonar(self) -> SimpleNamespace:
+            elevation_rad = -min(np.radians(30.0), 0.02 * self.time_s)  # there after 26 s
+            return SimpleNamespace(**vars(super().sonar), elevation_rad=elevation_rad)
+
+    vehicle = SlowHead()
+    mission = AdaptiveLawnMower(vehicle, vehicle, PLAN)
+    mown_s: list[float] = []
+    mow = mission._mow
+    mission._mow = lambda start: (mown_s.append(start.time_s), mow(start))[1]
+    assert mission.run() == COVERED
+    assert mown_s[0] >= 26.0
+
+
 def test_a_vehicle_that_does_not_move_ends_the_mission() -> None:
     vehicle = ScriptedVehicle()
     vehicle.set_effort = lambda *values: None  # type: ignore[method-assign]

@@ -23,13 +23,14 @@ from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.saved import checked_state
 
-LegName = Literal["undock", "approach", "turn", "abreast", "mow"]
+LegName = Literal["undock", "approach", "tilt", "turn", "abreast", "mow"]
 COVERED = "all lanes are flown"  # what run() returns when nothing stopped it before
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5
 SHALLOWEST_Z_M = -1.5  # never climbs past it
 STUCK_AFTER_S = 60.0
+TILT_RAD = np.radians(0.5)  # near enough
 CAPSIZED_COSINE = 0.3  # of the tilt
 
 
@@ -91,8 +92,8 @@ class SavedMission:
 class AdaptiveLawnMower:
     """Flies a plan with a vehicle and a clock; uwsim.control.protocols says what of them it needs.
 
-    First the legs "undock" and "approach", then "turn", "abreast" and "mow" of each lane. All that a leg remembers
-    from one control period to the next is in `state`, so that `save` and `restore` are possible at any of them.
+    First the legs "undock", "approach" and "tilt", then "turn", "abreast" and "mow" of each lane. All that a leg
+    remembers from one control period to the next is in `state`, so that `save` and `restore` are possible at any.
     """
 
     def __init__(self, vehicle: SurveyVehicle, clock: Clock, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
@@ -133,12 +134,13 @@ class AdaptiveLawnMower:
         legs: dict[LegName, Callable[[LegStart], LegName]] = {
             "undock": self._undock,
             "approach": self._approach,
+            "tilt": self._wait_for_tilt,
             "turn": self._turn,
             "abreast": self._go_abreast,
             "mow": self._mow,
         }
         state = self.state
-        self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
+        self.vehicle.sonar.aim(self._elevation_rad)
         try:
             if not self.vehicle.released:
                 self.vehicle.release()
@@ -156,6 +158,15 @@ class AdaptiveLawnMower:
     def _lanes(self) -> list[Lane]:
         near_m = np.array(self.state.lanes_near_m)
         return lawn_mower_lanes(self.plan.area_m, self.plan.line_spacing_m, self.plan.reach_m, near_m)
+
+    @property
+    def _elevation_rad(self) -> float:
+        return -math.radians(self.plan.tilt_deg)
+
+    def _back_to(self, start: LegStart) -> tuple[float, float]:
+        """Velocity towards where the leg began."""
+        x, y, _ = self._position().tolist()
+        return 0.3 * (start.position_world_m[0] - x), 0.3 * (start.position_world_m[1] - y)
 
     def _leg_start(self) -> LegStart:
         x, y, z = self._position().tolist()
@@ -176,6 +187,14 @@ class AdaptiveLawnMower:
     def _approach(self, start: LegStart) -> LegName:
         """To the first lane, facing it."""
         self._go_to(self.lanes[0].start_m, start, heading_rad=None)
+        return "tilt"
+
+    def _wait_for_tilt(self, start: LegStart) -> LegName:
+        """On the spot, until the sonar's head points where it was told to, if it says where it does."""
+        while abs(getattr(self.vehicle.sonar, "elevation_rad", self._elevation_rad) - self._elevation_rad) > TILT_RAD:
+            if self.clock.time_s > start.time_s + STUCK_AFTER_S:
+                break  # better a survey with another tilt than none
+            self._steer(start.yaw_rad, self._back_to(start))
         return "turn"
 
     def _turn(self, start: LegStart) -> LegName:
@@ -187,9 +206,7 @@ class AdaptiveLawnMower:
                 raise StoppedError(f"stuck in a turn, {math.degrees(left):.0f} degrees before its end")
             half_turn_ahead = abs(left) > math.radians(120.0)
             aside = self.vehicle.pose.yaw_rad + direction * math.radians(60.0)
-            x, y, _ = self._position().tolist()
-            back = (0.3 * (start.position_world_m[0] - x), 0.3 * (start.position_world_m[1] - y))
-            self._steer(aside if half_turn_ahead else lane.heading_rad, back)
+            self._steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
         if self.state.lane > 0:
             self._require_room_to_port()
         return "abreast"
