@@ -75,7 +75,7 @@ void echoes(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& out) {
     const auto range = static_cast<float>(heard ? hits.distance_m[k] : 1);
     const float near = range > kNearest_m ? range : kNearest_m;
     const auto visible = static_cast<float>(cosine > kLeastCosine ? cosine : kLeastCosine);
-    const float angle = angle_series(static_cast<float>(std::sqrt(1 - cosine * cosine)), static_cast<float>(cosine));
+    const float angle = angle_series(std::sqrt(static_cast<float>(1 - cosine * cosine)), static_cast<float>(cosine));
     const float level = kDecibel * log_series(visible / (near * near)) -
                         static_cast<float>(2 * rule.absorption_db_m) * range + static_cast<float>(rule.strength_db);
     out.range_m[k] = heard ? range : kInfinity;

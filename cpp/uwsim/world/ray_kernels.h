@@ -25,15 +25,17 @@ struct LaneFloats {
   float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *far_m;
 };
 
-/// Of sixteen triangles: the vertex at the right angle, and whether that is the cell's far corner.
+/// Of sixteen triangles: the vertex at the right angle, and whether that is the cell's far corner. `wanted`: -1 where
+/// the lane has a triangle at all, else 0.
 struct TerrainPlaces {
+  alignas(64) std::int32_t wanted[16];
   alignas(64) std::int32_t vertex[16];
   alignas(64) std::int32_t far_corner[16];
   alignas(64) std::int32_t column[16], row[16];
 };
 
 /// Sixteen results. `met` is -1 where the ray meets its triangle at least the margin from every edge and between 0 and
-/// far_m, else 0 (and then nothing else is said).
+/// far_m, else 0; and then the distance is infinite and the normal zero.
 struct LaneHits {
   double *distance_m, *normal_x, *normal_y, *normal_z;
   std::int32_t* met;

@@ -104,12 +104,12 @@ void solve(const TerrainBlock& block, const TerrainPlaces& places, const LaneRay
     const double a = side * (u + distance * du), b = side * (v + distance * dv);
     const double tilt_x = slope_x * scale, tilt_y = slope_y * scale;
     const double upright = 1 / std::sqrt(1 + tilt_x * tilt_x + tilt_y * tilt_y);
-    const bool met =
-        (a >= margin) & (b >= margin) & (a + b <= 1 - margin) & (distance >= 0) & (distance <= rays.far_m[k]);
-    hits.distance_m[k] = distance;
-    hits.normal_x[k] = -tilt_x * upright;
-    hits.normal_y[k] = -tilt_y * upright;
-    hits.normal_z[k] = upright;
+    const bool met = (a >= margin) & (b >= margin) & (a + b <= 1 - margin) & (distance >= 0) &
+                     (distance <= rays.far_m[k]) & (places.wanted[k] != 0);
+    hits.distance_m[k] = met ? distance : __builtin_inf();
+    hits.normal_x[k] = met ? -tilt_x * upright : 0;
+    hits.normal_y[k] = met ? -tilt_y * upright : 0;
+    hits.normal_z[k] = met ? upright : 0;
     hits.met[k] = -static_cast<std::int32_t>(met);
   }
 }

@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -48,6 +49,13 @@ void set_miss(ExactHits& hits, std::size_t lane) {
   hits.distance_m[lane] = kInfinity;
   hits.normal_x[lane] = hits.normal_y[lane] = hits.normal_z[lane] = 0;
   hits.label[lane] = kNothing;
+}
+
+void set_all_missed(ExactHits& hits) {
+  hits.distance_m.fill(kInfinity);
+  hits.normal_x.fill(0);
+  hits.normal_y.fill(0);
+  hits.normal_z.fill(0);
 }
 
 }  // namespace
@@ -200,15 +208,17 @@ struct RayTile::Impl {
     fill(rays, starts_m, packet);
     intersect(scene, {&surfaces, &rays, starts_m, &answer.round}, RayOrder::kCoherent, rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
-    std::uint32_t any = 0;
+    std::int32_t any = 0;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::uint32_t geometry = packet.hit.geomID[k];
-      const std::uint32_t plain = geometry == TileSurfaces::kPlainTerrain ? ~0u : 0u;
-      triangles[k] = packet.hit.primID[k] & plain;
+      const std::int32_t plain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain ? -1 : 0;
+      triangles[k] = packet.hit.primID[k] & static_cast<std::uint32_t>(plain);
+      answer.places.wanted[k] = plain;
       any |= plain;
-      if (geometry != TileSurfaces::kCrossedTerrain) continue;
+    }
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (packet.hit.geomID[k] != TileSurfaces::kCrossedTerrain) continue;
       triangles[k] = surfaces.plain_number(packet.hit.primID[k]);
-      any = ~0u;
+      any = answer.places.wanted[k] = -1;
     }
     std::copy_n(packet.hit.geomID, kPacketRays, answer.geometry.begin());
     std::copy_n(packet.hit.primID, kPacketRays, answer.primitive.begin());
@@ -219,30 +229,41 @@ struct RayTile::Impl {
 
   void conclude(const Answer& answer, const ExactRays& rays, const double* starts_m, ExactHits& hits) const {
     alignas(64) std::array<std::int32_t, kPacketRays> met;
-    met.fill(0);
     if (answer.any_terrain) {
       kernels.solve(
           block, answer.places, lanes_of(rays),
           {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
+    } else {
+      met.fill(0);
+      set_all_missed(hits);
     }
+    std::uint32_t left = 0;  // lanes that are not done, one a bit
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const std::uint32_t geometry = answer.geometry[k];
-      if (geometry == TileSurfaces::kPlainTerrain && met[k] != 0) {
-        hits.label[k] = kTerrain;
-      } else if (geometry == TileSurfaces::kCrossedTerrain && met[k] != 0 &&
-                 surfaces.company(answer.primitive[k]).size() <= kFew) {
-        hits.label[k] = kTerrain;
-        yield_to_company(rays, k, answer.primitive[k], hits);
-      } else if (geometry == RTC_INVALID_GEOMETRY_ID) {
-        set_miss(hits, k);
-      } else if (surfaces.is_round(geometry)) {
-        const Eigen::Vector3d normal(answer.round.normal_x[k], answer.round.normal_y[k], answer.round.normal_z[k]);
-        set_hit_within(hits, k, {answer.round.distance_m[k], normal, true}, TileSurfaces::label(geometry),
-                       rays.far_m[k]);
-      } else {
-        const double start_m = starts_m != nullptr ? starts_m[k] : 0;
-        settle(rays, k, starts_m, {geometry, answer.primitive[k], start_m + double{answer.distance_m[k]}}, hits);
-      }
+      const bool plain = (geometry == TileSurfaces::kPlainTerrain) & (met[k] != 0);
+      hits.label[k] = plain ? kTerrain : kNothing;
+      left |= static_cast<std::uint32_t>(!plain & (geometry != RTC_INVALID_GEOMETRY_ID)) << k;
+    }
+    for (; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      conclude_lane(answer, rays, starts_m, lane, met[lane] != 0, hits);
+    }
+  }
+
+  void conclude_lane(const Answer& answer, const ExactRays& rays, const double* starts_m, std::size_t lane,
+                     bool met_terrain, ExactHits& hits) const {
+    const std::uint32_t geometry = answer.geometry[lane], primitive = answer.primitive[lane];
+    if (geometry == TileSurfaces::kCrossedTerrain && met_terrain && surfaces.company(primitive).size() <= kFew) {
+      hits.label[lane] = kTerrain;
+      yield_to_company(rays, lane, primitive, hits);
+    } else if (surfaces.is_round(geometry)) {
+      const ExactHits& round = answer.round;
+      const Eigen::Vector3d normal(round.normal_x[lane], round.normal_y[lane], round.normal_z[lane]);
+      set_hit_within(hits, lane, {round.distance_m[lane], normal, true}, TileSurfaces::label(geometry),
+                     rays.far_m[lane]);
+    } else {
+      const double start_m = starts_m != nullptr ? starts_m[lane] : 0;
+      settle(rays, lane, starts_m, {geometry, primitive, start_m + double{answer.distance_m[lane]}}, hits);
     }
   }
 
