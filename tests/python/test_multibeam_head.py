@@ -26,15 +26,17 @@ def poses_in(pool: Simulator, count: int) -> np.ndarray:
 
 def test_the_head_starts_where_the_scenario_says_and_turns_at_five_degrees_a_second(pool: Simulator) -> None:
     sonar = pool.rov.sonar
-    assert sonar.elevation_rad == pytest.approx(-np.radians(20))
+    assert sonar.elevation_rad == pytest.approx(-np.radians(30))
     sonar.aim(np.radians(-60))
-    assert sonar.elevation_rad == pytest.approx(-np.radians(20)), "no time has passed"
+    assert sonar.elevation_rad == pytest.approx(-np.radians(30)), "no time has passed"
     before = sonar.ping()
     pool.advance(2.0)
-    assert sonar.elevation_rad == pytest.approx(-np.radians(30), abs=1e-5)
+    assert sonar.elevation_rad == pytest.approx(-np.radians(40), abs=1e-5)
     forward = sonar.ping().world_from_sonar[:3, 0]
-    assert forward[2] == pytest.approx(-0.5, abs=1e-5), "a ping is taken from where the head is, not where it will be"
-    assert before.world_from_sonar[2, 0] == pytest.approx(-np.sin(np.radians(20)))
+    assert forward[2] == pytest.approx(-np.sin(np.radians(40)), abs=1e-5), (
+        "a ping is taken from where the head is, not where it will be"
+    )
+    assert before.world_from_sonar[2, 0] == pytest.approx(-0.5)
     pool.advance(10.0)
     assert sonar.elevation_rad == np.radians(-60)
     with pytest.raises(ValueError, match=r"elevation_rad = 1\.6: must be in"):
