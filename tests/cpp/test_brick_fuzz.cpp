@@ -195,6 +195,33 @@ TEST_P(BrickFuzz, NotAByteDiffersFromStock) {
   EXPECT_GT(voxels, 1000);  // the cases are about something
 }
 
+/// Also with a limit of memory, of which parts leave for a file and we write the .bt, and a model that is changed, by
+/// which voxels may lie outside the limits, and the limits both on one side of "occupied".
+TEST(BrickFuzzWithALimit, NotAByteDiffersFromOctomapAfterAChangeOfTheModel) {
+  MapOptions octomap, limited;
+  octomap.engine = MapEngineKind::octomap;
+  limited.memory_limit_bytes = 50'000;
+  CaseMaker maker(4321);
+  std::uint64_t evictions = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Case one = maker.make(), other = maker.make();
+    OccupancyMap expected = empty_map(one, octomap), map = empty_map(one, limited), roomy = empty_map(one, {});
+    for (OccupancyMap* each : {&expected, &map, &roomy}) {
+      for (const Ping& ping : one.pings) each->insert_scan(ping.points_m, ping.origin_m, one.max_range_m);
+      each->set_model(other.model);
+    }
+    ASSERT_TRUE(bytes_of(map) == bytes_of(expected)) << "case " << i;
+    ASSERT_TRUE(bytes_of(roomy) == bytes_of(expected)) << "case " << i << ", no limit";
+    for (OccupancyMap* each : {&expected, &map, &roomy}) {
+      for (const Ping& ping : one.pings) each->insert_scan(ping.points_m, ping.origin_m, one.max_range_m);
+    }
+    ASSERT_TRUE(bytes_of(map) == bytes_of(expected)) << "case " << i << ", scans after the change";
+    ASSERT_TRUE(bytes_of(roomy) == bytes_of(expected)) << "case " << i << ", scans after the change, no limit";
+    evictions += map.statistics().evictions;
+  }
+  EXPECT_GT(evictions, 100u);  // the limit was felt
+}
+
 INSTANTIATE_TEST_SUITE_P(All, BrickFuzz,
                          testing::Values(InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512),
                          [](const auto& info) {

@@ -100,7 +100,7 @@ class TreeWriter {
       equal_written = equal_written && below.is_leaf && below.written == first.written;
       if (!below.exists) continue;
       flags |= 1u << i;
-      codes |= (below.is_leaf ? (OccupancyModel::is_occupied(below.log_odds) ? 2u : 1u) : 3u) << (2 * i);
+      codes |= (below.is_leaf ? (OccupancyModel::is_occupied(below.written) ? 2u : 1u) : 3u) << (2 * i);
       node.log_odds = std::max(node.log_odds, below.log_odds);
     }
     if (flags == 0) {
