@@ -169,7 +169,8 @@ def test_a_disk_that_is_full_after_the_map_says_so_and_shows_the_table(tmp_path:
     result = uwsim("survey", "pool", "--out", str(tmp_path), "--mission-time", "5", preexec_fn=small_files_only)
     assert "is complete" in refused(result)
     assert "coverage" in result.stdout
-    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz"}
+    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz", "checkpoint"}
+    assert "--resume makes the report" in result.stderr
 
 
 def test_scenarios_are_listed_and_described() -> None:

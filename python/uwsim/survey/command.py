@@ -150,6 +150,7 @@ class _Survey:
     def fly_and_report(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         out, progress = self.checkpoint.out, self.progress
         watch = Autosave(self.checkpoint, self.order, self.autosave_s, lambda text: _tell(progress, text))
+        (out / TRACK).unlink(missing_ok=True)  # of an earlier flight: a map's score takes what lies beside it
         try:
             record = self._fly(watch, saved)
         except BaseException as error:
@@ -164,11 +165,15 @@ class _Survey:
             hint = "; uwsim survey --resume flies on" if resumable else ""
             seen = f"{out / MAP} holds what was seen so far"
             _tell(progress, f"interrupted; {seen}{hint} (Ctrl-C again skips the report)")
-        else:
-            self.checkpoint.remove()
         if self.reference is not None:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
-        _report(self.sim, self.occupancy, record, out, progress)
+        try:
+            _report(self.sim, self.occupancy, record, out, progress)
+        except OSError as error:
+            again = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
+            raise OSError(f"{error} ({out / MAP} is complete{again})") from error
+        if not record.interrupted:
+            self.checkpoint.remove()  # not before: what ends the report alone is made good by --resume
         if record.verified is not None:
             _print(f"{MAP} {'is identical to' if record.verified else 'DIFFERS from'} that of stock OctoMap")
         return record
@@ -251,13 +256,10 @@ def _report(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, out: 
         )
     _print(summary_table(record, score, free_voxels))
     _print(f"ended because {record.stopped_because}")
-    try:
-        with progress.status("drawing the report"):
-            Track.of(record).write(out / TRACK)
-            pictures = draw_pictures(out, sim.world, record, score, occupied)
-            write_report(out / REPORT, record, score, free_voxels, pictures)
-    except OSError as error:
-        raise OSError(f"{error} ({out / MAP} is complete)") from error
+    with progress.status("drawing the report"):
+        Track.of(record).write(out / TRACK)
+        pictures = draw_pictures(out, sim.world, record, score, occupied)
+        write_report(out / REPORT, record, score, free_voxels, pictures)
     _print(f"{out / MAP}  {out / REPORT}")
 
 
@@ -282,6 +284,6 @@ def _require_writable(folder: Path) -> None:
             pass
     except OSError as error:
         raise OSError(f"--out {folder}: cannot write there: {error.strerror}") from error
-    for name in (MAP, REPORT):
+    for name in (MAP, REPORT, TRACK):
         if (folder / name).exists() and not (folder / name).is_file():
             raise OSError(f"--out {folder}: '{name}' in it is not a file")
