@@ -15,9 +15,9 @@ import typer
 app = typer.Typer(
     name="uwsim",
     help="A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # which would take a unit in brackets for markup, and leave it out
 )
 
 # Exit codes; 2 is typer's own for wrong options.
@@ -204,8 +204,9 @@ def bench(
         return
     if name not in known.split(", "):
         raise ValueError(f"benchmark '{name}': unknown; there are: {known}")
-    sys.argv = [f"uwsim bench {name}", *context.args]
-    runpy.run_path(str(folder / f"{name}.py"), run_name="__main__")
+    program = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+    program.command()(runpy.run_path(str(folder / f"{name}.py"))["main"])
+    _run(program, context.args, f"uwsim bench {name}")
 
 
 # Its commands have options of their own, --help among them; they are loaded when one is called.
@@ -214,7 +215,14 @@ def map_(context: typer.Context) -> None:
     """Look into, convert, score, draw and compare maps: info, convert, merge, score, render, diff, slice."""
     from uwsim.maps.cli import app as map_app
 
-    map_app(args=context.args, prog_name="uwsim map", standalone_mode=True)
+    _run(map_app, context.args or ["--help"], "uwsim map")
+
+
+def _run(program: typer.Typer, arguments: list[str], name: str) -> None:
+    """A program of the command's own. Raises what it raises, typer.Exit where it asks for another code than 0."""
+    code = program(args=arguments, prog_name=name, standalone_mode=False)
+    if code:
+        raise typer.Exit(code)
 
 
 def _bench_folder() -> Path:
@@ -231,13 +239,24 @@ def main() -> NoReturn:
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # a terminal that knows only ASCII
     warnings.showwarning = _show_warning
     try:
-        app()
+        code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
     except (ValueError, OSError, MemoryError) as error:
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
-        typer.echo(f"uwsim: error: {error}", err=True)
+        _complain(str(error) or type(error).__name__)
         sys.exit(FAILED)
-    sys.exit(0)
+    except Exception as error:
+        # Of a wrong option; where typer keeps its class depends on the version.
+        if not hasattr(error, "format_message"):
+            raise
+        _complain(error.format_message().rstrip("."))
+        sys.exit(getattr(error, "exit_code", FAILED))
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(message: str) -> None:
+    """On one line, whatever a library's message looks like."""
+    typer.echo(f"uwsim: error: {' '.join(message.split())}", err=True)
 
 
 def _quit(number: int, frame: object) -> NoReturn:

@@ -10,9 +10,9 @@ import typer
 app = typer.Typer(
     name="uwsim map",
     help="Look into, convert, score, draw and compare OctoMaps (.bt, .ot).",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # which would take a unit in brackets for markup, and leave it out
 )
 
 DIFFERENT = 1
