@@ -28,7 +28,7 @@ vehicles:
 
 def pool(folder: Path, more: str = "", seed: int = 0) -> Simulator:
     path = folder / "pool.yaml"
-    path.write_text(POOL.replace("tilt_deg: 20}", f"tilt_deg: 30, mode: physics{more}}}"))
+    path.write_text(POOL.replace("2, tilt_deg: 30}", f"2, tilt_deg: 30, mode: physics{more}}}"))
     return Simulator(path, seed=seed)
 
 

@@ -36,7 +36,7 @@ frequencies:
 
 def pool(folder: Path, sonar: str, *, more: str = "") -> Path:
     path = folder / "pool.yaml"
-    path.write_text(POOL.replace("{model: 2, tilt_deg: 20}", sonar) + more)
+    path.write_text(POOL.replace("{model: 2, tilt_deg: 30}", sonar) + more)
     return path
 
 
