@@ -268,7 +268,7 @@ def full_disk() -> None:
 
 
 def test_a_full_disk_in_flight_is_told_once_and_at_the_end_what_was_tried(tmp_path: Path) -> None:
-    command = [*UWSIM, "survey", "pool", "--out", str(tmp_path), "--autosave", "0.05", "--mission-time", "20"]
+    command = [*UWSIM, "survey", "pool", "--out", str(tmp_path), "--autosave", "0.001", "--mission-time", "60"]
     result = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, preexec_fn=full_disk)
     assert result.returncode == 1
     lines = result.stderr.strip().splitlines()
