@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ def effects_on(effects: str | Collection[str]) -> list[str]:
         return list(EFFECTS)
     if effects == "off":
         return []
-    names = [effects] if isinstance(effects, str) else list(effects)
+    names = [effects] if isinstance(effects, str) or not isinstance(effects, Iterable) else list(effects)
     for name in names:
         if name not in EFFECTS:
             raise ValueError(f"effects = {name!r}: must be 'on', 'off' or names of {', '.join(EFFECTS)}")
@@ -248,7 +248,7 @@ class Camera:
             moment.positions_m,
             moment.orientations_xyzw,
             self._body,
-            threads=threads or self._stage.threads,
+            threads=self._stage.threads if threads is None else threads,
             **options,
         )
         pose = np.eye(4)

@@ -137,6 +137,35 @@ TEST_F(Cameras, CausticsMoveWithTimeAndNoiseWithTheTick) {
   EXPECT_NE(noisy.rgb, render(scene, *camera, optics, exposure).rgb);
 }
 
+/// Cosine between what two pictures hold of specks alone: 1 for the same specks, about 0 for others.
+double likeness(const std::vector<float>& a, const std::vector<float>& b) {
+  const Eigen::Map<const Eigen::VectorXf> first(a.data(), static_cast<Eigen::Index>(a.size()));
+  const Eigen::Map<const Eigen::VectorXf> second(b.data(), static_cast<Eigen::Index>(b.size()));
+  return first.dot(second) / (first.norm() * second.norm());
+}
+
+TEST_F(Cameras, SpecksDriftWithTheFlowHoweverLongItHasChanged) {
+  World gusty = hilly_lake();
+  gusty.water.currents = {gusty_current({0.2, 0.2, 0.05}, 5, 3)};
+  const CameraScene there(gusty, std::make_shared<RayScene>(gusty), 7);
+  Exposure exposure = from({-4, 0, -4}, 0.0);
+  exposure.effects = Effects::none();
+  exposure.effects.set(Effect::kSunlight, true);
+  const auto specks = [&](double time_s) {
+    exposure.time_s = time_s;
+    exposure.effects.set(Effect::kParticles, false);
+    const std::vector<float> without = render(there, *camera, optics, exposure).radiance;
+    exposure.effects.set(Effect::kParticles, true);
+    std::vector<float> with = render(there, *camera, optics, exposure).radiance;
+    for (std::size_t k = 0; k < with.size(); ++k) with[k] -= without[k];
+    return with;
+  };
+  for (const double time_s : {3601.0, 3603.999, 7204.5}) {  // the second as a generation begins
+    EXPECT_GT(likeness(specks(time_s), specks(time_s + 0.002)), 0.98) << time_s;
+  }
+  EXPECT_LT(likeness(specks(3601), specks(3613)), 0.5);
+}
+
 TEST_F(Cameras, OthersSeeTheVehicleItsOwnCameraDoesNot) {
   Exposure exposure = from({-4, 0, -4}, 0.1);
   exposure.world_from_bodies = {{exposure.world_from_camera.position_m, Eigen::Quaterniond::Identity()}};

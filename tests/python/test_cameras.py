@@ -185,6 +185,10 @@ def test_effects_are_named_and_unknown_ones_refused(pool: Simulator) -> None:
     assert camera.capture([]).rgb.tobytes() == camera.capture("off").rgb.tobytes()
     with pytest.raises(ValueError, match="effects = 'fog': must be 'on', 'off' or names of attenuation"):
         camera.capture(["fog"])
+    with pytest.raises(ValueError, match="effects = 3: must be"):
+        camera.capture(3)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="threads = 0: must be in"):
+        camera.capture(threads=0)
 
 
 def test_a_camera_below_the_ground_is_an_error_and_inside_a_solid_sees_its_inside(pool: Simulator) -> None:

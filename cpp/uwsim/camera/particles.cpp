@@ -12,6 +12,7 @@ constexpr double kCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kAlbedo = 0.5;
 constexpr double kAperture_rad_m = 0.0015;  // blur of what is near, radians times metres
+constexpr double kGeneration_s = 4;         // specks are seen for two of these, brightest halfway
 
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 2014)
   x += 0x9e3779b97f4a7c15ull;
@@ -45,14 +46,33 @@ std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::Shot& sho
   return light;
 }
 
-}  // namespace
+/// How far the water at the eye has gone since a time a few seconds ago: by the flow's integral, since the flow now
+/// times an age is no path where the flow changes.
+Eigen::Vector3d drift_since(double begun_s, const Water& water, const Eigen::Vector3d& eye, double time_s) {
+  constexpr int kSteps = 16;
+  const double step_s = (time_s - begun_s) / kSteps;
+  Eigen::Vector3d drift = Eigen::Vector3d::Zero();
+  for (int k = 0; k < kSteps; ++k) drift += step_s * water.flow_at(eye, begun_s + (k + 0.5) * step_s).velocity_m_s;
+  return drift;
+}
 
-std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const Optics& optics,
-                          const Exposure& exposure, const camera::Shot& shot) {
-  std::vector<Speck> found;
-  if (!shot.camera_wet || !exposure.effects.has(Effect::kParticles)) return found;
+/// Specks that drift together since they began: one in a cell of a lattice that goes with the water, by chance.
+struct Generation {
+  std::int64_t number;
+  double begun_s;
+  double strength;  ///< fades in and out; those of two generations add up to 1
+};
+
+std::array<Generation, 2> generations_at(double time_s) {
+  const double last = std::floor(time_s / kGeneration_s), age = time_s / kGeneration_s - last;
+  const auto number = static_cast<std::int64_t>(last);
+  return {{{number - 1, (last - 1) * kGeneration_s, 1 - age}, {number, last * kGeneration_s, age}}};
+}
+
+void add_generation(const Generation& generation, const CameraScene& scene, const Camera& camera, const Optics& optics,
+                    const Exposure& exposure, const camera::Shot& shot, std::vector<Speck>& found) {
   const Eigen::Vector3d eye = exposure.world_from_camera.position_m;
-  const Eigen::Vector3d drift = scene.world().water.flow_at(eye, exposure.time_s).velocity_m_s * exposure.time_s;
+  const Eigen::Vector3d drift = drift_since(generation.begun_s, scene.world().water, eye, exposure.time_s);
   const Eigen::Vector3d lattice_eye = eye - drift;
   const Eigen::Matrix3d optical_from_world = [&] {
     const Eigen::Matrix3d turn = exposure.world_from_camera.rotation();
@@ -63,7 +83,7 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
   const Lens& lens = camera.lens();
   const bool distort = exposure.effects.has(Effect::kDistortion);
   const double chance = optics.particles_per_m3 * kCell_m * kCell_m * kCell_m;
-  const std::uint64_t key = mixed(scene.seed() ^ 0x5eedca11);
+  const std::uint64_t key = mixed(mixed(scene.seed() ^ 0x5eedca11) ^ static_cast<std::uint64_t>(generation.number));
   const auto first = ((lattice_eye.array() - kReach_m) / kCell_m).floor().cast<std::int64_t>().eval();
   const auto count = static_cast<std::int64_t>(2 * kReach_m / kCell_m) + 2;
   for (std::int64_t k = 0; k < count * count * count; ++k) {
@@ -92,13 +112,24 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
     }
     // Far specks fade, so that none appears at once.
     const double fade = std::clamp(3 * (1 - at.norm() / kReach_m), 0.0, 1.0);
-    const auto share = static_cast<float>(3 * fade * sharp * sharp / (radius * radius));
+    const auto share = static_cast<float>(3 * generation.strength * fade * sharp * sharp / (radius * radius));
     const std::array<float, 3> light = light_on(at.cast<float>(), shot);
     found.push_back({static_cast<float>(pixel.x()),
                      static_cast<float>(pixel.y()),
                      static_cast<float>(seen.z()),
                      static_cast<float>(radius),
                      {share * light[0], share * light[1], share * light[2]}});
+  }
+}
+
+}  // namespace
+
+std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                          const Exposure& exposure, const camera::Shot& shot) {
+  std::vector<Speck> found;
+  if (!shot.camera_wet || !exposure.effects.has(Effect::kParticles)) return found;
+  for (const Generation& generation : generations_at(exposure.time_s)) {
+    add_generation(generation, scene, camera, optics, exposure, shot, found);
   }
   return found;
 }

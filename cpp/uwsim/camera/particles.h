@@ -7,8 +7,10 @@
 
 namespace uwsim {
 
-/// What drifts in the water near the camera: one speck at most in each cell of a lattice that moves with the current,
-/// placed by a hash of seed and cell, lit by daylight and lamps, blurred by nearness. Sizes and brightness: assumed.
+/// What drifts in the water near the camera: one speck at most in each cell of a lattice that moves with the flow at
+/// the camera, placed by a hash of seed and cell, lit by daylight and lamps, blurred by nearness. Every four seconds
+/// others come and fade in while the last fade out, so that a picture follows from its time alone in any flow. Sizes,
+/// brightness and that time: assumed.
 struct Speck {
   float u, v;      ///< pixel
   float depth_m;   ///< along the optical axis
