@@ -27,7 +27,10 @@ PASS_ON: dict[str, Any] = {"allow_extra_args": True, "ignore_unknown_options": T
 
 ScenarioName = Annotated[str, typer.Argument(help="A packaged scenario's name, or the path of a YAML file.")]
 Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.")]
-SonarModel = Annotated[int | None, typer.Option(help="EM 2040 variant 1 to 4; replaces the scenario's.")]
+SonarModel = Annotated[
+    str | None,
+    typer.Option(help="Replaces the scenario's: 1 to 4 as on the wire, a packaged model's name, or a YAML file."),
+]
 MissionTime = Annotated[float | None, typer.Option(help="Seconds of battery; replaces the scenario's.")]
 Threads = Annotated[int | None, typer.Option(help="Threads to use; the result does not depend on it. All by default.")]
 
@@ -58,7 +61,7 @@ def survey(
 
     asked: dict[str, Any] = {
         "seed": seed,
-        "sonar_model": sonar_model,
+        "sonar_model": _model(sonar_model),
         "mission_time_s": mission_time,
         "voxel_m": voxel,
         "engine": engine,
@@ -115,11 +118,14 @@ def sonar(
     ] = None,
     track: Annotated[float, typer.Option(help="Length of the side-scan's track straight ahead, metres.")] = 60.0,
     seed: Seed = None,
+    frequency: Annotated[
+        float | None, typer.Option(help="kHz, of a --sonar-model that works at several; replaces the scenario's.")
+    ] = None,
 ) -> None:
     """Draw what the sonar sees from somewhere: the fan over the true bed, a sonar image, a side-scan's waterfall."""
     from uwsim.sonar_view.command import Request, run_sonar
 
-    for line in run_sonar(Request(scenario, out, pose, kind, sonar_model, tilt, track, seed)):
+    for line in run_sonar(Request(scenario, out, pose, kind, _model(sonar_model), tilt, track, seed, frequency)):
         typer.echo(line)
 
 
@@ -229,6 +235,11 @@ def _bench_folder() -> Path:
     """Inside the package where it is installed, at the root of the repository where it is not."""
     package = Path(__file__).resolve().parent
     return next(f for f in (package / "bench", package.parents[1] / "tools" / "bench") if f.is_dir())
+
+
+def _model(given: str | None) -> int | str | None:
+    """A number on the wire, or a name or path."""
+    return int(given) if given is not None and given.isascii() and given.isdigit() else given
 
 
 def main() -> NoReturn:

@@ -15,6 +15,7 @@ from uwsim.assembly import vehicle_spec
 from uwsim.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.imaging_mount import imaging_sonars
 from uwsim.scenario import Scenario, build_world, load
+from uwsim.scenario.build import backscatter_by_label
 from uwsim.scenario.optics_spec import Optics
 from uwsim.studio import Studio
 from uwsim.vehicle import Vehicle
@@ -26,7 +27,8 @@ class Simulator:
     """A scenario that runs.
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
-    seed, sonar_model (1..4, every vehicle's), mission_time_s: replace the scenario's figures.
+    seed, sonar_model (every vehicle's: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (of a model that
+    works at several), mission_time_s: replace the scenario's figures.
     threads: how many a survey may use; by default all. Results do not depend on it.
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
@@ -39,11 +41,17 @@ class Simulator:
         scenario: str | Path | Scenario = "lake",
         *,
         seed: int | None = None,
-        sonar_model: int | None = None,
+        sonar_model: int | str | Path | None = None,
+        sonar_frequency_khz: float | None = None,
         mission_time_s: float | None = None,
         threads: int | None = None,
     ) -> None:
-        self.scenario = load(scenario).with_changes(seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model)
+        self.scenario = load(scenario).with_changes(
+            seed=seed,
+            mission_time_s=mission_time_s,
+            sonar_model=sonar_model,
+            sonar_frequency_khz=sonar_frequency_khz,
+        )
         self.threads = _checked_threads(threads)
         self.world = build_world(self.scenario)
         self.scene = _core.RayScene(self.world)
@@ -71,6 +79,12 @@ class Simulator:
     def set_optics(self, **changes: Any) -> None:
         """Change the light from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
         self._studio.optics = self._studio.optics.with_changes(changes)
+
+    @property
+    def strengths_db(self) -> dict[str, float]:
+        """How much sound each surface scatters, by World.label_names, as its material has it; what pictures show."""
+        surfaces = zip(self.world.label_names, backscatter_by_label(self.scenario), strict=True)
+        return {name: surface.strength_db for name, surface in surfaces}
 
     @property
     def seed(self) -> int:

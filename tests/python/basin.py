@@ -17,4 +17,7 @@ def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]],
     for k, (middle_m, size_m) in enumerate(boxes):
         box = trimesh.creation.box(size_m)
         world.add_solid(f"box{k}", box.vertices + np.array(middle_m), box.faces)
-    return SimpleNamespace(world=world, scene=_core.RayScene(world), seed=3, threads=threads, time_ns=0)
+    strengths_db = dict.fromkeys(world.label_names, -15.0) | {"terrain": -30.0}
+    return SimpleNamespace(
+        world=world, scene=_core.RayScene(world), strengths_db=strengths_db, seed=3, threads=threads, time_ns=0
+    )

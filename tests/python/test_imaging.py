@@ -8,11 +8,34 @@ import pytest
 from basin import BED_M, basin
 from uwsim import Simulator, imaging
 from uwsim.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.scenario import load
 
 HEIGHT_M = 8.0
 HEAD = imaging.pose_matrix((0.0, 0.0, BED_M + HEIGHT_M))
 LOOK = ForwardLooking(beams=64, range_bins=200, rays_per_column=100)
 SIDE = SideScan(range_bins=500)
+
+
+def test_surfaces_scatter_as_their_materials_unless_the_model_says_otherwise() -> None:
+    sim = basin(((10.0, 0.0, BED_M + 4.0), (1.0, 4.0, 8.0)))
+    even = replace(LOOK, looks=0, noise_level_db=-200.0)
+    usual_db = imaging.look_ahead(sim, HEAD, even).level_db
+    sim.strengths_db = {"terrain": -40.0, "box0": -12.0}
+    softer_db = imaging.look_ahead(sim, HEAD, even).level_db - usual_db
+    wall = (slice(47, 48), slice(31, 33))  # the box's face, 9.5 m ahead; beyond the bins about it lies bed alone
+    assert softer_db[wall] == pytest.approx(3.0, abs=0.5)
+    assert softer_db[100:150, :10] == pytest.approx(-10.0, abs=1e-3)
+    told = replace(even, bottom_strength_db=-30.0, strengths_db={"box0": -15.0})
+    assert imaging.look_ahead(sim, HEAD, told).level_db == pytest.approx(usual_db)
+
+
+def test_a_simulators_surfaces_have_their_materials_strengths() -> None:
+    strengths_db = Simulator("pool").strengths_db
+    assert list(strengths_db) == Simulator("pool").world.label_names
+    scenario = load("pool")
+    assert strengths_db["terrain"] == scenario.ground.backscatter.strength_db
+    for obstacle in scenario.obstacles:
+        assert strengths_db[obstacle.name] == obstacle.material.backscatter.strength_db
 
 
 def test_a_picture_has_a_level_for_each_range_and_bearing() -> None:

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 class Acoustics:
     """What the three hear with. Levels in dB re 1 uPa.
 
-    source_level_db: at 1 m. noise_level_db: in the receiver's band behind its beam former. bottom_strength_db,
-    solid_strength_db: Lambert's, per square metre at normal incidence, of terrain and of solids; strengths_db: of
-    single ones, by World.label_names. range_max_m is cut
-    into range_bins, each a resolution cell. The gain is gain_db_decade log10 R + 2 alpha R, alpha that of the water at
-    the head (Francois and Garrison); time_varied_gain False leaves levels as received. looks: independent looks that a
-    cell averages; 1 is full speckle (Rayleigh amplitude), 0 none.
+    source_level_db: at 1 m. noise_level_db: in the receiver's band behind its beam former. Surfaces scatter as the
+    scenario's materials say, unless told here (Lambert's strength, per square metre at normal incidence):
+    bottom_strength_db, solid_strength_db: of the terrain and of all solids; strengths_db: of single ones, by
+    World.label_names. range_max_m is cut into range_bins, each a resolution cell. The gain is gain_db_decade log10 R +
+    2 alpha R, alpha that of the water at the head (Francois and Garrison); time_varied_gain False leaves levels as
+    received. looks: independent looks that a cell averages; 1 is full speckle (Rayleigh amplitude), 0 none.
     """
 
     frequency_hz: float
@@ -26,8 +26,8 @@ class Acoustics:
     noise_level_db: float
     range_max_m: float
     range_bins: int
-    bottom_strength_db: float = -30.0  # rock on the EM 2040's data sheet, as the multibeam's geometry mode has it
-    solid_strength_db: float = -15.0  # assumed: steel and concrete, harder and rougher than the bed
+    bottom_strength_db: float | None = None
+    solid_strength_db: float | None = None
     strengths_db: Mapping[str, float] = field(default_factory=dict)
     time_varied_gain: bool = True
     # 30 for spreading over a cell that grows with range, 20 for Lambert's law, by which a level bottom's strength falls

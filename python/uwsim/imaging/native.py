@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, Protocol
 
@@ -10,6 +10,8 @@ import numpy as np
 
 from uwsim import _core
 from uwsim.imaging.models import Acoustics, ForwardLooking, SideScan, SingleBeam
+
+_TERRAIN = 1  # the label
 
 
 class Place(Protocol):
@@ -22,6 +24,10 @@ class Place(Protocol):
     @property
     def world(self) -> _core.World:
         """Its water is heard through."""
+
+    @property
+    def strengths_db(self) -> Mapping[str, float]:
+        """Lambert's strength of each surface, by World.label_names, as what it is made of has it."""
 
     @property
     def seed(self) -> int:
@@ -57,8 +63,8 @@ def core_model(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
         if name == "strengths_db":
             if not isinstance(value, Mapping):
                 raise ValueError(f"sonar.strengths_db = {value!r}: must be dB by name")
-            if sim is not None:
-                acoustics.strengths_db = _strengths_by_label(sim.world.label_names, value)
+            continue
+        if name in ("bottom_strength_db", "solid_strength_db") and value is None:
             continue
         target = acoustics if hasattr(acoustics, name) else core
         try:
@@ -66,16 +72,25 @@ def core_model(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
         except TypeError as error:
             kind = type(getattr(target, name)).__name__
             raise ValueError(f"sonar.{name} = {value!r}: must be of type {kind}") from error
+    if sim is not None:
+        acoustics.strengths_db = _strengths_by_label(sim, model)
     core.acoustics = acoustics
     core.check()
     return core
 
 
-def _strengths_by_label(names: Sequence[str], given_db: Mapping[str, float]) -> list[float]:
+def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
+    """The model's for single ones, else its for the terrain or all solids, else the material's."""
+    names, given_db, material_db = sim.world.label_names, model.strengths_db, sim.strengths_db
     unknown = sorted(set(given_db) - set(names[1:]))
     if unknown:
         raise ValueError(f"sonar.strengths_db['{unknown[0]}']: not in the world; there are: {', '.join(names[1:])}")
     for name, value in given_db.items():
         if isinstance(value, bool) or not isinstance(value, int | float | np.number) or np.isnan(value):
             raise ValueError(f"sonar.strengths_db['{name}'] = {value!r} dB: must be a number")
-    return [float(given_db.get(name, np.nan)) for name in names] if given_db else []
+    strengths_db = []
+    for label, name in enumerate(names):
+        own_db = model.bottom_strength_db if label <= _TERRAIN else model.solid_strength_db
+        usual_db = own_db if own_db is not None else material_db.get(name, np.nan)
+        strengths_db.append(float(given_db.get(name, usual_db)))
+    return strengths_db

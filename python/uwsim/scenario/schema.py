@@ -244,16 +244,23 @@ class Scenario(Model):
         return copy.read_from(Origin()) if update else copy
 
     def with_changes(
-        self, *, seed: int | None = None, mission_time_s: float | None = None, sonar_model: int | None = None
+        self,
+        *,
+        seed: int | None = None,
+        mission_time_s: float | None = None,
+        sonar_model: int | str | Path | None = None,
+        sonar_frequency_khz: float | None = None,
     ) -> Scenario:
-        """Copy with some figures replaced and checked; sonar_model is that of every vehicle. Raises ScenarioError."""
+        """Copy with some figures replaced and checked; the sonar's are those of every vehicle. Raises ScenarioError."""
         data: dict[str, Any] = {key: getattr(self, key) for key in type(self).model_fields}
         if seed is not None:
             data["seed"] = seed
         if mission_time_s is not None:
             data["mission_time_s"] = mission_time_s
-        if sonar_model is not None:
-            another = {"model": sonar_model, "frequency_khz": None}
+        if sonar_model is not None or sonar_frequency_khz is not None:
+            another: dict[str, object] = {"frequency_khz": sonar_frequency_khz}
+            if sonar_model is not None:
+                another["model"] = sonar_model
             data["vehicles"] = [
                 {**dict(vehicle), "sonar": {**dict(vehicle.sonar), **another}} for vehicle in self.vehicles
             ]

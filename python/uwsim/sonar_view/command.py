@@ -37,10 +37,11 @@ class Request:
     out: Path
     pose: str | None = None
     kind: str = "all"
-    sonar_model: int | None = None
+    sonar_model: int | str | None = None
     tilt_deg: float | None = None
     track_m: float = TRACK_M
     seed: int | None = None
+    frequency_khz: float | None = None
 
 
 def run_sonar(request: Request) -> list[str]:
@@ -53,7 +54,9 @@ def run_sonar(request: Request) -> list[str]:
     if request.tilt_deg is not None and not abs(request.tilt_deg) <= 90.0:
         raise ValueError(f"--tilt {request.tilt_deg:g} deg: must be in [-90, 90] deg")
     pose = None if request.pose is None else parsed_pose(request.pose)
-    sim = Simulator(request.scenario, seed=request.seed, sonar_model=request.sonar_model)
+    sim = Simulator(
+        request.scenario, seed=request.seed, sonar_model=request.sonar_model, sonar_frequency_khz=request.frequency_khz
+    )
     if pose is not None:
         try:
             sim.rov.place(*pose)

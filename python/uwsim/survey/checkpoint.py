@@ -32,7 +32,7 @@ class SurveyOrder:
 
     scenario: str
     seed: int
-    sonar_model: int | None
+    sonar_model: int | str | None
     mission_time_s: float | None
     voxel_m: float
     engine: MapEngine

@@ -39,7 +39,7 @@ def run_survey(
     out: Path,
     *,
     seed: int | None = None,
-    sonar_model: int | None = None,
+    sonar_model: int | str | None = None,
     mission_time_s: float | None = None,
     voxel_m: float | None = None,
     threads: int | None = None,
@@ -65,7 +65,7 @@ def run_survey(
         order = SurveyOrder(
             scenario=_source(scenario),
             seed=sim.seed,
-            sonar_model=sonar_model,
+            sonar_model=_source(sonar_model) if isinstance(sonar_model, str) else sonar_model,
             mission_time_s=mission_time_s,
             voxel_m=survey.voxel_m,
             engine=engine or "bricks",
@@ -124,6 +124,8 @@ def _require_same(order: SurveyOrder, asked: dict[str, Any]) -> None:
     """Raises ValueError when a survey is to be resumed as another."""
     if asked.get("scenario") is not None:
         asked["scenario"] = _source(asked["scenario"])
+    if isinstance(asked.get("sonar_model"), str):
+        asked["sonar_model"] = _source(asked["sonar_model"])
     for name, value in asked.items():
         was = getattr(order, name)
         if value is not None and value != was:
@@ -131,7 +133,7 @@ def _require_same(order: SurveyOrder, asked: dict[str, Any]) -> None:
 
 
 def _source(scenario: str | Path) -> str:
-    """A scenario's name, or its file wherever one is."""
+    """A packaged one's name, or its file wherever one is."""
     return str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
 
 

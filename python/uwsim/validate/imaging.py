@@ -19,6 +19,7 @@ from uwsim.validate.check import Check, along, relative, within
 
 Array = NDArray[np.float64]
 BED_M, HEIGHT_M = -30.0, 6.0
+BED_DB, BOX_DB = -30.0, -15.0  # any that differ
 SILENCE_DB = -200.0
 AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # as the packaged models sample their beams
 HAMMING = 0.46  # of the vertical patterns' windows
@@ -32,6 +33,7 @@ class Basin:
 
     world: _core.World
     scene: _core.RayScene
+    strengths_db: dict[str, float]
     seed: int = 1
     threads: int = 1
     time_ns: int = 0
@@ -66,7 +68,8 @@ def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]])
     for k, (middle_m, size_m) in enumerate(boxes):
         box = trimesh.creation.box(size_m)
         world.add_solid(f"box{k}", box.vertices + np.array(middle_m), box.faces)
-    return Basin(world, _core.RayScene(world))
+    strengths_db = dict.fromkeys(world.label_names, BOX_DB) | {"terrain": BED_DB}
+    return Basin(world, _core.RayScene(world), strengths_db)
 
 
 def pattern_power(off_axis_rad: Array, width_rad: float, taper: float) -> Array:
@@ -94,7 +97,8 @@ def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, verti
     ) / 1e3  # fmt: skip
     area_m2 = ranges_m * width_rad * model.bin_m * per_range
     lost_db = 40 * np.log10(ranges_m) + 2 * alpha_db_m * ranges_m
-    lambert_db = model.bottom_strength_db + 20 * np.log10(HEIGHT_M / ranges_m)
+    bed_db = BED_DB if model.bottom_strength_db is None else model.bottom_strength_db
+    lambert_db = bed_db + 20 * np.log10(HEIGHT_M / ranges_m)
     return np.asarray(model.source_level_db - lost_db + lambert_db + 10 * np.log10(area_m2 * vertical), np.float64)
 
 
