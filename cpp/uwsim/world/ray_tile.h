@@ -19,6 +19,10 @@ namespace uwsim {
 /// that truly meets a triangle meets its widened twin. What Embree names first is solved again in double. Where that
 /// point lies on the rim or outside, or where other surfaces come near, everything within reach of the error is tried
 /// in double and the true first hit taken; where there is none, the ray goes on behind it.
+///
+/// Two cases are left to float's error, 1e-6 of half the tile's diagonal (which huge triangles make longer): a ray that
+/// starts that close before a surface may pass it, and so may one that meets a sliver some such times as wide, and that
+/// nothing adjoins.
 class RayTile {
  public:
   /// Throws InvalidValue when Embree cannot build its tree.
