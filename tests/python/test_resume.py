@@ -15,6 +15,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
+from uwsim.scenario import load
 from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import Checkpoint, SurveyOrder
 from uwsim.survey.command import resume_survey, run_survey
@@ -73,6 +74,16 @@ def test_from_any_pause_on_the_survey_is_the_same(
         assert getattr(record, name) == getattr(uninterrupted, name)
     np.testing.assert_array_equal(record.sample_ping.ranges_m, uninterrupted.sample_ping.ranges_m)
     assert record.wall_s > stopped.wall_s - 0.5, "wall time of both flights"
+
+
+def test_a_ping_rate_beside_the_control_period_is_kept(tmp_path: Path) -> None:
+    pool = load("pool")
+    odd = pool.model_copy(update={"survey": pool.survey.model_copy(update={"ping_rate_hz": 7.0})})
+    whole, _ = fly_survey(Simulator(odd, mission_time_s=12.0))
+    fly_survey(Simulator(odd, mission_time_s=12.0), watch=SaveAt(Checkpoint(tmp_path), 51))
+    saved = Checkpoint(tmp_path).read()
+    occupancy, _ = fly_survey(Simulator(odd, mission_time_s=12.0), saved.occupancy, resume=saved.state)
+    assert occupancy.to_bytes("ot") == whole.to_bytes("ot")
 
 
 def test_saving_does_not_change_the_map(whole: tuple[bytes, object], tmp_path: Path) -> None:
