@@ -51,6 +51,10 @@ def survey(
         bool, typer.Option("--verify-map", help="Map with stock OctoMap too, and exit with 1 if a byte differs.")
     ] = False,
     autosave: Annotated[float, typer.Option(help="Seconds of wall time between saves; 0 for none.")] = 30.0,
+    map_memory: Annotated[
+        float | None,
+        typer.Option(help="Megabytes that the map may take of memory; the rest goes to disk. All without."),
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Fly on the survey that was last saved in --out.")] = False,
 ) -> None:
     """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far.
@@ -68,10 +72,16 @@ def survey(
     }
     if resume:
         asked |= {"scenario": scenario, "verify_map": verify_map or None}
-        record = resume_survey(out, threads=threads, autosave_s=autosave, **asked)
+        record = resume_survey(out, threads=threads, autosave_s=autosave, map_memory_mb=map_memory, **asked)
     else:
         record = run_survey(
-            scenario or "lake", out, threads=threads, autosave_s=autosave, verify_map=verify_map, **asked
+            scenario or "lake",
+            out,
+            threads=threads,
+            autosave_s=autosave,
+            map_memory_mb=map_memory,
+            verify_map=verify_map,
+            **asked,
         )
     if record.interrupted:
         raise typer.Exit(INTERRUPTED)

@@ -317,6 +317,20 @@ def test_an_interval_that_is_none_is_refused(seconds: float, tmp_path: Path) -> 
     assert not any(tmp_path.iterdir())
 
 
+def test_a_map_in_bounded_memory_is_the_same_also_when_resumed(tmp_path: Path) -> None:
+    """At 0.05 m the pool's map takes more than the limit."""
+    options = {"voxel_m": 0.05, "mission_time_s": 12.0}
+    run_survey("pool", tmp_path / "whole", **options)
+    out = tmp_path / "out"
+    limited = ("pool", "--voxel", "0.05", "--mission-time", "12", "--map-memory", "2")
+    process = start(out, *limited)
+    wait_for(out / "checkpoint" / "survey.state", process)
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    resume_survey(out, map_memory_mb=2.0)
+    assert (out / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
+
+
 def test_a_verified_map_is_compared_byte_by_byte_also_when_resumed(tmp_path: Path) -> None:
     assert run_survey("pool", tmp_path / "a", mission_time_s=3.0, verify_map=True).verified is True
     assert run_survey("pool", tmp_path / "b", mission_time_s=3.0).verified is None

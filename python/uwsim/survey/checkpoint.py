@@ -38,9 +38,9 @@ class SurveyOrder:
     engine: MapEngine
     verify_map: bool
 
-    def new_map(self) -> OccupancyMap:
-        """An empty one, as ordered."""
-        return OccupancyMap(resolution_m=self.voxel_m, engine=self.engine)
+    def new_map(self, memory_limit_mb: float | None = None) -> OccupancyMap:
+        """An empty one, as ordered. memory_limit_mb: see OccupancyMap. Raises ValueError."""
+        return OccupancyMap(resolution_m=self.voxel_m, engine=self.engine, memory_limit_mb=memory_limit_mb)
 
     def new_reference(self) -> OccupancyMap | None:
         """Stock OctoMap's, where the map is to be compared with it."""
@@ -92,8 +92,11 @@ class Checkpoint:
             raise
         self._tidy(maps)
 
-    def read(self) -> SavedSurvey:
-        """Raises ValueError when there is none, or it is damaged; OSError when it cannot be read."""
+    def read(self, memory_limit_mb: float | None = None) -> SavedSurvey:
+        """memory_limit_mb: of the map.
+
+        Raises ValueError when there is none, or it is damaged; OSError when it cannot be read.
+        """
         if not self.exists:
             why = f"{MAP} in it is of a survey that has ended" if (self.out / MAP).exists() else "nothing is in it"
             raise ValueError(f"--resume: no unfinished survey is saved in '{self.out}': {why}")
@@ -108,7 +111,7 @@ class Checkpoint:
             raise ValueError(f"--resume: '{path}': {error}") from None
         engines: dict[str, MapEngine] = {"map": order.engine, "reference": "octomap"}
         maps = {
-            kind: self._read_map(name, digest, engines[kind])
+            kind: self._read_map(name, digest, engines[kind], memory_limit_mb if kind == "map" else None)
             for name, digest in digests.items()
             if (kind := name.split("-")[0]) in engines
         }
@@ -136,13 +139,13 @@ class Checkpoint:
         shutil.rmtree(aside, ignore_errors=True)
         return self.folder.rename(aside)
 
-    def _read_map(self, name: str, digest: str, engine: MapEngine) -> OccupancyMap:
+    def _read_map(self, name: str, digest: str, engine: MapEngine, memory_limit_mb: float | None) -> OccupancyMap:
         path = self.folder / Path(name).name
         if not path.exists():
             raise ValueError(f"--resume: '{path}': is missing")
         if _digest(path) != digest:
             raise ValueError(f"--resume: '{path}': is damaged: its checksum is not the one that was saved")
-        return OccupancyMap.read(path, engine=engine)
+        return OccupancyMap.read(path, engine=engine, memory_limit_mb=memory_limit_mb)
 
     def _tidy(self, keep: Any = None) -> None:
         """Drop maps that belong to no state: all but `keep`, or but those the present state names."""

@@ -46,11 +46,13 @@ def run_survey(
     engine: MapEngine | None = None,
     verify_map: bool = False,
     autosave_s: float = AUTOSAVE_S,
+    map_memory_mb: float | None = None,
 ) -> SurveyRecord:
     """Fly a scenario's survey and leave map.bt, report.html and pictures in `out`; returns the survey's record.
 
     engine: of the map, bricks by default. verify_map: insert every scan into a stock OctoMap map too, and compare.
-    autosave_s: wall time between saves, from which `resume_survey` flies on; 0 for none.
+    autosave_s: wall time between saves, from which `resume_survey` flies on; 0 for none. map_memory_mb: what the map
+    may take of memory, the rest of it on disk; the bytes of map.bt do not depend on it.
     Raises ScenarioError or ValueError for what is wrong in the scenario or the options, OSError for `out`. Whatever
     ends the flight, the map of what was seen until then is written.
     """
@@ -71,7 +73,7 @@ def run_survey(
             engine=engine or "bricks",
             verify_map=verify_map,
         )
-        occupancy, reference = order.new_map(), order.new_reference()
+        occupancy, reference = order.new_map(map_memory_mb), order.new_reference()
     _require_writable(out)
     checkpoint = Checkpoint(out)
     checkpoint.sweep()
@@ -81,7 +83,12 @@ def run_survey(
 
 
 def resume_survey(
-    out: Path, *, threads: int | None = None, autosave_s: float = AUTOSAVE_S, **asked: Any
+    out: Path,
+    *,
+    threads: int | None = None,
+    autosave_s: float = AUTOSAVE_S,
+    map_memory_mb: float | None = None,
+    **asked: Any,
 ) -> SurveyRecord:
     """Fly on what `run_survey` last saved in `out`, to the same map as if nothing had happened.
 
@@ -92,7 +99,7 @@ def resume_survey(
     progress = Console(stderr=True)
     checkpoint = Checkpoint(out)
     with progress.status(f"resuming {out}"):
-        saved = checkpoint.read()
+        saved = checkpoint.read(map_memory_mb)
         _require_same(saved.order, asked)
         order = saved.order
         sim = Simulator(
