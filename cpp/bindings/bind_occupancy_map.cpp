@@ -19,7 +19,8 @@ using CountArray = py::array_t<std::int64_t, py::array::c_style>;
 CountArray as_counts(const py::object& object, const char* name) {
   const auto any = as_array<double>(object, name, {-1});
   for (py::ssize_t i = 0; i < any.size(); ++i) {
-    require(any.data()[i] == std::floor(any.data()[i]), name, any.data()[i], "must be whole numbers");
+    const double count = any.data()[i];
+    require(count == std::floor(count) && std::abs(count) <= 0x1p53, name, count, "must be whole numbers up to 2^53");
   }
   return as_array<std::int64_t>(object, name, {-1});
 }

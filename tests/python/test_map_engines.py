@@ -116,6 +116,7 @@ def test_options_that_cannot_be_are_refused(options, rule):
         ([[1, 0, 0]], [-1, 2], [[0, 0, 0]] * 2, r"scans\.counts\[0\] = -1"),
         ([[1, 0, 0]], [0.5], [[0, 0, 0]], "must be whole numbers"),
         ([[1, 0, 0]], [np.nan], [[0, 0, 0]], "must be whole numbers"),
+        ([[1, 0, 0]], [np.inf], [[0, 0, 0]], "must be whole numbers"),
         ([[1, 0, 0]], [1], [[0, 0, 0]] * 2, "must be x, y, z for each count"),
         ([[1, 0, 0]], [1], [[0, 0]], r"expected \(n, 3\)"),
         ([[1, 0, 0], [1e7, 0, 0]], [1, 1], [[0, 0, 0]] * 2, "must be within"),

@@ -91,6 +91,10 @@ def test_rays_find_a_wall(engine):
     assert cast.voxels_m[2].tolist() == [-0.25, 0.25, 0.25]
     assert occupancy.cast_rays(origins[:1], directions[:1], max_range_m=3).states.tolist() == [0]
     assert occupancy.cast_rays(origins[4:], directions[4:], ignore_unknown=True).states.tolist() == [0]
+    for length in (1e-300, 1e-40, 1e-20, 1e20, 1e25, 1e300):  # whose squares a float32 does not hold
+        scaled = occupancy.cast_rays(origins[:3], length * np.array(directions[:3]), max_range_m=20)
+        np.testing.assert_array_equal(scaled.states, cast.states)
+        np.testing.assert_array_equal(scaled.voxels_m, cast.voxels_m)
     with pytest.raises(ValueError, match=r"rays\.directions_world"):
         occupancy.cast_rays([[0, 0, 0]], [[0, 0, 0]])
     with pytest.raises(ValueError, match=r"rays\.origins_world_m"):

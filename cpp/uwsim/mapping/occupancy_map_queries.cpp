@@ -19,6 +19,12 @@ void require_points(std::span<const double> points, const char* path) {
   for (const double x : points) require(std::isfinite(x), path, x, "must be finite");
 }
 
+/// As OctoMap would take it, but for those whose length it cannot reckon: the squares leave a float's range.
+Eigen::Vector3f float_direction(const Eigen::Vector3d& direction) {
+  const double length = direction.stableNorm();
+  return (length > 1e18 || length < 1e-18 ? (direction / length).eval() : direction).cast<float>();
+}
+
 }  // namespace
 
 std::optional<VoxelKey> OccupancyMap::Impl::key_at(const double* point_world_m) const {
@@ -136,9 +142,9 @@ OccupancyMap::Casts OccupancyMap::cast_rays(std::span<const double> origins_worl
     const Eigen::Vector3d origin(origins_world_m.data() + 3 * i), direction(directions_world.data() + 3 * i);
     origins_m[i] = impl_->tree_m(origin);
     impl_->require_in_cube(origins_m[i], "rays.origins_world_m");
-    directions[i] = direction.cast<float>();
+    directions[i] = float_direction(direction);
     require(directions[i].allFinite() && directions[i] != Eigen::Vector3f::Zero(), "rays.directions_world",
-            direction.transpose(), "must have a length that a float32 can hold");
+            direction.transpose(), "must have a length");
   }
   Casts casts;
   casts.ends.reserve(count);
