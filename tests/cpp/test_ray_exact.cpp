@@ -169,5 +169,29 @@ TEST(RayExact, ThroughTheTilesOfAWorldSeveralKilometresWide) {
   expect_exact(spiky_world(40, 90, {7000, 1000}), 2000, 4);
 }
 
+TEST(RayExact, WhereABallMeetsTheBedTheNearerOfTheTwoIsTakenHoweverClose) {
+  World world;
+  world.set_terrain(Heightfield(std::vector<float>(41 * 41, -20.0f), 41, 41, 10.0, {-190, -210}));
+  world.add_solid("ball", testing::box(1, 1, 1), {sphere({3, 4, -20}, 1)});
+  const RayScene scene(world);
+  const RandomStream random(5, "crossing");
+  for (std::uint64_t k = 0; k < 20'000; ++k) {
+    const double turn = 2 * std::numbers::pi * random.uniform(k, 0),
+                 off = std::pow(10.0, -7 + 4 * random.uniform(k, 1));
+    const double side = random.uniform(k, 2) < 0.5 ? -off : off;
+    const Eigen::Vector3d aim(3 + (1 + side) * std::cos(turn), 4 + (1 + side) * std::sin(turn), -20);
+    // From outside, steep or shallow.
+    const double dip = 0.02 + 1.5 * random.uniform(k, 3), bearing = turn + random.uniform(k, 4) - 0.5;
+    const Eigen::Vector3d way(-std::cos(dip) * std::cos(bearing), -std::cos(dip) * std::sin(bearing), -std::sin(dip));
+    const Eigen::Vector3d origin = aim - 40 * way, o = origin - Eigen::Vector3d(3, 4, -20);
+    const double b = o.dot(way), root = b * b - o.squaredNorm() + 1;
+    const double to_bed = (-20 - origin.z()) / way.z();
+    const double to_ball = root >= 0 ? -b - std::sqrt(root) : kInfinity;
+    if (root > -1e-9 && root < 4e-6) continue;  // grazes the ball
+    const RayHit hit = scene.cast({origin, way}, 100);
+    ASSERT_NEAR(hit.distance_m, std::min(to_bed, to_ball), 1e-9) << k;
+  }
+}
+
 }  // namespace
 }  // namespace uwsim

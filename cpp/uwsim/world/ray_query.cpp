@@ -38,6 +38,7 @@ bool try_primitive(RTCPointQueryFunctionArguments* args) {
 struct Company {
   const TileSurfaces* surfaces;
   std::uint32_t geometry;
+  bool round;
   Corners corners;
   Eigen::AlignedBox3d box;
   bool found;
@@ -45,8 +46,10 @@ struct Company {
 
 bool find_company(RTCPointQueryFunctionArguments* args) {
   auto* me = static_cast<Company*>(args->userPtr);
+  const bool round = me->surfaces->is_round(args->geomID);
+  if (me->round && (round || args->geomID <= kTerrain)) return false;  // exact in themselves; looked at when it is hit
   Eigen::AlignedBox3d other;
-  if (me->surfaces->is_round(args->geomID)) {
+  if (round) {
     const ShapeBounds limits = bounds(me->surfaces->shape(args->geomID, args->primID));
     other = {limits.low_m, limits.high_m};
   } else {
@@ -112,11 +115,17 @@ std::optional<LabelledHit> first_hit_around(RTCSceneTy* tree, const TileSurfaces
   return search.best;
 }
 
-std::vector<std::uint8_t> crowded_triangles(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label) {
+std::vector<std::uint8_t> crowded_members(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label) {
   std::vector<std::uint8_t> crowded(surfaces.count(label));
   for (std::uint32_t k = 0; k < crowded.size(); ++k) {
-    Company me{&surfaces, label, surfaces.corners(label, k), {}, false};
-    for (const Eigen::Vector3d& corner : me.corners) me.box.extend(corner);
+    Company me{&surfaces, label, surfaces.is_round(label), {}, {}, false};
+    if (me.round) {
+      const ShapeBounds limits = bounds(surfaces.shape(label, k));
+      me.box = {limits.low_m, limits.high_m};
+    } else {
+      me.corners = surfaces.corners(label, k);
+      for (const Eigen::Vector3d& corner : me.corners) me.box.extend(corner);
+    }
     const double radius = 0.5 * me.box.diagonal().norm();
     me.box.min().array() -= kCompany * surfaces.reach_m();
     me.box.max().array() += kCompany * surfaces.reach_m();

@@ -22,8 +22,8 @@ std::optional<LabelledHit> first_hit_around(RTCSceneTy* tree, const TileSurfaces
                                             double from_m, double to_m);
 
 /// Of each triangle of a solid's mesh: whether something but a neighbour comes near it, so that either may be hit
-/// first.
-std::vector<std::uint8_t> crowded_triangles(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label);
+/// first; of each round shape: whether a mesh does.
+std::vector<std::uint8_t> crowded_members(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label);
 
 /// The least of `nearest_m` and the distance to a triangle of the tree; of shapes it knows nothing. `meshes`: the tree
 /// is of the meshes of what rays meet as shapes.

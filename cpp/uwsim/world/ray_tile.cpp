@@ -99,14 +99,22 @@ struct RayTile::Impl {
     if (surfaces.count(TileSurfaces::kPlainTerrain) > 0) block = surfaces.terrain_block();
     crowded.resize(geometries);
     for (const TileContents::Share& share : surfaces.contents().solids) {
-      if (!surfaces.is_round(share.label)) crowded[share.label] = crowded_triangles(scene, surfaces, share.label);
+      crowded[share.label] = crowded_members(scene, surfaces, share.label);
     }
   }
 
-  double sine(const Named& named, const TileRay& ray) const {
-    if (surfaces.is_round(named.geometry)) return 1;
+  Eigen::Vector3d normal(const Named& named, const TileRay& ray) const {
+    if (surfaces.is_round(named.geometry)) {
+      const auto hit = surfaces.meet(named.geometry, named.primitive, ray);
+      return hit ? hit->normal_world : Eigen::Vector3d(-ray.direction_world);
+    }
     const Corners t = surfaces.corners(named.geometry, named.primitive);
-    return std::abs((t[1] - t[0]).cross(t[2] - t[0]).stableNormalized().dot(ray.direction_world));
+    return (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
+  }
+
+  double sine(const Named& named, const TileRay& ray) const {
+    if (surfaces.is_round(named.geometry)) return kLeastSine;  // of whatever else may be first
+    return std::max(kLeastSine, std::abs(normal(named, ray).dot(ray.direction_world)));
   }
 
   std::optional<Named> cast_one(const ExactRays& rays, std::size_t lane, const TileRay& ray, double start_m,
@@ -147,7 +155,7 @@ struct RayTile::Impl {
     const TileRay ray = ray_of(rays, lane);
     const double start_m = starts_m ? starts_m[lane] : 0;
     for (int turn = 0; turn < kTurns; ++turn) {
-      const double radius = 2 * surfaces.rim_m() * (1 + 1 / std::max(kLeastSine, sine(named, ray)));
+      const double radius = 2 * surfaces.rim_m() * (1 + 1 / sine(named, ray));
       const Eigen::Vector3d point = ray.origin_world_m + named.distance_m * ray.direction_world;
       const double from_m = std::max(0.0, named.distance_m - radius), to_m = named.distance_m + radius;
       if (const auto hit = first_around(named.geometry, point, radius, ray, from_m, to_m)) {
@@ -157,9 +165,8 @@ struct RayTile::Impl {
       if (!next) return set_miss(hits, lane);
       named = *next;
     }
-    const Corners t = surfaces.corners(named.geometry, named.primitive);
-    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
-    set_hit_within(hits, lane, {named.distance_m, normal, false}, TileSurfaces::label(named.geometry), ray.far_m);
+    set_hit_within(hits, lane, {named.distance_m, normal(named, ray), false}, TileSurfaces::label(named.geometry),
+                   ray.far_m);
   }
 
   static void set_hit_within(ExactHits& hits, std::size_t lane, const TileHit& hit, Label label, double far_m) {
@@ -256,7 +263,8 @@ struct RayTile::Impl {
     if (geometry == TileSurfaces::kCrossedTerrain && met_terrain && surfaces.company(primitive).size() <= kFew) {
       hits.label[lane] = kTerrain;
       yield_to_company(rays, lane, primitive, hits);
-    } else if (surfaces.is_round(geometry)) {
+    } else if (surfaces.is_round(geometry) && crowded[geometry][primitive] == 0 &&
+               !under_terrain(rays, lane, answer.round.distance_m[lane])) {
       const ExactHits& round = answer.round;
       const Eigen::Vector3d normal(round.normal_x[lane], round.normal_y[lane], round.normal_z[lane]);
       set_hit_within(hits, lane, {round.distance_m[lane], normal, true}, TileSurfaces::label(geometry),
@@ -286,6 +294,15 @@ struct RayTile::Impl {
     }
   }
 
+  /// Then a ray from above has met the terrain before, if by less than float tells.
+  bool under_terrain(const ExactRays& rays, std::size_t lane, double distance_m) const {
+    const auto& terrain = surfaces.world().terrain();
+    if (!terrain) return false;
+    const TileRay ray = ray_of(rays, lane);
+    const Eigen::Vector3d point = ray.origin_world_m + distance_m * ray.direction_world;
+    return point.z() < terrain->height_at(point.x(), point.y());
+  }
+
   /// Float may have taken terrain for first that something else is before by less than its error.
   void yield_to_company(const ExactRays& rays, std::size_t lane, std::uint32_t crossed_triangle,
                         ExactHits& hits) const {
@@ -300,7 +317,8 @@ struct RayTile::Impl {
   /// A hit on a solid's triangle, or not well inside one of plain terrain.
   void settle(const ExactRays& rays, std::size_t lane, const double* starts_m, const Named& named,
               ExactHits& hits) const {
-    if (named.geometry > kTerrain && crowded[named.geometry][named.primitive] == 0) {
+    if (named.geometry > kTerrain && !surfaces.is_round(named.geometry) &&
+        crowded[named.geometry][named.primitive] == 0) {
       const TileRay ray = ray_of(rays, lane);
       const auto hit = surfaces.meet(named.geometry, named.primitive, ray);
       if (hit && hit->clear_of_edges && hit->distance_m >= 0) {

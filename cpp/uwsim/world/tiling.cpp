@@ -23,10 +23,10 @@ struct Cuts {
   }
 };
 
+/// As many as fit, evenly shared out.
 std::uint32_t cells_a_tile(std::size_t cells, double spacing_m) {
-  const double tiles =
-      std::clamp(std::ceil(static_cast<double>(cells) * spacing_m / kTileWidth_m), 1.0, static_cast<double>(cells));
-  return static_cast<std::uint32_t>(std::ceil(static_cast<double>(cells) / tiles));
+  const double most = std::max(1.0, std::floor(kTileWidth_m / spacing_m)), count = static_cast<double>(cells);
+  return static_cast<std::uint32_t>(std::ceil(count / std::ceil(count / most)));
 }
 
 Cuts cuts_of(const World& world, const Eigen::AlignedBox2d& extent) {
