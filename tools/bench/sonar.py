@@ -117,7 +117,7 @@ def lake(triangles: int | None = None) -> Simulator:
     """The lake, its terrain of about so many triangles."""
     scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
     if triangles is not None:
-        spacing_m = float(scenario.terrain.size_m[0] / np.sqrt(triangles / 2))
+        spacing_m = scenario.terrain.size_m[0] / round(np.sqrt(triangles / 2))
         terrain = scenario.terrain.model_copy(update={"spacing_m": spacing_m})
         scenario = scenario.model_copy(update={"terrain": terrain, "obstacles": ()})
     sim = Simulator(scenario)
