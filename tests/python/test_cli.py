@@ -86,11 +86,20 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
         (["survey", "pool", "--threads", "0"], "threads"),
         (["survey", "pool", "--seed", "-1"], "seed"),
         (["bench", "surveyy"], "unknown"),
+        (["surveyy"], "No such command"),
+        (["survey", "--voxl", "1"], "--voxl"),
+        (["map", "score"], "source"),
+        (["bench", "survey", "--voxl", "1"], "--voxl"),
     ],
 )
 def test_a_mistake_is_one_line(arguments: list[str], expected: str, tmp_path: Path) -> None:
     assert expected in refused(uwsim(*arguments, cwd=tmp_path))
     assert not any(tmp_path.iterdir()), "nothing half-written"
+
+
+@pytest.mark.parametrize("command", [["survey"], ["camera"], ["map", "slice"], ["bench", "map_memory"]])
+def test_help_shows_units(command: list[str]) -> None:
+    assert "[m]" in uwsim(*command, "--help").stdout
 
 
 @pytest.mark.parametrize(
