@@ -90,7 +90,6 @@ TEST(MapQueries, RaysThatCannotBeCastAreRefused) {
     EXPECT_THROW(map.cast_rays(from_m, direction, false, range_m), InvalidValue);
   };
   refuse(origin_m, {0, 0, 0}, 5);
-  refuse(origin_m, {1e-60, 0, 0}, 5);
   refuse(origin_m, {std::nan(""), 0, 0}, 5);
   refuse({1e9, 0, 0}, up, 5);
   refuse(origin_m, up, 0);
