@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.atomic_file import write_atomically
 from uwsim.scenario.camera_spec import CameraMount, Lamps
 
 Floats = NDArray[np.float64]
@@ -110,13 +111,7 @@ class Frame:
         encode: dict[str, Callable[[], bytes]] = {".png": self.png, ".jpg": self.jpeg, ".jpeg": self.jpeg}
         if path.suffix.lower() not in encode:
             raise ValueError(f"path = {path}: must end in .png, .jpg or .jpeg")
-        data = encode[path.suffix.lower()]()
-        part = path.with_name(path.name + ".part")
-        try:
-            part.write_bytes(data)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        write_atomically(path, encode[path.suffix.lower()]())
 
     def _coloured(self) -> NDArray[np.uint8]:
         if not len(self.rgb):

@@ -11,12 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.atomic_file import write_atomically
 from uwsim.cameras import Camera, Frame, effects_on
 from uwsim.simulator import Simulator
 
 Image = NDArray[np.uint8]
 SUFFIXES = (".png", ".jpg", ".jpeg")
 GAP = 4
+
+
+LONGEST_WAIT_S = 36_000.0  # minutes of computing
 
 
 @dataclass(frozen=True)
@@ -70,8 +74,9 @@ def set_up(sim: Simulator, wish: Wish) -> Camera:
             raise ValueError(f"pose = {wish.pose}: must be x, y, z, yaw, pitch, roll")
         turn = Rotation.from_euler("ZYX", wish.pose[3:], degrees=True)
         sim.rov.place(wish.pose[:3], turn.as_quat())
-    if wish.at_s:
-        sim.advance(wish.at_s)
+    if not 0.0 <= wish.at_s <= LONGEST_WAIT_S:  # nan is not
+        raise ValueError(f"at = {wish.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
+    sim.advance(wish.at_s)
     return cameras[wish.camera]
 
 
@@ -99,9 +104,4 @@ def write(path: Path, image: Image, quality: int = 90) -> None:
         import simplejpeg
 
         data = bytes(simplejpeg.encode_jpeg(np.ascontiguousarray(image), quality=quality))
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_bytes(data)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    write_atomically(path, data)
