@@ -67,10 +67,11 @@ py::array_t<T, py::array::c_style> as_array(const py::object& object, const char
 }
 
 /// Moves a vector into a NumPy array of the given shape without copying its elements.
-template <typename T>
-py::array_t<T> move_out(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
-  auto* owner = new std::vector<T>(std::move(values));
-  const py::capsule free(owner, [](void* p) { delete static_cast<std::vector<T>*>(p); });
+template <typename T, typename Allocator>
+py::array_t<T> move_out(std::vector<T, Allocator>&& values, std::vector<py::ssize_t> shape) {
+  using Values = std::vector<T, Allocator>;
+  auto* owner = new Values(std::move(values));
+  const py::capsule free(owner, [](void* p) { delete static_cast<Values*>(p); });
   return py::array_t<T>(std::move(shape), owner->data(), free);
 }
 

@@ -138,12 +138,8 @@ void place(const Shot& shot, Block& block) {
   store(block.normal, select(hit, normal, zero()));
 }
 
-/// Depth along the optical axis, normals, labels and classes to their pictures.
-void write_geometry(const Shot& shot, int left, int top, const Block& block, const GeometryPlanes& planes) {
-  alignas(64) float depth[kLanes];
-  store(depth, load(block.distance.at) * dot(load(block.direction), spread(shot.ahead)));
-  const int columns = shot.width - left < kBlockSide ? shot.width - left : kBlockSide;
-  const int rows = shot.height - top < kBlockSide ? shot.height - top : kBlockSide;
+UWSIM_LANES void write_part(const Shot& shot, int left, int top, int columns, int rows, const float* depth,
+                            const Block& block, const GeometryPlanes& planes) {
   for (int row = 0; row < rows; ++row) {
     const std::size_t at = static_cast<std::size_t>(top + row) * shot.width + left;
     const int lane = row * kBlockSide;
@@ -158,6 +154,16 @@ void write_geometry(const Shot& shot, int left, int top, const Block& block, con
       planes.classes[at + k] = planes.class_of_label[label];
     }
   }
+}
+
+/// Depth along the optical axis, normals, labels and classes to their pictures.
+void write_geometry(const Shot& shot, int left, int top, const Block& block, const GeometryPlanes& planes) {
+  alignas(64) float depth[kLanes];
+  store(depth, load(block.distance.at) * dot(load(block.direction), spread(shot.ahead)));
+  if (is_whole(shot, left, top)) return write_part(shot, left, top, kBlockSide, kBlockSide, depth, block, planes);
+  const int columns = shot.width - left < kBlockSide ? shot.width - left : kBlockSide;
+  const int rows = shot.height - top < kBlockSide ? shot.height - top : kBlockSide;
+  write_part(shot, left, top, columns, rows, depth, block, planes);
 }
 
 }  // namespace

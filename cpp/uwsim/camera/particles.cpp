@@ -134,8 +134,8 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
   return found;
 }
 
-void add_specks(const std::vector<Speck>& specks, const std::vector<float>& depth_m, const camera::Shot& shot,
-                int first, int last, const camera::Film& film) {
+void add_specks(const std::vector<Speck>& specks, std::span<const float> depth_m, const camera::Shot& shot, int first,
+                int last, const camera::Film& film) {
   for (const Speck& speck : specks) {
     const int top = std::max(first, static_cast<int>(std::ceil(speck.v - speck.radius)));
     const int bottom = std::min(last - 1, static_cast<int>(std::floor(speck.v + speck.radius)));

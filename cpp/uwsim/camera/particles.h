@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "uwsim/camera/kernel.h"
@@ -21,7 +22,7 @@ std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const 
                           const Exposure& exposure, const camera::Shot& shot);
 
 /// Adds the specks that lie before the scene to rows [first, last) of the film.
-void add_specks(const std::vector<Speck>& specks, const std::vector<float>& depth_m, const camera::Shot& shot,
-                int first, int last, const camera::Film& film);
+void add_specks(const std::vector<Speck>& specks, std::span<const float> depth_m, const camera::Shot& shot, int first,
+                int last, const camera::Film& film);
 
 }  // namespace uwsim

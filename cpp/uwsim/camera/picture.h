@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "uwsim/camera/plane.h"
+
 namespace uwsim {
 
 /// What a camera gives, all of one pass, rows from the top: width x height values, times 3 where noted.
@@ -11,13 +13,13 @@ namespace uwsim {
 /// with water and its surface clear: they hold what the ray itself meets, while colour follows the light.
 struct Picture {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;      ///< x 3, sRGB; empty where geometry alone was asked for
-  std::vector<float> radiance;        ///< x 3, before exposure, where asked for: irradiance as in daylight.h, a sr
-  std::vector<float> depth_m;         ///< along the optical axis (REP 118); infinity for nothing
-  std::vector<float> normals_world;   ///< x 3, unit, of the winding side; 0 for nothing
-  std::vector<std::uint16_t> labels;  ///< see CameraScene::label_names
-  std::vector<std::uint8_t> classes;  ///< see SurfaceClass
-  double gain = 0;                    ///< exposure that made rgb of radiance
+  Plane<std::uint8_t> rgb;      ///< x 3, sRGB; empty where geometry alone was asked for
+  std::vector<float> radiance;  ///< x 3, before exposure, where asked for: irradiance as in daylight.h, a sr
+  Plane<float> depth_m;         ///< along the optical axis (REP 118); infinity for nothing
+  Plane<float> normals_world;   ///< x 3, unit, of the winding side; 0 for nothing
+  Plane<std::uint16_t> labels;  ///< see CameraScene::label_names
+  Plane<std::uint8_t> classes;  ///< see SurfaceClass
+  double gain = 0;              ///< exposure that made rgb of radiance
 };
 
 /// Rays cast for a picture, and the processor seconds of each stage, all threads together, where they were measured.

@@ -54,7 +54,7 @@ class Rendering {
     picture_.labels.resize(pixels);
     picture_.classes.resize(pixels);
     if (!exposure_.geometry_only) {
-      for (std::vector<float>& plane : planes_) plane.resize(pixels);
+      for (Plane<float>& plane : planes_) plane.resize(pixels);
       film_ = {planes_[0].data(), planes_[1].data(), planes_[2].data()};
       if (on(Effect::kShafts) && shot_.camera_wet && shot_.has_backscatter && shot_.beam_level[1] > 0) {
         shafts_ = cast_shafts(shot_, tracer_, kernels_, exposure_, costs_);
@@ -185,7 +185,7 @@ class Rendering {
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
   Picture picture_;
-  std::array<std::vector<float>, 3> planes_;
+  std::array<Plane<float>, 3> planes_;
   camera::Film film_{};
   std::vector<float> shafts_;
   std::vector<double> brightness_;  // of each row of blocks, so that their sum does not depend on who did which

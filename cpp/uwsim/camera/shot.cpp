@@ -26,8 +26,7 @@ float repeated(double x) { return static_cast<float>(x - kTextureRepeat_m * std:
 
 PreparedShot::PreparedShot(const CameraScene& scene, const Camera& camera, const Optics& optics,
                            const Exposure& exposure)
-    : anchor_world_m(exposure.world_from_camera.position_m),
-      waves_(scene.world().water, anchor_world_m, exposure.time_s) {
+    : anchor_world_m(exposure.world_from_camera.position_m) {
   const Effects& on = exposure.effects;
   in_water_world = on.has(Effect::kAttenuation) || on.has(Effect::kBackscatter) || on.has(Effect::kSunlight) ||
                    on.has(Effect::kSurface);
@@ -40,7 +39,9 @@ PreparedShot::PreparedShot(const CameraScene& scene, const Camera& camera, const
   shot.texture_y = repeated(anchor_world_m.y());
   shot.camera_wet = in_water_world && shot.camera_z < shot.surface_z;
   shot.has_surface = on.has(Effect::kSurface);
-  shot.waves = in_water_world ? waves_.window() : camera::WaveWindow{};
+  if (in_water_world && !exposure.geometry_only) {
+    shot.waves = waves_.emplace(scene.world().water, anchor_world_m, exposure.time_s).window();
+  }
   fill_water(optics, on);
   const bool rippled =
       !exposure.geometry_only && optics.wind_m_s > 0 && (shot.has_surface || on.has(Effect::kCaustics));

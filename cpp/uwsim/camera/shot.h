@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "uwsim/camera/kernel.h"
@@ -26,7 +27,7 @@ class PreparedShot {
   void fill_water(const Optics& optics, const Effects& effects);
   void light_lamps(const Exposure& exposure);
 
-  WaveField waves_;
+  std::optional<WaveField> waves_;  // where light meets the surface
   std::shared_ptr<const Ripples::Moment> ripples_;
   std::vector<camera::LampLight> lamps_;
 };

@@ -128,7 +128,7 @@ void Tracer::refine_solids(const HitPacket& hits, Block& block) const {
   const auto solids_end = static_cast<std::uint32_t>(world_.solids().size() + kTerrain + 1);
   Mask round{};
   for (std::size_t k = 0; k < kPacketRays; ++k) {
-    if (block.label[k] <= kTerrain || block.label[k] >= solids_end) continue;
+    if (block.label[k] <= kTerrain || block.label[k] >= solids_end || hits.settled[k] != 0) continue;
     if (hits.u[k] == 0 && hits.v[k] == 0) {
       round.at[k] = -1;
       continue;

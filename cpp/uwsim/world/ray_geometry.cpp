@@ -61,29 +61,32 @@ void round_bounds(const RTCBoundsFunctionArguments* args) {
 class CallbackRays {
  public:
   CallbackRays(const RTCIntersectContext* context, RTCRayN* rays, unsigned n)
-      : detail_(*reinterpret_cast<const RayDetail*>(context + 1)), rays_(rays), n_(n) {}
+      : detail_(*reinterpret_cast<const RayDetail*>(context + 1)),
+        exact_(detail_.exact == nullptr && detail_.late != nullptr ? &detail_.late->get() : detail_.exact),
+        rays_(rays),
+        n_(n) {}
 
   double start_m(unsigned k) const {
-    return detail_.exact != nullptr && detail_.starts_m != nullptr ? detail_.starts_m[RTCRayN_id(rays_, n_, k)] : 0;
+    return exact_ != nullptr && detail_.starts_m != nullptr ? detail_.starts_m[RTCRayN_id(rays_, n_, k)] : 0;
   }
   double near_m(unsigned k) const { return start_m(k) + double{RTCRayN_tnear(rays_, n_, k)}; }
   double far_m(unsigned k) const { return start_m(k) + double{RTCRayN_tfar(rays_, n_, k)}; }
 
   Eigen::Vector3d origin_world_m(unsigned k) const {
-    if (detail_.exact == nullptr) {
+    if (exact_ == nullptr) {
       return Eigen::Vector3d(RTCRayN_org_x(rays_, n_, k), RTCRayN_org_y(rays_, n_, k), RTCRayN_org_z(rays_, n_, k)) +
              detail_.surfaces->middle_m();
     }
     const unsigned lane = RTCRayN_id(rays_, n_, k);
-    return {detail_.exact->origin_x[lane], detail_.exact->origin_y[lane], detail_.exact->origin_z[lane]};
+    return {exact_->origin_x[lane], exact_->origin_y[lane], exact_->origin_z[lane]};
   }
 
   Eigen::Vector3d direction_world(unsigned k) const {
-    if (detail_.exact == nullptr) {
+    if (exact_ == nullptr) {
       return {RTCRayN_dir_x(rays_, n_, k), RTCRayN_dir_y(rays_, n_, k), RTCRayN_dir_z(rays_, n_, k)};
     }
     const unsigned lane = RTCRayN_id(rays_, n_, k);
-    return {detail_.exact->direction_x[lane], detail_.exact->direction_y[lane], detail_.exact->direction_z[lane]};
+    return {exact_->direction_x[lane], exact_->direction_y[lane], exact_->direction_z[lane]};
   }
 
   std::optional<ShapeHit> meet(const RoundShape& shape, unsigned k) const {
@@ -104,11 +107,11 @@ class CallbackRays {
     std::copy_n(valid, n_, left);
     if (n_ != kPacketRays) return;
     ExactRays converted;
-    if (detail_.exact == nullptr) convert(converted);
+    if (exact_ == nullptr) convert(converted);
     std::array<std::int32_t, kPacketRays> passes;
     static const RayKernels& kernels = ray_kernels();
-    kernels.may_meet_round(lanes_of(detail_.exact != nullptr ? *detail_.exact : converted),
-                           shape.ends[0].point_world_m.data(), shape.axis.data(), shape.radius_m, passes.data());
+    kernels.may_meet_round(lanes_of(exact_ != nullptr ? *exact_ : converted), shape.ends[0].point_world_m.data(),
+                           shape.axis.data(), shape.radius_m, passes.data());
     for (std::size_t k = 0; k < kPacketRays; ++k) left[k] &= passes[k];
   }
 
@@ -126,6 +129,7 @@ class CallbackRays {
   }
 
   const RayDetail& detail_;
+  const ExactRays* exact_;
   RTCRayN* rays_;
   unsigned n_;
 };
@@ -167,6 +171,21 @@ void round_occluded(const RTCOccludedFunctionNArguments* args) {
 }
 
 }  // namespace
+
+const ExactRays& LateRays::get() {
+  if (made) return exact;
+  made = true;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const Eigen::Vector3d from(rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]);
+    const Eigen::Vector3d way(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+    const Eigen::Vector3d origin = anchor_world_m + from, unit = way.normalized();
+    exact.origin_x[k] = origin.x(), exact.origin_y[k] = origin.y(), exact.origin_z[k] = origin.z();
+    exact.direction_x[k] = unit.x(), exact.direction_y[k] = unit.y(), exact.direction_z[k] = unit.z();
+    exact.far_m[k] = rays.far_m[k];
+    exact.active[k] = rays.active[k];
+  }
+  return exact;
+}
 
 void ReleaseDevice::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
 void ReleaseScene::operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }

@@ -25,6 +25,17 @@ struct ReleaseScene {
 using RayDevice = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
 using RayTree = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 
+/// A packet's rays in double, made when they are first asked for: most packets meet nothing round.
+struct LateRays {
+  const Eigen::Vector3d& anchor_world_m;
+  const RayPacket& rays;
+  bool made = false;
+  ExactRays exact;
+
+  LateRays(const Eigen::Vector3d& anchor, const RayPacket& of) : anchor_world_m(anchor), rays(of) {}
+  const ExactRays& get();
+};
+
 /// What the callbacks of round solids know of the rays they get: lane `id` of `exact` that starts `starts_m[id]` along
 /// its way (0 when null); with `exact` null, only what the float ray says.
 struct RayDetail {
@@ -32,6 +43,7 @@ struct RayDetail {
   const ExactRays* exact;
   const double* starts_m;
   ExactHits* round_hits = nullptr;  ///< takes the exact distance and normal of each round hit, by lane, if not null
+  LateRays* late = nullptr;         ///< where `exact` is null, gives it once a round solid asks
 };
 
 inline LaneRays lanes_of(const ExactRays& rays) {

@@ -31,6 +31,7 @@ struct HitPacket {
   alignas(64) Lanes normal_x, normal_y, normal_z;                ///< geometric, of the winding side, of any length
   alignas(64) std::array<std::uint32_t, kPacketRays> label;      ///< a Label; 0 where nothing was met
   alignas(64) std::array<std::uint32_t, kPacketRays> primitive;  ///< triangle or round part within what the label names
+  alignas(64) std::array<std::int32_t, kPacketRays> settled;     ///< -1 where the distance is the true one already
 };
 
 /// Of each ray of a packet: -1 where something lies between near_m and far_m, else 0.

@@ -294,6 +294,25 @@ struct RayTile::Impl {
     }
   }
 
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, HitPacket& hits,
+            RayOrder order) const {
+    hits.settled.fill(0);
+    if (starts_m != nullptr) return cast_float(scene, surfaces, anchor_world_m, rays, starts_m, nullptr, hits, order);
+    RoundAnswer answer(anchor_world_m, rays);
+    cast_float(scene, surfaces, anchor_world_m, rays, nullptr, &answer, hits, order);
+    if (answer.rays.made) settle_round(answer, rays, hits);
+  }
+
+  /// Round hits that nothing else can be before are what double makes of them.
+  void settle_round(const RoundAnswer& answer, const RayPacket& rays, HitPacket& hits) const {
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const std::uint32_t geometry = hits.label[k];
+      if (rays.active[k] == 0 || geometry <= kTerrain || !surfaces.is_round(geometry)) continue;
+      const bool alone = crowded[geometry][answer.primitive[k]] == 0;
+      if (alone && !under_terrain(answer.rays.exact, k, answer.hits.distance_m[k])) hits.settled[k] = -1;
+    }
+  }
+
   /// Then a ray from above has met the terrain before, if by less than float tells.
   bool under_terrain(const ExactRays& rays, std::size_t lane, double distance_m) const {
     const auto& terrain = surfaces.world().terrain();
@@ -357,7 +376,7 @@ void RayTile::cast(const ExactRays& rays, const double* start_m, ExactHits& hits
 
 void RayTile::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* start_m, HitPacket& hits,
                    RayOrder order) const {
-  cast_float(impl_->scene, impl_->surfaces, anchor_world_m, rays, start_m, hits, order);
+  impl_->cast(anchor_world_m, rays, start_m, hits, order);
 }
 
 void RayTile::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* start_m,

@@ -171,7 +171,7 @@ std::uint32_t TileSurfaces::terrain_number(std::uint32_t plain_triangle) const {
   return 2 * (row * columns + column) + plain_triangle % 2;
 }
 
-std::uint32_t TileSurfaces::world_number(std::uint32_t geometry, std::uint32_t primitive) const {
+std::uint32_t TileSurfaces::other_number(std::uint32_t geometry, std::uint32_t primitive) const {
   if (geometry == kCrossedTerrain) return terrain_number(plain_number(primitive));
   if (geometry == kPlainTerrain) return terrain_number(primitive);
   return share(geometry).members[primitive];

@@ -65,7 +65,9 @@ class TileSurfaces {
     return geometry == kCrossedTerrain ? kTerrain : static_cast<Label>(geometry);
   }
   /// The number within the whole terrain or solid.
-  std::uint32_t world_number(std::uint32_t geometry, std::uint32_t primitive) const;
+  std::uint32_t world_number(std::uint32_t geometry, std::uint32_t primitive) const {
+    return geometry == kPlainTerrain && whole_terrain_ ? primitive : other_number(geometry, primitive);
+  }
   Corners corners(std::uint32_t geometry, std::uint32_t primitive) const;
   Corners mesh_corners(std::size_t mesh, std::uint32_t member) const;
   const RoundShape& shape(std::uint32_t geometry, std::uint32_t primitive) const;
@@ -100,6 +102,7 @@ class TileSurfaces {
   static constexpr double kRim = 4;
 
   const TileContents::Share& share(std::uint32_t geometry) const;
+  std::uint32_t other_number(std::uint32_t geometry, std::uint32_t primitive) const;
   std::uint32_t terrain_number(std::uint32_t plain_triangle) const;
   void measure();
   void find_crossings();
