@@ -26,7 +26,7 @@ double sound_speed_at(const Water& water, double z_world_m) {
 
 constexpr std::size_t kTogether = 4;  // packets
 
-/// Sixteen beams' results before they go to their places; the last packet of a fan is not full.
+/// A fan's last packet's results before they go to their places: it need not be full.
 struct PacketEchoes {
   alignas(64) std::array<float, kPacketRays> range_m, incidence_rad, intensity_db;
   alignas(64) std::array<Label, kPacketRays> label;
@@ -63,26 +63,40 @@ class FanPart {
     for (std::size_t done = 0; done < count; done += kPacketRays) {
       const ExactRays& rays = rays_[done / kPacketRays];
       const ExactHits& hits = hits_[done / kPacketRays];
-      kernels_.echoes({hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(),
-                       rays.direction_x.data(), rays.direction_y.data(), rays.direction_z.data(), hits.label.data()},
-                      rule,
-                      {echoes_.range_m.data(), echoes_.incidence_rad.data(), echoes_.intensity_db.data(),
-                       echoes_.label.data(), echoes_.valid.data()});
-      copy_out(hits, ahead + done, aside + done, std::min(kPacketRays, count - done), rows, first + done);
+      const BeamHits met{hits.distance_m.data(),  hits.normal_x.data(),    hits.normal_y.data(),
+                         hits.normal_z.data(),    rays.direction_x.data(), rays.direction_y.data(),
+                         rays.direction_z.data(), hits.label.data()};
+      const std::size_t at = first + done, full = std::min(kPacketRays, count - done);
+      const BeamEchoes places{rows.ranges_m + at, rows.incidence_rad + at, rows.intensity_db + at, rows.labels + at,
+                              rows.valid + at};
+      if (full == kPacketRays) {
+        kernels_.echoes(met, rule, places);
+      } else {
+        echo_some(met, rule, full, places);
+      }
+      store_points(hits, ahead + done, aside + done, full, rows, at);
     }
   }
 
  private:
-  void copy_out(const ExactHits& hits, const double* ahead, const double* aside, std::size_t count,
-                const PingRows& rows, std::size_t first) const {
-    std::copy_n(echoes_.range_m.begin(), count, rows.ranges_m + first);
-    std::copy_n(echoes_.incidence_rad.begin(), count, rows.incidence_rad + first);
-    std::copy_n(echoes_.intensity_db.begin(), count, rows.intensity_db + first);
-    std::copy_n(echoes_.label.begin(), count, rows.labels + first);
-    std::copy_n(echoes_.valid.begin(), count, rows.valid + first);
+  /// The kernel writes sixteen; so by a place of our own to those that are there.
+  void echo_some(const BeamHits& met, const EchoRule& rule, std::size_t count, const BeamEchoes& places) {
+    kernels_.echoes(met, rule,
+                    {echoes_.range_m.data(), echoes_.incidence_rad.data(), echoes_.intensity_db.data(),
+                     echoes_.label.data(), echoes_.valid.data()});
+    std::copy_n(echoes_.range_m.begin(), count, places.range_m);
+    std::copy_n(echoes_.incidence_rad.begin(), count, places.incidence_rad);
+    std::copy_n(echoes_.intensity_db.begin(), count, places.intensity_db);
+    std::copy_n(echoes_.label.begin(), count, places.label);
+    std::copy_n(echoes_.valid.begin(), count, places.valid);
+  }
+
+  static void store_points(const ExactHits& hits, const double* ahead, const double* aside, std::size_t count,
+                           const PingRows& rows, std::size_t first) {
     float* point = rows.points_sonar_m + 3 * first;
+    const std::uint8_t* echo = rows.valid + first;
     for (std::size_t k = 0; k < count; ++k, point += 3) {
-      const bool valid = echoes_.valid[k] != 0;
+      const bool valid = echo[k] != 0;
       point[0] = valid ? static_cast<float>(hits.distance_m[k] * ahead[k]) : kNone;
       point[1] = valid ? static_cast<float>(hits.distance_m[k] * aside[k]) : kNone;
       point[2] = valid ? 0.0f : kNone;
