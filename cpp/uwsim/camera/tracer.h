@@ -35,8 +35,9 @@ class Tracer {
 
   /// Fills distance, normal, label and primitive of active lanes; idle lanes hit nothing. `hits` keeps u and v.
   void cast(camera::Block& block, HitPacket& hits, RayOrder order) const;
-  /// Solves distances again in double where `hits` is not on terrain (the kernels do that): on the plane of the
-  /// triangle that was named, or by another cast for round shapes and bodies.
+  /// Solves distances again in double where `hits` is not on terrain (the kernels do that) and not settled: on the
+  /// plane of the triangle that was named, or by another cast for bodies and for round shapes that other things come
+  /// near.
   void refine(const HitPacket& hits, camera::Block& block) const;
   /// Whether something lies on a lane's way to the light, where it wants to know; lanes that do not are 0.
   void occluded(const camera::Block& block, camera::Mask& blocked, RayOrder order) const;
