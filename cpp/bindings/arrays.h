@@ -81,6 +81,17 @@ py::array_t<T> move_out(std::vector<T>&& values) {
   return move_out(std::move(values), {n});
 }
 
+/// By the flag itself: NumPy's attributes would be looked up by name each time.
+inline void forbid_writing(const py::array& array) {
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+}
+
+template <typename T>
+py::array read_only(py::array_t<T> array) {
+  forbid_writing(array);
+  return array;
+}
+
 inline Eigen::Vector3d as_vector3(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {3});
   return {array.at(0), array.at(1), array.at(2)};

@@ -16,12 +16,6 @@
 namespace uwsim::bindings {
 namespace {
 
-template <typename T>
-py::array read_only(py::array_t<T> array) {
-  array.attr("flags").attr("writeable") = false;
-  return array;
-}
-
 struct PhysicsPing {
   int model = 0;
   std::uint64_t time_ns = 0;

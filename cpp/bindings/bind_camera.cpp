@@ -18,12 +18,6 @@
 namespace uwsim::bindings {
 namespace {
 
-template <typename T>
-py::array read_only(py::array_t<T> array) {
-  array.attr("flags").attr("writeable") = false;
-  return array;
-}
-
 struct PictureArrays {
   py::array rgb, radiance, depth_m, normals_world, labels, classes;
   double gain;

@@ -48,10 +48,6 @@ struct PingArrays {
   py::array ranges_m, points_sonar_m, incidence_rad, intensity_db, labels, valid;
 };
 
-void forbid_writing(const py::array& array) {
-  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-}
-
 template <typename T>
 py::array view(std::vector<py::ssize_t> shape, const T* data, const py::capsule& owner) {
   py::array array(py::dtype::of<T>(), std::move(shape), data, owner);
