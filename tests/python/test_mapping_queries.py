@@ -161,6 +161,8 @@ def test_merging_is_refused_across_grids():
     ):
         with pytest.raises(ValueError, match=rule):
             occupancy.merge(other)
+    with pytest.raises(TypeError, match="other = None: must be an OccupancyMap"):
+        occupancy.merge(None)
     assert occupancy.to_bytes("ot") == before
 
 

@@ -24,8 +24,8 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import _core
+from uwsim.figure_style import ACCENT, INK, add_legend, dress, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.figure_style import ACCENT, INK, add_legend, dress, new_figure, save_figure
 
 console = Console()
 
@@ -65,12 +65,9 @@ def main(
         json_file.write_text(json.dumps(cases, indent=2) + "\n", encoding="utf-8")
     first, second = cases.values()
     for suffix in ("ot", "bt"):
-        if suffix not in first:
-            console.print(f"the .{suffix} of the map without a limit was not written: it takes too much memory")
-        elif first[suffix] != second[suffix]:
+        if first[suffix] != second[suffix]:
             raise SystemExit(f"the .{suffix} of the two maps differ")
-        else:
-            console.print(f"the .{suffix} of both are the same bytes")
+        console.print(f"the .{suffix} of both are the same bytes")
 
 
 def hills(width_m: float, height_m: float, rng: np.random.Generator) -> _core.World:
@@ -131,9 +128,7 @@ def fly(track_km: float, resolution_m: float, step_m: float, limit_mb: float | N
             samples.append((distance_m, rays_s, map_s, rss_mb()))
     flown_mb = peak_mb()
     statistics = occupancy.statistics()
-    # A map without a limit has its .bt written by an octomap::OcTree, of some 90 bytes a node.
-    has_room = limit_mb is not None or statistics.nodes * 90e-6 < available_mb() / 2.0
-    written = write(occupancy, ("ot", "bt") if has_room else ("ot",))
+    written = write(occupancy)
     return {
         "pings": len(pings),
         "samples": samples,
@@ -148,11 +143,11 @@ def fly(track_km: float, resolution_m: float, step_m: float, limit_mb: float | N
     }
 
 
-def write(occupancy: OccupancyMap, suffixes: tuple[str, ...]) -> dict[str, Any]:
+def write(occupancy: OccupancyMap) -> dict[str, Any]:
     """Write the files and return their digests, and what it took."""
     found: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
-        for suffix in suffixes:
+        for suffix in ("ot", "bt"):
             path, started = Path(folder) / f"map.{suffix}", time.perf_counter()
             occupancy.write(path)
             found[f"{suffix}_s"] = time.perf_counter() - started
@@ -166,12 +161,6 @@ def write(occupancy: OccupancyMap, suffixes: tuple[str, ...]) -> dict[str, Any]:
 def rss_mb() -> float:
     """Return what this process holds in memory now."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
-
-
-def available_mb() -> float:
-    """Return what the system could still give."""
-    lines = Path("/proc/meminfo").read_text().splitlines()
-    return next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) * 1024 / 1e6
 
 
 def peak_mb() -> float:
@@ -194,7 +183,7 @@ def _table(cases: dict[str, dict[str, Any]]) -> Table:
         ("free voxels", "free", ",d"),
     )  # fmt: skip
     for name, key, form in rows:
-        table.add_row(name, *(format(case[key], form) if key in case else "-" for case in cases.values()))
+        table.add_row(name, *(format(case[key], form) for case in cases.values()))
     return table
 
 

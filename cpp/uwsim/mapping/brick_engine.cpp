@@ -10,6 +10,9 @@
 namespace uwsim {
 namespace {
 
+/// Of some 90 bytes each, while OctoMap writes them.
+constexpr std::uint64_t kMostOctomapNodes = 30'000'000;
+
 bricks::SensorModel sensor_model(const OccupancyModel& model) {
   return {OccupancyModel::log_odds(model.hit), OccupancyModel::log_odds(model.miss),
           OccupancyModel::log_odds(model.clamping_min), OccupancyModel::log_odds(model.clamping_max)};
@@ -85,13 +88,12 @@ class BrickEngine : public MapEngine {
     bricks::for_each_leaf_in(store_, box, leaf);
   }
   TreeBytes full_tree() const override { return bricks::full_tree(store_); }
-  /// A map that must not take much memory cannot be made an octomap::OcTree, and is written by us.
   TreeBytes binary_tree() const override {
-    if (store_.is_limited()) return bricks::binary_tree(store_);
+    if (!fits_octomap()) return bricks::binary_tree(store_);
     return written_by_octomap(likely_tree(store_), resolution_m_, model_);
   }
   void write_tree(MapFormat format, AtomicFile& file) const override {
-    if (format == MapFormat::ot || store_.is_limited()) return bricks::write_tree(store_, format, resolution_m_, file);
+    if (format == MapFormat::ot || !fits_octomap()) return bricks::write_tree(store_, format, resolution_m_, file);
     const TreeBytes tree = binary_tree();
     file.append(octree_header(format, tree.nodes, resolution_m_));
     file.append(tree.body);
@@ -101,6 +103,10 @@ class BrickEngine : public MapEngine {
   std::uint64_t evictions() const override { return store_.evictions(); }
 
  private:
+  /// A map that is not to take much memory, or so large that an octomap::OcTree of it would take gigabytes, has its .bt
+  /// written by us: the same bytes.
+  bool fits_octomap() const { return !store_.is_limited() && count_nodes(store_) <= kMostOctomapNodes; }
+
   const double resolution_m_;
   const Eigen::Vector3d tree_origin_world_m_;
   OccupancyModel model_;

@@ -37,7 +37,8 @@ class OccupancyMap:
 
     engine: "octomap" is the system's octomap::OcTree and its insertPointCloud, the reference; "bricks" is ours, much
     faster and smaller. After the same scans both give the same bytes, .bt and .ot, and either's .bt is written by an
-    octomap::OcTree (with a memory_limit_mb by us, as its tree would not fit; the same bytes).
+    octomap::OcTree (with a memory_limit_mb, or from 30 million nodes on, by us, as its tree would take gigabytes; the
+    same bytes).
     hit, miss: probabilities of a voxel that holds a point, in [0.5, 1), and of one that a ray goes through, in
     (0, 0.5]. clamping: the limits of what scans may make of a voxel. The defaults are OctoMap's.
     instruction_set: of the bricks' inner loops, for tests and benchmarks; the bytes do not depend on it.
@@ -216,8 +217,10 @@ class OccupancyMap:
 
         What is unknown to one takes the other's value. The other must be of this resolution and about this origin or
         one a whole number of voxels away. Raises ValueError, having changed nothing, if it is not, is this very map or
-        reaches outside this map's cube; OSError if what must leave memory cannot.
+        reaches outside this map's cube; OSError if what must leave memory cannot; TypeError if it is no OccupancyMap.
         """
+        if not isinstance(other, OccupancyMap):
+            raise TypeError(f"other = {other!r}: must be an OccupancyMap")
         self._map.merge(other._map)
 
     @property
