@@ -31,6 +31,13 @@ SonarModel = Annotated[
     str | None,
     typer.Option(help="Replaces the scenario's: 1 to 4 as on the wire, a packaged model's name, or a YAML file."),
 ]
+Frequency = Annotated[
+    float | None, typer.Option(help="kHz, of a sonar that works at several; replaces the scenario's.")
+]
+Pose = Annotated[
+    str | None,
+    typer.Option(help="Of the vehicle, X,Y,Z [m][,YAW[,PITCH[,ROLL]]] [deg], PITCH nose down; its start without."),
+]
 MissionTime = Annotated[float | None, typer.Option(help="Seconds of battery; replaces the scenario's.")]
 Threads = Annotated[int | None, typer.Option(help="Threads to use; the result does not depend on it. All by default.")]
 
@@ -43,6 +50,7 @@ def survey(
     out: Annotated[Path, typer.Option(help="Folder for map.bt, report.html and the pictures.")] = Path("out"),
     seed: Seed = None,
     sonar_model: SonarModel = None,
+    frequency: Frequency = None,
     mission_time: MissionTime = None,
     voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
     threads: Threads = None,
@@ -66,6 +74,7 @@ def survey(
     asked: dict[str, Any] = {
         "seed": seed,
         "sonar_model": _model(sonar_model),
+        "sonar_frequency_khz": frequency,
         "mission_time_s": mission_time,
         "voxel_m": voxel,
         "engine": engine,
@@ -114,10 +123,7 @@ def scenario(
 @app.command()
 def sonar(
     scenario: ScenarioName = "lake",
-    pose: Annotated[
-        str | None,
-        typer.Option(help="X,Y,Z,YAW,PITCH,ROLL of the vehicle: metres, degrees, PITCH nose down; its start without."),
-    ] = None,
+    pose: Pose = None,
     out: Annotated[Path, typer.Option(help="The picture, a PNG.")] = Path("sonar.png"),
     kind: Annotated[
         str, typer.Option(help="fan (plan and section), image (forward-looking), side-scan, profile, all.")
@@ -128,9 +134,7 @@ def sonar(
     ] = None,
     track: Annotated[float, typer.Option(help="Length of the side-scan's track straight ahead, metres.")] = 60.0,
     seed: Seed = None,
-    frequency: Annotated[
-        float | None, typer.Option(help="kHz, of a --sonar-model that works at several; replaces the scenario's.")
-    ] = None,
+    frequency: Frequency = None,
 ) -> None:
     """Draw what the sonar sees from somewhere: the fan over the true bed, a sonar image, a side-scan's waterfall."""
     from uwsim.sonar_view.command import Request, run_sonar
@@ -165,25 +169,21 @@ def camera(
         str, typer.Option(help="A picture for each, side by side: on, off, or names joined by + (comma-separated).")
     ] = "on",
     name: Annotated[str, typer.Option("--camera", help="Which: front, down, station, or another by name.")] = "front",
-    pose: Annotated[str | None, typer.Option(help="Of the vehicle: x,y,z [m],yaw,pitch,roll [deg].")] = None,
+    pose: Pose = None,
     jerlov: Annotated[str | None, typer.Option(help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.")] = None,
     sun: Annotated[float | None, typer.Option(help="The sun's elevation [deg].")] = None,
     lamps: Annotated[str, typer.Option(help="Lamps that are on, comma-separated: front, down.")] = "",
-    at: Annotated[float, typer.Option(help="Simulated seconds to let pass first.")] = 0.0,
+    at: Annotated[float, typer.Option(help="Simulated time to let pass first [s].")] = 0.0,
     seed: Seed = None,
     threads: Threads = None,
 ) -> None:
     """Take pictures, with and without the water's effects."""
     from uwsim.gallery import Wish, draw
 
-    try:
-        place = None if pose is None else [float(part) for part in pose.split(",")]
-    except ValueError:
-        raise ValueError(f"pose = {pose!r}: must be six numbers: x,y,z,yaw,pitch,roll") from None
     wanted = [part for part in effects.split(",") if part]
     if not wanted:
         raise ValueError(f"effects = {effects!r}: must name at least one picture")
-    wish = Wish(name, wanted, place, jerlov, sun, [part for part in lamps.split(",") if part], at)
+    wish = Wish(name, wanted, pose, jerlov, sun, [part for part in lamps.split(",") if part], at)
     frames = draw(scenario, wish, out, seed=seed, threads=threads)
     typer.echo(f"{out}: {len(frames)} x {frames[0].info.width} x {frames[0].info.height} pixels, camera '{name}'")
 

@@ -9,17 +9,15 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim.atomic_file import write_atomically
 from uwsim.cameras import Camera, Frame, effects_on
+from uwsim.pose_text import place_as_typed
 from uwsim.simulator import Simulator
 
 Image = NDArray[np.uint8]
 SUFFIXES = (".png", ".jpg", ".jpeg")
 GAP = 4
-
-
 LONGEST_WAIT_S = 36_000.0  # minutes of computing
 
 
@@ -27,13 +25,13 @@ LONGEST_WAIT_S = 36_000.0  # minutes of computing
 class Wish:
     """What to take: which camera, from where, by which light.
 
-    effects: one picture each: "on", "off", or names joined by "+". pose: x, y, z [m], yaw, pitch, roll [deg] of the
-    vehicle, pitch down being positive; where it starts by default. lamps: names of the switches that are on.
+    effects: one picture each: "on", "off", or names joined by "+". pose: X,Y,Z[,YAW[,PITCH[,ROLL]]] of the vehicle,
+    metres and degrees, pitch down being positive; where it starts by default. lamps: names of the switches that are on.
     """
 
     camera: str = "front"
     effects: Sequence[str] = ("on", "off")
-    pose: Sequence[float] | None = None
+    pose: str | None = None
     jerlov: str | None = None
     sun_deg: float | None = None
     lamps: Sequence[str] = ()
@@ -70,10 +68,7 @@ def set_up(sim: Simulator, wish: Wish) -> Camera:
     changes = {"jerlov": wish.jerlov, "sun_elevation_deg": wish.sun_deg}
     sim.set_optics(**{key: value for key, value in changes.items() if value is not None})
     if wish.pose is not None:
-        if len(wish.pose) != 6:
-            raise ValueError(f"pose = {wish.pose}: must be x, y, z, yaw, pitch, roll")
-        turn = Rotation.from_euler("ZYX", wish.pose[3:], degrees=True)
-        sim.rov.place(wish.pose[:3], turn.as_quat())
+        place_as_typed(sim.rov, wish.pose)
     if not 0.0 <= wish.at_s <= LONGEST_WAIT_S:  # nan is not
         raise ValueError(f"at = {wish.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
     sim.advance(wish.at_s)

@@ -81,6 +81,7 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
         (["survey", "pool", "--sonar-model", "7"], "sonar.model"),
         (["sonar", "pool", "--sonar-model", "em2040-9"], "unknown sonar 'em2040-9'"),
         (["sonar", "pool", "--sonar-model", "em2040-07"], "frequency_khz: missing"),
+        (["survey", "pool", "--frequency", "310"], "frequency_khz = 310 kHz"),
         (["survey", "pool", "--mission-time", "-5"], "mission_time_s"),
         (["survey", "pool", "--voxel", "0"], "voxel_m = 0"),
         (["survey", "pool", "--threads", "0"], "threads"),

@@ -55,7 +55,7 @@ def record(world):
     return SurveyRecord(
         scenario_name='<b>lake & "co"</b>',
         seed=31415,
-        sonar_model=2,
+        sonar_model="2",
         step_s=0.005,
         voxel_m=0.5,
         threads=2,
@@ -68,6 +68,8 @@ def record(world):
         path_world_m=path,
         area_world_m=AREA,
         range_max_m=15.0,
+        ping_interval_s=0.1,
+        ping_interval_asked_s=0.1,
         sample_ping=PingSample(ranges, angles, world_from_sonar, points),
         stage_wall_s={"physics": 8.0, "map": 32.0},
     )
@@ -128,28 +130,6 @@ def test_a_survey_without_pings_says_so(world, record, tmp_path):
     assert nothing.real_time_factor == 0.0
 
 
-def test_pictures_of_an_earlier_survey_do_not_stay_beside_the_report(world, record, tmp_path):
-    survey(world, record, tmp_path)
-    (tmp_path / "notes.txt").write_text("not ours")
-    nothing = dataclasses.replace(record, ping_count=0, path_world_m=NO_VOXELS, sample_ping=None)
-    _, pictures, _ = survey(world, nothing, tmp_path, NO_VOXELS)
-    names = {picture.path.name for picture in pictures} | {"report.html", "notes.txt"}
-    assert {path.name for path in tmp_path.iterdir()} == names
-
-
-@pytest.mark.parametrize("size_m", [1e-4, 1e-9])
-def test_an_area_of_no_size_has_pictures_too(world, record, tmp_path, size_m):
-    speck = dataclasses.replace(
-        record, area_world_m=np.array([[3.0, 2.0]]) + size_m * np.array([[0, 0], [1, 0], [0, 1]])
-    )
-    score = score_map(world, NO_VOXELS, 0.5, speck.path_world_m, speck.area_world_m, 15.0)
-    for record_of in (speck, dataclasses.replace(speck, path_world_m=NO_VOXELS)):
-        for picture in draw_pictures(tmp_path, world, record_of, score, np.array([[3.25, 2.25, -19.75]])):
-            width, height = Image.open(picture.path).size
-            assert 100 < width < 4000
-            assert 100 < height < 4000
-
-
 def test_one_ping_and_one_voxel_are_enough(world, record, tmp_path):
     short = dataclasses.replace(record, ping_count=1, path_world_m=record.path_world_m[:1])
     _, pictures, page = survey(world, short, tmp_path, np.array([[0.25, 0.25, -19.75]]))
@@ -195,6 +175,7 @@ def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(world, record, t
         ({}, {"coverage": 0.9499}, "coverage is 94.9 % of"),
         ({"collision_count": 1}, {}, "The vehicle collided once."),
         ({"collision_count": 1200}, {}, "The vehicle collided 1,200 times."),
+        ({"ping_interval_s": 0.15}, {}, "The sonar pinged at 6.67 Hz, not 10: sound takes longer to 15 m and back."),
         ({"ended_early": True}, {}, "The mission ended early (the <proximity> sensor read less than 7 m)"),
     ],
 )
@@ -242,3 +223,16 @@ def test_a_full_disk_is_told_of_the_file_that_was_wanted(tmp_path, monkeypatch):
         write_atomically(target, b"new")
     assert list(tmp_path.iterdir()) == [target]
     assert target.read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("size_m", [1e-4, 1e-9])
+def test_an_area_of_no_size_has_pictures_too(world, record, tmp_path, size_m):
+    speck = dataclasses.replace(
+        record, area_world_m=np.array([[3.0, 2.0]]) + size_m * np.array([[0, 0], [1, 0], [0, 1]])
+    )
+    score = score_map(world, NO_VOXELS, 0.5, speck.path_world_m, speck.area_world_m, 15.0)
+    for record_of in (speck, dataclasses.replace(speck, path_world_m=NO_VOXELS)):
+        for picture in draw_pictures(tmp_path, world, record_of, score, np.array([[3.25, 2.25, -19.75]])):
+            width, height = Image.open(picture.path).size
+            assert 100 < width < 4000
+            assert 100 < height < 4000

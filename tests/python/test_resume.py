@@ -23,7 +23,7 @@ from uwsim.survey.fly import fly_survey
 from uwsim.survey.record import INTERRUPTED
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
-ORDER = SurveyOrder("pool", 0, None, None, 0.5, "bricks", False)
+ORDER = SurveyOrder("pool", 0, None, None, None, 0.5, "bricks", False)
 
 
 @pytest.fixture(autouse=True)
@@ -155,10 +155,11 @@ def test_a_report_that_could_not_be_made_is_made_by_resume(tmp_path: Path, monke
     assert {path.name for path in tmp_path.iterdir()} == {"map.bt"}
 
 
-def test_a_track_of_an_earlier_survey_does_not_lie_beside_the_map_of_another(tmp_path: Path) -> None:
-    (tmp_path / "track.npz").write_bytes(b"of another flight")
-    run_survey("pool", tmp_path, mission_time_s=1.0)  # the report, which writes it, is left out here
-    assert not (tmp_path / "track.npz").exists()
+@pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])
+def test_what_an_earlier_survey_said_does_not_lie_beside_the_map_of_another(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"of another flight")
+    run_survey("pool", tmp_path, mission_time_s=1.0)  # the report, which writes them, is left out here
+    assert not (tmp_path / name).exists()
 
 
 def test_ctrl_c_saves_before_it_ends(tmp_path: Path) -> None:

@@ -210,6 +210,21 @@ def test_a_sonar_that_is_not_of_the_wire_goes_through_the_same_chain(tmp_path: P
         ranging.encode_depth_string(ping.ranges_m[:5], model)
 
 
+def test_a_range_that_the_operator_sets_lets_pings_follow_faster_and_ends_the_echoes(tmp_path: Path) -> None:
+    whole = Simulator(pool(tmp_path, "{model: em2040-07, frequency_khz: 700, tilt_deg: 40}")).rov.sonar
+    far = whole.ping().ranges_m
+    reach = round(float(np.median(far)), 2)
+    mount = f"{{model: em2040-07, frequency_khz: 700, range_m: {reach}, tilt_deg: 40}}"
+    shorter = Simulator(pool(tmp_path, mount)).rov.sonar
+    assert shorter.model.range_max_m == reach < whole.model.range_max_m
+    assert shorter.ping_rate_max_hz > whole.ping_rate_max_hz
+    near = shorter.ping().ranges_m
+    assert 0 < np.isfinite(near).sum() < len(near)
+    np.testing.assert_array_equal(near, np.where(far < reach, far, np.inf))
+    with pytest.raises(ScenarioError, match=r"range_m = 4 m: is for instruments that are not on the wire"):
+        load(pool(tmp_path, "{model: 2, range_m: 4}"))
+
+
 def test_a_scenario_with_its_own_sonar_has_a_fingerprint_that_its_figures_change(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(MODEL)
     before = scenario_fingerprint(load(pool(tmp_path, "{model: mine.yaml}")))

@@ -10,7 +10,8 @@ from PIL import Image
 
 from test_cli import refused, uwsim
 from uwsim.imaging import ForwardLooking, SonarImage
-from uwsim.sonar_view.command import KINDS, Request, parsed_pose, run_sonar
+from uwsim.pose_text import parsed_pose
+from uwsim.sonar_view.command import KINDS, Request, run_sonar
 from uwsim.sonar_view.warp import fan_pixels, shown_range, write_grey_png
 
 

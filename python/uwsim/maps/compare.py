@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.figure_style import FAINT_INK, add_legend, dress, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
 from uwsim.maps.files import require_same_grid
-from uwsim.survey.figure_style import FAINT_INK, add_legend, dress, new_figure, save_figure
 
 STATES = ("occupied", "free", "unknown")
 _STATE_CODES = (1, 0, -1)

@@ -10,8 +10,8 @@ from matplotlib.cm import ScalarMappable
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.figure_style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.figure_style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
 from uwsim.survey.true_surface import packed, unpacked, voxel_centres_m, voxel_keys
 from uwsim.survey.voxel_view import Subject, render, view_of_box, voxel_world
 

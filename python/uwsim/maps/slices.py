@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from uwsim.figure_style import add_legend, dress, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
 from uwsim.maps.files import bounds_of
-from uwsim.survey.figure_style import add_legend, dress, new_figure, save_figure
 
 Axis = Literal["x", "y", "z"]
 MAX_CELLS = 64_000_000

@@ -86,13 +86,15 @@ class Sonar(Model):
 
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
     swath); or a packaged model's name, or the path of its YAML file, held here as the model that was read.
-    frequency_khz: of a model that works at several. mode: `geometry`, one exact ray a beam, or `physics`, whose ranges,
-    errors and gaps come from its acoustics. bending: physics mode's rays follow the water's speed of sound.
-    tilt_deg: at the start, positive nose down, as on the wire's scanPos.
+    frequency_khz: of a model that works at several. range_m: what the operator sets, where the model reaches farther:
+    pings follow one another as fast as sound comes back from there. mode: `geometry`, one exact ray a beam, or
+    `physics`, whose ranges, errors and gaps come from its acoustics. bending: physics mode's rays follow the water's
+    speed of sound. tilt_deg: at the start, positive nose down, as on the wire's scanPos.
     """
 
     model: Annotated[int | SonarModel, PlainValidator(_sonar_model), PlainSerializer(_dumped)] = 2
     frequency_khz: FrequencyKhz | None = None
+    range_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
     mode: SonarMode = "geometry"
     bending: bool = False
     rays_per_beam: Annotated[int, InRange(4, 64)] = 8
@@ -100,6 +102,9 @@ class Sonar(Model):
 
     @model_validator(mode="after")
     def _fits_its_model(self) -> Sonar:
+        if self.range_m is not None and self.loaded.wire_number is not None:
+            rule = "is for instruments that are not on the wire: the published one's range is its model's"
+            raise broken(rule, at=("range_m",), value=self.range_m, unit="m")
         if self.bending and self.mode != "physics":
             raise broken("is for `mode: physics` only", at=("bending",), value=self.bending)
         try:
@@ -115,7 +120,8 @@ class Sonar(Model):
     @property
     def loaded(self) -> SonarModel:
         """The model itself."""
-        return self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
+        model = self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
+        return model if self.range_m is None else model.within(self.range_m)
 
     @property
     def title(self) -> str:

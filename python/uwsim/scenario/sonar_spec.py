@@ -135,6 +135,19 @@ class SonarModel(Model):
                 return band
         raise ValueError(f"frequency_khz = {frequency_khz:g} kHz: {self.name} works at {known} kHz")
 
+    def within(self, range_m: float) -> SonarModel:
+        """The same, set to see no farther."""
+        bands = [
+            band.model_copy(
+                update={
+                    "range_max_m": min(band.range_max_m, range_m),
+                    "range_limit_m": None if band.range_limit_m is None else min(band.range_limit_m, range_m),
+                }
+            )
+            for band in self.frequencies
+        ]
+        return self.model_copy(update={"frequencies": tuple(bands)})
+
     def core_model(self, frequency_khz: float | None = None) -> _core.MultibeamModel:
         """Its fan as the core takes it. Raises ValueError."""
         band = self.band(frequency_khz)

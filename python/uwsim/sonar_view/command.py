@@ -9,18 +9,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import imaging
+from uwsim.figure_style import new_figure, save_figure
 from uwsim.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.pose_text import place_as_typed
 from uwsim.simulator import Simulator
 from uwsim.sonar_view.panels import draw_image, draw_profiles, draw_waterfall
 from uwsim.survey.fan_picture import SECTION_IN, WIDTH_IN, beam_ends_m, draw_plan, draw_section
-from uwsim.survey.figure_style import new_figure, save_figure
 from uwsim.survey.record import PingSample
 
 KINDS = ("all", "fan", "image", "side-scan", "profile")
-POSE_FIELDS = ("X", "Y", "Z", "YAW", "PITCH", "ROLL")
 IMAGE_TILT_DEG = 12.0  # nose down; half the imaging sonar's aperture above and below sees 2 to 22 degrees
 TRACK_M, PING_SPACING_M = 60.0, 0.15
 PROFILE_HALF_DEG, PROFILE_STEP_DEG = 60.0, 0.9  # half the beam's width
@@ -53,15 +52,11 @@ def run_sonar(request: Request) -> list[str]:
         raise ValueError(f"--track {request.track_m:g} m: must be in [{PING_SPACING_M:g}, 1000] m")
     if request.tilt_deg is not None and not abs(request.tilt_deg) <= 90.0:
         raise ValueError(f"--tilt {request.tilt_deg:g} deg: must be in [-90, 90] deg")
-    pose = None if request.pose is None else parsed_pose(request.pose)
     sim = Simulator(
         request.scenario, seed=request.seed, sonar_model=request.sonar_model, sonar_frequency_khz=request.frequency_khz
     )
-    if pose is not None:
-        try:
-            sim.rov.place(*pose)
-        except ValueError as error:
-            raise ValueError(f"--pose {request.pose}: {error}") from error
+    if request.pose is not None:
+        place_as_typed(sim.rov, request.pose)
     if request.tilt_deg is not None:
         sim.rov.sonar.aim(-np.radians(request.tilt_deg))
     _require_in_the_water(sim)
@@ -70,22 +65,6 @@ def run_sonar(request: Request) -> list[str]:
     figure, said = _Sheet(sim, request).draw()
     save_figure(figure, request.out)
     return [*said, str(request.out)]
-
-
-def parsed_pose(text: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Turn X,Y,Z[,YAW[,PITCH[,ROLL]]], metres and degrees, into a position (3,) and a quaternion (4,). ValueError."""
-    rule = "must be X,Y,Z[,YAW[,PITCH[,ROLL]]]: metres, and degrees about z, y (positive: nose down) and x"
-    try:
-        figures = [float(part) for part in text.split(",")]
-    except ValueError as error:
-        raise ValueError(f"--pose {text}: {rule}") from error
-    if not 3 <= len(figures) <= len(POSE_FIELDS):
-        raise ValueError(f"--pose {text}: {len(figures)} numbers; {rule}")
-    if not np.isfinite(figures).all():
-        raise ValueError(f"--pose {text}: must be finite")
-    figures += [0.0] * (len(POSE_FIELDS) - len(figures))
-    turn = Rotation.from_euler("ZYX", figures[3:], degrees=True)
-    return np.array(figures[:3]), np.asarray(turn.as_quat(), np.float64)
 
 
 def _require_picture(out: Path) -> None:

@@ -10,9 +10,9 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Arc
 from numpy.typing import NDArray
 
+from uwsim.figure_style import ACCENT, add_legend, dress
 from uwsim.imaging import Profiles, SonarImage, Waterfall
 from uwsim.sonar_view.warp import fan_pixels, shown_range
-from uwsim.survey.figure_style import ACCENT, add_legend, dress
 
 AMBER = LinearSegmentedColormap.from_list("amber", ["#000000", "#4a2503", "#c47a1a", "#ffd98a", "#fffbe8"])
 NIGHT, RING = "#0b0f14", "#9fd3e6"

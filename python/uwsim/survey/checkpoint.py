@@ -33,6 +33,7 @@ class SurveyOrder:
     scenario: str
     seed: int
     sonar_model: int | str | None
+    sonar_frequency_khz: float | None
     mission_time_s: float | None
     voxel_m: float
     engine: MapEngine

@@ -23,7 +23,7 @@ from uwsim.simulator import Simulator
 from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey, SurveyOrder
 from uwsim.survey.fly import fly_survey, required_survey
-from uwsim.survey.pictures import draw_pictures
+from uwsim.survey.pictures import PICTURES, draw_pictures
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.report import write_report
 from uwsim.survey.score import score_map
@@ -40,6 +40,7 @@ def run_survey(
     *,
     seed: int | None = None,
     sonar_model: int | str | None = None,
+    sonar_frequency_khz: float | None = None,
     mission_time_s: float | None = None,
     voxel_m: float | None = None,
     threads: int | None = None,
@@ -50,9 +51,10 @@ def run_survey(
 ) -> SurveyRecord:
     """Fly a scenario's survey and leave map.bt, report.html and pictures in `out`; returns the survey's record.
 
-    engine: of the map, bricks by default. verify_map: insert every scan into a stock OctoMap map too, and compare.
-    autosave_s: wall time between saves, from which `resume_survey` flies on; 0 for none. map_memory_mb: what the map
-    may take of memory, the rest of it on disk; the bytes of map.bt do not depend on it.
+    sonar_frequency_khz: of a sonar that works at several. engine: of the map, bricks by default. verify_map: insert
+    every scan into a stock OctoMap map too, and compare. autosave_s: wall time between saves, from which
+    `resume_survey` flies on; 0 for none. map_memory_mb: what the map may take of memory, the rest of it on disk; the
+    bytes of map.bt do not depend on it.
     Raises ScenarioError or ValueError for what is wrong in the scenario or the options, OSError for `out`. Whatever
     ends the flight, the map of what was seen until then is written.
     """
@@ -60,7 +62,14 @@ def run_survey(
     progress = Console(stderr=True)
     with progress.status(f"building {scenario}"):
         _require_surveyable(load(scenario))  # before the world is built
-        sim = Simulator(scenario, seed=seed, sonar_model=sonar_model, mission_time_s=mission_time_s, threads=threads)
+        sim = Simulator(
+            scenario,
+            seed=seed,
+            sonar_model=sonar_model,
+            sonar_frequency_khz=sonar_frequency_khz,
+            mission_time_s=mission_time_s,
+            threads=threads,
+        )
         survey = required_survey(sim.scenario)
         if voxel_m is not None:
             survey = validated(Survey, {**dict(survey), "voxel_m": voxel_m})
@@ -68,6 +77,7 @@ def run_survey(
             scenario=_source(scenario),
             seed=sim.seed,
             sonar_model=_source(sonar_model) if isinstance(sonar_model, str) else sonar_model,
+            sonar_frequency_khz=sonar_frequency_khz,
             mission_time_s=mission_time_s,
             voxel_m=survey.voxel_m,
             engine=engine or "bricks",
@@ -106,6 +116,7 @@ def resume_survey(
             order.scenario,
             seed=order.seed,
             sonar_model=order.sonar_model,
+            sonar_frequency_khz=order.sonar_frequency_khz,
             mission_time_s=order.mission_time_s,
             threads=threads,
         )
@@ -159,7 +170,8 @@ class _Survey:
     def fly_and_report(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         out, progress = self.checkpoint.out, self.progress
         watch = Autosave(self.checkpoint, self.order, self.autosave_s, lambda text: _tell(progress, text))
-        (out / TRACK).unlink(missing_ok=True)  # of an earlier flight: a map's score takes what lies beside it
+        for stale in (TRACK, REPORT, *PICTURES):  # of an earlier flight: they tell of another map
+            (out / stale).unlink(missing_ok=True)
         try:
             record = self._fly(watch, saved)
         except BaseException as error:

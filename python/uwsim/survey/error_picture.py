@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from uwsim.survey.figure_style import FAINT_INK, INK, add_colour_bar, add_legend, dress, new_figure, save_figure
+from uwsim.figure_style import FAINT_INK, INK, add_colour_bar, add_legend, dress, new_figure, save_figure
 from uwsim.survey.s44 import CONFIDENCE, ORDERS
 from uwsim.survey.score import MapScore
 from uwsim.survey.seabed import SeabedError

@@ -13,7 +13,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.survey.figure_style import (
+from uwsim.figure_style import (
     ACCENT,
     FAINT_INK,
     HEIGHTS,

@@ -148,10 +148,11 @@ class _Flight:
     def record(self, stopped_because: str) -> SurveyRecord:
         """What the survey hands over, its map apart."""
         sim, log = self._sim, self._log
+        survey = required_survey(sim.scenario)
         return SurveyRecord(
             scenario_name=sim.scenario.name,
             seed=sim.seed,
-            sonar_model=sim.rov.sonar.model.number or sim.rov.sonar.model.name,
+            sonar_model=sim.scenario.vehicles[0].sonar.title,
             step_s=sim.step_s,
             voxel_m=self._occupancy.resolution_m,
             threads=sim.threads,
@@ -164,6 +165,8 @@ class _Flight:
             path_world_m=log.path_world_m,
             area_world_m=log.area_world_m,
             range_max_m=sim.rov.sonar.model.range_limit_m,
+            ping_interval_s=_ping_interval_s(sim, survey),
+            ping_interval_asked_s=1.0 / survey.ping_rate_hz,
             sample_ping=log.richest,
             stage_wall_s=self.timer.wall_s,
             ended_early=stopped_because != COVERED,

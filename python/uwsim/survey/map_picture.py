@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter
 
-from uwsim.survey.figure_style import (
+from uwsim.figure_style import (
     ACCENT,
     FAINT_INK,
     HEIGHTS,

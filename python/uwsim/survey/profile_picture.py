@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from uwsim import _core
-from uwsim.survey.figure_style import ACCENT, add_legend, dress, new_figure, save_figure
+from uwsim.figure_style import ACCENT, add_legend, dress, new_figure, save_figure
 from uwsim.survey.record import SurveyRecord
 
 GROUND, GROUND_LINE, WATER = "#b9ab98", "#6d6150", "#e6f0f6"

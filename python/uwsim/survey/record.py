@@ -34,12 +34,13 @@ class SurveyRecord:
     path_world_m: (n, 3), where the sonar was at each ping, in order. area_world_m: (k, 2), the polygon that was to be
     covered. sample_ping is None when the survey ended before its first ping. stage_wall_s: wall seconds by stage
     (physics, rays, codec, conversion, map, waiting for the map; autosave and verification where there are any).
+    ping_interval_s: longer than what was asked where sound takes longer there and back.
     verified: whether the map is stock OctoMap's, byte by byte; None when it was not compared.
     """
 
     scenario_name: str
     seed: int
-    sonar_model: int | str
+    sonar_model: str
     step_s: float
     voxel_m: float
     threads: int
@@ -52,6 +53,8 @@ class SurveyRecord:
     path_world_m: NDArray[np.float64]
     area_world_m: NDArray[np.float64]
     range_max_m: float
+    ping_interval_s: float
+    ping_interval_asked_s: float
     sample_ping: PingSample | None = None
     stage_wall_s: dict[str, float] = field(default_factory=dict)
     ended_early: bool = False

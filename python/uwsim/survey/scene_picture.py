@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from uwsim import _core
-from uwsim.survey.figure_style import (
+from uwsim.figure_style import (
     ACCENT,
     FAINT_INK,
     HEIGHTS,

@@ -97,6 +97,10 @@ def survey_warnings(record: SurveyRecord, score: MapScore) -> list[str]:
     elif score.visible_truth_voxels and score.coverage < GOOD_COVERAGE:
         least = f"{100.0 * GOOD_COVERAGE:g} %"
         warnings.append(f"The map is incomplete: coverage is {coverage(score)}, less than {least}.")
+    if record.ping_interval_s > record.ping_interval_asked_s + 1e-9:
+        asked, got = 1.0 / record.ping_interval_asked_s, 1.0 / record.ping_interval_s
+        reach = f"{record.range_max_m:g} m"
+        warnings.append(f"The sonar pinged at {got:.3g} Hz, not {asked:.3g}: sound takes longer to {reach} and back.")
     if record.collision_count:
         times = "once" if record.collision_count == 1 else f"{record.collision_count:,} times"
         warnings.append(f"The vehicle collided {times}.")

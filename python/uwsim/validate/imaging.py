@@ -14,6 +14,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from uwsim import _core, imaging
+from uwsim.figure_style import save_figure
 from uwsim.imaging import Acoustics, ForwardLooking, SideScan, SingleBeam
 from uwsim.validate.check import Check, along, relative, within
 
@@ -225,12 +226,12 @@ def profile_checks() -> list[Check]:
 
 def draw_levels(levels: list[Level], path: Path) -> None:
     """Expected and simulated levels of the flat bed over range."""
-    figure, panel = plt.subplots(figsize=(9, 4.5), layout="constrained")
+    figure, panel = plt.subplots(figsize=(9, 4.5), layout="constrained", dpi=120)
     for level, colour in zip(levels, ("C1", "C0"), strict=True):
         panel.plot(level.ranges_m, level.expected, lw=4, alpha=0.35, color=colour, label=f"{level.name}, expected")
         panel.plot(level.ranges_m, level.got, lw=1.0, color=colour, label=f"{level.name}, simulated")
     panel.set(title="A flat bed, received level", xlabel="range [m]", ylabel="dB re 1 uPa")
     panel.grid(alpha=0.3)
     panel.legend()
-    figure.savefig(path, dpi=120)
+    save_figure(figure, path)
     plt.close(figure)

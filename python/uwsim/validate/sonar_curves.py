@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from uwsim import _core
+from uwsim.figure_style import save_figure
 from uwsim.sounding import sound_points
 from uwsim.validate.refraction import BED_M, GRADIENT_1_S, bent_ping
 from uwsim.validate.sonar_depth import ARRAYS, FREQUENCIES_KHZ, TABLE_M, WATERS, Cell, Fit
@@ -16,7 +17,7 @@ from uwsim.validate.sonar_instrument import detected_share
 
 def draw_depths(fit: Fit, simulated: dict[Cell, float], path: Path) -> None:
     """The manufacturer's, the fitted formula's and the simulated instrument's, over frequency."""
-    figure, panels = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", sharey=True)
+    figure, panels = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", dpi=120, sharey=True)
     for panel, array in zip(panels, ARRAYS, strict=True):
         for colour, water in zip(("tab:blue", "tab:green"), WATERS, strict=True):
             cells = [Cell(array, khz, water) for khz in FREQUENCIES_KHZ]
@@ -34,13 +35,13 @@ def draw_depths(fit: Fit, simulated: dict[Cell, float], path: Path) -> None:
     panels[0].set_ylabel("greatest depth [m]")
     panels[1].legend(fontsize=8)
     figure.suptitle("Greatest depth over flat rock, straight below, cold water")
-    figure.savefig(path, dpi=120)
+    save_figure(figure, path)
     plt.close(figure)
 
 
 def draw_detections(path: Path) -> None:
     """Of the shipped instruments, straight below."""
-    figure, panel = plt.subplots(figsize=(8, 5), layout="constrained")
+    figure, panel = plt.subplots(figsize=(8, 5), layout="constrained", dpi=120)
     for khz in FREQUENCIES_KHZ:
         cell = Cell(ARRAYS[0], khz, "ocean")
         about_m = cell.stated_depth_m()
@@ -50,7 +51,7 @@ def draw_detections(path: Path) -> None:
     panel.set(xlabel="depth [m]", ylabel="share detected", xscale="log", title=f"{ARRAYS[0]}, cold ocean, flat rock")
     panel.grid(alpha=0.3, which="both")
     panel.legend()
-    figure.savefig(path, dpi=120)
+    save_figure(figure, path)
     plt.close(figure)
 
 
@@ -58,7 +59,7 @@ def draw_smile(path: Path) -> None:
     """A flat bed under a gradient, sounded with the true profile and as if the water were even."""
     ping, sonar = bent_ping()
     even = _core.SoundSpeedProfile.even(sonar.profile.at(0.0))
-    figure, panel = plt.subplots(figsize=(8, 4), layout="constrained")
+    figure, panel = plt.subplots(figsize=(8, 4), layout="constrained", dpi=120)
     panel.axhline(-BED_M, c="k", lw=0.8, label="the bed")
     for name, profile in (
         ("sounded with the true profile", sonar.profile),
@@ -71,5 +72,5 @@ def draw_smile(path: Path) -> None:
     )
     panel.grid(alpha=0.3)
     panel.legend()
-    figure.savefig(path, dpi=120)
+    save_figure(figure, path)
     plt.close(figure)

@@ -1,4 +1,4 @@
-"""The look that all pictures of a survey share: paper white, heights in viridis, the vehicle in warm colours."""
+"""The look that all figures share: paper white, heights in viridis, the vehicle in warm colours."""
 
 from __future__ import annotations
 
