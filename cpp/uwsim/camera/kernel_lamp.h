@@ -33,6 +33,21 @@ UWSIM_LANES void cone_crossing(const LampLight& lamp, Vector way, Float end, Flo
   to = select(empty, from, to);
 }
 
+/// The lamp's light that water at one place scatters towards the eye, dimmed on both ways, but for intensity / apart.
+/// `s`, `c`: sine and cosine of the angle at the lamp between the ray's nearest point and the place; s is the cosine of
+/// the angle by which light turns, too. `ahead`, `along`: the cone's cosine is ahead c + along s.
+UWSIM_LANES Vector lamp_scattered(const Shot& shot, const LampLight& lamp, Float s, Float c, Float ahead, Float along,
+                                  Float nearest, Float apart) {
+  constexpr float g = kLampAsymmetry;
+  const Float spot = smooth((ahead * c + along * s - lamp.cos_outer) * (1 / (lamp.cos_inner - lamp.cos_outer)));
+  // Of forward_phase(-s, g) = (1 - g^2) / (4 pi) / cube and path = nearest + apart (1 + s) / c with one division.
+  const Float side = 1 + g * g + 2 * g * s, cube = side * square_root(side), per = 1 / (cube * c);
+  const Float path = nearest + apart * ((1 + s) * (cube * per));
+  const Float particles = spot * (c * per) * ((1 - g * g) / (4 * kPi)), molecules = spot * molecule_phase(s);
+  const Vector light = spread(shot.particle_b) * particles + spread(shot.molecule_b) * molecules;
+  return shot.has_attenuation ? light * exponential(spread(shot.c) * -path) : light;
+}
+
 /// Single scattering of the lamp's light into the ray, in points spread evenly over the angle at the lamp (Kulla and
 /// Fajardo 2012, "Importance sampling techniques for path tracing in participating media"): dt / distance^2 = d angle /
 /// closest distance, so that the lamp's peak costs nothing. Unshadowed.
@@ -46,22 +61,24 @@ void lamp_veil(const Shot& shot, int index, Block& block) {
   cone_crossing(lamp, way, end, from, to);
   const Int crosses = active & (to > from);
   if (!any(crosses)) return;
-  const Vector lamp_at = spread(lamp.position);
+  const Vector lamp_at = spread(lamp.position), axis = spread(lamp.axis);
   const Float nearest = dot(lamp_at, way);
   const Float apart = square_root(max(dot(lamp_at, lamp_at) - nearest * nearest, splat(1e-4f)));
-  const Float first = arc_tangent((from - nearest) / apart), last = arc_tangent((to - nearest) / apart);
-  const Float step = (last - first) * (1.0f / kVeilSamples);
+  const Float along = dot(way, axis), ahead = (along * nearest - dot(lamp_at, axis)) / apart;
+  const Float first = from - nearest, last = to - nearest;
+  const Float step = angle_of(apart * apart + first * last, apart * (last - first)) * (1.0f / kVeilSamples);
+  const Float half = 0.5f * step, z = half * half;  // at most pi / 8: series
+  const Float half_s = half * (1 + z * (-1.0f / 6 + z * (1.0f / 120 - z * (1.0f / 5040))));
+  const Float half_c = 1 + z * (-0.5f + z * (1.0f / 24 - z * (1.0f / 720)));
+  const Float step_s = 2 * half_s * half_c, step_c = 1 - 2 * half_s * half_s;
+  const Float per = 1 / square_root(apart * apart + first * first);
+  Float s = (first * half_c + apart * half_s) * per, c = (apart * half_c - first * half_s) * per;
   Vector sum = zero();
   for (int k = 0; k < kVeilSamples; ++k) {
-    const Float angle = first + step * (0.5f + static_cast<float>(k));
-    const Float s = sine(angle), c = max(cosine(angle), splat(1e-4f));
-    const Float t = nearest + apart * s / c, distance = apart / c;
-    const Vector from_lamp = (way * t - lamp_at) * (1 / distance);
-    const Float cone = dot(from_lamp, spread(lamp.axis));
-    const Float spot = smooth((cone - lamp.cos_outer) * (1 / (lamp.cos_inner - lamp.cos_outer)));
-    Vector light = scattered(shot, -dot(from_lamp, way), kLampAsymmetry) * spot;
-    if (shot.has_attenuation) light = light * exponential(spread(shot.c) * (-(t + distance)));
-    sum = sum + light;
+    sum = sum + lamp_scattered(shot, lamp, s, max(c, splat(1e-4f)), ahead, along, nearest, apart);
+    const Float turned = s * step_c + c * step_s;
+    c = c * step_c - s * step_s;
+    s = turned;
   }
   const Vector added = sum * spread(lamp.intensity) * (step / apart);
   const Vector light = load(block.light);

@@ -173,6 +173,23 @@ UWSIM_LANES Lanes<To> bits_as(Lanes<From> x) {
   return y;
 }
 
+/// Products of the low halves.
+UWSIM_LANES Wide times_low(Wide a, std::uint32_t b) {
+  constexpr int kParts = Wide::kParts;
+  using Words = Native<std::int32_t>::Part;
+  const Wide many(std::uint64_t{b});
+#if defined(__AVX512F__)
+  using Product = long long __attribute__((vector_size(64)));
+  UWSIM_UNROLLED a.part[p] =
+      (Wide::Part)__builtin_ia32_pmuludq512_mask((Words)a.part[p], (Words)many.part[p], Product{}, -1);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq256((Words)a.part[p], (Words)many.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq128((Words)a.part[p], (Words)many.part[p]);
+#endif
+  return a;
+}
+
 UWSIM_LANES Float splat(float value) { return Float(value); }
 UWSIM_LANES Float load(const float* from) {
   Float value;
@@ -198,8 +215,29 @@ UWSIM_LANES bool any(Int mask) {
   for (int k = 0; k < kLanes; ++k) found |= mask[k];
   return found != 0;
 }
-UWSIM_LANES Float min(Float a, Float b) { return select(a < b, a, b); }
-UWSIM_LANES Float max(Float a, Float b) { return select(a > b, a, b); }
+/// The CPU's own: a < b ? a : b and a > b ? a : b, in one instruction.
+UWSIM_LANES Float min(Float a, Float b) {
+  constexpr int kParts = Float::kParts;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps256(a.part[p], b.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps(a.part[p], b.part[p]);
+#endif
+  return a;
+}
+UWSIM_LANES Float max(Float a, Float b) {
+  constexpr int kParts = Float::kParts;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps256(a.part[p], b.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps(a.part[p], b.part[p]);
+#endif
+  return a;
+}
 UWSIM_LANES Float clamp(Float x, float low, float high) { return min(max(x, splat(low)), splat(high)); }
 UWSIM_LANES Float abs(Float x) { return select(x < 0.0f, -x, x); }
 UWSIM_LANES Int floor_int(Float x) {
@@ -223,12 +261,22 @@ UWSIM_LANES Float smooth(Float x) {
   return t * t * (3 - 2 * t);
 }
 
+/// A whole number of at most 22 bits and the numbers' bits that end in it: adding 1.5 2^23 leaves no bits for
+/// fractions.
+struct Rounded {
+  Float whole;
+  Int bits;
+};
+UWSIM_LANES Rounded rounded(Float x) {
+  const Float shifted = x + 0x1.8p23f;
+  return {shifted - 0x1.8p23f, bits_as<std::int32_t>(shifted)};
+}
+
 /// e^x by 2^k times a Taylor polynomial on [-ln 2 / 2, ln 2 / 2]; relative error below 3e-7 on [-87, 88], 0 below.
 UWSIM_LANES Float exponential(Float x) {
   const Float bounded = clamp(x, -87, 88);
-  const Int k = floor_int(bounded * 1.44269504f + 0.5f);
-  const Float whole = to_float(k);
-  const Float r = bounded - whole * 0.693359375f + whole * 2.12194440e-4f;
+  const Rounded k = rounded(bounded * 1.44269504f);
+  const Float r = bounded - k.whole * 0.693359375f + k.whole * 2.12194440e-4f;
   Float p = splat(1.0f / 720);
   p = p * r + 1.0f / 120;
   p = p * r + 1.0f / 24;
@@ -236,7 +284,7 @@ UWSIM_LANES Float exponential(Float x) {
   p = p * r + 0.5f;
   p = p * r + 1;
   p = p * r + 1;
-  const Float value = p * bits_as<float>((k + 127) << 23);
+  const Float value = bits_as<float>(bits_as<std::int32_t>(p) + (k.bits << 23));
   return select(x < -87, Float{}, value);
 }
 
@@ -253,29 +301,42 @@ UWSIM_LANES Float logarithm(Float x) {
   return series + to_float(exponent) * 0.69314718f;
 }
 
-/// Sine within 1e-6, for |x| up to some 1e4.
+/// Sine within 1e-6, for |x| up to some 1e4: of what whole half turns leave, which turn its sign.
 UWSIM_LANES Float sine(Float x) {
-  const Float turns = to_float(floor_int(x * 0.159154943f + 0.5f));
-  Float r = x - turns * 6.28125f - turns * 1.93530718e-3f;
-  r = select(r > 1.57079633f, 3.14159265f - r, r);
-  r = select(r < -1.57079633f, -3.14159265f - r, r);
-  const Float z = r * r;
-  return r *
-         (1 + z * (-1.0f / 6 + z * (1.0f / 120 + z * (-1.0f / 5040 + z * (1.0f / 362880 - z * (1.0f / 39916800))))));
+  const Rounded halves = rounded(x * 0.318309886f);
+  const Float r = x - halves.whole * 3.140625f - halves.whole * 9.67653590e-4f, z = r * r;
+  const Float upright =
+      r * (1 + z * (-1.0f / 6 + z * (1.0f / 120 + z * (-1.0f / 5040 + z * (1.0f / 362880 - z * (1.0f / 39916800))))));
+  return bits_as<float>(bits_as<std::int32_t>(upright) ^ (halves.bits << 31));
 }
 UWSIM_LANES Float cosine(Float x) { return sine(x + 1.57079633f); }
 
-/// Arc tangent within 2e-6: reduced to |x| <= 0.4142, then its series.
-UWSIM_LANES Float arc_tangent(Float x) {
-  const Float size = abs(x);
-  const Int steep = size > 2.41421356f, middle = size > 0.41421356f;
-  const Float reduced = select(steep, -1 / max(size, splat(1e-20f)), select(middle, (size - 1) / (size + 1), size));
+/// Sine and cosine of a number of turns, within 1e-6, for up to some 1e4.
+struct Turn {
+  Float sine, cosine;
+};
+UWSIM_LANES Turn turned(Float turns) {
+  const Rounded halves = rounded(turns * 2);
+  const Float r = (turns - halves.whole * 0.5f) * 6.28318531f, z = r * r;
+  const Float s =
+      r * (1 + z * (-1.0f / 6 + z * (1.0f / 120 + z * (-1.0f / 5040 + z * (1.0f / 362880 - z * (1.0f / 39916800))))));
+  const Float c = 1 + z * (-0.5f + z * (1.0f / 24 + z * (-1.0f / 720 + z * (1.0f / 40320 - z * (1.0f / 3628800)))));
+  const Int sign = halves.bits << 31;
+  return {bits_as<float>(bits_as<std::int32_t>(s) ^ sign), bits_as<float>(bits_as<std::int32_t>(c) ^ sign)};
+}
+
+/// Angle of the direction (x, y), y >= 0, in [0, pi] within 2e-6: turned to within an eighth of pi of the x axis, then
+/// the arc tangent's series.
+UWSIM_LANES Float angle_of(Float x, Float y) {
+  const Int back = x < 0;
+  const Float along = select(back, y, x), across = select(back, -x, y);
+  const Int steep = across > along * 2.41421356f, middle = across > along * 0.41421356f;
+  const Float part = select(steep, -along, select(middle, across - along, across));
+  const Float whole = select(steep, across, select(middle, across + along, along));
   const Float base = select(steep, splat(1.57079633f), select(middle, splat(0.785398163f), Float{}));
-  const Float z = reduced * reduced;
-  const Float series =
-      reduced * (1 + z * (-0.333329491f + z * (0.199777106f + z * (-0.138776856f + z * 8.05374449e-2f))));
-  const Float angle = base + series;
-  return select(x < 0, -angle, angle);
+  const Float r = part / max(whole, splat(1e-30f)), z = r * r;
+  const Float series = r + r * z * (-0.333329491f + z * (0.199777106f + z * (-0.138776856f + z * 8.05374449e-2f)));
+  return select(back, splat(1.57079633f), Float{}) + base + series;
 }
 
 struct Vector {
