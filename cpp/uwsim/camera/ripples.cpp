@@ -1,11 +1,12 @@
 #include "uwsim/camera/ripples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <thread>
 
+#include "uwsim/camera/parts.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
 
@@ -20,6 +21,7 @@ constexpr int kCells = Ripples::kCells;
 constexpr int kWrap = kCells - 1;
 constexpr double kCell_m = Ripples::kTile_m / kCells;
 constexpr int kFine = 2;  // rays a cell along an axis
+constexpr int kRays = kFine * kCells;
 
 using Grid = std::vector<float>;
 
@@ -28,49 +30,86 @@ const float* slope_at(const Grid& slopes, int x, int y) {
   return slopes.data() + 2 * ((y & kWrap) * kCells + (x & kWrap));
 }
 
-/// Adds the light of one ray to the four cells around where it goes.
-void add_light(Grid& light, float x, float y, float share) {
-  const float floor_x = std::floor(x), floor_y = std::floor(y);
-  const int i = static_cast<int>(floor_x) & kWrap, j = static_cast<int>(floor_y) & kWrap;
-  const int i1 = (i + 1) & kWrap, j1 = (j + 1) & kWrap;
-  const float u = x - floor_x, v = y - floor_y;
-  light[j * kCells + i] += share * (1 - u) * (1 - v);
-  light[j * kCells + i1] += share * u * (1 - v);
-  light[j1 * kCells + i] += share * (1 - u) * v;
-  light[j1 * kCells + i1] += share * u * v;
+/// Slopes at a lattice of rays, kRays a side, between the nodes.
+struct RaySlopes {
+  Grid x, y;
+};
+
+void fill_ray_slopes(const Grid& slopes, int row, RaySlopes& rays) {
+  const int y = row / kFine;
+  const float v = static_cast<float>(row % kFine) / kFine;
+  const auto between = [](const float* a, const float* b, float share, int part) {
+    return (1 - share) * a[part] + share * b[part];
+  };
+  for (int x = 0; x < kCells; ++x) {
+    const float *a = slope_at(slopes, x, y), *b = slope_at(slopes, x + 1, y);
+    const float *c = slope_at(slopes, x, y + 1), *d = slope_at(slopes, x + 1, y + 1);
+    for (int sub = 0; sub < kFine; ++sub) {
+      const float u = static_cast<float>(sub) / kFine;
+      const int at = row * kRays + x * kFine + sub;
+      rays.x[at] = (1 - v) * between(a, b, u, 0) + v * between(c, d, u, 0);
+      rays.y[at] = (1 - v) * between(a, b, u, 1) + v * between(c, d, u, 1);
+    }
+  }
 }
+
+int whole_below(float x) {
+  const int whole = static_cast<int>(x);
+  return whole - (static_cast<float>(whole) > x ? 1 : 0);
+}
+
+/// Where the rays of one row meet a level: shares of light for the four cells around each.
+struct Landings {
+  std::array<std::array<int, kRays>, 4> cell;
+  std::array<std::array<float, kRays>, 4> share;
+
+  void fill(const RaySlopes& rays, int row, float reach) {
+    constexpr float kShare = 1.0f / (kFine * kFine), kStep = 1.0f / kFine;
+    const float *slope_x = rays.x.data() + row * kRays, *slope_y = rays.y.data() + row * kRays;
+    for (int k = 0; k < kRays; ++k) {
+      const float x = static_cast<float>(k) * kStep + reach * slope_x[k];
+      const float y = static_cast<float>(row) * kStep + reach * slope_y[k];
+      const int i = whole_below(x), j = whole_below(y);
+      const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
+      const int left = i & kWrap, right = (i + 1) & kWrap;
+      const int low = (j & kWrap) * kCells, high = ((j + 1) & kWrap) * kCells;
+      cell[0][k] = low + left, share[0][k] = kShare * (1 - u) * (1 - v);
+      cell[1][k] = low + right, share[1][k] = kShare * u * (1 - v);
+      cell[2][k] = high + left, share[2][k] = kShare * (1 - u) * v;
+      cell[3][k] = high + right, share[3][k] = kShare * u * v;
+    }
+  }
+};
 
 /// One pass of the kernel (w, 1 - 2 w, w) along each axis, round the tile's edges.
 void blur(Grid& light, float w) {
   Grid other(light.size());
+  const auto mixed = [w](float before, float here, float after) { return (1 - 2 * w) * here + w * (before + after); };
   for (int y = 0; y < kCells; ++y) {
-    for (int x = 0; x < kCells; ++x) {
-      const float* row = light.data() + y * kCells;
-      other[y * kCells + x] = (1 - 2 * w) * row[x] + w * (row[(x - 1) & kWrap] + row[(x + 1) & kWrap]);
-    }
+    const float* row = light.data() + y * kCells;
+    float* out = other.data() + y * kCells;
+    for (int x = 1; x < kWrap; ++x) out[x] = mixed(row[x - 1], row[x], row[x + 1]);
+    out[0] = mixed(row[kWrap], row[0], row[1]);
+    out[kWrap] = mixed(row[kWrap - 1], row[kWrap], row[0]);
   }
   for (int y = 0; y < kCells; ++y) {
-    const float* above = other.data() + ((y - 1) & kWrap) * kCells;
+    const float* before = other.data() + ((y - 1) & kWrap) * kCells;
     const float* here = other.data() + y * kCells;
-    const float* below = other.data() + ((y + 1) & kWrap) * kCells;
-    for (int x = 0; x < kCells; ++x) light[y * kCells + x] = (1 - 2 * w) * here[x] + w * (above[x] + below[x]);
+    const float* after = other.data() + ((y + 1) & kWrap) * kCells;
+    for (int x = 0; x < kCells; ++x) light[y * kCells + x] = mixed(before[x], here[x], after[x]);
   }
 }
 
-Grid caustic_level(const Grid& slopes, double depth_m, double bend) {
+Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
   Grid light(kCells * kCells, 0.0f);
   const auto reach = static_cast<float>(depth_m * bend / kCell_m);
-  constexpr float kShare = 1.0f / (kFine * kFine);
-  for (int y = 0; y < kCells; ++y) {
-    for (int x = 0; x < kCells; ++x) {
-      const float *a = slope_at(slopes, x, y), *b = slope_at(slopes, x + 1, y);
-      const float *c = slope_at(slopes, x, y + 1), *d = slope_at(slopes, x + 1, y + 1);
-      for (int sub = 0; sub < kFine * kFine; ++sub) {
-        const float u = static_cast<float>(sub % kFine) / kFine, v = static_cast<float>(sub / kFine) / kFine;
-        const float slope_x = (1 - v) * ((1 - u) * a[0] + u * b[0]) + v * ((1 - u) * c[0] + u * d[0]);
-        const float slope_y = (1 - v) * ((1 - u) * a[1] + u * b[1]) + v * ((1 - u) * c[1] + u * d[1]);
-        add_light(light, static_cast<float>(x) + u + reach * slope_x, static_cast<float>(y) + v + reach * slope_y,
-                  kShare);
+  std::array<Landings, 2> both;
+  // Rows far from each other take turns, so that sums in one cell need not wait for each other.
+  for (int row = 0; row < kRays / 2; ++row) {
+    for (int half = 0; half < 2; ++half) both[half].fill(rays, row + half * (kRays / 2), reach);
+    for (int k = 0; k < kRays; ++k) {
+      for (int corner = 0; corner < 4; ++corner) {
+        for (const Landings& one : both) light[one.cell[corner][k]] += one.share[corner][k];
       }
     }
   }
@@ -109,7 +148,7 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
 }
 
 /// Sums of waves as products of a turn along x and one along y: first over the waves of each i in a row, then over i.
-void Ripples::fill_slopes(double time_s, std::vector<float>& slopes) const {
+void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes) const {
   using Turn = std::complex<double>;
   struct Column {
     Turn x, y;
@@ -117,9 +156,17 @@ void Ripples::fill_slopes(double time_s, std::vector<float>& slopes) const {
   slopes.assign(2 * kCells * kCells, 0.0f);
   std::array<Turn, kCells> turns;
   for (int x = 0; x < kCells; ++x) turns[x] = std::polar(1.0, kTau * x / kCells);
+  // Row i holds the turns of i waves a tile.
+  std::array<std::array<float, kCells>, kMost + 1> cosine, sine;
+  for (int i = 0; i <= kMost; ++i) {
+    for (int x = 0; x < kCells; ++x) {
+      const Turn& turn = turns[(i * x) & kWrap];
+      cosine[i][x] = static_cast<float>(turn.real()), sine[i][x] = static_cast<float>(turn.imag());
+    }
+  }
   std::vector<Turn> now;
   for (const Wave& w : waves_) now.push_back(std::polar(1.0, w.phase - std::fmod(w.omega_rad_s * time_s, kTau)));
-  for (int y = 0; y < kCells; ++y) {
+  for_rows(kCells, threads, [&](int y, int) {
     std::array<Column, kMost + 1> columns{};
     for (std::size_t k = 0; k < waves_.size(); ++k) {
       const Wave& w = waves_[k];
@@ -132,34 +179,27 @@ void Ripples::fill_slopes(double time_s, std::vector<float>& slopes) const {
       const auto ax = static_cast<float>(columns[i].x.real()), bx = static_cast<float>(columns[i].x.imag());
       const auto ay = static_cast<float>(columns[i].y.real()), by = static_cast<float>(columns[i].y.imag());
       for (int x = 0; x < kCells; ++x) {
-        const Turn& turn = turns[(i * x) & kWrap];
-        const auto c = static_cast<float>(turn.real()), s = static_cast<float>(turn.imag());
-        row_x[x] += ax * c - bx * s;
-        row_y[x] += ay * c - by * s;
+        row_x[x] += ax * cosine[i][x] - bx * sine[i][x];
+        row_y[x] += ay * cosine[i][x] - by * sine[i][x];
       }
     }
     for (int x = 0; x < kCells; ++x) {
       slope_at(slopes, x, y)[0] = row_x[x];
       slope_at(slopes, x, y)[1] = row_y[x];
     }
-  }
+  });
 }
 
 Ripples::Moment Ripples::at(double time_s, double refractive_index, int threads) const {
   Moment moment;
-  fill_slopes(time_s, moment.slopes);
+  fill_slopes(time_s, threads, moment.slopes);
+  RaySlopes rays{Grid(kRays * kRays), Grid(kRays * kRays)};
+  for (int row = 0; row < kRays; ++row) fill_ray_slopes(moment.slopes, row, rays);
   moment.caustics.resize(static_cast<std::size_t>(kCells) * kCells * kLevels);
-  const auto work = [&](int first, int step) {
-    for (int level = first; level < kLevels; level += step) {
-      const Grid light = caustic_level(moment.slopes, kFirstLevel_m * std::exp2(level), 1 - 1 / refractive_index);
-      for (std::size_t k = 0; k < light.size(); ++k) moment.caustics[k * kLevels + level] = light[k];
-    }
-  };
-  std::vector<std::jthread> others;
-  const int parts = std::clamp(threads, 1, kLevels);
-  for (int part = 1; part < parts; ++part) others.emplace_back(work, part, parts);
-  work(0, parts);
-  others.clear();
+  for_rows(kLevels, threads, [&](int level, int) {
+    const Grid light = caustic_level(rays, kFirstLevel_m * std::exp2(level), 1 - 1 / refractive_index);
+    for (std::size_t k = 0; k < light.size(); ++k) moment.caustics[k * kLevels + level] = light[k];
+  });
   return moment;
 }
 

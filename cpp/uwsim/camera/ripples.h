@@ -40,7 +40,7 @@ class Ripples {
     double slope_x, slope_y, phase, omega_rad_s;
     int i, j;
   };
-  void fill_slopes(double time_s, std::vector<float>& slopes) const;
+  void fill_slopes(double time_s, int threads, std::vector<float>& slopes) const;
 
   std::vector<Wave> waves_;  // i >= 0, sorted by i
 };
