@@ -126,6 +126,8 @@ class Lamp:
         self.name = name
         self.spec = spec
         self._on = False
+        self._positions_m = np.array([spot.position_m for spot in spec.spots])
+        self._turns = mount_turn([spot.yaw_pitch_roll_deg for spot in spec.spots])
 
     @property
     def on(self) -> bool:
@@ -138,23 +140,20 @@ class Lamp:
             raise ValueError(f"lamp '{self.name}': on = {value!r}: must be True or False")
         self._on = bool(value)
 
-    def lights(self, world_from_body: Floats) -> list[_core.LampLight]:
+    def lights(self, position_m: Floats, turn: Rotation) -> list[_core.LampLight]:
         """As the renderer takes them, from where the vehicle is."""
-        lights = []
-        for spot in self.spec.spots:
-            position, turn = mounted(world_from_body, spot.position_m, spot.yaw_pitch_roll_deg)
-            half = float(np.radians(self.spec.half_angle_deg))
-            flux, soft = self.spec.flux_lm, self.spec.soft_share
-            lights.append(_core.LampLight(position, turn.as_quat(), flux, half, soft, self.spec.colour))
-        return lights
+        spec = self.spec
+        positions, turns = position_m + turn.apply(self._positions_m), (turn * self._turns).as_quat()
+        half = float(np.radians(spec.half_angle_deg))
+        return [
+            _core.LampLight(position, orientation, spec.flux_lm, half, spec.soft_share, spec.colour)
+            for position, orientation in zip(positions, turns, strict=True)
+        ]
 
 
-def mounted(
-    world_from_body: Floats, position_m: Sequence[float], yaw_pitch_roll_deg: Sequence[float]
-) -> tuple[Floats, Rotation]:
-    """World position and turn of what is mounted on a body whose pose is (4, 4)."""
-    turn = Rotation.from_matrix(world_from_body[:3, :3]) * Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True)
-    return world_from_body[:3, :3] @ np.asarray(position_m) + world_from_body[:3, 3], turn
+def mount_turn(yaw_pitch_roll_deg: Sequence[float] | Sequence[Sequence[float]]) -> Rotation:
+    """From what is mounted to what carries it."""
+    return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,12 +184,18 @@ class Camera:
     """
 
     def __init__(
-        self, name: str, mount: CameraMount, stage: Stage, carrier: Callable[[Moment], Floats], body: int | None
+        self,
+        name: str,
+        mount: CameraMount,
+        stage: Stage,
+        carrier: Callable[[Moment], tuple[Floats, Rotation]],
+        body: int | None,
     ) -> None:
         self.name = name
         self.mount = mount
         self._stage = stage
         self._carrier = carrier
+        self._turn = mount_turn(mount.yaw_pitch_roll_deg)
         self._body = body
         half_width = 0.5 * mount.width
         self._focal = half_width / np.tan(np.radians(0.5 * mount.horizontal_fov_deg))
@@ -228,7 +233,8 @@ class Camera:
 
     def _render(self, effects: list[str], threads: int | None, **options: bool) -> tuple[_core.Picture, Moment, Floats]:
         moment = self._stage.moment()
-        position, turn = mounted(self._carrier(moment), self.mount.position_m, self.mount.yaw_pitch_roll_deg)
+        carrier_position, carrier_turn = self._carrier(moment)
+        position, turn = carrier_position + carrier_turn.apply(self.mount.position_m), carrier_turn * self._turn
         if self._core is None:
             self._core = self._make_core()
         picture = self._stage.scene().render(

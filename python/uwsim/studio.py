@@ -45,8 +45,8 @@ class Studio:
         """The vehicle's cameras by name."""
         spec = self._scenario.vehicles[vehicle]
 
-        def carrier(moment: Moment) -> Floats:
-            return _pose(moment.positions_m[vehicle], moment.orientations_xyzw[vehicle])
+        def carrier(moment: Moment) -> tuple[Floats, Rotation]:
+            return moment.positions_m[vehicle], Rotation.from_quat(moment.orientations_xyzw[vehicle])
 
         return {
             name: Camera(f"{spec.name}/{name}", mount, self._stage, carrier, vehicle)
@@ -57,8 +57,8 @@ class Studio:
         """The station's cameras by name."""
         station = self._scenario.station
         turn = Rotation.from_euler("z", station.yaw_deg, degrees=True)
-        world_from_station = _pose(np.asarray(station.position_m), turn.as_quat())
-        fixed: Callable[[Moment], Floats] = lambda moment: world_from_station  # noqa: E731
+        pose = np.asarray(station.position_m), turn
+        fixed: Callable[[Moment], tuple[Floats, Rotation]] = lambda moment: pose  # noqa: E731
         return {name: Camera(name, mount, self._stage, fixed, None) for name, mount in station.cameras.items()}
 
     @cached_property
@@ -103,7 +103,7 @@ class Studio:
             for state, switches in zip(states, self._lamps, strict=True)
             for lamp in switches.values()
             if lamp.on
-            for light in lamp.lights(state.world_from_body)
+            for light in lamp.lights(state.position_world_m, Rotation.from_quat(state.orientation_xyzw))
         ]
         positions = np.array([state.position_world_m for state in states])
         return Moment(time_ns, positions, np.array([state.orientation_xyzw for state in states]), lamps)
@@ -117,10 +117,3 @@ def _set_look(scene: _core.CameraScene, label: int, obstacle: ObstacleSpec) -> N
         scene.set_look(label, material.kind, kind, material.colour)
     else:
         scene.set_look(label, material.kind, kind, None, *texture)
-
-
-def _pose(position_m: Floats, orientation_xyzw: Floats) -> Floats:
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(orientation_xyzw).as_matrix()
-    pose[:3, 3] = position_m
-    return pose
