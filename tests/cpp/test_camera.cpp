@@ -120,6 +120,63 @@ TEST_F(Cameras, EveryEffectChangesThePictureAndGeometryStays) {
   EXPECT_TRUE(bare.rgb.empty());
 }
 
+/// A plate in open water throws a shadow into it. `side_m`: along x and y.
+Picture under_a_plate(double side_m, const Camera& camera, const Optics& optics, const Effects& effects) {
+  World world;
+  world.add_solid("plate", box_mesh({6, 0, -2}, {side_m, side_m, 0.1}));
+  Exposure exposure = from({0, 0, -7}, 0.45);
+  exposure.lamps.clear();
+  exposure.effects = effects;
+  return render(CameraScene(world, std::make_shared<RayScene>(world), 7), camera, optics, exposure);
+}
+
+/// Share of the sun's beam that the plate leaves of what water scatters along a pixel's ray, by points of its own.
+double lit_share(const Eigen::Vector2d& pixel, double side_m, const Camera& camera, const Optics& optics) {
+  const Eigen::Vector2d ray = unproject(camera.lens(), pixel, false);
+  const Pose pose = from({0, 0, -7}, 0.45).world_from_camera;
+  const Eigen::Vector3d way = pose.direction(Eigen::Vector3d(1, -ray.x(), -ray.y()).normalized());
+  const Eigen::Vector3d sun = daylight_below(daylight(optics.sun), optics.water.refractive_index).to_sun_world;
+  const double c = optics.water.beam_attenuation()(1);
+  double lit = 0, whole = 0;
+  for (int k = 0; k < 400; ++k) {
+    const double t = 3 / c * (k + 0.5) / 400;
+    const Eigen::Vector3d at = pose.position_m + t * way;
+    const Eigen::Vector3d above = at + (-2 - at.z()) / sun.z() * sun;
+    const bool shaded = std::abs(above.x() - 6) < side_m / 2 && std::abs(above.y()) < side_m / 2;
+    const double kb = optics.water.diffuse_attenuation(1) + 0.2 * optics.water.scattering(1) / sun.z();
+    const double weight = std::exp(t * (kb * way.z() - c));
+    whole += weight, lit += shaded ? 0 : weight;
+  }
+  return lit / whole;
+}
+
+// In this small picture, whose sides are 25 and 17 blocks, eight points a ray err by 0.031 in the mean and 0.083 at
+// most; shadows that four blocks share make that 0.034 and 0.114.
+TEST_F(Cameras, ShadowsInTheWaterLieWhereThePlateThrowsThem) {
+  Effects effects = Effects::none();
+  for (const Effect effect : {Effect::kAttenuation, Effect::kBackscatter, Effect::kSunlight, Effect::kShadows}) {
+    effects.set(effect, true);
+  }
+  const std::vector<float> bright = under_a_plate(4, *camera, optics, effects).radiance;
+  effects.set(Effect::kShafts, true);
+  const std::vector<float> with = under_a_plate(4, *camera, optics, effects).radiance;
+  const std::vector<float> dark = under_a_plate(400, *camera, optics, effects).radiance;
+  double error = 0, most = 0, least_lit = 1;
+  for (int v = 0; v < 67; ++v) {
+    for (int u = 0; u < 101; ++u) {
+      const auto green = static_cast<std::size_t>(3 * (101 * v + u) + 1);
+      const double share = (with[green] - dark[green]) / (bright[green] - dark[green]);
+      const double expected = lit_share({u, v}, 4, *camera, optics);
+      least_lit = std::min(least_lit, expected);
+      error += std::abs(share - expected) / (67 * 101);
+      most = std::max(most, std::abs(share - expected));
+    }
+  }
+  EXPECT_LT(least_lit, 0.6);  // there is a shadow to be seen
+  EXPECT_LT(error, 0.035);
+  EXPECT_LT(most, 0.12);
+}
+
 TEST_F(Cameras, CausticsMoveWithTimeAndNoiseWithTheTick) {
   Exposure exposure = from({-4, 0, -4}, 0.6);
   exposure.effects = Effects::none();

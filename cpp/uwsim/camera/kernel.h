@@ -134,7 +134,8 @@ struct Kernels {
   void (*light_by_lamp)(const Shot&, int lamp, Block&);
   void (*add_light)(const Shot&, const Mask& blocked, Block&);
   void (*lamp_veil)(const Shot&, int lamp, Block&);
-  void (*shaft_sample)(const Shot&, float share, Block&, Row& weight, Row& caustic);
+  void (*shaft_point)(const Shot&, float share, Block&);
+  void (*shaft_light)(const Shot&, const Block&, Row& weight, Row& caustic);
   void (*expose)(const Shot&, int left, int top, const Block&, const Film&, Row& brightness);
   void (*develop)(const Shot&, const Developing&, const Film&, int row, std::uint8_t* rgb);
 };

@@ -85,19 +85,24 @@ void lamp_veil(const Shot& shot, int index, Block& block) {
   store(block.light, select(crosses, light + added, light));
 }
 
-/// A point of each ray, at a share of what is worth sampling of it: how much its light weighs, the caustics there, and
-/// a shadow ray to the sun. The same share for all rays, so that what the surface bundles shows as shafts.
-void shaft_sample(const Shot& shot, float share, Block& block, Row& weight, Row& caustic) {
-  const Vector way = load(block.direction);
+/// A point of each ray, at a share of what is worth sampling of it, and a shadow ray to the sun. The same share for all
+/// rays, so that what the surface bundles shows as shafts.
+void shaft_point(const Shot& shot, float share, Block& block) {
   const Float t = min(load(block.reach.at), splat(3 / shot.c[1])) * share;
-  const Vector point = load(block.origin) + way * t;
+  const Vector point = load(block.origin) + load(block.direction) * t;
   const Float depth = max(shot.surface_z - (point.z + shot.camera_z), Float{});
-  store(weight.at, exponential(t * (-shot.c[1] + shot.kb[1] * way.z)));
-  store(caustic.at, shot.has_caustics ? caustic_at(shot, point) : splat(1));
+  store(block.distance.at, t);
   store(block.point, point);
   store(block.to_light, spread(shot.to_sun_wet));
   store(block.light_distance.at, depth * (1 / shot.to_sun_wet[2]) + kShadowReach_m);
   store(block.wants.at, load(block.active.at) & load(block.wet.at));
+}
+
+/// How much the light at that point weighs, and the caustics there.
+void shaft_light(const Shot& shot, const Block& block, Row& weight, Row& caustic) {
+  const Float t = load(block.distance.at);
+  store(weight.at, exponential(t * (-shot.c[1] + shot.kb[1] * load(block.direction.z.at))));
+  store(caustic.at, shot.has_caustics ? caustic_at(shot, load(block.point)) : splat(1));
 }
 
 }  // namespace

@@ -12,6 +12,8 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr int kSamples = 8;
+constexpr int kShare = 2;  // values a side that share shadow rays, and the way's end
+constexpr int kGroup = kShare * kBlockSide;
 
 class ShaftCaster {
  public:
@@ -24,23 +26,20 @@ class ShaftCaster {
         rows_((shot.height + kBlockSide - 1) / kBlockSide),
         light_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 1.0f) {}
 
-  /// Four rows of blocks at a time.
-  int strips() const { return (rows_ + kBlockSide - 1) / kBlockSide; }
+  /// Two rows of blocks of values at a time.
+  int strips() const { return (rows_ + kGroup - 1) / kGroup; }
 
   void cast(int strip, PictureCost& cost) {
     StageClock clock(exposure_.measure, cost);
-    Block block;
-    HitPacket hits;
-    for (int left = 0; left < columns_; left += kBlockSide) {
-      const int top = strip * kBlockSide;
-      // The rays of pixels (2, 2) of their blocks: the nearest to the middle.
-      kernels_.aim_shafts(shot_, left * kBlockSide + 2, top * kBlockSide + 2, kBlockSide, block);
-      tracer_.cast(block, hits, RayOrder::kCoherent);
-      cost.shaft_rays += count(block.active);
-      clock.add(kShaftRays);
-      kernels_.open_eye(shot_, block);
-      kernels_.pass_water(shot_, block);
-      sample(left, top, block, cost, clock);
+    Shadows shadows;
+    for (int left = 0; left < columns_; left += kGroup) {
+      const int top = strip * kGroup;
+      test(left, top, shadows, cost, clock);
+      for (int part = 0; part < kShare * kShare; ++part) {
+        const int x = part % kShare * kBlockSide, y = part / kShare * kBlockSide;
+        if (left + x < columns_ && top + y < rows_) sample(left + x, top + y, x, y, shadows);
+      }
+      clock.add(kWater);
     }
   }
 
@@ -59,29 +58,67 @@ class ShaftCaster {
   }
 
  private:
-  void sample(int left, int top, Block& block, PictureCost& cost, StageClock& clock) {
-    std::array<float, kBlockPixels> lit{}, whole{};
-    block.normal = {};
-    block.distance = {};
-    for (int k = 0; k < kSamples; ++k) {
-      camera::Row weight, caustic;
-      camera::Mask blocked{};
-      kernels_.shaft_sample(shot_, (static_cast<float>(k) + 0.5f) / kSamples, block, weight, caustic);
-      clock.add(kWater);
-      if (exposure_.effects.has(Effect::kShadows) && any(block.wants)) {
+  /// Of a group of values: where ways end, and what of them lies in shadow.
+  struct Shadows {
+    camera::Row distance;
+    std::array<camera::Mask, kSamples> blocked;
+  };
+
+  static float middle(int k) { return (static_cast<float>(k) + 0.5f) / kSamples; }
+
+  /// Rays of the pixels at `offset` of their blocks, at the eye.
+  void aim(int left, int top, int offset, int scale, Block& block) const {
+    kernels_.aim_shafts(shot_, left * kBlockSide + offset, top * kBlockSide + offset, scale, block);
+    kernels_.open_eye(shot_, block);
+  }
+
+  void test(int left, int top, Shadows& shadows, PictureCost& cost, StageClock& clock) const {
+    Block block;
+    HitPacket hits;
+    aim(left, top, kGroup / 2, kGroup, block);
+    tracer_.cast(block, hits, RayOrder::kCoherent);
+    cost.shaft_rays += count(block.active);
+    shadows.distance = block.distance;
+    shadows.blocked = {};
+    if (exposure_.effects.has(Effect::kShadows)) {
+      kernels_.pass_water(shot_, block);
+      block.normal = {};
+      for (int k = 0; k < kSamples; ++k) {
+        kernels_.shaft_point(shot_, middle(k), block);
+        if (!any(block.wants)) continue;
         cost.shaft_rays += count(block.wants);
-        tracer_.occluded(block, blocked, RayOrder::kCoherent);
+        tracer_.occluded(block, shadows.blocked[static_cast<std::size_t>(k)], RayOrder::kCoherent);
       }
-      clock.add(kShaftRays);
+    }
+    clock.add(kShaftRays);
+  }
+
+  /// Values from (left, top), which is (x, y) of its group.
+  void sample(int left, int top, int x, int y, const Shadows& shadows) {
+    Block block;
+    std::array<std::size_t, kBlockPixels> shared;
+    aim(left, top, kBlockSide / 2, kBlockSide, block);
+    for (int lane = 0; lane < kBlockPixels; ++lane) {
+      const int column = (x + lane % kBlockSide) / kShare, row = (y + lane / kBlockSide) / kShare;
+      shared[static_cast<std::size_t>(lane)] = static_cast<std::size_t>(row * kBlockSide + column);
+      block.distance.at[lane] = shadows.distance.at[row * kBlockSide + column];
+    }
+    kernels_.pass_water(shot_, block);
+    std::array<float, kBlockPixels> lit{}, whole{};
+    for (int k = 0; k < kSamples; ++k) {
+      const camera::Mask& blocked = shadows.blocked[static_cast<std::size_t>(k)];
+      camera::Row weight, caustic;
+      kernels_.shaft_point(shot_, middle(k), block);
+      kernels_.shaft_light(shot_, block, weight, caustic);
       for (std::size_t lane = 0; lane < kBlockPixels; ++lane) {
         whole[lane] += weight.at[lane];
-        lit[lane] += blocked.at[lane] ? 0.0f : weight.at[lane] * caustic.at[lane];
+        lit[lane] += blocked.at[shared[lane]] ? 0.0f : weight.at[lane] * caustic.at[lane];
       }
     }
     for (int lane = 0; lane < kBlockPixels; ++lane) {
-      const int x = left + lane % kBlockSide, y = top + lane / kBlockSide;
-      if (x >= columns_ || y >= rows_ || !(whole[static_cast<std::size_t>(lane)] > 0)) continue;
-      light_[static_cast<std::size_t>(y * columns_ + x)] =
+      const int i = left + lane % kBlockSide, j = top + lane / kBlockSide;
+      if (i >= columns_ || j >= rows_ || !(whole[static_cast<std::size_t>(lane)] > 0)) continue;
+      light_[static_cast<std::size_t>(j * columns_ + i)] =
           lit[static_cast<std::size_t>(lane)] / whole[static_cast<std::size_t>(lane)];
     }
   }
