@@ -158,21 +158,25 @@ def mount_turn(yaw_pitch_roll_deg: Sequence[float] | Sequence[Sequence[float]]) 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What a picture is taken of: time, poses of all vehicles and the lamps that shine."""
+    """What a picture is taken of: time, poses of all vehicles and, where they matter, the lamps that shine."""
 
     time_ns: int
     positions_m: Floats
     orientations_xyzw: Floats
+    turns: Rotation
     lamps: list[_core.LampLight]
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What cameras look at. scene: made when it is first asked for; optics: as they are now; moment: now."""
+    """What cameras look at.
+
+    scene: made when it is first asked for; optics: as they are now; moment: now, with lamps if told so.
+    """
 
     scene: Callable[[], _core.CameraScene]
     optics: Callable[[], _core.Optics]
-    moment: Callable[[], Moment]
+    moment: Callable[[bool], Moment]
     threads: int
 
 
@@ -231,8 +235,10 @@ class Camera:
         picture, _, pose = self._render(list(EFFECTS), 1, geometry_only=geometry_only, record=True)
         return picture.packets, pose[:3, 3]
 
-    def _render(self, effects: list[str], threads: int | None, **options: bool) -> tuple[_core.Picture, Moment, Floats]:
-        moment = self._stage.moment()
+    def _render(
+        self, effects: list[str], threads: int | None, *, geometry_only: bool, **options: bool
+    ) -> tuple[_core.Picture, Moment, Floats]:
+        moment = self._stage.moment(not geometry_only)
         carrier_position, carrier_turn = self._carrier(moment)
         position, turn = carrier_position + carrier_turn.apply(self.mount.position_m), carrier_turn * self._turn
         if self._core is None:
@@ -249,6 +255,7 @@ class Camera:
             moment.positions_m,
             moment.orientations_xyzw,
             self._body,
+            geometry_only=geometry_only,
             threads=self._stage.threads if threads is None else threads,
             **options,
         )

@@ -46,7 +46,7 @@ class Studio:
         spec = self._scenario.vehicles[vehicle]
 
         def carrier(moment: Moment) -> tuple[Floats, Rotation]:
-            return moment.positions_m[vehicle], Rotation.from_quat(moment.orientations_xyzw[vehicle])
+            return moment.positions_m[vehicle], moment.turns[vehicle]
 
         return {
             name: Camera(f"{spec.name}/{name}", mount, self._stage, carrier, vehicle)
@@ -90,7 +90,7 @@ class Studio:
             optics.particles_per_m3,
         )
 
-    def _moment(self) -> Moment:
+    def _moment(self, lit: bool) -> Moment:
         """All of one time, though others may step the simulation meanwhile."""
         while True:
             version = self._core.version
@@ -98,15 +98,17 @@ class Studio:
             time_ns = self._core.time_ns
             if self._core.version == version:
                 break
+        positions = np.array([state.position_world_m for state in states])
+        orientations = np.array([state.orientation_xyzw for state in states])
+        turns = Rotation.from_quat(orientations)
         lamps = [
             light
-            for state, switches in zip(states, self._lamps, strict=True)
+            for position, turn, switches in zip(positions, turns, self._lamps, strict=True)
             for lamp in switches.values()
-            if lamp.on
-            for light in lamp.lights(state.position_world_m, Rotation.from_quat(state.orientation_xyzw))
+            if lit and lamp.on
+            for light in lamp.lights(position, turn)
         ]
-        positions = np.array([state.position_world_m for state in states])
-        return Moment(time_ns, positions, np.array([state.orientation_xyzw for state in states]), lamps)
+        return Moment(time_ns, positions, orientations, turns, lamps)
 
 
 def _set_look(scene: _core.CameraScene, label: int, obstacle: ObstacleSpec) -> None:

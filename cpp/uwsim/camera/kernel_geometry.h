@@ -65,6 +65,9 @@ void aim(const Shot& shot, int left, int top, Block& block) {
   if (!is_whole(shot, left, top)) return aim_pixels(shot, left, top, 1, block);
   const std::size_t columns = static_cast<std::size_t>(shot.width) / kBlockSide;
   const std::size_t at = kBlockPixels * (static_cast<std::size_t>(top) / kBlockSide * columns + left / kBlockSide);
+  // Traversal in between makes the CPU forget where the tables were read.
+  __builtin_prefetch(shot.block_ray_x + at + kBlockPixels);
+  __builtin_prefetch(shot.block_ray_y + at + kBlockPixels);
   store(block.active.at, Int(-1));
   aim_at(shot, load(shot.block_ray_x + at), load(shot.block_ray_y + at), block);
 }

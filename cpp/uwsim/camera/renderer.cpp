@@ -64,7 +64,10 @@ class Rendering {
     }
     const int rows = (shot_.height + kBlockSide - 1) / kBlockSide;
     brightness_.assign(static_cast<std::size_t>(rows), 0.0);
-    for_rows(rows, threads_, [&](int row, int worker) { render_row(row, costs_[static_cast<std::size_t>(worker)]); });
+    for_rows(rows + 1, threads_, [&](int turn, int worker) {
+      PictureCost& own = costs_[static_cast<std::size_t>(worker)];
+      turn == 0 ? find_specks(own) : render_row(turn - 1, own);
+    });
     if (!exposure_.geometry_only) finish();
     if (cost != nullptr) *cost = total_cost();
     return std::move(picture_);
@@ -72,6 +75,13 @@ class Rendering {
 
  private:
   bool on(Effect effect) const { return exposure_.effects.has(effect); }
+
+  void find_specks(PictureCost& cost) {
+    if (exposure_.geometry_only) return;
+    StageClock clock(exposure_.measure, cost);
+    drifting_ = specks(scene_, camera_, optics_, exposure_, shot_);
+    clock.add(kSpecks);
+  }
 
   void render_row(int row, PictureCost& cost) {
     StageClock clock(exposure_.measure, cost);
@@ -188,6 +198,7 @@ class Rendering {
   std::array<Plane<float>, 3> planes_;
   camera::Film film_{};
   std::vector<float> shafts_;
+  std::vector<Speck> drifting_;
   std::vector<double> brightness_;  // of each row of blocks, so that their sum does not depend on who did which
 };
 
@@ -203,9 +214,6 @@ double Rendering::gain() const {
 }
 
 void Rendering::finish() {
-  StageClock clock(exposure_.measure, costs_[0]);
-  const std::vector<Speck> drifting = specks(scene_, camera_, optics_, exposure_, shot_);
-  clock.add(kSpecks);
   const ImageSensor& sensor = camera_.sensor();
   picture_.gain = gain();
   picture_.rgb.resize(3 * picture_.depth_m.size());
@@ -225,7 +233,7 @@ void Rendering::finish() {
   for_rows((shot_.height + kRows - 1) / kRows, threads_, [&](int band, int worker) {
     StageClock own(exposure_.measure, costs_[static_cast<std::size_t>(worker)]);
     const int first = band * kRows, last = std::min(shot_.height, first + kRows);
-    add_specks(drifting, picture_.depth_m, shot_, first, last, film_);
+    add_specks(drifting_, picture_.depth_m, shot_, first, last, film_);
     own.add(kSpecks);
     for (int row = first; row < last; ++row) {
       kernels_.develop(shot_, developing, film_, row, picture_.rgb.data());
