@@ -124,13 +124,15 @@ class Simulator:
         self.advance(duration_s)
 
     def save_state(self) -> bytes:
-        """All that the future depends on beside scenario and seed: motion, commands, lamps, clocks, sensors' memories.
+        """All that the future depends on beside scenario and seed.
 
-        A Simulator of the same scenario, seed and build that restores it gives the same poses and samples to the last
-        bit. What a mission or a map remembers, and the light of set_optics, is not in it.
+        That is motion, commands, clocks, sensors' memories, lamps and the light of set_optics. A Simulator of the same
+        scenario, seed and build that restores it gives the same poses, samples and pictures to the last bit. What a
+        mission or a map remembers is not in it.
         """
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
-        return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), json.dumps(lit))
+        notes = json.dumps({"lamps": lit, "optics": self.optics.model_dump(mode="json")})
+        return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
 
     def restore_state(self, state: bytes) -> None:
         """Go on from what `save_state` gave.
@@ -139,10 +141,11 @@ class Simulator:
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
-        lit = self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint())
-        for name, lamps in json.loads(lit).items():
+        notes = json.loads(self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint()))
+        for name, lamps in notes["lamps"].items():
             for lamp, on in lamps.items():
                 self.vehicles[name].lamps[lamp].on = on
+        self.set_optics(**notes["optics"])
 
     def __enter__(self) -> Self:
         return self

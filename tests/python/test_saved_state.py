@@ -64,6 +64,29 @@ def test_lamps_stay_lit() -> None:
     assert fresh.rov.lamps[lamp].on
 
 
+@pytest.mark.parametrize(
+    "light",
+    [
+        {"jerlov": "5C", "sun_elevation_deg": 12.3, "wind_m_s": 7.1},
+        {
+            "coefficients": {
+                "diffuse_attenuation": [0.5, 0.21, 0.33],
+                "absorption": [0.4, 0.1, 0.2],
+                "scattering": [0.3, 0.3, 0.31],
+            }
+        },
+    ],
+)
+def test_the_light_stays_as_it_was_set(light: dict[str, object]) -> None:
+    sim = flown()
+    sim.set_optics(**light)
+    fresh = Simulator("pool", seed=5)
+    assert fresh.optics != sim.optics
+    fresh.restore_state(sim.save_state())
+    assert fresh.optics == sim.optics
+    np.testing.assert_array_equal(fresh.rov.cameras["front"].capture().rgb, sim.rov.cameras["front"].capture().rgb)
+
+
 def test_the_same_simulator_may_go_back_in_time() -> None:
     sim = flown()
     state = sim.save_state()
