@@ -181,6 +181,7 @@ void bind_camera_parts(py::module_& m) {
   py::class_<Camera, std::shared_ptr<Camera>>(m, "Camera", "Lens and sensor. Raises ValueError that names the figure.")
       .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
                        double vignetting, double wobble_rad) {
+             const py::gil_scoped_release unlocked;  // tables of rays take a while
              return std::make_shared<Camera>(std::move(name), lens,
                                              ImageSensor{exposure, full_well, read_noise, vignetting, wobble_rad});
            }),

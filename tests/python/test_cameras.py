@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -101,6 +102,17 @@ def test_captures_from_several_threads_are_each_the_same_frame(pool: Simulator) 
     for worker in workers:
         worker.join()
     assert [together[k] for k in range(6)] == alone * 2
+
+
+def test_others_go_on_while_a_cameras_rays_are_worked_out() -> None:
+    lens = _core.Lens(1280, 720, 900.0, 900.0, 640.0, 360.0, [-0.12, 0.02, 0.0, 0.0, 0.0])
+    maker = threading.Thread(target=_core.Camera, args=("large", lens))
+    turns = 0
+    maker.start()
+    while maker.is_alive():
+        time.sleep(0.001)
+        turns += 1
+    assert turns > 10
 
 
 def test_lamps_light_by_the_name_of_their_switch(pool: Simulator) -> None:
