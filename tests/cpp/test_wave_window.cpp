@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,8 @@ TEST(WaveField, HeightsAreThoseThatVehiclesFeel) {
     const WaveField field(water, centre, time_s);
     const camera::WaveWindow window = field.window();
     ASSERT_NE(window.cells, nullptr);
+    const WaveField shared(water, centre, time_s, 3);
+    EXPECT_TRUE(std::equal(window.cells, window.cells + 3 * window.side * window.side, shared.window().cells));
     for (int j = 0; j < window.side; j += 17) {
       for (int i = 0; i < window.side; i += 13) {
         const double x = centre.x() + window.left + i * window.spacing;

@@ -40,7 +40,7 @@ PreparedShot::PreparedShot(const CameraScene& scene, const Camera& camera, const
   shot.camera_wet = in_water_world && shot.camera_z < shot.surface_z;
   shot.has_surface = on.has(Effect::kSurface);
   if (in_water_world && !exposure.geometry_only) {
-    shot.waves = waves_.emplace(scene.world().water, anchor_world_m, exposure.time_s).window();
+    shot.waves = waves_.emplace(scene.world().water, anchor_world_m, exposure.time_s, exposure.threads).window();
   }
   fill_water(optics, on);
   const bool rippled =

@@ -1,35 +1,70 @@
 #include "uwsim/camera/wave_window.h"
 
+#include <array>
 #include <cmath>
 #include <complex>
 
-namespace uwsim {
+#include "uwsim/camera/parts.h"
 
-/// Each wave is a turn e^(i phase) that is carried from node to node by a constant turn.
-WaveField::WaveField(const Water& water, const Eigen::Vector3d& centre, double time_s) {
+namespace uwsim {
+namespace {
+
+constexpr int kSide = WaveField::kSide;
+using Turn = std::complex<double>;
+using Row = std::array<double, kSide>;
+
+/// A wave along a row of nodes: its turn at the row's first node, times these.
+struct Train {
+  WaveComponent wave;
+  double kx, ky;
+  Row cosine, sine;
+};
+
+Train train_of(const WaveComponent& wave, const Water& water, double spacing_m) {
+  const double k = wave_number_rad_m(wave.angular_frequency_rad_s, water.waves->depth_m(), water.gravity_m_s2);
+  Train train{wave, k * std::cos(wave.heading_rad), k * std::sin(wave.heading_rad), {}, {}};
+  for (int i = 0; i < kSide; ++i) {
+    train.cosine[i] = std::cos(train.kx * spacing_m * i);
+    train.sine[i] = std::sin(train.kx * spacing_m * i);
+  }
+  return train;
+}
+
+/// Heights and slopes of one row: [node][height, slope x, slope y].
+void sum_row(const std::vector<Train>& trains, double west_m, double north_m, double time_s, float* cells) {
+  Row height{}, slope_x{}, slope_y{};
+  for (const Train& train : trains) {
+    const WaveComponent& wave = train.wave;
+    const Turn first = std::polar(wave.amplitude_m, train.kx * west_m + train.ky * north_m -
+                                                        wave.angular_frequency_rad_s * time_s + wave.phase_rad);
+    const double c = first.real(), s = first.imag();
+    for (int i = 0; i < kSide; ++i) {
+      const double across = s * train.cosine[i] + c * train.sine[i];
+      height[i] += c * train.cosine[i] - s * train.sine[i];
+      slope_x[i] -= train.kx * across;
+      slope_y[i] -= train.ky * across;
+    }
+  }
+  for (int i = 0; i < kSide; ++i, cells += 3) {
+    cells[0] = static_cast<float>(height[i]);
+    cells[1] = static_cast<float>(slope_x[i]);
+    cells[2] = static_cast<float>(slope_y[i]);
+  }
+}
+
+}  // namespace
+
+WaveField::WaveField(const Water& water, const Eigen::Vector3d& centre, double time_s, int threads) {
   if (!water.waves) return;
   const double west = (std::floor(centre.x() / kSpacing_m) - kSide / 2) * kSpacing_m;
   const double south = (std::floor(centre.y() / kSpacing_m) - kSide / 2) * kSpacing_m;
   left_m_ = west - centre.x();
   bottom_m_ = south - centre.y();
-  std::vector<double> sums(3 * kSide * kSide, 0.0);
-  for (const WaveComponent& wave : water.waves->components()) {
-    const double k = wave_number_rad_m(wave.angular_frequency_rad_s, water.waves->depth_m(), water.gravity_m_s2);
-    const double kx = k * std::cos(wave.heading_rad), ky = k * std::sin(wave.heading_rad);
-    const std::complex<double> east = std::polar(1.0, kx * kSpacing_m);
-    for (int j = 0; j < kSide; ++j) {
-      const double phase =
-          kx * west + ky * (south + j * kSpacing_m) - wave.angular_frequency_rad_s * time_s + wave.phase_rad;
-      std::complex<double> turn = std::polar(wave.amplitude_m, phase);
-      double* node = sums.data() + 3 * j * kSide;
-      for (int i = 0; i < kSide; ++i, node += 3, turn *= east) {
-        node[0] += turn.real();
-        node[1] -= kx * turn.imag();
-        node[2] -= ky * turn.imag();
-      }
-    }
-  }
-  cells_.assign(sums.begin(), sums.end());
+  std::vector<Train> trains;
+  for (const WaveComponent& wave : water.waves->components()) trains.push_back(train_of(wave, water, kSpacing_m));
+  cells_.resize(3 * kSide * kSide);
+  for_rows(kSide, threads,
+           [&](int j, int) { sum_row(trains, west, south + j * kSpacing_m, time_s, cells_.data() + 3 * j * kSide); });
 }
 
 camera::WaveWindow WaveField::window() const {

@@ -12,12 +12,14 @@ namespace uwsim {
 /// stay where they are as the place moves.
 class WaveField {
  public:
-  WaveField(const Water& water, const Eigen::Vector3d& centre_world_m, double time_s);
+  static constexpr int kSide = 128;
+
+  /// The same whatever the number of threads.
+  WaveField(const Water& water, const Eigen::Vector3d& centre_world_m, double time_s, int threads = 1);
   /// Without cells where the water is still.
   camera::WaveWindow window() const;
 
  private:
-  static constexpr int kSide = 128;
   static constexpr double kSpacing_m = 0.5;
   std::vector<float> cells_;
   double left_m_ = 0, bottom_m_ = 0;  // relative to the centre
