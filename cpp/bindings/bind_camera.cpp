@@ -189,6 +189,17 @@ void bind_camera_parts(py::module_& m) {
            py::arg("full_well") = ImageSensor{}.full_well, py::arg("read_noise") = ImageSensor{}.read_noise,
            py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = ImageSensor{}.wobble_rad)
       .def_property_readonly("name", &Camera::name);
+  m.def(
+      "mounted",
+      [](const py::object& position_m, const py::object& orientation_xyzw, const py::object& mount_position_m,
+         const py::object& mount_orientation_xyzw) {
+        const Pose pose = as_pose(position_m, orientation_xyzw, "carrier") *
+                          as_pose(mount_position_m, mount_orientation_xyzw, "mount");
+        return std::tuple(pose.position_m, Eigen::Vector4d(pose.orientation.coeffs()), pose.matrix());
+      },
+      py::arg("position_m"), py::arg("orientation_xyzw"), py::arg("mount_position_m"),
+      py::arg("mount_orientation_xyzw"),
+      "Pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).");
   py::class_<Lamp>(m, "LampLight", "A spot lamp that shines along its x; irradiance 1 is taken as 1e5 lx.")
       .def(py::init([](const py::object& position_m, const py::object& orientation_xyzw, double flux_lm,
                        double half_angle_rad, double soft_share, const py::object& colour) {

@@ -76,6 +76,7 @@ __all__: list[str] = [
     "ground_plane",
     "jerlov_types",
     "material_names",
+    "mounted",
     "multibeam_model",
     "nadir_area_m2",
     "nadir_snr_db",
@@ -2317,6 +2318,20 @@ def jerlov_types() -> list[str]:
     """
 
 def material_names() -> list[str]: ...
+def mounted(
+    position_m: typing.Any,
+    orientation_xyzw: typing.Any,
+    mount_position_m: typing.Any,
+    mount_orientation_xyzw: typing.Any,
+) -> tuple[
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"],
+]:
+    """
+    Pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).
+    """
+
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.

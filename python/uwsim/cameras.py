@@ -126,8 +126,7 @@ class Lamp:
         self.name = name
         self.spec = spec
         self._on = False
-        self._positions_m = np.array([spot.position_m for spot in spec.spots])
-        self._turns = mount_turn([spot.yaw_pitch_roll_deg for spot in spec.spots])
+        self._turns = [mount_turn(spot.yaw_pitch_roll_deg) for spot in spec.spots]
 
     @property
     def on(self) -> bool:
@@ -140,20 +139,19 @@ class Lamp:
             raise ValueError(f"lamp '{self.name}': on = {value!r}: must be True or False")
         self._on = bool(value)
 
-    def lights(self, position_m: Floats, turn: Rotation) -> list[_core.LampLight]:
+    def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.LampLight]:
         """As the renderer takes them, from where the vehicle is."""
-        spec = self.spec
-        positions, turns = position_m + turn.apply(self._positions_m), (turn * self._turns).as_quat()
-        half = float(np.radians(spec.half_angle_deg))
-        return [
-            _core.LampLight(position, orientation, spec.flux_lm, half, spec.soft_share, spec.colour)
-            for position, orientation in zip(positions, turns, strict=True)
-        ]
+        spec, half, lights = self.spec, float(np.radians(self.spec.half_angle_deg)), []
+        for spot, turn in zip(spec.spots, self._turns, strict=True):
+            position, orientation, _ = _core.mounted(position_m, orientation_xyzw, spot.position_m, turn)
+            lights.append(_core.LampLight(position, orientation, spec.flux_lm, half, spec.soft_share, spec.colour))
+        return lights
 
 
-def mount_turn(yaw_pitch_roll_deg: Sequence[float] | Sequence[Sequence[float]]) -> Rotation:
-    """From what is mounted to what carries it."""
-    return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True)
+def mount_turn(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
+    """From what is mounted to what carries it, (4,) as x, y, z, w."""
+    turn: Floats = Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()
+    return turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +161,6 @@ class Moment:
     time_ns: int
     positions_m: Floats
     orientations_xyzw: Floats
-    turns: Rotation
     lamps: list[_core.LampLight]
 
 
@@ -192,7 +189,7 @@ class Camera:
         name: str,
         mount: CameraMount,
         stage: Stage,
-        carrier: Callable[[Moment], tuple[Floats, Rotation]],
+        carrier: Callable[[Moment], tuple[Floats, Floats]],
         body: int | None,
     ) -> None:
         self.name = name
@@ -239,15 +236,14 @@ class Camera:
         self, effects: list[str], threads: int | None, *, geometry_only: bool, **options: bool
     ) -> tuple[_core.Picture, Moment, Floats]:
         moment = self._stage.moment(not geometry_only)
-        carrier_position, carrier_turn = self._carrier(moment)
-        position, turn = carrier_position + carrier_turn.apply(self.mount.position_m), carrier_turn * self._turn
+        position, orientation, pose = _core.mounted(*self._carrier(moment), self.mount.position_m, self._turn)
         if self._core is None:
             self._core = self._make_core()
         picture = self._stage.scene().render(
             self._core,
             self._stage.optics(),
             position,
-            turn.as_quat(),
+            orientation,
             moment.time_ns * 1e-9,
             moment.time_ns,
             effects,
@@ -259,8 +255,6 @@ class Camera:
             threads=self._stage.threads if threads is None else threads,
             **options,
         )
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = turn.as_matrix(), position
         return picture, moment, pose
 
     def _frame(self, picture: _core.Picture, scene: _core.CameraScene, time_ns: int, pose: Floats) -> Frame:

@@ -45,8 +45,8 @@ class Studio:
         """The vehicle's cameras by name."""
         spec = self._scenario.vehicles[vehicle]
 
-        def carrier(moment: Moment) -> tuple[Floats, Rotation]:
-            return moment.positions_m[vehicle], moment.turns[vehicle]
+        def carrier(moment: Moment) -> tuple[Floats, Floats]:
+            return moment.positions_m[vehicle], moment.orientations_xyzw[vehicle]
 
         return {
             name: Camera(f"{spec.name}/{name}", mount, self._stage, carrier, vehicle)
@@ -57,8 +57,8 @@ class Studio:
         """The station's cameras by name."""
         station = self._scenario.station
         turn = Rotation.from_euler("z", station.yaw_deg, degrees=True)
-        pose = np.asarray(station.position_m), turn
-        fixed: Callable[[Moment], tuple[Floats, Rotation]] = lambda moment: pose  # noqa: E731
+        pose = np.asarray(station.position_m), turn.as_quat()
+        fixed: Callable[[Moment], tuple[Floats, Floats]] = lambda moment: pose  # noqa: E731
         return {name: Camera(name, mount, self._stage, fixed, None) for name, mount in station.cameras.items()}
 
     @cached_property
@@ -100,15 +100,14 @@ class Studio:
                 break
         positions = np.array([state.position_world_m for state in states])
         orientations = np.array([state.orientation_xyzw for state in states])
-        turns = Rotation.from_quat(orientations)
         lamps = [
             light
-            for position, turn, switches in zip(positions, turns, self._lamps, strict=True)
+            for position, orientation, switches in zip(positions, orientations, self._lamps, strict=True)
             for lamp in switches.values()
             if lit and lamp.on
-            for light in lamp.lights(position, turn)
+            for light in lamp.lights(position, orientation)
         ]
-        return Moment(time_ns, positions, orientations, turns, lamps)
+        return Moment(time_ns, positions, orientations, lamps)
 
 
 def _set_look(scene: _core.CameraScene, label: int, obstacle: ObstacleSpec) -> None:
