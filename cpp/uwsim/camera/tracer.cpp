@@ -173,8 +173,10 @@ void Tracer::occluded(const Block& block, Mask& blocked, RayOrder order) const {
   RayPacket rays = packet_of(block.point, block.to_light, block.wants);
   rays.near_m.fill(kNearest_m);
   copy(rays.far_m, block.light_distance);
-  for (std::size_t k = 0; k < kPacketRays; ++k) {  // off the surface, on the eye's side
-    const float lift = 1e-3f + 2e-5f * std::abs(block.distance.at[k]);
+  // Off the surface, on the eye's side. Idle lanes, which may be at infinity, must be finite: where Embree splits
+  // packets of sixteen, for lack of AVX-512, Debian's ends the process if they are not.
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const float lift = 1e-3f + 2e-5f * std::min(block.distance.at[k], kFarthest_m);
     rays.origin_x[k] += lift * block.normal.x.at[k];
     rays.origin_y[k] += lift * block.normal.y.at[k];
     rays.origin_z[k] += lift * block.normal.z.at[k];
