@@ -32,7 +32,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
 # C++: which include lines belong to a library, and where that library may be known.
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
-    "Embree": (r"embree\d*/", r"cpp/uwsim/world/ray_(float|geometry|query|tile)\.cpp"),
+    "Embree": (r"embree\d*/", r"cpp/uwsim/world/ray_(ask|float|geometry|query|terrain|tile)\.cpp"),
     "Bullet": (r"bt\w+\.h|Bullet\w*/|LinearMath/", r"cpp/uwsim/dynamics/(convex_meeting|solid_triangles)\.cpp"),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),

@@ -37,6 +37,9 @@ struct BeamKernels {
   /// Turns hits into echoes: those under water and within range count. Logarithm and arc tangent are series in float,
   /// within 1e-6 of the true value (of the logarithm's size; radian), so that compilers vectorise the loop.
   void (*echoes)(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& echoes);
+  /// Where the echoes are in the sonar frame, (16, 3); NaN where the range is infinite.
+  void (*points)(const double* distance_m, const double* ahead, const double* aside, const float* range_m,
+                 float* points_sonar_m);
 };
 
 const BeamKernels& baseline_beam_kernels();

@@ -81,15 +81,37 @@ void echoes(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& out) {
     out.range_m[k] = heard ? range : kInfinity;
     out.incidence_rad[k] = heard ? angle : __builtin_nanf("");
     out.intensity_db[k] = heard ? level : -kInfinity;
-    valid[k] = heard;
+    valid[k] = -static_cast<std::int32_t>(heard);
   }
+#pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {
-    out.label[k] = static_cast<std::uint16_t>(valid[k] != 0 ? hits.label[k] : 0);
-    out.valid[k] = static_cast<std::uint8_t>(valid[k]);
+    out.label[k] = static_cast<std::uint16_t>(hits.label[k] & static_cast<std::uint32_t>(valid[k]));
+  }
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) out.valid[k] = static_cast<std::uint8_t>(valid[k] & 1);
+}
+
+void points(const double* distance_m, const double* ahead, const double* aside, const float* range_m, float* point) {
+  constexpr float kNone = __builtin_nanf("");
+  alignas(64) float x[kLanes], y[kLanes], z[kLanes];
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const bool heard = range_m[k] < kInfinity;
+    const auto ahead_m = static_cast<float>(distance_m[k] * ahead[k]);
+    const auto aside_m = static_cast<float>(distance_m[k] * aside[k]);
+    x[k] = heard ? ahead_m : kNone;
+    y[k] = heard ? aside_m : kNone;
+    z[k] = heard ? 0.0f : kNone;
+  }
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    point[3 * k] = x[k];
+    point[3 * k + 1] = y[k];
+    point[3 * k + 2] = z[k];
   }
 }
 
-constexpr BeamKernels kKernels{&directions, &reach, &echoes};
+constexpr BeamKernels kKernels{&directions, &reach, &echoes, &points};
 
 }  // namespace
 }  // namespace uwsim

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 
@@ -15,7 +14,6 @@ namespace uwsim {
 namespace {
 
 constexpr double kBottomStrength_db = -30;
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 double sound_speed_at(const Water& water, double z_world_m) {
   const double given_m_s = water.given_sound_speed_m_s(z_world_m);
@@ -31,6 +29,7 @@ struct PacketEchoes {
   alignas(64) std::array<float, kPacketRays> range_m, incidence_rad, intensity_db;
   alignas(64) std::array<Label, kPacketRays> label;
   alignas(64) std::array<std::uint8_t, kPacketRays> valid;
+  alignas(64) std::array<float, 3 * kPacketRays> point;
 };
 
 /// Some packets of a fan on their way from the head and back.
@@ -71,10 +70,14 @@ class FanPart {
                               rows.valid + at};
       if (full == kPacketRays) {
         kernels_.echoes(met, rule, places);
+        kernels_.points(hits.distance_m.data(), ahead + done, aside + done, places.range_m,
+                        rows.points_sonar_m + 3 * at);
       } else {
         echo_some(met, rule, full, places);
+        kernels_.points(hits.distance_m.data(), ahead + done, aside + done, echoes_.range_m.data(),
+                        echoes_.point.data());
+        std::copy_n(echoes_.point.begin(), 3 * full, rows.points_sonar_m + 3 * at);
       }
-      store_points(hits, ahead + done, aside + done, full, rows, at);
     }
   }
 
@@ -89,18 +92,6 @@ class FanPart {
     std::copy_n(echoes_.intensity_db.begin(), count, places.intensity_db);
     std::copy_n(echoes_.label.begin(), count, places.label);
     std::copy_n(echoes_.valid.begin(), count, places.valid);
-  }
-
-  static void store_points(const ExactHits& hits, const double* ahead, const double* aside, std::size_t count,
-                           const PingRows& rows, std::size_t first) {
-    float* point = rows.points_sonar_m + 3 * first;
-    const std::uint8_t* echo = rows.valid + first;
-    for (std::size_t k = 0; k < count; ++k, point += 3) {
-      const bool valid = echo[k] != 0;
-      point[0] = valid ? static_cast<float>(hits.distance_m[k] * ahead[k]) : kNone;
-      point[1] = valid ? static_cast<float>(hits.distance_m[k] * aside[k]) : kNone;
-      point[2] = valid ? 0.0f : kNone;
-    }
   }
 
   Eigen::Vector3d head_;

@@ -3,7 +3,10 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "uwsim/world/ray_terrain.h"
 
 namespace uwsim {
 namespace {
@@ -37,6 +40,31 @@ void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, c
   }
 }
 
+/// From the terrain's twin on to the terrain; as good as its plane within 0.1 degree of tangency.
+void lower_terrain(const RTCHit16& hit, double raise_m, RTCRay16& ray) {
+  constexpr float kLeastSine = 1.7e-3f;
+  const auto raise = static_cast<float>(raise_m);
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const float x = hit.Ng_x[k], y = hit.Ng_y[k], z = hit.Ng_z[k];
+    const float length = std::sqrt(x * x + y * y + z * z);
+    const float sinking = -(x * ray.dir_x[k] + y * ray.dir_y[k] + z * ray.dir_z[k]) / length;
+    const bool lowered = (hit.geomID[k] <= kTerrain) & (std::abs(sinking) > kLeastSine);
+    ray.tfar[k] = lowered ? std::max(0.0f, ray.tfar[k] + raise / sinking) : ray.tfar[k];
+  }
+}
+
+/// Embree's numbers of quads, and where on them, as ours of their triangles.
+void number_members(RTCHit16& hit) {
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    if (hit.geomID[k] > kTerrain) continue;
+    const float u = hit.u[k], v = hit.v[k];
+    hit.primID[k] = member_number(hit.geomID[k], hit.primID[k], u, v);
+    const bool second = u + v > 1;  // whose corners are the quad's second, third and fourth
+    hit.u[k] = second ? u + v - 1 : u;
+    hit.v[k] = second ? 1 - u : v;
+  }
+}
+
 }  // namespace
 
 void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,
@@ -51,6 +79,8 @@ void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vec
     detail.late = &round->rays;
   }
   intersect(tree, detail, order, rays.active.data(), packet);
+  number_members(packet.hit);
+  lower_terrain(packet.hit, surfaces.raise_m(), packet.ray);
   if (round != nullptr && round->rays.made) std::ranges::copy(packet.hit.primID, round->primitive.begin());
   std::ranges::copy(packet.hit.u, hits.u.begin());
   std::ranges::copy(packet.hit.v, hits.v.begin());

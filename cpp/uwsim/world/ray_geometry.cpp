@@ -14,13 +14,11 @@
 namespace uwsim {
 namespace {
 
-using GeometryOwner = std::unique_ptr<RTCGeometryTy, decltype(&rtcReleaseGeometry)>;
-
 /// Triangles that share no vertices: each is widened by itself.
 template <typename CornersOf>
 void attach(RTCDevice device, RTCScene tree, std::size_t count, std::uint32_t geometry_id,
             const CornersOf& corners_of) {
-  const GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE), &rtcReleaseGeometry);
+  const GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   auto* vertex = static_cast<float*>(
       rtcSetNewGeometryBuffer(owner.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count));
   auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
@@ -188,6 +186,7 @@ const ExactRays& LateRays::get() {
 }
 
 void ReleaseDevice::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+void ReleaseGeometry::operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
 void ReleaseScene::operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
 
 RayDevice make_ray_device() { return RayDevice(rtcNewDevice("verbose=0")); }
@@ -208,12 +207,7 @@ void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles) {
 
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry) {
   const Eigen::Vector3d middle = surfaces.middle_m();
-  const bool plain = geometry == TileSurfaces::kPlainTerrain;
-  attach(device, tree, surfaces.count(geometry), geometry, [&](std::uint32_t k) -> Corners {
-    if (plain && surfaces.is_crossed(k)) {  // Embree leaves out what is not finite
-      const auto nowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-      return {nowhere, nowhere, nowhere};
-    }
+  attach(device, tree, surfaces.count(geometry), geometry, [&](std::uint32_t k) {
     Corners corners = surfaces.corners(geometry, k);
     for (Eigen::Vector3d& corner : corners) corner -= middle;
     return widened(corners, surfaces.rim_m());
@@ -230,7 +224,7 @@ void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surf
 }
 
 void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& round) {
-  const GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER), &rtcReleaseGeometry);
+  const GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER));
   rtcSetGeometryUserPrimitiveCount(owner.get(), static_cast<unsigned>(round.shapes.size()));
   rtcSetGeometryUserData(owner.get(), const_cast<RoundGeometry*>(&round));
   rtcSetGeometryBoundsFunction(owner.get(), &round_bounds, nullptr);

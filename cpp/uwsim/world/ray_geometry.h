@@ -9,6 +9,7 @@
 #include "uwsim/world/tile_surfaces.h"
 
 struct RTCDeviceTy;
+struct RTCGeometryTy;
 struct RTCSceneTy;
 struct RTCRay16;
 struct RTCRayHit;
@@ -19,10 +20,14 @@ namespace uwsim {
 struct ReleaseDevice {
   void operator()(RTCDeviceTy* device) const;
 };
+struct ReleaseGeometry {
+  void operator()(RTCGeometryTy* geometry) const;
+};
 struct ReleaseScene {
   void operator()(RTCSceneTy* scene) const;
 };
 using RayDevice = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+using GeometryOwner = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
 using RayTree = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 
 /// A packet's rays in double, made when they are first asked for: most packets meet nothing round.
@@ -65,7 +70,7 @@ RayTree make_ray_tree(RTCDeviceTy* device, bool robust);
 /// Builds the tree. Throws InvalidValue when Embree cannot: it would go on with a world that has holes.
 void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles);
 
-/// Triangles widened by the tile's reach; geometry and primitive numbers are the surfaces'.
+/// A solid's triangles, widened by the tile's rim; geometry and primitive numbers are the surfaces'.
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
 /// The triangles of a mesh that rays meet as shapes; primitive numbers count within the share.
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);

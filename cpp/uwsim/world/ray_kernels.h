@@ -9,9 +9,10 @@ struct TerrainBlock {
   const float* heights_m;     ///< of the whole height field
   double origin_x, origin_y;  ///< of the whole height field [m]
   double cells_per_m;
-  double margin_cells;                             ///< how far inside its triangle a hit must lie
-  std::uint32_t row_length;                        ///< vertices in a row of the whole height field
-  std::uint32_t first_column, first_row, columns;  ///< the block, in cells
+  double margin_cells;                                   ///< how far inside its triangle a hit must lie
+  double clearance_m;                                    ///< a ray that starts so high above it starts above it
+  std::uint32_t row_length;                              ///< vertices in a row of the whole height field
+  std::uint32_t first_column, first_row, columns, rows;  ///< the block, in cells
 };
 
 /// Sixteen rays, as pointers to sixteen numbers each.
@@ -45,6 +46,8 @@ struct LaneHits {
 struct RayKernels {
   /// Whether every active ray starts within `reach_m` of the point along each axis.
   bool (*all_near)(const LaneRays& rays, const double* middle_m, double reach_m);
+  /// low[k] is 0 where active ray k starts over the block and above all corners of its cell by the clearance, else -1.
+  void (*find_low)(const TerrainBlock& block, const LaneRays& rays, std::int32_t* low);
   /// far_m a little enlarged: the exact limit is held to in double.
   void (*to_float)(const LaneRays& rays, const double* middle_m, const LaneFloats& floats);
   /// passes[k] is 0 where ray k's line stays outside an endless cylinder about an axis (point and unit direction; zero:

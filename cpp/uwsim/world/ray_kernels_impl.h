@@ -39,6 +39,33 @@ void to_float(const LaneRays& rays, const double* middle_m, const LaneFloats& fl
   }
 }
 
+/// Over the block's cell, above its highest corner by the clearance.
+bool starts_high(const TerrainBlock& block, double x_m, double y_m, double z_m) {
+  const double u = (x_m - block.origin_x) * block.cells_per_m - block.first_column;
+  const double v = (y_m - block.origin_y) * block.cells_per_m - block.first_row;
+  if (!(u >= 0 && v >= 0 && u < block.columns && v < block.rows)) return false;
+  const std::uint32_t i = block.first_column + static_cast<std::uint32_t>(u);
+  const std::uint32_t j = block.first_row + static_cast<std::uint32_t>(v);
+  const float* near = block.heights_m + j * block.row_length + i;
+  const float* next = near + block.row_length;
+  const float one = near[0] > near[1] ? near[0] : near[1], two = next[0] > next[1] ? next[0] : next[1];
+  return z_m > (one > two ? one : two) + block.clearance_m;
+}
+
+void find_low(const TerrainBlock& block, const LaneRays& rays, std::int32_t* low) {
+  const double x = rays.origin_x[0], y = rays.origin_y[0], z = rays.origin_z[0];
+  std::int32_t apart = 0;
+  for (int k = 0; k < kLanes; ++k) {
+    apart |= (rays.origin_x[k] != x) | (rays.origin_y[k] != y) | (rays.origin_z[k] != z);
+  }
+  const std::int32_t first = starts_high(block, x, y, z) ? 0 : -1;
+  for (int k = 0; k < kLanes; ++k) low[k] = first & rays.active[k];
+  if (apart == 0) return;
+  for (int k = 1; k < kLanes; ++k) {
+    low[k] = starts_high(block, rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]) ? 0 : rays.active[k];
+  }
+}
+
 void may_meet_round(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,
                     std::int32_t* passes) {
   const double px = point_m[0], py = point_m[1], pz = point_m[2], ax = axis[0], ay = axis[1], az = axis[2];
@@ -114,7 +141,7 @@ void solve(const TerrainBlock& block, const TerrainPlaces& places, const LaneRay
   }
 }
 
-constexpr RayKernels kKernels{&all_near, &to_float, &may_meet_round, &locate, &solve};
+constexpr RayKernels kKernels{&all_near, &find_low, &to_float, &may_meet_round, &locate, &solve};
 
 }  // namespace
 }  // namespace uwsim

@@ -5,17 +5,22 @@
 #include <algorithm>
 #include <limits>
 
+#include "uwsim/world/ray_terrain.h"
+
 namespace uwsim {
 namespace {
 
 constexpr double kCompany = 8;  // times the reach, within which surfaces count as near each other
+
+/// By how much more the tree's surfaces may be away than the true ones.
+double room_m(const TileSurfaces& surfaces) { return 4 * surfaces.reach_m() + surfaces.clearance_m(); }
 
 void query(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& point_world_m, double radius_m,
            RTCPointQueryFunction visit, void* user) {
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   const Eigen::Vector3f p = (point_world_m - surfaces.middle_m()).cast<float>();
-  RTCPointQuery sphere{p.x(), p.y(), p.z(), 0, static_cast<float>(radius_m + 4 * surfaces.reach_m())};
+  RTCPointQuery sphere{p.x(), p.y(), p.z(), 0, static_cast<float>(radius_m + room_m(surfaces))};
   rtcPointQuery(tree, &sphere, &context, visit, user);
 }
 
@@ -28,10 +33,12 @@ struct Search {
 
 bool try_primitive(RTCPointQueryFunctionArguments* args) {
   auto* search = static_cast<Search*>(args->userPtr);
-  const auto hit = search->surfaces->meet(args->geomID, args->primID, *search->ray);
-  if (!hit || hit->distance_m < search->from_m || hit->distance_m > search->to_m) return false;
-  if (search->best && search->best->hit.distance_m <= hit->distance_m) return false;
-  search->best = {*hit, TileSurfaces::label(args->geomID)};
+  for_each_member(args->geomID, args->primID, [&](std::uint32_t member) {
+    const auto hit = search->surfaces->meet(args->geomID, member, *search->ray);
+    if (!hit || hit->distance_m < search->from_m || hit->distance_m > search->to_m) return;
+    if (search->best && search->best->hit.distance_m <= hit->distance_m) return;
+    search->best = {*hit, TileSurfaces::label(args->geomID)};
+  });
   return false;
 }
 
@@ -44,25 +51,29 @@ struct Company {
   bool found;
 };
 
-bool find_company(RTCPointQueryFunctionArguments* args) {
-  auto* me = static_cast<Company*>(args->userPtr);
-  const bool round = me->surfaces->is_round(args->geomID);
-  if (me->round && (round || args->geomID <= kTerrain)) return false;  // exact in themselves; looked at when it is hit
+bool is_company(const Company& me, std::uint32_t geometry, std::uint32_t member) {
   Eigen::AlignedBox3d other;
-  if (round) {
-    const ShapeBounds limits = bounds(me->surfaces->shape(args->geomID, args->primID));
+  if (me.surfaces->is_round(geometry)) {
+    const ShapeBounds limits = bounds(me.surfaces->shape(geometry, member));
     other = {limits.low_m, limits.high_m};
   } else {
-    for (const Eigen::Vector3d& corner : me->surfaces->corners(args->geomID, args->primID)) {
+    for (const Eigen::Vector3d& corner : me.surfaces->corners(geometry, member)) {
       // A neighbour, or itself: the search around rims takes care of these.
-      if (args->geomID == me->geometry && std::ranges::find(me->corners, corner) != me->corners.end()) return false;
+      if (geometry == me.geometry && std::ranges::find(me.corners, corner) != me.corners.end()) return false;
       other.extend(corner);
     }
   }
-  if (!me->box.intersects(other)) return false;
-  me->found = true;
-  args->query->radius = 0;
-  return true;
+  return me.box.intersects(other);
+}
+
+bool find_company(RTCPointQueryFunctionArguments* args) {
+  auto* me = static_cast<Company*>(args->userPtr);
+  // Round shapes are exact in themselves; terrain is looked at when they are hit.
+  if (me->round && (me->surfaces->is_round(args->geomID) || args->geomID <= kTerrain)) return false;
+  for_each_member(args->geomID, args->primID,
+                  [&](std::uint32_t member) { me->found = me->found || is_company(*me, args->geomID, member); });
+  if (me->found) args->query->radius = 0;
+  return me->found;
 }
 
 /// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
@@ -94,14 +105,20 @@ struct NearestTriangle {
 bool visit_triangle(RTCPointQueryFunctionArguments* args) {
   auto* nearest = static_cast<NearestTriangle*>(args->userPtr);
   const TileSurfaces& surfaces = *nearest->surfaces;
-  if (!nearest->meshes && surfaces.is_round(args->geomID)) return false;
-  const Corners t = nearest->meshes ? surfaces.mesh_corners(args->geomID, args->primID)
-                                    : surfaces.corners(args->geomID, args->primID);
-  const double distance = (closest_on_triangle(nearest->point_world_m, t) - nearest->point_world_m).norm();
+  double distance = nearest->distance_m;
+  const auto try_triangle = [&](const Corners& t) {
+    distance = std::min(distance, (closest_on_triangle(nearest->point_world_m, t) - nearest->point_world_m).norm());
+  };
+  if (nearest->meshes) {
+    try_triangle(surfaces.mesh_corners(args->geomID, args->primID));
+  } else if (!surfaces.is_round(args->geomID)) {
+    for_each_member(args->geomID, args->primID,
+                    [&](std::uint32_t member) { try_triangle(surfaces.corners(args->geomID, member)); });
+  }
   if (!(distance < nearest->distance_m)) return false;
   nearest->distance_m = distance;
   // A hair wider than the double result, so that float rounding hides no nearer triangle.
-  args->query->radius = static_cast<float>(distance * (1 + 1e-5) + 4 * surfaces.reach_m());
+  args->query->radius = static_cast<float>(distance * (1 + 1e-5) + room_m(surfaces));
   return true;
 }
 
@@ -140,7 +157,7 @@ double nearest_triangle_m(RTCSceneTy* tree, const TileSurfaces& surfaces, bool m
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   const Eigen::Vector3f p = (point_world_m - surfaces.middle_m()).cast<float>();
-  RTCPointQuery query{p.x(), p.y(), p.z(), 0, static_cast<float>(nearest_m * (1 + 1e-5) + 4 * surfaces.reach_m())};
+  RTCPointQuery query{p.x(), p.y(), p.z(), 0, static_cast<float>(nearest_m * (1 + 1e-5) + room_m(surfaces))};
   NearestTriangle nearest{&surfaces, meshes, point_world_m, nearest_m};
   rtcPointQuery(tree, &query, &context, &visit_triangle, &nearest);
   return nearest.distance_m;

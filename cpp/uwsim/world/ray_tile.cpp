@@ -9,9 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "uwsim/world/ray_ask.h"
 #include "uwsim/world/ray_float.h"
 #include "uwsim/world/ray_geometry.h"
 #include "uwsim/world/ray_query.h"
+#include "uwsim/world/ray_terrain.h"
+#include "uwsim/world/ray_walk.h"
 
 namespace uwsim {
 namespace {
@@ -21,21 +24,6 @@ constexpr double kLeastSine = 1.7e-3;  // within 0.1 degree of tangency no one a
 constexpr int kTurns = 64;             // rims a ray may brush past before it is given up to float
 constexpr std::size_t kFew = 16;       // so many surfaces near a cell are tried one by one
 constexpr std::size_t kTogether = 4;   // packets; their heights come from memory while the next are cast
-constexpr float kFarthest = std::numeric_limits<float>::max();
-
-/// What Embree names.
-struct Named {
-  std::uint32_t geometry, primitive;
-  double distance_m;
-};
-
-TileRay ray_of(const ExactRays& rays, std::size_t lane) {
-  return {{rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]},
-          {rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]},
-          rays.far_m[lane]};
-}
-
-float at_most_float(double value) { return value < kFarthest ? static_cast<float>(value) : kFarthest; }
 
 void set_hit(ExactHits& hits, std::size_t lane, const TileHit& hit, Label label) {
   hits.distance_m[lane] = std::max(0.0, hit.distance_m);
@@ -89,7 +77,7 @@ struct RayTile::Impl {
         }
         attach_round(device, scene, round.back());
       } else {
-        attach_triangles(device, scene, surfaces, geometry);
+        (geometry > kTerrain ? attach_triangles : attach_terrain)(device, scene, surfaces, geometry);
       }
     }
     const auto& meshes = surfaces.contents().meshes;
@@ -117,89 +105,35 @@ struct RayTile::Impl {
     return std::max(kLeastSine, std::abs(normal(named, ray).dot(ray.direction_world)));
   }
 
-  std::optional<Named> cast_one(const ExactRays& rays, std::size_t lane, const TileRay& ray, double start_m,
-                                double from_m, const double* starts_m) const {
-    const Eigen::Vector3d start = ray.origin_world_m + start_m * ray.direction_world - surfaces.middle_m();
-    RTCRayHit one;
-    one.ray = {static_cast<float>(start.x()),
-               static_cast<float>(start.y()),
-               static_cast<float>(start.z()),
-               static_cast<float>(from_m - start_m),
-               static_cast<float>(ray.direction_world.x()),
-               static_cast<float>(ray.direction_world.y()),
-               static_cast<float>(ray.direction_world.z()),
-               0,
-               at_most_float((ray.far_m - start_m) * (1 + 1e-6) + 1e-6),
-               ~0u,
-               static_cast<unsigned>(lane),
-               0};
-    one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersect(scene, {&surfaces, &rays, starts_m}, one);
-    if (one.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return Named{one.hit.geomID, one.hit.primID, start_m + double{one.ray.tfar}};
-  }
+  /// How far from the point that Embree names the true hit may be.
+  double room_m(double sine) const { return 2 * surfaces.rim_m() * (1 + 1 / sine); }
 
-  /// The first of everything near a point; of terrain alone, where nothing else is near, without searching the tree.
-  std::optional<LabelledHit> first_around(std::uint32_t geometry, const Eigen::Vector3d& point, double radius,
-                                          const TileRay& ray, double from_m, double to_m) const {
-    if (geometry == TileSurfaces::kPlainTerrain) {
-      const TileSurfaces::Around around = surfaces.meet_terrain_around(point, radius, ray, from_m, to_m);
-      if (around.plain) return around.hit ? std::optional(LabelledHit{*around.hit, kTerrain}) : std::nullopt;
-    }
-    return first_hit_around(scene, surfaces, point, radius, ray, from_m, to_m);
-  }
-
-  /// The true first hit of a ray of which Embree says where it may be at the earliest.
-  void follow(const ExactRays& rays, std::size_t lane, const double* starts_m, Named named, ExactHits& hits) const {
-    const TileRay ray = ray_of(rays, lane);
-    const double start_m = starts_m ? starts_m[lane] : 0;
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const double radius = 2 * surfaces.rim_m() * (1 + 1 / sine(named, ray));
-      const Eigen::Vector3d point = ray.origin_world_m + named.distance_m * ray.direction_world;
-      const double from_m = std::max(0.0, named.distance_m - radius), to_m = named.distance_m + radius;
-      if (const auto hit = first_around(named.geometry, point, radius, ray, from_m, to_m)) {
-        return set_hit_within(hits, lane, hit->hit, hit->label, ray.far_m);
+  /// Of terrain and solid, what is first. Embree tells of a solid too early or not at all, by the rim's width, and of
+  /// the terrain too early, or by lying under its twin not at all; then the ray goes on behind.
+  void follow(const ExactRays& rays, std::size_t lane, const double* starts_m, std::optional<Named> named,
+              TerrainWalk bed, ExactHits& hits) const {
+    TileRay ray = ray_of(rays, lane);
+    const double far_m = ray.far_m;
+    for (int turn = 0; named && turn < kTurns; ++turn) {
+      if (named->geometry <= kTerrain) {
+        if (!bed.hit && named->distance_m >= bed.clear_to_m) bed = walk_terrain(surfaces, ray, named->distance_m);
+      } else {
+        const double room = room_m(sine(*named, ray));
+        const Eigen::Vector3d point = ray.origin_world_m + named->distance_m * ray.direction_world;
+        const auto hit = first_hit_around(scene, surfaces, point, room, ray, std::max(0.0, named->distance_m - room),
+                                          named->distance_m + room);
+        if (hit && !(bed.hit && bed.hit->distance_m <= hit->hit.distance_m)) {
+          return set_hit_within(hits, lane, hit->hit, hit->label, far_m);
+        }
       }
-      const auto next = cast_one(rays, lane, ray, start_m, named.distance_m + 0.5 * radius, starts_m);
-      if (!next) return set_miss(hits, lane);
-      named = *next;
+      if (bed.hit) ray.far_m = std::min(ray.far_m, bed.hit->distance_m + room_m(kLeastSine));
+      named = ask_one(scene, surfaces, rays, lane, ray, named->distance_m, starts_m);
     }
-    set_hit_within(hits, lane, {named.distance_m, normal(named, ray), false}, TileSurfaces::label(named.geometry),
-                   ray.far_m);
+    bed.hit ? set_hit_within(hits, lane, *bed.hit, kTerrain, far_m) : set_miss(hits, lane);
   }
 
   static void set_hit_within(ExactHits& hits, std::size_t lane, const TileHit& hit, Label label, double far_m) {
     hit.distance_m <= far_m ? set_hit(hits, lane, hit, label) : set_miss(hits, lane);
-  }
-
-  /// What Embree does not change.
-  static void fill_constants(RTCRayHit16& packet) {
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      packet.ray.tnear[k] = 0;
-      packet.ray.time[k] = 0;
-      packet.ray.mask[k] = ~0u;
-      packet.ray.id[k] = static_cast<unsigned>(k);
-      packet.ray.flags[k] = 0;
-    }
-  }
-
-  void fill(const ExactRays& rays, const double* starts_m, RTCRayHit16& packet) const {
-    kernels.to_float(lanes_of(rays), surfaces.middle_m().data(),
-                     {packet.ray.org_x, packet.ray.org_y, packet.ray.org_z, packet.ray.dir_x, packet.ray.dir_y,
-                      packet.ray.dir_z, packet.ray.tfar});
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-    }
-    if (starts_m == nullptr) return;
-    const Eigen::Vector3d middle = surfaces.middle_m();
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      packet.ray.org_x[k] = static_cast<float>(rays.origin_x[k] + starts_m[k] * rays.direction_x[k] - middle.x());
-      packet.ray.org_y[k] = static_cast<float>(rays.origin_y[k] + starts_m[k] * rays.direction_y[k] - middle.y());
-      packet.ray.org_z[k] = static_cast<float>(rays.origin_z[k] + starts_m[k] * rays.direction_z[k] - middle.z());
-      packet.ray.tfar[k] = at_most_float((rays.far_m[k] - starts_m[k]) * (1 + 1e-6) + 1e-6);
-    }
   }
 
   /// Embree's answer to a packet, and where the heights of its terrain triangles are.
@@ -209,26 +143,39 @@ struct RayTile::Impl {
     TerrainPlaces places;
     ExactHits round;
     bool any_terrain;
+    std::uint32_t low;  ///< lanes that do not start clearly above the terrain, one a bit
   };
 
+  void find_low(const ExactRays& rays, const double* starts_m, Answer& answer) const {
+    alignas(64) std::array<std::int32_t, kPacketRays> low;
+    starts_m == nullptr ? kernels.find_low(block, lanes_of(rays), low.data()) : low.fill(-1);
+    answer.low = 0;
+    for (std::size_t k = 0; k < kPacketRays; ++k)
+      answer.low |= static_cast<std::uint32_t>(low[k] & rays.active[k] & 1) << k;
+  }
+
   void ask(RTCRayHit16& packet, const ExactRays& rays, const double* starts_m, Answer& answer) const {
-    fill(rays, starts_m, packet);
+    fill(surfaces, rays, starts_m, packet);
+    answer.low = 0;
+    if (block.heights_m != nullptr) find_low(rays, starts_m, answer);
     intersect(scene, {&surfaces, &rays, starts_m, &answer.round}, RayOrder::kCoherent, rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
     std::int32_t any = 0;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const std::int32_t plain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain ? -1 : 0;
-      triangles[k] = packet.hit.primID[k] & static_cast<std::uint32_t>(plain);
+      const std::uint32_t second = packet.hit.u[k] + packet.hit.v[k] > 1 ? 1 : 0;
+      const std::uint32_t triangle = 2 * packet.hit.primID[k] + second;
+      triangles[k] = triangle & static_cast<std::uint32_t>(plain);
+      answer.primitive[k] = packet.hit.geomID[k] > kTerrain ? packet.hit.primID[k] : triangle;
       answer.places.wanted[k] = plain;
       any |= plain;
     }
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       if (packet.hit.geomID[k] != TileSurfaces::kCrossedTerrain) continue;
-      triangles[k] = surfaces.plain_number(packet.hit.primID[k]);
+      triangles[k] = surfaces.plain_number(answer.primitive[k]);
       any = answer.places.wanted[k] = -1;
     }
     std::copy_n(packet.hit.geomID, kPacketRays, answer.geometry.begin());
-    std::copy_n(packet.hit.primID, kPacketRays, answer.primitive.begin());
     std::copy_n(packet.ray.tfar, kPacketRays, answer.distance_m.begin());
     answer.any_terrain = any != 0;
     if (answer.any_terrain) kernels.locate(block, triangles.data(), answer.places);
@@ -244,7 +191,7 @@ struct RayTile::Impl {
       met.fill(0);
       set_all_missed(hits);
     }
-    std::uint32_t left = 0;  // lanes that are not done, one a bit
+    std::uint32_t left = answer.low;  // lanes that are not done, one a bit
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const std::uint32_t geometry = answer.geometry[k];
       const bool plain = (geometry == TileSurfaces::kPlainTerrain) & (met[k] != 0);
@@ -260,18 +207,28 @@ struct RayTile::Impl {
   void conclude_lane(const Answer& answer, const ExactRays& rays, const double* starts_m, std::size_t lane,
                      bool met_terrain, ExactHits& hits) const {
     const std::uint32_t geometry = answer.geometry[lane], primitive = answer.primitive[lane];
-    if (geometry == TileSurfaces::kCrossedTerrain && met_terrain && surfaces.company(primitive).size() <= kFew) {
+    const double start_m = starts_m != nullptr ? starts_m[lane] : 0;
+    std::optional<Named> named;
+    if (geometry != RTC_INVALID_GEOMETRY_ID) named = {geometry, primitive, start_m + double{answer.distance_m[lane]}};
+    TerrainWalk bed;
+    bed.clear_to_m = 0;
+    if ((answer.low >> lane & 1) != 0) {
+      bed = walk_terrain(surfaces, ray_of(rays, lane), start_m);
+      if (bed.set_out) return follow(rays, lane, starts_m, named, bed, hits);
+    }
+    if (!named) return;
+    if (geometry == TileSurfaces::kPlainTerrain && met_terrain) {
+      hits.label[lane] = kTerrain;
+    } else if (geometry == TileSurfaces::kCrossedTerrain && met_terrain && surfaces.company(primitive).size() <= kFew) {
       hits.label[lane] = kTerrain;
       yield_to_company(rays, lane, primitive, hits);
-    } else if (surfaces.is_round(geometry) && crowded[geometry][primitive] == 0 &&
-               !under_terrain(rays, lane, answer.round.distance_m[lane])) {
+    } else if (surfaces.is_round(geometry) && crowded[geometry][primitive] == 0) {
       const ExactHits& round = answer.round;
       const Eigen::Vector3d normal(round.normal_x[lane], round.normal_y[lane], round.normal_z[lane]);
       set_hit_within(hits, lane, {round.distance_m[lane], normal, true}, TileSurfaces::label(geometry),
                      rays.far_m[lane]);
     } else {
-      const double start_m = starts_m != nullptr ? starts_m[lane] : 0;
-      settle(rays, lane, starts_m, {geometry, primitive, start_m + double{answer.distance_m[lane]}}, hits);
+      settle(rays, lane, starts_m, *named, bed, hits);
     }
   }
 
@@ -308,18 +265,8 @@ struct RayTile::Impl {
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const std::uint32_t geometry = hits.label[k];
       if (rays.active[k] == 0 || geometry <= kTerrain || !surfaces.is_round(geometry)) continue;
-      const bool alone = crowded[geometry][answer.primitive[k]] == 0;
-      if (alone && !under_terrain(answer.rays.exact, k, answer.hits.distance_m[k])) hits.settled[k] = -1;
+      if (crowded[geometry][answer.primitive[k]] == 0) hits.settled[k] = -1;
     }
-  }
-
-  /// Then a ray from above has met the terrain before, if by less than float tells.
-  bool under_terrain(const ExactRays& rays, std::size_t lane, double distance_m) const {
-    const auto& terrain = surfaces.world().terrain();
-    if (!terrain) return false;
-    const TileRay ray = ray_of(rays, lane);
-    const Eigen::Vector3d point = ray.origin_world_m + distance_m * ray.direction_world;
-    return point.z() < terrain->height_at(point.x(), point.y());
   }
 
   /// Float may have taken terrain for first that something else is before by less than its error.
@@ -333,18 +280,20 @@ struct RayTile::Impl {
     }
   }
 
-  /// A hit on a solid's triangle, or not well inside one of plain terrain.
-  void settle(const ExactRays& rays, std::size_t lane, const double* starts_m, const Named& named,
+  /// A hit on a solid's triangle, or on the terrain's twin not above the triangle that the ray then meets.
+  void settle(const ExactRays& rays, std::size_t lane, const double* starts_m, const Named& named, TerrainWalk bed,
               ExactHits& hits) const {
-    if (named.geometry > kTerrain && !surfaces.is_round(named.geometry) &&
-        crowded[named.geometry][named.primitive] == 0) {
-      const TileRay ray = ray_of(rays, lane);
+    const TileRay ray = ray_of(rays, lane);
+    if (named.geometry <= kTerrain) {
+      bed = walk_terrain(surfaces, ray, named.distance_m);
+      if (bed.hit && !bed.crossed) return set_hit_within(hits, lane, *bed.hit, kTerrain, ray.far_m);
+    } else if (!surfaces.is_round(named.geometry) && crowded[named.geometry][named.primitive] == 0) {
       const auto hit = surfaces.meet(named.geometry, named.primitive, ray);
       if (hit && hit->clear_of_edges && hit->distance_m >= 0) {
         return set_hit_within(hits, lane, *hit, TileSurfaces::label(named.geometry), ray.far_m);
       }
     }
-    follow(rays, lane, starts_m, named, hits);
+    follow(rays, lane, starts_m, named, bed, hits);
   }
 };
 

@@ -15,14 +15,16 @@ namespace uwsim {
 
 /// A piece of the world, some 1 km wide at most, as Embree sees it: ROBUST, in float about the piece's own middle.
 ///
-/// Float errs by up to 1e-6 of the tile's size. So each triangle is handed to Embree widened by more than that: a ray
-/// that truly meets a triangle meets its widened twin. What Embree names first is solved again in double. Where that
-/// point lies on the rim or outside, or where other surfaces come near, everything within reach of the error is tried
-/// in double and the true first hit taken; where there is none, the ray goes on behind it.
+/// Float errs by up to 1e-6 of the tile's size. So the terrain is handed to Embree raised by more than that, as a
+/// whole: a ray from above that truly meets it has met its twin before. From there, or from its start where that does
+/// not lie clearly above, the ray is followed in double, mostly to the triangle below. Each triangle of a solid is
+/// widened: a ray that truly meets it meets its widened twin. It is solved again in double. Where the ray meets the
+/// rim, or where other surfaces come near, everything within reach of the error is tried in double and the true first
+/// hit taken; where there is none, the ray goes on behind it.
 ///
 /// Two cases are left to float's error, 1e-6 of half the tile's diagonal (which huge triangles make longer): a ray that
-/// starts that close before a surface may pass it, and so may one that meets a sliver some such times as wide, and that
-/// nothing adjoins.
+/// starts that close before a solid's triangle may pass it, and so may one that meets a sliver of a solid some such
+/// times as wide, and that nothing adjoins.
 class RayTile {
  public:
   /// Throws InvalidValue when Embree cannot build its tree.

@@ -10,7 +10,7 @@ namespace {
 constexpr double kFloatError = 1e-6;  // of half the tile's diagonal: some sixteen units in the last place
 constexpr double kLeastReach_m = 1e-8;
 constexpr double kSharpest = 8;   // how many times the rim a corner may move
-constexpr double kSeam = 1e-10;   // barycentric: what double leaves open between neighbours
+constexpr double kWithin = 1e-9;  // cells: what double leaves open
 constexpr double kCrossing = 16;  // times the reach, within which surfaces count as near each other
 
 Eigen::AlignedBox3d box_of(const RoundShape& shape) {
@@ -83,6 +83,9 @@ void TileSurfaces::measure() {
     for (std::uint32_t i = 0; i <= contents_.columns; ++i) {
       box_.extend(
           world_.terrain()->vertex((contents_.first_row + j) * world_.terrain()->nx() + contents_.first_column + i));
+      if (i < contents_.columns && j < contents_.rows) {
+        steepest_ = std::max({steepest_, steepness(i, j, 1), steepness(i + 1, j + 1, -1)});
+      }
     }
   }
   for (const TileContents::Share& share : contents_.solids) {
@@ -100,6 +103,37 @@ void TileSurfaces::measure() {
   reach_m_ = std::max(kLeastReach_m, kFloatError * 0.5 * diagonal_m_);
   box_.min().array() -= 2 * kSharpest * rim_m();
   box_.max().array() += 2 * kSharpest * rim_m();
+}
+
+/// Of the triangle with its right angle at a vertex of the block, its sides along the rows and columns running up (side
+/// 1) or down (-1): length of the normal whose height is 1.
+double TileSurfaces::steepness(std::uint32_t column, std::uint32_t row, int side) const {
+  const Heightfield& terrain = *world_.terrain();
+  const float* here =
+      &terrain.heights_m()[(contents_.first_row + row) * terrain.nx() + contents_.first_column + column];
+  const double x = (double{here[side]} - *here) / terrain.spacing_m();
+  const double y = (double{here[side * static_cast<std::ptrdiff_t>(terrain.nx())]} - *here) / terrain.spacing_m();
+  return std::sqrt(1 + x * x + y * y);
+}
+
+double TileSurfaces::steepest_at(std::uint32_t column, std::uint32_t row) const {
+  double most = 1;
+  const bool left = column > 0, right = column<contents_.columns, below = row> 0, above = row < contents_.rows;
+  if (right && above) most = std::max(most, steepness(column, row, 1));
+  if (left && below) most = std::max(most, steepness(column, row, -1));
+  if (left && above) most = std::max({most, steepness(column - 1, row, 1), steepness(column, row + 1, -1)});
+  if (right && below) most = std::max({most, steepness(column, row - 1, 1), steepness(column + 1, row, -1)});
+  return most;
+}
+
+Eigen::Vector3d TileSurfaces::raised_vertex_m(std::uint32_t column, std::uint32_t row) const {
+  const auto outward = [](std::uint32_t at, std::uint32_t last) { return at == 0 ? -1.0 : at == last ? 1.0 : 0.0; };
+  Eigen::Vector3d move(outward(column, contents_.columns), outward(row, contents_.rows), 0);
+  // Outward is downward where the terrain falls that way; that is made up for.
+  const double steep = steepest_at(column, row), slope = std::sqrt(steep * steep - 1);
+  move.z() = steep + slope * (std::abs(move.x()) + std::abs(move.y()));
+  const std::size_t number = (contents_.first_row + row) * world_.terrain()->nx() + contents_.first_column + column;
+  return world_.terrain()->vertex(number) - middle_m_ + raise_m() * move;
 }
 
 void TileSurfaces::find_crossings() {
@@ -199,60 +233,19 @@ std::optional<TileHit> TileSurfaces::meet(std::uint32_t geometry, std::uint32_t 
   return hit ? std::optional(TileHit{hit->distance_m, hit->normal_world, true}) : std::nullopt;
 }
 
-TileSurfaces::Around TileSurfaces::meet_terrain_around(const Eigen::Vector3d& point_world_m, double radius_m,
-                                                       const TileRay& ray, double from_m, double to_m) const {
-  const Heightfield& terrain = *world_.terrain();
-  const double scale = 1 / terrain.spacing_m();
-  const auto cell = [&](double at_m, double origin_m, std::uint32_t first, std::uint32_t count) {
-    return first + static_cast<std::size_t>(std::clamp((at_m - origin_m) * scale - first, 0.0, count - 1.0));
-  };
-  const auto column = [&](double x) {
-    return cell(x, terrain.origin_m().x(), contents_.first_column, contents_.columns);
-  };
-  const auto row = [&](double y) { return cell(y, terrain.origin_m().y(), contents_.first_row, contents_.rows); };
-  const std::size_t last_row = row(point_world_m.y() + radius_m), last_column = column(point_world_m.x() + radius_m);
-  Around around{true, {}};
-  double nearest_m = to_m, slope_x = 0, slope_y = 0;  // slopes in metres a cell, as in the kernel
-  for (std::size_t j = row(point_world_m.y() - radius_m); j <= last_row; ++j) {
-    for (std::size_t i = column(point_world_m.x() - radius_m); i <= last_column; ++i) {
-      if (is_crossed_[(j - contents_.first_row) * contents_.columns + i - contents_.first_column] != 0) {
-        return {false, {}};
-      }
-      for (const int side : {1, -1}) {
-        const std::size_t u = side > 0 ? i : i + 1, v = side > 0 ? j : j + 1;
-        const float* here = &terrain.heights_m()[v * terrain.nx() + u];
-        const double gx = side * (double{here[side]} - *here);
-        const double gy = side * (double{here[side * static_cast<std::ptrdiff_t>(terrain.nx())]} - *here);
-        const double x = (ray.origin_world_m.x() - terrain.origin_m().x()) * scale - static_cast<double>(u);
-        const double y = (ray.origin_world_m.y() - terrain.origin_m().y()) * scale - static_cast<double>(v);
-        const double dx = ray.direction_world.x() * scale, dy = ray.direction_world.y() * scale;
-        const double distance_m =
-            (*here + gx * x + gy * y - ray.origin_world_m.z()) / (ray.direction_world.z() - gx * dx - gy * dy);
-        if (!(distance_m >= from_m && distance_m <= nearest_m)) continue;
-        const double a = side * (x + distance_m * dx), b = side * (y + distance_m * dy);
-        if (a < -kSeam || b < -kSeam || a + b > 1 + kSeam) continue;
-        nearest_m = distance_m;
-        slope_x = gx * scale;
-        slope_y = gy * scale;
-        around.hit = TileHit{distance_m, {}, false};
-      }
-    }
-  }
-  if (around.hit) around.hit->normal_world = Eigen::Vector3d(-slope_x, -slope_y, 1).normalized();
-  return around;
-}
-
 TerrainBlock TileSurfaces::terrain_block() const {
   const Heightfield& terrain = *world_.terrain();
   return {terrain.heights_m().data(),
           terrain.origin_m().x(),
           terrain.origin_m().y(),
           1 / terrain.spacing_m(),
-          reach_m_ / terrain.spacing_m(),
+          kWithin,
+          clearance_m(),
           static_cast<std::uint32_t>(terrain.nx()),
           contents_.first_column,
           contents_.first_row,
-          contents_.columns};
+          contents_.columns,
+          contents_.rows};
 }
 
 }  // namespace uwsim

@@ -37,6 +37,8 @@ struct TileHit {
   bool clear_of_edges;  ///< by more than the tile's `reach_m`
 };
 
+inline constexpr double kSeam = 1e-10;  ///< barycentric: what double leaves open between neighbours
+
 using Corners = std::array<Eigen::Vector3d, 3>;
 
 /// A tile's surfaces in double, numbered as the ray tree numbers them: by geometry, then by primitive.
@@ -58,6 +60,13 @@ class TileSurfaces {
   /// By how much triangles are widened for the ray tree. At grazing incidence a ray's error grows along the surface, so
   /// it is several times the reach: enough down to about a degree, and in practice below.
   double rim_m() const { return kRim * reach_m_; }
+  /// How far off the terrain its twin in the ray tree is, measured across.
+  double raise_m() const { return kRaise * reach_m_; }
+  /// Where that has a vertex of the block (column and row), about the middle: higher, by so much as takes it off the
+  /// steepest triangle there; at the block's edges wider too.
+  Eigen::Vector3d raised_vertex_m(std::uint32_t column, std::uint32_t row) const;
+  /// A ray that is so high above the terrain is above its twin, too.
+  double clearance_m() const { return 4 * raise_m() * steepest_; }
 
   std::size_t count(std::uint32_t geometry) const;
   bool is_round(std::uint32_t geometry) const;
@@ -87,24 +96,17 @@ class TileSurfaces {
   /// Where a ray meets one triangle or shape, its edges included.
   std::optional<TileHit> meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const;
 
-  /// The first of the plain terrain's triangles around a point that a ray meets between two distances; whether nothing
-  /// but plain terrain lies there.
-  struct Around {
-    bool plain;
-    std::optional<TileHit> hit;
-  };
-  Around meet_terrain_around(const Eigen::Vector3d& point_world_m, double radius_m, const TileRay& ray, double from_m,
-                             double to_m) const;
-
   TerrainBlock terrain_block() const;
 
  private:
-  static constexpr double kRim = 4;
+  static constexpr double kRim = 4, kRaise = 0.5;
 
   const TileContents::Share& share(std::uint32_t geometry) const;
   std::uint32_t other_number(std::uint32_t geometry, std::uint32_t primitive) const;
   std::uint32_t terrain_number(std::uint32_t plain_triangle) const;
   void measure();
+  double steepness(std::uint32_t column, std::uint32_t row, int side) const;
+  double steepest_at(std::uint32_t column, std::uint32_t row) const;
   void find_crossings();
   void add_cells_near(const Member& member, std::vector<std::pair<std::uint32_t, Member>>& found) const;
 
@@ -118,6 +120,7 @@ class TileSurfaces {
   Eigen::AlignedBox3d box_;
   Eigen::Vector3d middle_m_;
   double diagonal_m_ = 0, reach_m_ = 0;
+  double steepest_ = 1;                   // of the terrain's triangles, see steepness()
   bool whole_terrain_ = false;            // its numbers are the world's
   std::vector<std::uint8_t> is_crossed_;  // by cell of the block
   std::vector<Crossing> crossings_;
