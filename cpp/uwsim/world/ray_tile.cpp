@@ -149,9 +149,10 @@ struct RayTile::Impl {
   void find_low(const ExactRays& rays, const double* starts_m, Answer& answer) const {
     alignas(64) std::array<std::int32_t, kPacketRays> low;
     starts_m == nullptr ? kernels.find_low(block, lanes_of(rays), low.data()) : low.fill(-1);
+    std::int32_t any = 0;
+    for (std::size_t k = 0; k < kPacketRays; ++k) any |= low[k] &= rays.active[k];
     answer.low = 0;
-    for (std::size_t k = 0; k < kPacketRays; ++k)
-      answer.low |= static_cast<std::uint32_t>(low[k] & rays.active[k] & 1) << k;
+    for (std::size_t k = 0; any != 0 && k < kPacketRays; ++k) answer.low |= static_cast<std::uint32_t>(low[k] & 1) << k;
   }
 
   void ask(RTCRayHit16& packet, const ExactRays& rays, const double* starts_m, Answer& answer) const {
@@ -160,7 +161,7 @@ struct RayTile::Impl {
     if (block.heights_m != nullptr) find_low(rays, starts_m, answer);
     intersect(scene, {&surfaces, &rays, starts_m, &answer.round}, RayOrder::kCoherent, rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
-    std::int32_t any = 0;
+    std::int32_t any = 0, crossed = 0;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const std::int32_t plain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain ? -1 : 0;
       const std::uint32_t second = packet.hit.u[k] + packet.hit.v[k] > 1 ? 1 : 0;
@@ -169,8 +170,9 @@ struct RayTile::Impl {
       answer.primitive[k] = packet.hit.geomID[k] > kTerrain ? packet.hit.primID[k] : triangle;
       answer.places.wanted[k] = plain;
       any |= plain;
+      crossed |= packet.hit.geomID[k] == TileSurfaces::kCrossedTerrain ? -1 : 0;
     }
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
+    for (std::size_t k = 0; crossed != 0 && k < kPacketRays; ++k) {
       if (packet.hit.geomID[k] != TileSurfaces::kCrossedTerrain) continue;
       triangles[k] = surfaces.plain_number(answer.primitive[k]);
       any = answer.places.wanted[k] = -1;
@@ -191,13 +193,16 @@ struct RayTile::Impl {
       met.fill(0);
       set_all_missed(hits);
     }
-    std::uint32_t left = answer.low;  // lanes that are not done, one a bit
+    alignas(64) std::array<std::int32_t, kPacketRays> open;  // lanes that are not done
+    std::int32_t any = 0;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const std::uint32_t geometry = answer.geometry[k];
-      const bool plain = (geometry == TileSurfaces::kPlainTerrain) & (met[k] != 0);
-      hits.label[k] = plain ? kTerrain : kNothing;
-      left |= static_cast<std::uint32_t>(!plain & (geometry != RTC_INVALID_GEOMETRY_ID)) << k;
+      const std::int32_t plain = (geometry == TileSurfaces::kPlainTerrain ? -1 : 0) & met[k];
+      hits.label[k] = static_cast<std::uint32_t>(plain) & std::uint32_t{kTerrain};
+      any |= open[k] = ~plain & (geometry == RTC_INVALID_GEOMETRY_ID ? 0 : -1);
     }
+    std::uint32_t left = answer.low;  // the same, one a bit
+    for (std::size_t k = 0; any != 0 && k < kPacketRays; ++k) left |= static_cast<std::uint32_t>(open[k] & 1) << k;
     for (; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       conclude_lane(answer, rays, starts_m, lane, met[lane] != 0, hits);

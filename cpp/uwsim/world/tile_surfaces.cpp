@@ -154,7 +154,7 @@ void TileSurfaces::find_crossings() {
 
 void TileSurfaces::add_cells_near(const Member& member, std::vector<std::pair<std::uint32_t, Member>>& found) const {
   const bool round = is_round(member.geometry);
-  const double room = kCrossing * reach_m_;
+  const double room = kCrossing * reach_m_ + clearance_m();
   Eigen::AlignedBox3d solid =
       round ? box_of(shape(member.geometry, member.primitive)) : box_of(corners(member.geometry, member.primitive));
   solid.min().array() -= room;
