@@ -35,6 +35,12 @@ struct TerrainPlaces {
   alignas(64) std::int32_t column[16], row[16];
 };
 
+/// What Embree names of sixteen rays: geometries, primitives and where on these.
+struct NamedLanes {
+  const std::uint32_t *geometry, *primitive;
+  const float *u, *v;
+};
+
 /// Sixteen results. `met` is -1 where the ray meets its triangle at least the margin from every edge and between 0 and
 /// far_m, else 0; and then the distance is infinite and the normal zero.
 struct LaneHits {
@@ -54,11 +60,18 @@ struct RayKernels {
   /// a sphere about the point), else -1.
   void (*may_meet_round)(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,
                          std::int32_t* passes);
+  /// Of quads of the geometries `crossed` and `plain`, the triangles: two a quad. Sets all of `primitive`; `triangle`
+  /// where the quad is plain, else 0; and `wanted` there. Returns which of the two geometries are among them, as bits 1
+  /// and 2.
+  int (*name_triangles)(const NamedLanes& named, std::uint32_t crossed, std::uint32_t plain, std::uint32_t* primitive,
+                        std::uint32_t* triangle, std::int32_t* wanted);
   /// Where the triangles' heights are, and asks the memory for them: the solution comes later.
   void (*locate)(const TerrainBlock& block, const std::uint32_t* triangles, TerrainPlaces& places);
   /// Meets ray k with triangle k's plane, in double. On a height field this needs no cross products: over its cell a
   /// triangle is a linear function, z = h + gx (x - x0) + gy (y - y0).
   void (*solve)(const TerrainBlock& block, const TerrainPlaces& places, const LaneRays& rays, const LaneHits& hits);
+  /// Labels with `plain` what met that geometry, and with 0 the rest; returns whether all of those missed everything.
+  bool (*label)(const std::uint32_t* geometry, std::uint32_t plain, const std::int32_t* met, std::uint32_t* label);
 };
 
 const RayKernels& baseline_ray_kernels();

@@ -83,6 +83,35 @@ void may_meet_round(const LaneRays& rays, const double* point_m, const double* a
   }
 }
 
+int name_triangles(const NamedLanes& named, std::uint32_t crossed, std::uint32_t plain, std::uint32_t* primitive,
+                   std::uint32_t* triangle, std::int32_t* wanted) {
+  std::int32_t any_crossed = 0, any_plain = 0;
+#pragma GCC ivdep  // what is read and what is written are apart
+  for (int k = 0; k < kLanes; ++k) {
+    const std::int32_t is_plain = named.geometry[k] == plain ? -1 : 0;
+    const std::int32_t is_crossed = named.geometry[k] == crossed ? -1 : 0;
+    const std::uint32_t second = named.u[k] + named.v[k] > 1 ? 1 : 0;
+    const std::uint32_t number = 2 * named.primitive[k] + second;
+    primitive[k] = (is_plain | is_crossed) != 0 ? number : named.primitive[k];
+    triangle[k] = number & static_cast<std::uint32_t>(is_plain);
+    wanted[k] = is_plain;
+    any_crossed |= is_crossed;
+    any_plain |= is_plain;
+  }
+  return (any_crossed & 1) | (any_plain & 2);
+}
+
+bool label(const std::uint32_t* geometry, std::uint32_t plain, const std::int32_t* met, std::uint32_t* label) {
+  std::int32_t open = 0;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const std::int32_t done = (geometry[k] == plain ? -1 : 0) & met[k];
+    label[k] = plain & static_cast<std::uint32_t>(done);
+    open |= ~done & (geometry[k] == ~0u ? 0 : -1);
+  }
+  return open == 0;
+}
+
 void locate(const TerrainBlock& block, const std::uint32_t* triangles, TerrainPlaces& places) {
   // Column and row by a multiplication: exact for whole numbers below 2^31, as half a cell is added.
   const double per_column = 1.0 / block.columns;
@@ -141,7 +170,8 @@ void solve(const TerrainBlock& block, const TerrainPlaces& places, const LaneRay
   }
 }
 
-constexpr RayKernels kKernels{&all_near, &find_low, &to_float, &may_meet_round, &locate, &solve};
+constexpr RayKernels kKernels{&all_near,       &find_low, &to_float, &may_meet_round,
+                              &name_triangles, &locate,   &solve,    &label};
 
 }  // namespace
 }  // namespace uwsim

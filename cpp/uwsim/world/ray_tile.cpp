@@ -161,25 +161,17 @@ struct RayTile::Impl {
     if (block.heights_m != nullptr) find_low(rays, starts_m, answer);
     intersect(scene, {&surfaces, &rays, starts_m, &answer.round}, RayOrder::kCoherent, rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
-    std::int32_t any = 0, crossed = 0;
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::int32_t plain = packet.hit.geomID[k] == TileSurfaces::kPlainTerrain ? -1 : 0;
-      const std::uint32_t second = packet.hit.u[k] + packet.hit.v[k] > 1 ? 1 : 0;
-      const std::uint32_t triangle = 2 * packet.hit.primID[k] + second;
-      triangles[k] = triangle & static_cast<std::uint32_t>(plain);
-      answer.primitive[k] = packet.hit.geomID[k] > kTerrain ? packet.hit.primID[k] : triangle;
-      answer.places.wanted[k] = plain;
-      any |= plain;
-      crossed |= packet.hit.geomID[k] == TileSurfaces::kCrossedTerrain ? -1 : 0;
-    }
-    for (std::size_t k = 0; crossed != 0 && k < kPacketRays; ++k) {
+    const int kinds = kernels.name_triangles({packet.hit.geomID, packet.hit.primID, packet.hit.u, packet.hit.v},
+                                             TileSurfaces::kCrossedTerrain, TileSurfaces::kPlainTerrain,
+                                             answer.primitive.data(), triangles.data(), answer.places.wanted);
+    for (std::size_t k = 0; (kinds & 1) != 0 && k < kPacketRays; ++k) {
       if (packet.hit.geomID[k] != TileSurfaces::kCrossedTerrain) continue;
       triangles[k] = surfaces.plain_number(answer.primitive[k]);
-      any = answer.places.wanted[k] = -1;
+      answer.places.wanted[k] = -1;
     }
     std::copy_n(packet.hit.geomID, kPacketRays, answer.geometry.begin());
     std::copy_n(packet.ray.tfar, kPacketRays, answer.distance_m.begin());
-    answer.any_terrain = any != 0;
+    answer.any_terrain = kinds != 0;
     if (answer.any_terrain) kernels.locate(block, triangles.data(), answer.places);
   }
 
@@ -193,16 +185,12 @@ struct RayTile::Impl {
       met.fill(0);
       set_all_missed(hits);
     }
-    alignas(64) std::array<std::int32_t, kPacketRays> open;  // lanes that are not done
-    std::int32_t any = 0;
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::uint32_t geometry = answer.geometry[k];
-      const std::int32_t plain = (geometry == TileSurfaces::kPlainTerrain ? -1 : 0) & met[k];
-      hits.label[k] = static_cast<std::uint32_t>(plain) & std::uint32_t{kTerrain};
-      any |= open[k] = ~plain & (geometry == RTC_INVALID_GEOMETRY_ID ? 0 : -1);
+    std::uint32_t left = answer.low;  // lanes that are not done, one a bit
+    const bool done = kernels.label(answer.geometry.data(), TileSurfaces::kPlainTerrain, met.data(), hits.label.data());
+    for (std::size_t k = 0; !done && k < kPacketRays; ++k) {
+      const bool open = answer.geometry[k] != RTC_INVALID_GEOMETRY_ID && hits.label[k] == kNothing;
+      left |= static_cast<std::uint32_t>(open) << k;
     }
-    std::uint32_t left = answer.low;  // the same, one a bit
-    for (std::size_t k = 0; any != 0 && k < kPacketRays; ++k) left |= static_cast<std::uint32_t>(open[k] & 1) << k;
     for (; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       conclude_lane(answer, rays, starts_m, lane, met[lane] != 0, hits);
