@@ -3,6 +3,10 @@
 All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds,
 and of ratios taken round by round. One thread and its processor time, but for the batch's threads, which are timed by
 the clock on the wall.
+
+All cases ping from the same places: along the survey's lines, each a short way from the last, as a sonar does. From
+places scattered over the area each ping waits for another part of the ray tree to come from memory; that is reported
+beside. The limit is the fastest that Embree's packets are here, given triangles or, as we give it the terrain, quads.
 """
 
 from __future__ import annotations
@@ -33,9 +37,13 @@ console = Console()
 SONAR_MODEL = 3  # 1,025 beams to 95 m
 ALTITUDE_M = 8.0
 AREA_M = ((-104.0, 56.0), (-80.0, 24.0))  # the lake's survey
+LINES_APART_M = 13.0
+PINGS_APART_M = 0.3
 SIZES = (10_000, 31_623, 100_000, 316_228, 1_000_000, 3_162_278, 10_000_000)
+LIMITS = {"quads": ("coherent", "quads"), "triangles": ("coherent",), "incoherent": ("quads",)}
 GOALS = {
     "ping/limit": 0.8,
+    "ping_scattered/limit_scattered": 0.8,
     "batch_2/batch_1": 1.7,
     "ping/bullet": 10.0,
     "ping/pybullet": 10.0,
@@ -72,14 +80,18 @@ def main(
 ) -> None:
     """Measure all cases in turns and print medians."""
     sim = lake()
-    heads = heads_over(sim, pings)
+    heads, scattered = heads_at(sim, along_lines(pings)), heads_at(sim, scattered_over_area(pings))
     vertices, triangles, _ = sim.world.surface_mesh()
     console.print(f"the lake: {len(triangles):,} triangles; {pings} pings of {len(heads.angles_rad):,} beams a round")
     with tempfile.TemporaryDirectory() as folder:
-        cases = our_cases(sim, heads)
+        cases = our_cases(sim, heads) | {"ping_scattered": Pings(sim, scattered)}
         cases |= peer_cases(heads, vertices, triangles, Path(folder))
-        growing = {f"triangles_{size}": Pings(lake(size), heads) for size in SIZES} if growth else {}
-        rates = measure(cases | growing, rounds)
+        cases |= limit_cases(scattered, vertices, triangles, Path(folder) / "scattered.bin", "_scattered")
+        for size in SIZES if growth else ():
+            grown = lake(size)
+            cases[f"triangles_{size}"] = Pings(grown, heads)
+            cases[f"triangles_{size}_scattered"] = Pings(grown, scattered)
+        rates = measure(cases, rounds)
     figures = summarise(rates)
     console.print(_table(figures))
     if growth:
@@ -103,9 +115,11 @@ def measure(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, lis
 def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
     """Median pings per second of each case, and of the ratios that the goals name."""
     figures = {name: statistics.median(values) for name, values in rates.items()}
-    if "limit_coherent" in figures:
-        best = max(("limit_coherent", "limit_incoherent"), key=figures.__getitem__)
-        rates["limit"], figures["limit"] = rates[best], figures[best]
+    for places in ("", "_scattered"):
+        limits = [f"limit_{kind}{places}" for kind in LIMITS]
+        if limits[0] in figures:
+            best = max(limits, key=figures.__getitem__)
+            rates[f"limit{places}"], figures[f"limit{places}"] = rates[best], figures[best]
     for name in GOALS:
         one, other = name.split("/")
         if one in rates and other in rates:
@@ -125,14 +139,30 @@ def lake(triangles: int | None = None) -> Simulator:
     return sim
 
 
-def heads_over(sim: Simulator, count: int) -> Heads:
-    """Places over the survey's area at its altitude, with any heading and some roll and pitch."""
+def along_lines(count: int) -> tuple[NDArray[np.float64], Rotation]:
+    """Places (count, 2) one after another along lines to and fro over the survey's area; the attitude wobbles."""
+    (west, east), (south, north) = AREA_M
+    line, along = np.divmod(np.arange(count) * PINGS_APART_M, east - west)
+    back = line % 2 == 1
+    x = np.where(back, east - along, west + along)
+    y = (south + north) / 2 + LINES_APART_M * line
+    wobble = np.random.default_rng(1).normal(0, [1, 2, 2], (count, 3))
+    return np.column_stack([x, y]), Rotation.from_euler("ZYX", wobble + np.outer(back, [180, 0, 0]), degrees=True)
+
+
+def scattered_over_area(count: int) -> tuple[NDArray[np.float64], Rotation]:
+    """Places (count, 2) anywhere over the survey's area, with any heading and some pitch and roll."""
     random = np.random.default_rng(1)
     xy = np.column_stack([random.uniform(low, high, count) for low, high in AREA_M])
+    return xy, Rotation.from_euler("ZYX", random.normal(0, [180, 5, 5], (count, 3)), degrees=True)
+
+
+def heads_at(sim: Simulator, places: tuple[NDArray[np.float64], Rotation]) -> Heads:
+    """At the survey's altitude over the bed."""
+    xy, turns = places
     z = np.minimum(sim.world.height_at(xy) + ALTITUDE_M, -1.0)
-    turns = Rotation.from_euler("ZYX", random.normal(0, [180, 5, 5], (count, 3)), degrees=True)
     positions = np.column_stack([xy, z])
-    world_from_body = np.tile(np.eye(4), (count, 1, 1))
+    world_from_body = np.tile(np.eye(4), (len(xy), 1, 1))
     world_from_body[:, :3, :3] = turns.as_matrix()
     world_from_body[:, :3, 3] = positions
     batch = sim.rov.sonar.ping_batch(world_from_body)
@@ -200,25 +230,35 @@ def peer_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], folder: Path
 ) -> dict[str, Callable[[], float]]:
     """The limit and the peers that are installed, all with the same surface and rays."""
-    cases: dict[str, Callable[[], float]] = {}
     case = folder / "case.bin"
-    write_case(heads, vertices_m, triangles, case)
-    native = Path(_core.__file__).parent / "bench" / "native"
-    for name, command in {
-        "limit_coherent": ["embree_fan", case, "coherent"],
-        "limit_incoherent": ["embree_fan", case],
-        "bullet": ["bullet_fan", case],
-    }.items():
-        if (native / str(command[0])).is_file():
-            cases[name] = NativePeer([native / str(command[0]), *command[1:]], len(heads.world_from_sonar))
-        else:
-            console.print(f"{name} left out: {command[0]} is not installed beside the package (run tools/setup)")
+    cases = limit_cases(heads, vertices_m, triangles, case)
+    add_native(cases, "bullet", ["bullet_fan", case], heads)
     for name, make in {"pybullet": pybullet_peer, "trimesh": trimesh_peer}.items():
         try:
             cases[name] = make(heads, vertices_m, triangles, folder)
         except ImportError as error:
             console.print(f"{name} left out: {error} (pip install {error.name})")
     return cases
+
+
+def limit_cases(
+    heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], case: Path, suffix: str = ""
+) -> dict[str, Callable[[], float]]:
+    """Embree's packets and nothing else, in every way that may be the fastest."""
+    write_case(heads, vertices_m, triangles, case)
+    cases: dict[str, Callable[[], float]] = {}
+    for name, options in LIMITS.items():
+        add_native(cases, f"limit_{name}{suffix}", ["embree_fan", case, *options], heads)
+    return cases
+
+
+def add_native(cases: dict[str, Callable[[], float]], name: str, command: list[Path | str], heads: Heads) -> None:
+    """Adds a peer that is a program installed beside the package."""
+    program = Path(_core.__file__).parent / "bench" / "native" / command[0]
+    if program.is_file():
+        cases[name] = NativePeer([program, *command[1:]], len(heads.world_from_sonar))
+    else:
+        console.print(f"{name} left out: {command[0]} is not installed beside the package (run tools/setup)")
 
 
 def write_case(heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], path: Path) -> None:
@@ -305,11 +345,14 @@ def _table(figures: dict[str, float]) -> Table:
         "batch_2": "ping_batch, two threads",
         "physics": "a ping in physics mode, 8 rays a beam",
         "physics_bent": "the same, its rays bent",
-        "limit_coherent": "bare Embree packets, coherent",
+        "limit_quads": "bare Embree packets, quads",
+        "limit_triangles": "bare Embree packets, triangles",
         "limit_incoherent": "bare Embree packets, incoherent",
         "bullet": "Bullet's rayTest, C++",
         "pybullet": "pybullet's rayTestBatch",
         "trimesh": "trimesh with embreex",
+        "ping_scattered": "a ping from Python, scattered places",
+        "limit_scattered": "bare Embree packets, scattered places",
     }
     table = Table(title="Pings of 1,025 beams to 95 m over the lake: medians", title_justify="left")
     table.add_column("case")
@@ -332,20 +375,23 @@ def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
     """Draws the cost against the number of triangles, with the straight line in log n that fits it best."""
     import matplotlib.pyplot as plt
 
-    sizes = np.array(SIZES)
-    cost_us = np.array([1e6 / figures[f"triangles_{size}"] for size in SIZES])
-    slope, offset = np.polyfit(np.log10(sizes), cost_us, 1)
+    sizes, slopes = np.array(SIZES), {}
     figure, panel = plt.subplots(figsize=(6, 4), layout="constrained")
-    panel.semilogx(sizes, cost_us, "o-", label="measured")
-    panel.semilogx(sizes, offset + slope * np.log10(sizes), "--", alpha=0.6, label=f"{slope:.1f} us a decade")
+    for suffix, label in (("", "along survey lines"), ("_scattered", "from scattered places")):
+        cost_us = np.array([1e6 / figures[f"triangles_{size}{suffix}"] for size in SIZES])
+        slope, offset = np.polyfit(np.log10(sizes), cost_us, 1)
+        (line,) = panel.semilogx(sizes, cost_us, "o-", label=label)
+        fitted = offset + slope * np.log10(sizes)
+        panel.semilogx(sizes, fitted, "--", color=line.get_color(), alpha=0.6, label=f"{slope:.1f} us a decade")
+        rows = ", ".join(f"{size:,}: {cost:.0f}" for size, cost in zip(SIZES, cost_us, strict=True))
+        console.print(f"us a ping {label}, by triangles: {rows}; {slope:.1f} us a decade; drawn in {path}")
+        slopes[f"us_a_decade{suffix}"] = float(slope)
     panel.set(xlabel="triangles", ylabel="a ping of 1,025 beams [us]", ylim=(0, None), title="Cost against triangles")
     panel.grid(alpha=0.3)
     panel.legend()
     figure.savefig(path, dpi=120)
     plt.close(figure)
-    rows = ", ".join(f"{size:,}: {cost:.0f}" for size, cost in zip(SIZES, cost_us, strict=True))
-    console.print(f"us a ping by triangles: {rows}; {slope:.1f} us a decade; drawn in {path}")
-    return {"us_a_decade": float(slope)}
+    return slopes
 
 
 if __name__ == "__main__":
