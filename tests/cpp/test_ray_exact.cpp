@@ -14,8 +14,9 @@ namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTangent = 1.75e-3;  // sine of 0.1 degree
-constexpr double kEdge = 1e-10;       // barycentric: a ray aimed at an edge misses it by double's rounding, either side
+constexpr double kTangent = 1.75e-3;     // sine of 0.1 degree
+constexpr double kLoneTangent = 5.3e-3;  // of 0.3 degree: edges that nothing adjoins
+constexpr double kEdge = 1e-10;  // barycentric: a ray aimed at an edge misses it by double's rounding, either side
 
 struct Met {
   double distance_m = kInfinity;
@@ -159,6 +160,71 @@ void expect_exact(const World& world, double span_m, std::uint64_t seed) {
   EXPECT_LT(worst_m, 1e-9) << "what is found is solved in double";
 }
 
+/// Whether the brute force and the ray scene agree, as far as is asked for: to 1e-5 m, or 1e-7 of the range.
+bool agrees(const Met& expected, const RayHit& got, const Eigen::Vector3d& way, double least_sine) {
+  if (expected.label != kNothing && std::abs(expected.normal.dot(way)) < least_sine) return true;
+  if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(way)) < least_sine) return true;
+  if (expected.distance_m == got.distance_m) return true;
+  const double nearer_m = std::min(expected.distance_m, got.distance_m);
+  return std::abs(expected.distance_m - got.distance_m) <= std::max(1e-5, 1e-7 * nearer_m);
+}
+
+Eigen::Vector3d any_way(const RandomStream& random, std::uint64_t tick, std::uint32_t draw) {
+  const Eigen::Vector3d way(random.normal(tick, draw), random.normal(tick, draw + 1), random.normal(tick, draw + 2));
+  return way.normalized();
+}
+
+/// Rays that start within 1e-7 m to a millimetre of a surface, on either side, and go any way.
+int wrong_near_surfaces(const World& world, std::uint64_t seed) {
+  const RayScene scene(world);
+  const BruteForce brute(world);
+  const RandomStream random(seed, "starts");
+  int wrong = 0;
+  for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(rays_to_cast()); ++k) {
+    const Eigen::Vector3d off = std::pow(10.0, -7 + 4 * random.uniform(k, 4)) * any_way(random, k, 5);
+    const Eigen::Vector3d origin = brute.target(random, k) + off, way = any_way(random, k, 8);
+    const Met expected = brute.cast(origin, way, 5000);
+    const RayHit got = scene.cast({origin, way}, 5000);
+    wrong += !agrees(expected, got, way, kTangent);
+  }
+  return wrong;
+}
+
+/// Rays past the edges of triangles that hang free, by up to `beside_m`.
+int wrong_past_edges(const World& world, double beside_m, double span_m, std::uint64_t seed) {
+  const RayScene scene(world);
+  const BruteForce brute(world);
+  const RandomStream random(seed, "edges");
+  int wrong = 0;
+  for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(rays_to_cast()); ++k) {
+    const Eigen::Vector3d aim = brute.target(random, k) + beside_m * random.uniform(k, 4) * any_way(random, k, 5);
+    const Eigen::Vector3d way = any_way(random, k, 8), origin = aim - span_m * random.uniform(k, 11) * way;
+    const Met expected = brute.cast(origin, way, 2 * span_m);
+    const RayHit got = scene.cast({origin, way}, 2 * span_m);
+    wrong += !agrees(expected, got, way, kLoneTangent);
+  }
+  return wrong;
+}
+
+/// Triangles that nothing adjoins, strewn over some way; long and thin, or as wide as they are long.
+World strewn_triangles(int count, double length_m, double width_m, double spread_m) {
+  const RandomStream random(11, "strewn");
+  TriangleMesh mesh;
+  for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(count); ++k) {
+    const Eigen::Vector3d at(spread_m * random.uniform(k, 0), spread_m * random.uniform(k, 1),
+                             -50 * random.uniform(k, 2));
+    const Eigen::Vector3d along = any_way(random, k, 3), across = along.cross(any_way(random, k, 6)).normalized();
+    const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
+    const double thin = width_m * std::pow(10.0, -2 * random.uniform(k, 9));
+    mesh.vertices_m.insert(mesh.vertices_m.end(),
+                           {at, at + length_m * along, at + length_m * random.uniform(k, 10) * along + thin * across});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  World world;
+  world.add_solid("strewn", mesh);
+  return world;
+}
+
 TEST(RayExact, OverASpikyBedWithThingsSunkInIt) { expect_exact(spiky_world(40, 0.5, {-10, -10}), 30, 1); }
 
 TEST(RayExact, TenKilometresFromTheOrigin) { expect_exact(spiky_world(40, 0.5, {10'000.3, -10'000.7}), 30, 2); }
@@ -191,6 +257,24 @@ TEST(RayExact, WhereABallMeetsTheBedTheNearerOfTheTwoIsTakenHoweverClose) {
     const RayHit hit = scene.cast({origin, way}, 100);
     ASSERT_NEAR(hit.distance_m, std::min(to_bed, to_ball), 1e-9) << k;
   }
+}
+
+TEST(RayExact, FromJustBeforeASurface) {
+  EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 0.5, {-10, -10}), 1), 0);
+  EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 0.5, {10'000.3, -10'000.7}), 2), 0);
+  EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 10, {-3, 5}), 3), 0);
+  EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 90, {7000, 1000}), 4), 0);
+}
+
+TEST(RayExact, PastTheEdgesOfSliversThatNothingAdjoins) {
+  EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 2, 1e-2, 20), 1e-5, 20, 5), 0);
+  EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 20, 1e-2, 900), 2e-5, 100, 6), 0);
+}
+
+TEST(RayExact, PastTheEdgesOfLoneTrianglesSmallAndKilometresLong) {
+  EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 2, 2, 20), 1e-5, 20, 7), 0);
+  EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 1e-4, 2000, 8), 0);
+  EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 100, 2000, 9), 0);
 }
 
 }  // namespace

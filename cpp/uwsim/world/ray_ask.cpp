@@ -39,7 +39,7 @@ void fill_constants(RTCRayHit16& packet) {
 void fill(const TileSurfaces& surfaces, const ExactRays& rays, const double* starts_m, RTCRayHit16& packet) {
   static const RayKernels& kernels = ray_kernels();
   const Eigen::Vector3d& middle = surfaces.middle_m();
-  kernels.to_float(lanes_of(rays), middle.data(),
+  kernels.to_float(lanes_of(rays), middle.data(), surfaces.back_m(),
                    {packet.ray.org_x, packet.ray.org_y, packet.ray.org_z, packet.ray.dir_x, packet.ray.dir_y,
                     packet.ray.dir_z, packet.ray.tfar});
   for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -48,16 +48,17 @@ void fill(const TileSurfaces& surfaces, const ExactRays& rays, const double* sta
   }
   if (starts_m == nullptr) return;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
-    packet.ray.org_x[k] = static_cast<float>(rays.origin_x[k] + starts_m[k] * rays.direction_x[k] - middle.x());
-    packet.ray.org_y[k] = static_cast<float>(rays.origin_y[k] + starts_m[k] * rays.direction_y[k] - middle.y());
-    packet.ray.org_z[k] = static_cast<float>(rays.origin_z[k] + starts_m[k] * rays.direction_z[k] - middle.z());
-    packet.ray.tfar[k] = far_of(rays.far_m[k] - starts_m[k]);
+    const double start_m = starts_m[k] - surfaces.back_m();
+    packet.ray.org_x[k] = static_cast<float>(rays.origin_x[k] + start_m * rays.direction_x[k] - middle.x());
+    packet.ray.org_y[k] = static_cast<float>(rays.origin_y[k] + start_m * rays.direction_y[k] - middle.y());
+    packet.ray.org_z[k] = static_cast<float>(rays.origin_z[k] + start_m * rays.direction_z[k] - middle.z());
+    packet.ray.tfar[k] = far_of(rays.far_m[k] - start_m);
   }
 }
 
 std::optional<Named> ask_one(RTCScene tree, const TileSurfaces& surfaces, const ExactRays& rays, std::size_t lane,
                              const TileRay& ray, double from_m, const double* starts_m) {
-  const double start_m = starts_m != nullptr ? starts_m[lane] : 0;
+  const double start_m = (starts_m != nullptr ? starts_m[lane] : 0) - surfaces.back_m();
   const Eigen::Vector3f start =
       (ray.origin_world_m + start_m * ray.direction_world - surfaces.middle_m()).cast<float>();
   const Eigen::Vector3f way = ray.direction_world.cast<float>();
@@ -76,7 +77,7 @@ std::optional<Named> ask_one(RTCScene tree, const TileSurfaces& surfaces, const 
              0};
   one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  intersect(tree, {&surfaces, &rays, starts_m}, one);
+  intersect(tree, {&surfaces, &rays, starts_m, surfaces.back_m()}, one);
   if (one.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   const std::uint32_t member = member_number(one.hit.geomID, one.hit.primID, one.hit.u, one.hit.v);
   return Named{one.hit.geomID, member, start_m + double{one.ray.tfar}};

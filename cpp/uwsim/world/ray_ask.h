@@ -16,7 +16,8 @@ TileRay ray_of(const ExactRays& rays, std::size_t lane);
 
 /// What Embree does not change, the same for all packets.
 void fill_constants(RTCRayHit16& packet);
-/// The rest, of rays that start `starts_m` along their way (0 when null).
+/// The rest, of rays that start `starts_m` along their way (0 when null); Embree gets them from the surfaces' `back_m`
+/// before there, and counts distances from that.
 void fill(const TileSurfaces& surfaces, const ExactRays& rays, const double* starts_m, RTCRayHit16& packet);
 
 /// The first that lies beyond `from_m` on a lane's ray, which may end sooner than the lane's.

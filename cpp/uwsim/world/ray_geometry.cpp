@@ -65,9 +65,10 @@ class CallbackRays {
         n_(n) {}
 
   double start_m(unsigned k) const {
-    return exact_ != nullptr && detail_.starts_m != nullptr ? detail_.starts_m[RTCRayN_id(rays_, n_, k)] : 0;
+    const bool late = exact_ != nullptr && detail_.starts_m != nullptr;
+    return (late ? detail_.starts_m[RTCRayN_id(rays_, n_, k)] : 0) - detail_.back_m;
   }
-  double near_m(unsigned k) const { return start_m(k) + double{RTCRayN_tnear(rays_, n_, k)}; }
+  double near_m(unsigned k) const { return std::max(0.0, start_m(k) + double{RTCRayN_tnear(rays_, n_, k)}); }
   double far_m(unsigned k) const { return start_m(k) + double{RTCRayN_tfar(rays_, n_, k)}; }
 
   Eigen::Vector3d origin_world_m(unsigned k) const {

@@ -47,6 +47,7 @@ struct RayDetail {
   const TileSurfaces* surfaces;
   const ExactRays* exact;
   const double* starts_m;
+  double back_m = 0;                ///< so much sooner the float rays start
   ExactHits* round_hits = nullptr;  ///< takes the exact distance and normal of each round hit, by lane, if not null
   LateRays* late = nullptr;         ///< where `exact` is null, gives it once a round solid asks
 };

@@ -54,8 +54,8 @@ struct RayKernels {
   bool (*all_near)(const LaneRays& rays, const double* middle_m, double reach_m);
   /// low[k] is 0 where active ray k starts over the block and above all corners of its cell by the clearance, else -1.
   void (*find_low)(const TerrainBlock& block, const LaneRays& rays, std::int32_t* low);
-  /// far_m a little enlarged: the exact limit is held to in double.
-  void (*to_float)(const LaneRays& rays, const double* middle_m, const LaneFloats& floats);
+  /// Rays that start `back_m` before their origins; far_m a little enlarged: the exact limits are held to in double.
+  void (*to_float)(const LaneRays& rays, const double* middle_m, double back_m, const LaneFloats& floats);
   /// passes[k] is 0 where ray k's line stays outside an endless cylinder about an axis (point and unit direction; zero:
   /// a sphere about the point), else -1.
   void (*may_meet_round)(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,

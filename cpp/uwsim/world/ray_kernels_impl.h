@@ -24,17 +24,17 @@ bool all_near(const LaneRays& rays, const double* middle_m, double reach_m) {
   return any == 0;
 }
 
-void to_float(const LaneRays& rays, const double* middle_m, const LaneFloats& floats) {
+void to_float(const LaneRays& rays, const double* middle_m, double back_m, const LaneFloats& floats) {
   const double x = middle_m[0], y = middle_m[1], z = middle_m[2];
 #pragma GCC ivdep  // what is read and what is written are apart
   for (int k = 0; k < kLanes; ++k) {
-    floats.origin_x[k] = static_cast<float>(rays.origin_x[k] - x);
-    floats.origin_y[k] = static_cast<float>(rays.origin_y[k] - y);
-    floats.origin_z[k] = static_cast<float>(rays.origin_z[k] - z);
+    floats.origin_x[k] = static_cast<float>(rays.origin_x[k] - back_m * rays.direction_x[k] - x);
+    floats.origin_y[k] = static_cast<float>(rays.origin_y[k] - back_m * rays.direction_y[k] - y);
+    floats.origin_z[k] = static_cast<float>(rays.origin_z[k] - back_m * rays.direction_z[k] - z);
     floats.direction_x[k] = static_cast<float>(rays.direction_x[k]);
     floats.direction_y[k] = static_cast<float>(rays.direction_y[k]);
     floats.direction_z[k] = static_cast<float>(rays.direction_z[k]);
-    const double far = rays.far_m[k] * (1 + 1e-6) + 1e-6;
+    const double far = (rays.far_m[k] + back_m) * (1 + 1e-6) + 1e-6;
     floats.far_m[k] = static_cast<float>(far < 3e38 ? far : 3e38);
   }
 }

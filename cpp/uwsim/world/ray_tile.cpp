@@ -116,7 +116,8 @@ struct RayTile::Impl {
     const double far_m = ray.far_m;
     for (int turn = 0; named && turn < kTurns; ++turn) {
       if (named->geometry <= kTerrain) {
-        if (!bed.hit && named->distance_m >= bed.clear_to_m) bed = walk_terrain(surfaces, ray, named->distance_m);
+        if (!bed.hit && named->distance_m >= bed.clear_to_m)
+          bed = walk_terrain(surfaces, ray, std::max(0.0, named->distance_m));
       } else {
         const double room = room_m(sine(*named, ray));
         const Eigen::Vector3d point = ray.origin_world_m + named->distance_m * ray.direction_world;
@@ -159,7 +160,8 @@ struct RayTile::Impl {
     fill(surfaces, rays, starts_m, packet);
     answer.low = 0;
     if (block.heights_m != nullptr) find_low(rays, starts_m, answer);
-    intersect(scene, {&surfaces, &rays, starts_m, &answer.round}, RayOrder::kCoherent, rays.active.data(), packet);
+    intersect(scene, {&surfaces, &rays, starts_m, surfaces.back_m(), &answer.round}, RayOrder::kCoherent,
+              rays.active.data(), packet);
     alignas(64) std::array<std::uint32_t, kPacketRays> triangles;
     const int kinds = kernels.name_triangles({packet.hit.geomID, packet.hit.primID, packet.hit.u, packet.hit.v},
                                              TileSurfaces::kCrossedTerrain, TileSurfaces::kPlainTerrain,
@@ -202,7 +204,8 @@ struct RayTile::Impl {
     const std::uint32_t geometry = answer.geometry[lane], primitive = answer.primitive[lane];
     const double start_m = starts_m != nullptr ? starts_m[lane] : 0;
     std::optional<Named> named;
-    if (geometry != RTC_INVALID_GEOMETRY_ID) named = {geometry, primitive, start_m + double{answer.distance_m[lane]}};
+    if (geometry != RTC_INVALID_GEOMETRY_ID)
+      named = {geometry, primitive, start_m - surfaces.back_m() + double{answer.distance_m[lane]}};
     TerrainWalk bed;
     bed.clear_to_m = 0;
     if ((answer.low >> lane & 1) != 0) {
@@ -278,7 +281,7 @@ struct RayTile::Impl {
               ExactHits& hits) const {
     const TileRay ray = ray_of(rays, lane);
     if (named.geometry <= kTerrain) {
-      bed = walk_terrain(surfaces, ray, named.distance_m);
+      bed = walk_terrain(surfaces, ray, std::max(0.0, named.distance_m));
       if (bed.hit && !bed.crossed) return set_hit_within(hits, lane, *bed.hit, kTerrain, ray.far_m);
     } else if (!surfaces.is_round(named.geometry) && crowded[named.geometry][named.primitive] == 0) {
       const auto hit = surfaces.meet(named.geometry, named.primitive, ray);

@@ -22,9 +22,10 @@ namespace uwsim {
 /// rim, or where other surfaces come near, everything within reach of the error is tried in double and the true first
 /// hit taken; where there is none, the ray goes on behind it.
 ///
-/// Two cases are left to float's error, 1e-6 of half the tile's diagonal (which huge triangles make longer): a ray that
-/// starts that close before a solid's triangle may pass it, and so may one that meets a sliver of a solid some such
-/// times as wide, and that nothing adjoins.
+/// Rays are cast from a little before their start, so that float does not put them behind what they start close to;
+/// what lies before the start does not count. One case is left to float's error, 1e-6 of half the tile's diagonal
+/// (which huge triangles make longer): a ray that comes to a solid's triangle at less than 0.3 degree, that close to an
+/// edge which nothing adjoins, may pass it.
 class RayTile {
  public:
   /// Throws InvalidValue when Embree cannot build its tree.

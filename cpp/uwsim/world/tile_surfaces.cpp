@@ -54,6 +54,26 @@ std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray
   return TileHit{-normal.dot(from_a) / along, normal / area, clear};
 }
 
+/// A triangle that holds one with a corner so sharp that moving its edges outward would move the corner far: of the
+/// longest edge a to b the line moves out by the rim; the other two go round the corners, farther than need be.
+Corners widened_sharp(const Corners& triangle, double rim_m) {
+  std::size_t first = 0;
+  const auto length = [&](std::size_t k) { return (triangle[(k + 1) % 3] - triangle[k % 3]).squaredNorm(); };
+  for (const std::size_t k : {1, 2}) first = length(k) > length(first) ? k : first;
+  const Eigen::Vector3d &a = triangle[first], &b = triangle[(first + 1) % 3], &c = triangle[(first + 2) % 3];
+  const Eigen::Vector3d along = (b - a).stableNormalized(), up = (c - a) - along.dot(c - a) * along;
+  const Eigen::Vector3d across = up.stableNormalized();
+  const double height = up.norm(), apex = height + 4 * rim_m, foot = std::max(0.0, along.dot(c - a));
+  const auto beyond = [&](double to_foot) {
+    return std::max(rim_m * (2 * to_foot + height + 5 * rim_m) / (height + 3 * rim_m), 0.5 * (apex + rim_m));
+  };
+  Corners wide;
+  wide[first] = a - beyond(foot) * along - rim_m * across;
+  wide[(first + 1) % 3] = b + beyond(std::max(0.0, (b - a).norm() - foot)) * along - rim_m * across;
+  wide[(first + 2) % 3] = a + foot * along + apex * across;
+  return wide;
+}
+
 Corners widened(const Corners& triangle, double rim_m) {
   Corners wide = triangle;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -62,7 +82,8 @@ Corners widened(const Corners& triangle, double rim_m) {
     const Eigen::Vector3d inward = one + two;
     const double sine = 0.5 * (one - two).norm(), cosine = 0.5 * inward.norm();  // of half the corner's angle
     if (cosine < 1e-9) continue;
-    wide[k] -= rim_m * std::min(1 / sine, kSharpest) * inward / (2 * cosine);
+    if (sine * kSharpest < 1) return widened_sharp(triangle, rim_m);
+    wide[k] -= rim_m / sine * inward / (2 * cosine);
   }
   return wide;
 }

@@ -60,6 +60,9 @@ class TileSurfaces {
   /// By how much triangles are widened for the ray tree. At grazing incidence a ray's error grows along the surface, so
   /// it is several times the reach: enough down to about a degree, and in practice below.
   double rim_m() const { return kRim * reach_m_; }
+  /// So far before their start, rays in double are cast in float: else its error hides a surface just before them,
+  /// which they come to at 0.1 degree or more.
+  double back_m() const { return kBack * reach_m_; }
   /// How far off the terrain its twin in the ray tree is, measured across.
   double raise_m() const { return kRaise * reach_m_; }
   /// Where that has a vertex of the block (column and row), about the middle: higher, by so much as takes it off the
@@ -99,7 +102,7 @@ class TileSurfaces {
   TerrainBlock terrain_block() const;
 
  private:
-  static constexpr double kRim = 4, kRaise = 0.5;
+  static constexpr double kRim = 4, kRaise = 0.5, kBack = 256;
 
   const TileContents::Share& share(std::uint32_t geometry) const;
   std::uint32_t other_number(std::uint32_t geometry, std::uint32_t primitive) const;
@@ -131,7 +134,8 @@ class TileSurfaces {
 /// Where a ray meets a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double.
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double reach_m);
 
-/// The triangle with each edge moved outward in its plane by `rim_m` (less at corners sharper than 14 degrees).
+/// The triangle with each edge moved outward in its plane by `rim_m`, or by more where a corner is sharper than 14
+/// degrees.
 Corners widened(const Corners& triangle, double rim_m);
 
 }  // namespace uwsim
