@@ -17,6 +17,7 @@ namespace uwsim::bindings {
 namespace {
 
 constexpr std::size_t kPingsBetweenSignals = 1024;
+constexpr std::size_t kPingsAShare = 8;
 constexpr double kWorldEnd_m = 1e6;
 
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
@@ -142,15 +143,12 @@ PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t in
     const PingRows rows = memory->rows();
     for (std::size_t done = 0; done < poses.size(); done += kPingsBetweenSignals) {
       const std::size_t count = std::min(kPingsBetweenSignals, poses.size() - done);
-      parallel_ranges(
-          count, threads,
-          [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = done + first; k < done + last; ++k) {
-              sonar->ping(sim.scene(), sim.water(), poses[k], rows.row(k, beams));
-              heads[k] = (poses[k] * sonar->body_from_sonar()).matrix();
-            }
-          },
-          8);
+      parallel_shares(count, kPingsAShare, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = done + first; k < done + last; ++k) {
+          sonar->ping(sim.scene(), sim.water(), poses[k], rows.row(k, beams));
+          heads[k] = (poses[k] * sonar->body_from_sonar()).matrix();
+        }
+      });
       const py::gil_scoped_acquire locked;
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <exception>
 #include <mutex>
@@ -39,6 +40,20 @@ void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t wo
     do_part(0);
   }
   if (error) std::rethrow_exception(error);
+}
+
+/// The same for items of uneven cost: each thread takes the next `share` of them when it is done with its last.
+template <typename Work>
+void parallel_shares(std::size_t count, std::size_t share, int threads, Work&& work) {
+  const std::size_t shares = (count + share - 1) / share;
+  std::atomic<std::size_t> next{0};
+  const auto take = [&] {
+    for (std::size_t k = next++; k < shares; k = next++) work(k * share, std::min(count, (k + 1) * share));
+  };
+  const std::size_t parts = std::clamp<std::size_t>(shares, 1, std::max(threads, 1));
+  std::vector<std::jthread> others;
+  for (std::size_t part = 1; part < parts; ++part) others.emplace_back(take);
+  take();
 }
 
 }  // namespace uwsim
