@@ -205,13 +205,14 @@ class Pings:
 
 
 def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
-    """One ping at a time; batches on one thread and two; physics mode, with straight rays and with bent ones."""
+    """One ping at a time; batches, of more, on one thread and two; physics mode, with straight rays and bent ones."""
+    poses = heads_at(sim, along_lines(5 * len(heads.world_from_body))).world_from_body
 
     def batch(threads: int) -> Callable[[], float]:
         def run() -> float:
             begun = time.perf_counter()
-            sim.rov.sonar.ping_batch(heads.world_from_body, threads=threads)
-            return len(heads.world_from_body) / (time.perf_counter() - begun)
+            sim.rov.sonar.ping_batch(poses, threads=threads)
+            return len(poses) / (time.perf_counter() - begun)
 
         return run
 
@@ -387,7 +388,6 @@ def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
         console.print(f"us a ping {label}, by triangles: {rows}; {slope:.1f} us a decade; drawn in {path}")
         slopes[f"us_a_decade{suffix}"] = float(slope)
     panel.set(xlabel="triangles", ylabel="a ping of 1,025 beams [us]", ylim=(0, None), title="Cost against triangles")
-    panel.grid(alpha=0.3)
     panel.legend()
     figure.savefig(path, dpi=120)
     plt.close(figure)

@@ -122,6 +122,8 @@ void TileSurfaces::measure() {
   middle_m_ = box_.center();
   diagonal_m_ = box_.diagonal().norm();
   reach_m_ = std::max(kLeastReach_m, kFloatError * 0.5 * diagonal_m_);
+  const auto has_triangles = [&](const TileContents::Share& share) { return !is_round(share.label); };
+  back_m_ = std::ranges::any_of(contents_.solids, has_triangles) ? kBack * reach_m_ : 0;
   box_.min().array() -= 2 * kSharpest * rim_m();
   box_.max().array() += 2 * kSharpest * rim_m();
 }

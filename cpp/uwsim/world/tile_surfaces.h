@@ -60,9 +60,9 @@ class TileSurfaces {
   /// By how much triangles are widened for the ray tree. At grazing incidence a ray's error grows along the surface, so
   /// it is several times the reach: enough down to about a degree, and in practice below.
   double rim_m() const { return kRim * reach_m_; }
-  /// So far before their start, rays in double are cast in float: else its error hides a surface just before them,
-  /// which they come to at 0.1 degree or more.
-  double back_m() const { return kBack * reach_m_; }
+  /// So far before their start, rays in double are cast in float where solids have triangles: else float's error hides
+  /// one just before them, which they come to at 0.1 degree or more.
+  double back_m() const { return back_m_; }
   /// How far off the terrain its twin in the ray tree is, measured across.
   double raise_m() const { return kRaise * reach_m_; }
   /// Where that has a vertex of the block (column and row), about the middle: higher, by so much as takes it off the
@@ -123,6 +123,7 @@ class TileSurfaces {
   Eigen::AlignedBox3d box_;
   Eigen::Vector3d middle_m_;
   double diagonal_m_ = 0, reach_m_ = 0;
+  double back_m_ = 0;
   double steepest_ = 1;                   // of the terrain's triangles, see steepness()
   bool whole_terrain_ = false;            // its numbers are the world's
   std::vector<std::uint8_t> is_crossed_;  // by cell of the block
