@@ -235,8 +235,29 @@ void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& ro
   rtcAttachGeometryByID(tree, owner.get(), round.geometry);
 }
 
+namespace {
+
+/// Where Embree splits packets, for lack of AVX-512, it looks at idle lanes too, and Debian's ends the process over one
+/// that is not finite.
+void calm_idle(const std::int32_t* active, RTCRay16& rays) {
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    const bool idle = active[k] == 0;
+    rays.org_x[k] = idle ? 0.0f : rays.org_x[k];
+    rays.org_y[k] = idle ? 0.0f : rays.org_y[k];
+    rays.org_z[k] = idle ? 0.0f : rays.org_z[k];
+    rays.dir_x[k] = idle ? 0.0f : rays.dir_x[k];
+    rays.dir_y[k] = idle ? 0.0f : rays.dir_y[k];
+    rays.dir_z[k] = idle ? 1.0f : rays.dir_z[k];
+    rays.tnear[k] = idle ? 0.0f : rays.tnear[k];
+    rays.tfar[k] = idle ? 0.0f : rays.tfar[k];
+  }
+}
+
+}  // namespace
+
 void intersect(RTCSceneTy* tree, const RayDetail& detail, RayOrder order, const std::int32_t* active,
                RTCRayHit16& packet) {
+  calm_idle(active, packet.ray);
   CastContext context(detail, order);
   rtcIntersect16(active, tree, &context.embree, &packet);
 }
@@ -247,6 +268,7 @@ void intersect(RTCSceneTy* tree, const RayDetail& detail, RTCRayHit& ray) {
 }
 
 void occluded(RTCSceneTy* tree, const RayDetail& detail, RayOrder order, const std::int32_t* active, RTCRay16& packet) {
+  calm_idle(active, packet);
   CastContext context(detail, order);
   rtcOccluded16(active, tree, &context.embree, &packet);
 }
