@@ -7,7 +7,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 archive=$(realpath "$1")
 cd "$folder"
-for set in portable avx2 avx512; do
+for set in portable avx2 avx512 slabs_avx512; do
   object=scan_kernels_$set.cpp.o
   ar x "$archive" "$object"
   if nm "$object" | grep -E '^[0-9a-f]+ [TWVu] '; then

@@ -58,6 +58,30 @@ class CaseMaker {
     return made;
   }
 
+  /// Fans and single rays that are nearly level and long, as sonars give them: many with crossings that coincide.
+  Case make_level() {
+    Case made{pick({0.1, 0.2, 0.25, 0.5}), {}, kNoLimit, {}};
+    if (chance(0.5)) made.max_range_m = made.resolution_m * pick({30.0, 77.7, 150.0});
+    const int pings = 1 + static_cast<int>(random_() % 3);
+    for (int i = 0; i < pings; ++i) {
+      Ping ping;
+      ping.origin_m = awkward(30 * made.resolution_m, made.resolution_m);
+      const double tilt = pick({0.0, 0.01, 0.05, 0.12, 0.2, 0.24, 0.26}) * (chance(0.5) ? 1 : -1);
+      const double sheer = chance(0.5) ? 0 : uniform(-0.2, 0.2), middle = uniform(-4, 4), width = uniform(0.001, 3);
+      const int beams = 1 + static_cast<int>(random_() % 120);
+      for (int k = 0; k < beams; ++k) {
+        const double angle = middle + width * k / beams, steps = uniform(5, 160);
+        Eigen::Vector3d way(std::cos(angle), std::sin(angle), tilt + sheer * std::sin(angle));
+        if (chance(0.2)) way = (way * pick({4.0, 8.0, 16.0})).array().round();  // ties
+        const Eigen::Vector3d point_m = ping.origin_m + way * (chance(0.2) ? std::round(steps) : steps) *
+                                                            made.resolution_m / std::max(1.0, way.norm() / 3);
+        for (int axis = 0; axis < 3; ++axis) ping.points_m.push_back(static_cast<float>(point_m[axis]));
+      }
+      made.pings.push_back(ping);
+    }
+    return made;
+  }
+
   unsigned number() { return static_cast<unsigned>(random_()); }
 
  private:
@@ -193,6 +217,18 @@ TEST_P(BrickFuzz, NotAByteDiffersFromStock) {
     voxels += expected.ot.size() > 200;
   }
   EXPECT_GT(voxels, 1000);  // the cases are about something
+}
+
+TEST_P(BrickFuzz, NotAByteDiffersFromStockForFans) {
+  if (!knows(GetParam())) GTEST_SKIP() << "this processor does not know the instruction set";
+  MapOptions bricks;
+  bricks.instruction_set = GetParam();
+  CaseMaker maker(99u + static_cast<unsigned>(GetParam()));
+  for (int i = 0; i < 600; ++i) {
+    const Case one = maker.make_level();
+    const Bytes expected = stock(one), got = batched(one, bricks, 1 + i % 2, maker.number());
+    ASSERT_TRUE(got == expected) << "case " << i << ": " << describe(one, got, expected);
+  }
 }
 
 /// Also with a limit of memory, of which parts leave for a file and we write the .bt, and a model that is changed, by

@@ -89,6 +89,28 @@ struct WalkInput {
   void* context;
 };
 
+/// Rays of a kind that can be walked faster, by columns: see scan_slab_rays_avx512.h.
+struct SlabRays {
+  std::uint8_t* way;                           ///< 0: not of the kind; 1 to 4: main axis and direction, +x, -x, +y, -y
+  std::uint32_t *slabs, *flags;                ///< faces across the main axis that it crosses
+  std::uint32_t *slope, *fraction;             ///< faces across the other of x and y: a slab adds, crossed so far
+  std::uint32_t *minor_slab, *minor_fraction;  ///< slab in which it next crosses a face across z
+  std::uint32_t *minor_slabs, *minor_slabs_fraction;  ///< to the next such slab
+  std::uint32_t *minor_middle, *minor_middles;        ///< faces across the other, modulo two, when it does; to the next
+};
+struct SlabInput {
+  const Rays* rays;
+  std::size_t count;
+  std::uint32_t origin_key[3];
+  const SlabRays* to;
+  const std::uint32_t* order;  ///< rays to walk, by their ways
+  std::size_t first[5];        ///< of each way, in `order`
+};
+struct SlabKernels {
+  void (*sort_out)(const SlabInput& slabs);                     ///< which rays are of the kind
+  void (*walk)(const SlabInput& slabs, const WalkInput& walk);  ///< those in `order`, into the table
+};
+
 struct CollectInput {
   std::uint64_t* free_table;  ///< of a chunk: 512 bricks of 8 words; wiped on the way
   std::uint64_t* hit_table;
@@ -116,8 +138,10 @@ struct Kernels {
   void (*walk)(const WalkInput& walk);
   Collected (*collect)(const CollectInput& chunk);
   void (*update)(const UpdateInput& update);
+  const SlabKernels* slabs;  ///< null: there are none
 };
 
+extern const SlabKernels kAvx512SlabKernels;
 extern const Kernels kPortableKernels, kAvx2Kernels, kAvx512Kernels;
 
 }  // namespace bricks

@@ -201,6 +201,6 @@ void walk(const WalkInput& in) {
 
 }  // namespace
 
-const Kernels kAvx2Kernels{start_rays, walk, collect_chunk<Avx2>, update_bricks<Avx2>};
+const Kernels kAvx2Kernels{start_rays, walk, collect_chunk<Avx2>, update_bricks<Avx2>, nullptr};
 
 }  // namespace uwsim::bricks

@@ -1,6 +1,6 @@
 #include <immintrin.h>
 
-#include "uwsim/mapping/scan_kernels_common.h"
+#include "uwsim/mapping/scan_pending_avx512.h"
 
 namespace uwsim::bricks {
 namespace {
@@ -83,33 +83,6 @@ struct Eight {
   }
 
   __mmask8 ends() const { return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ); }
-};
-
-/// Half words of the table that rays have left, with the bits they set there, until they are put down.
-struct Pending {
-  using HalfWord __attribute__((may_alias)) = std::uint32_t;
-  static constexpr std::size_t kRoom = 4096;
-
-  HalfWord* table;
-  std::uint8_t* touched;
-  alignas(64) std::uint32_t halves[kRoom];
-  alignas(64) std::uint32_t masks[kRoom];
-
-  /// Neighbours are often of one word, and each would have to wait for the one before it: so they take turns with
-  /// others, from far apart.
-  void put(std::size_t count) {
-    constexpr std::size_t kTurns = 8;
-    const std::size_t stride = count / kTurns;
-    for (std::size_t i = 0; i < stride; ++i) {
-      for (std::size_t turn = 0; turn < kTurns; ++turn) put_one(turn * stride + i);
-    }
-    for (std::size_t i = kTurns * stride; i < count; ++i) put_one(i);
-  }
-
-  void put_one(std::size_t i) {
-    table[halves[i]] |= masks[i];
-    touched[halves[i] >> 4] = 1;
-  }
 };
 
 /// Sixteen rays side by side. What is pending is counted by the caller, in a register.
@@ -243,6 +216,6 @@ void walk(const WalkInput& in) {
 
 }  // namespace
 
-const Kernels kAvx512Kernels{start_rays, walk, collect_chunk<Avx512>, update_bricks<Avx512>};
+const Kernels kAvx512Kernels{start_rays, walk, collect_chunk<Avx512>, update_bricks<Avx512>, &kAvx512SlabKernels};
 
 }  // namespace uwsim::bricks

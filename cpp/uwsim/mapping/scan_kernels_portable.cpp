@@ -56,6 +56,6 @@ void walk(const WalkInput& in) {
 
 }  // namespace
 
-const Kernels kPortableKernels{start_rays, walk, collect_chunk<Portable>, update_bricks<Portable>};
+const Kernels kPortableKernels{start_rays, walk, collect_chunk<Portable>, update_bricks<Portable>, nullptr};
 
 }  // namespace uwsim::bricks

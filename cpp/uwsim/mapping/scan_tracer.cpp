@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "uwsim/mapping/morton.h"
 
@@ -57,6 +58,17 @@ void ScanTracer::make_room(std::size_t rays) {
   rays_.steps = steps_.data();
   rays_.negative = flags_.data();
   rays_.kind = flags_.data() + rays;
+  if (!kernels_.slabs) return;
+  slab_columns_.resize(10 * rays);
+  slab_order_.resize(rays);
+  way_.resize(rays);
+  slab_rays_.way = way_.data();
+  std::uint32_t* column = slab_columns_.data();
+  for (std::uint32_t** to : {&slab_rays_.slabs, &slab_rays_.flags, &slab_rays_.slope, &slab_rays_.fraction,
+                             &slab_rays_.minor_slab, &slab_rays_.minor_fraction, &slab_rays_.minor_slabs,
+                             &slab_rays_.minor_slabs_fraction, &slab_rays_.minor_middle, &slab_rays_.minor_middles}) {
+    *to = std::exchange(column, column + rays);
+  }
 }
 
 ScanTracer::Layout ScanTracer::layout_of(std::size_t count, const Key& origin) const {
@@ -81,6 +93,29 @@ ScanTracer::Layout ScanTracer::layout_of(std::size_t count, const Key& origin) c
     for (std::size_t axis = 0; axis < 3; ++axis) layout.axis_mask[axis] = morton::spread(0xffff) << axis;
   }
   return layout;
+}
+
+/// Which rays are walked by slabs. They go by ways, then by their numbers of slabs in a few steps: so that neighbours
+/// stay together, of which many mark the same voxels.
+void ScanTracer::sort_out_slabs(std::size_t count, const Key& origin) {
+  constexpr std::size_t kSteps = 16, kBuckets = 4 * kSteps;
+  slabs_ = {&rays_, count, {origin[0], origin[1], origin[2]}, &slab_rays_, slab_order_.data(), {}};
+  kernels_.slabs->sort_out(slabs_);
+  std::uint32_t most = 1;
+  for (std::size_t i = 0; i < count; ++i) most = std::max(most, way_[i] != 0 ? slab_rays_.slabs[i] : 0);
+  const auto bucket = [&](std::size_t i) { return (way_[i] - 1) * kSteps + slab_rays_.slabs[i] * (kSteps - 1) / most; };
+  std::array<std::uint32_t, kBuckets + 1> starts{};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (way_[i] == 0) continue;
+    ++starts[bucket(i) + 1];
+    ++slabs_.first[way_[i]];
+    steps_[i] = 0;  // no other walk
+  }
+  for (std::size_t way = 0; way < 4; ++way) slabs_.first[way + 1] += slabs_.first[way];
+  for (std::size_t i = 0; i < kBuckets; ++i) starts[i + 1] += starts[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    if (way_[i] != 0) slab_order_[starts[bucket(i)]++] = static_cast<std::uint32_t>(i);
+  }
 }
 
 /// The order of the walks: by their number of steps, so that those side by side end together.
@@ -126,6 +161,7 @@ void ScanTracer::walk(const Layout& layout, std::uint64_t origin_address) {
     };
   }
   kernels_.walk(input);
+  if (kernels_.slabs && layout.in_table) kernels_.slabs->walk(slabs_, input);
 }
 
 void ScanTracer::mark_hits(std::size_t count, const Layout& layout) {
@@ -162,6 +198,7 @@ void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
       touched_ = Pages(std::size_t{1} << (bits - 9));
     }
   }
+  if (kernels_.slabs && layout.in_table) sort_out_slabs(scan.count, origin);
   aim(scan.count, layout);
   walk(layout, layout.address(origin));
   mark_hits(scan.count, layout);

@@ -52,6 +52,7 @@ class ScanTracer {
 
   void make_room(std::size_t rays);
   Layout layout_of(std::size_t count, const Key& origin) const;
+  void sort_out_slabs(std::size_t count, const Key& origin);
   void aim(std::size_t count, const Layout& layout);
   void walk(const Layout& layout, std::uint64_t origin_address);
   void mark_hits(std::size_t count, const Layout& layout);
@@ -66,6 +67,10 @@ class ScanTracer {
   std::vector<std::uint32_t> steps_, order_;
   std::vector<std::uint64_t> address_, end_address_;
   Rays rays_{};
+  std::vector<std::uint32_t> slab_columns_, slab_order_;
+  std::vector<std::uint8_t> way_;
+  SlabRays slab_rays_{};
+  SlabInput slabs_{};
   Pages free_table_, hit_table_, touched_;
 
   struct WideBrick {
