@@ -152,8 +152,8 @@ void ScanTracer::walk(const Layout& layout, std::uint64_t origin_address) {
   input.origin_address = origin_address;
   std::copy_n(layout.axis_mask.begin(), 3, input.axis_mask);
   if (layout.in_table) {
-    input.table = free_table_.as<std::uint64_t>();
-    input.touched = touched_.as<std::uint8_t>();
+    input.table = tables_.free();
+    input.touched = tables_.touched();
   } else {
     input.context = &wide_;
     input.put = [](void* context, std::uint64_t word, std::uint64_t mask) {
@@ -165,8 +165,8 @@ void ScanTracer::walk(const Layout& layout, std::uint64_t origin_address) {
 }
 
 void ScanTracer::mark_hits(std::size_t count, const Layout& layout) {
-  std::uint64_t* const table = hit_table_.as<std::uint64_t>();
-  std::uint8_t* const touched = touched_.as<std::uint8_t>();
+  std::uint64_t* const table = tables_.hit();
+  std::uint8_t* const touched = tables_.touched();
   for (std::size_t i = 0; i < count; ++i) {
     if (rays_.kind[i] != kHit) continue;
     const std::uint64_t address = address_[i], bit = std::uint64_t{1} << (address & 63);
@@ -190,19 +190,14 @@ void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
     origin[axis] = static_cast<std::uint32_t>(static_cast<int>(std::floor(factor * scan.origin_m[axis])) + 32768);
   }
   const Layout layout = layout_of(scan.count, origin);
-  if (layout.in_table) {
-    const int bits = layout.shift[2] + std::bit_width(layout.chunks[2] - 1);
-    if (free_table_.size() < std::size_t{1} << (bits - 3)) {
-      free_table_ = Pages(std::size_t{1} << (bits - 3));
-      hit_table_ = Pages(std::size_t{1} << (bits - 3));
-      touched_ = Pages(std::size_t{1} << (bits - 9));
-    }
-  }
+  if (layout.in_table) tables_.begin(layout.shift[2] + std::bit_width(layout.chunks[2] - 1));
   if (kernels_.slabs && layout.in_table) sort_out_slabs(scan.count, origin);
   aim(scan.count, layout);
   walk(layout, layout.address(origin));
   mark_hits(scan.count, layout);
-  layout.in_table ? collect(layout, trace) : collect_wide(trace);
+  if (!layout.in_table) return collect_wide(trace);
+  collect(layout, trace);
+  tables_.end();
 }
 
 void ScanTracer::collect(const Layout& layout, ScanTrace& trace) {
@@ -212,9 +207,9 @@ void ScanTracer::collect(const Layout& layout, ScanTrace& trace) {
         const std::size_t chunk = (std::size_t{x} << layout.shift[0] | std::size_t{y} << layout.shift[1] |
                                    std::size_t{z} << layout.shift[2]) >>
                                   kChunkBits;
-        const Collected found = kernels_.collect(
-            {free_table_.as<std::uint64_t>() + 4096 * chunk, hit_table_.as<std::uint64_t>() + 4096 * chunk,
-             touched_.as<std::uint8_t>() + 512 * chunk, trace.entries.room(512), trace.masks.room(8200)});
+        const Collected found =
+            kernels_.collect({tables_.free() + 4096 * chunk, tables_.hit() + 4096 * chunk,
+                              tables_.touched() + 512 * chunk, trace.entries.room(512), trace.masks.room(8200)});
         if (found.entries == 0) continue;
         const std::uint64_t code =
             morton::code(layout.first_chunk[0] + x, layout.first_chunk[1] + y, layout.first_chunk[2] + z);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "uwsim/mapping/growing.h"
-#include "uwsim/mapping/pages.h"
 #include "uwsim/mapping/scan_kernels.h"
+#include "uwsim/mapping/scan_tables.h"
 
 namespace uwsim::bricks {
 
@@ -71,7 +71,7 @@ class ScanTracer {
   std::vector<std::uint8_t> way_;
   SlabRays slab_rays_{};
   SlabInput slabs_{};
-  Pages free_table_, hit_table_, touched_;
+  ScanTables tables_;
 
   struct WideBrick {
     std::uint64_t free[8] = {}, hit[8] = {};
