@@ -1,26 +1,25 @@
 #include "uwsim/mapping/brick_update.h"
 
 #include <algorithm>
-#include <atomic>
 #include <barrier>
 #include <exception>
 #include <mutex>
 #include <system_error>
 #include <thread>
-#include <tuple>
 
 namespace uwsim::bricks {
 namespace {
 
-/// Scans go together while their masks fit here: what a core's own cache may hold with the bricks they change.
-constexpr std::size_t kMaskBytesTogether = 3 << 20;
+/// Scans go together while their masks fit here, for each thread: what a core's own cache may hold twice, with the
+/// bricks they change.
+constexpr std::size_t kMaskBytesTogether = 768 << 10;
 constexpr std::size_t kScansTogether = 64;
 
 /// Threads that do parts of a job together, one part after the other. What one of them throws ends the job: it is
 /// thrown again where the team was made to work.
 class Team {
  public:
-  explicit Team(std::size_t threads) : threads_(threads), barrier_(static_cast<std::ptrdiff_t>(threads)) {}
+  explicit Team(std::size_t threads) : threads_(threads), barrier_(static_cast<std::ptrdiff_t>(threads), End{this}) {}
 
   /// Runs job(thread, team) on each, this thread among them.
   template <typename Job>
@@ -39,26 +38,29 @@ class Team {
     if (error_) std::rethrow_exception(error_);
   }
 
-  /// A part of the job, for all; it ends when all have done theirs.
+  /// A part of the job, for all; it ends when all have done theirs. False to all if it failed for any: that is the end.
   template <typename Part>
-  void together(const Part& part) {
-    if (!failed_) {
-      try {
-        part();
-      } catch (...) {
-        const std::scoped_lock lock(mutex_);
-        error_ = std::current_exception();
-        failed_ = true;
-      }
+  bool together(const Part& part) {
+    try {
+      part();
+    } catch (...) {
+      const std::scoped_lock lock(mutex_);
+      error_ = std::current_exception();
     }
     barrier_.arrive_and_wait();
+    return !has_failed_;
   }
 
  private:
+  struct End {
+    Team* team;
+    void operator()() noexcept { team->has_failed_ = team->error_ != nullptr; }
+  };
+
   const std::size_t threads_;
-  std::barrier<> barrier_;
+  bool has_failed_ = false;  ///< changes while all wait
+  std::barrier<End> barrier_;
   std::mutex mutex_;
-  std::atomic<bool> failed_ = false;
   std::exception_ptr error_;
 };
 
@@ -71,63 +73,75 @@ struct BrickUpdate::Worker {
 
 BrickUpdate::BrickUpdate(BrickStore& store, const Kernels& kernels) : store_(store), kernels_(kernels) {}
 
+/// Each batch is traced while bricks are updated by the one before it: the many small parts of that come last, so that
+/// no thread waits for long.
 void BrickUpdate::insert(std::size_t count, const std::function<ScanInput(std::size_t)>& scan, int threads) {
-  for (std::size_t first = 0; first < count;) {
-    const std::size_t fitting = mask_bytes_a_scan_ == 0 ? 1 : kMaskBytesTogether / mask_bytes_a_scan_;
-    const std::size_t wanted = std::clamp<std::size_t>(fitting, static_cast<std::size_t>(threads), kScansTogether);
-    const std::size_t together = std::min(count - first, wanted);
-    insert_together(first, together, scan, std::min(together, static_cast<std::size_t>(threads)));
-    first += together;
-    store_.make_room();
-  }
-}
-
-void BrickUpdate::insert_together(std::size_t first, std::size_t count,
-                                  const std::function<ScanInput(std::size_t)>& scan, std::size_t threads) {
-  while (tracers_.size() < threads) tracers_.emplace_back(kernels_);
-  if (traces_.size() < count) traces_.resize(count);
-  std::atomic<std::size_t> next_scan = 0, next_group = 0;
-  Team(threads).run([&](std::size_t thread, Team& team) {
-    team.together([&] {
-      for (std::size_t i; (i = next_scan++) < count;) tracers_[thread].trace(scan(first + i), traces_[i]);
-    });
-    team.together([&] {
-      if (thread == 0) group(count);
-    });
-    team.together([&] {
-      BrickStore::Supply supply(store_);
-      Worker worker;
-      for (std::size_t i; (i = next_group++) < groups_.size();) {
-        for (std::size_t part = groups_[i].first; part < groups_[i].end; ++part) {
-          apply(parts_[part], *groups_[i].chunk, supply, worker);
-        }
+  const std::size_t team_size = std::min(count, static_cast<std::size_t>(threads));
+  if (team_size == 0) return;
+  while (tracers_.size() < team_size) tracers_.emplace_back(kernels_);
+  traces_.resize(2 * kScansTogether);
+  batch_ = {};
+  std::atomic<std::size_t> next_group = 0, next_scan = 0;
+  Team(team_size).run([&](std::size_t thread, Team& team) {
+    const auto plan = [&] {
+      if (thread != 0) return;
+      store_.make_room();
+      group();
+      batch_ = batch_after(batch_, count, team_size);
+      next_group = next_scan = 0;
+    };
+    bool goes_on = true;
+    const auto work = [&] {
+      goes_on = batch_.count > 0;
+      for (std::size_t i; (i = next_scan++) < batch_.count;) {
+        tracers_[thread].trace(scan(batch_.first + i), traces_[batch_.traces + i]);
       }
-    });
+      update(next_group);
+    };
+    while (team.together(plan) && team.together(work) && goes_on) {
+    }
   });
+  store_.make_room();
 }
 
-void BrickUpdate::group(std::size_t count) {
+BrickUpdate::Batch BrickUpdate::batch_after(const Batch& batch, std::size_t count, std::size_t threads) const {
+  const std::size_t first = batch.first + batch.count;
+  const std::size_t fitting = mask_bytes_a_scan_ == 0 ? 1 : threads * kMaskBytesTogether / mask_bytes_a_scan_;
+  const std::size_t wanted = std::clamp<std::size_t>(fitting, std::min(threads, kScansTogether), kScansTogether);
+  return {first, std::min(count - first, wanted), kScansTogether - batch.traces};
+}
+
+/// The batch's traces by chunks.
+void BrickUpdate::group() {
   parts_.clear();
   groups_.clear();
   std::size_t masks = 0;
-  for (std::size_t scan = 0; scan < count; ++scan) {
+  for (std::size_t scan = batch_.traces; scan < batch_.traces + batch_.count; ++scan) {
     masks += traces_[scan].masks.size();
     for (std::size_t chunk = 0; chunk < traces_[scan].chunks.size(); ++chunk) {
-      parts_.push_back(
-          {traces_[scan].chunks[chunk].code, static_cast<std::uint32_t>(scan), static_cast<std::uint32_t>(chunk)});
+      parts_.push_back({std::uint64_t{traces_[scan].chunks[chunk].code} << 32 | scan, chunk});
     }
   }
-  mask_bytes_a_scan_ = std::max<std::size_t>(1, masks * sizeof(std::uint64_t) / count);
-  std::sort(parts_.begin(), parts_.end(),
-            [](const Part& a, const Part& b) { return std::tie(a.code, a.scan) < std::tie(b.code, b.scan); });
+  if (batch_.count > 0) mask_bytes_a_scan_ = std::max<std::size_t>(1, masks * sizeof(std::uint64_t) / batch_.count);
+  std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.place < b.place; });
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    if (i == 0 || parts_[i].code != parts_[i - 1].code) groups_.push_back({&store_.chunk(parts_[i].code), i, i});
+    if (i == 0 || parts_[i].code() != parts_[i - 1].code()) groups_.push_back({&store_.chunk(parts_[i].code()), i, i});
     groups_.back().end = i + 1;
   }
 }
 
+void BrickUpdate::update(std::atomic<std::size_t>& next_group) {
+  BrickStore::Supply supply(store_);
+  Worker worker;
+  for (std::size_t i; (i = next_group++) < groups_.size();) {
+    for (std::size_t part = groups_[i].first; part < groups_[i].end; ++part) {
+      apply(parts_[part], *groups_[i].chunk, supply, worker);
+    }
+  }
+}
+
 void BrickUpdate::apply(const Part& part, BrickStore::Chunk& chunk, BrickStore::Supply& supply, Worker& worker) {
-  const ScanTrace& trace = traces_[part.scan];
+  const ScanTrace& trace = traces_[part.trace()];
   const ScanTrace::Chunk& found = trace.chunks[part.chunk];
   const Entry* const entries = trace.entries.data() + found.first_entry;
   for (std::size_t i = 0; i < found.entries; ++i) {

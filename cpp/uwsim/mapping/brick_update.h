@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -19,11 +20,18 @@ class BrickUpdate {
   void insert(std::size_t count, const std::function<ScanInput(std::size_t)>& scan, int threads);
 
  private:
+  /// Scans that are traced together, and where to. Those of the batch before are elsewhere.
+  struct Batch {
+    std::size_t first = 0, count = 0;
+    std::size_t traces = 0;
+  };
   /// A chunk's part of a scan.
   struct Part {
-    std::uint32_t code;
-    std::uint32_t scan;
-    std::uint32_t chunk;  ///< of that scan's trace
+    std::uint64_t place;  ///< the chunk's code, then the trace: in the order in which they take effect
+    std::size_t chunk;    ///< of that trace
+
+    std::uint32_t code() const { return static_cast<std::uint32_t>(place >> 32); }
+    std::uint32_t trace() const { return static_cast<std::uint32_t>(place); }
   };
   struct Group {
     BrickStore::Chunk* chunk;
@@ -31,15 +39,16 @@ class BrickUpdate {
   };
   struct Worker;
 
-  void insert_together(std::size_t first, std::size_t count, const std::function<ScanInput(std::size_t)>& scan,
-                       std::size_t threads);
-  void group(std::size_t count);
+  Batch batch_after(const Batch& batch, std::size_t count, std::size_t threads) const;
+  void group();
+  void update(std::atomic<std::size_t>& next_group);
   void apply(const Part& part, BrickStore::Chunk& chunk, BrickStore::Supply& supply, Worker& worker);
 
   BrickStore& store_;
   const Kernels& kernels_;
   std::vector<ScanTracer> tracers_;
   std::vector<ScanTrace> traces_;
+  Batch batch_;
   std::vector<Part> parts_;
   std::vector<Group> groups_;
   std::size_t mask_bytes_a_scan_ = 0;  ///< of the scans before, to bound those of the next ones
