@@ -1,6 +1,7 @@
 #include <immintrin.h>
 
 #include "uwsim/mapping/scan_pending_avx512.h"
+#include "uwsim/mapping/scan_start_avx512.h"
 
 namespace uwsim::bricks {
 namespace {
@@ -216,6 +217,6 @@ void walk(const WalkInput& in) {
 
 }  // namespace
 
-const Kernels kAvx512Kernels{start_rays, walk, collect_chunk<Avx512>, update_bricks<Avx512>, &kAvx512SlabKernels};
+const Kernels kAvx512Kernels{start_eights, walk, collect_chunk<Avx512>, update_bricks<Avx512>, &kAvx512SlabKernels};
 
 }  // namespace uwsim::bricks

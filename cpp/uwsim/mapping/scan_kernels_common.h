@@ -40,7 +40,7 @@ inline Kind aim_at(const float point_m[3], const float origin_m[3], double max_r
   return kPassing;
 }
 
-inline void start_rays(const ScanInput& scan, const Rays& rays) {
+[[maybe_unused]] inline void start_rays(const ScanInput& scan, const Rays& rays) {
   constexpr double kFar = 1.7976931348623157e308;  // the greatest double, as there
   const double factor = 1.0 / scan.resolution_m, resolution = scan.resolution_m;
   int origin_key[3];
