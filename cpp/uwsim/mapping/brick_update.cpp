@@ -14,6 +14,8 @@ namespace {
 /// bricks they change.
 constexpr std::size_t kMaskBytesTogether = 768 << 10;
 constexpr std::size_t kScansTogether = 64;
+/// Fewer would each fetch the same bricks from memory.
+constexpr std::size_t kFewestTogether = 6;
 
 /// Threads that do parts of a job together, one part after the other. What one of them throws ends the job: it is
 /// thrown again where the team was made to work.
@@ -106,8 +108,9 @@ void BrickUpdate::insert(std::size_t count, const std::function<ScanInput(std::s
 
 BrickUpdate::Batch BrickUpdate::batch_after(const Batch& batch, std::size_t count, std::size_t threads) const {
   const std::size_t first = batch.first + batch.count;
-  const std::size_t fitting = mask_bytes_a_scan_ == 0 ? 1 : threads * kMaskBytesTogether / mask_bytes_a_scan_;
-  const std::size_t wanted = std::clamp<std::size_t>(fitting, std::min(threads, kScansTogether), kScansTogether);
+  const std::size_t fitting = mask_bytes_a_scan_ == 0 ? 0 : threads * kMaskBytesTogether / mask_bytes_a_scan_;
+  const std::size_t fewest = mask_bytes_a_scan_ == 0 ? 1 : kFewestTogether;
+  const std::size_t wanted = std::clamp(fitting, std::min(threads * fewest, kScansTogether), kScansTogether);
   return {first, std::min(count - first, wanted), kScansTogether - batch.traces};
 }
 
