@@ -14,34 +14,47 @@ namespace {
 
 constexpr std::uint32_t kIndices = 1u << 31;
 constexpr std::size_t kBricksAtOnce = 256, kBlocksAtOnce = 1024;
+constexpr std::size_t kSmallBytes = 256 << 10;
+constexpr int kBrickSegmentBits = 15;
+static_assert((sizeof(Brick) << kBrickSegmentBits) % kLargePage == 0);
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
 void fill(float* block, float value) { std::fill_n(block, 64, value); }
 
 }  // namespace
 
-Arena::Arena(std::size_t element_bytes)
-    : element_bytes_(element_bytes), table_((kIndices >> kSegmentBits) * sizeof(std::byte*)) {}
+Arena::Arena(std::size_t element_bytes, int segment_bits)
+    : element_bytes_(element_bytes),
+      segment_bits_(segment_bits),
+      table_((kIndices >> segment_bits) * sizeof(std::byte*)) {}
 
+/// A small map stays small: large pages come after the first few.
 std::uint32_t Arena::take(std::uint32_t count) {
   if (taken_ > kIndices - count) throw std::bad_alloc();
-  while (segments_.size() * std::size_t{kSegment} < std::size_t{taken_} + count) {
-    Pages segment(kSegment * element_bytes_);
-    if (!segments_.empty()) {
-      segment.ask_for_large();
-      segment.prefault(0, segment.size());
-    }
+  const std::size_t in_segment = std::size_t{1} << segment_bits_, end = std::size_t{taken_} + count;
+  while (segments_.size() * in_segment < end) {
+    Pages segment(in_segment * element_bytes_, segments_.empty() ? kSmallBytes : 0);
+    segment.ask_for_large();
     table_.as<std::byte*>()[segments_.size()] = segment.as<std::byte>();
     segments_.push_back(std::move(segment));
   }
-  // A small map stays small: its first segment is there as it is taken.
-  if (taken_ < kSegment) segments_[0].prefault(taken_ * element_bytes_, count * element_bytes_);
+  for (std::size_t at = taken_; at < end;) {
+    const std::size_t within = at & (in_segment - 1), some = std::min(end - at, in_segment - within);
+    segments_[at >> segment_bits_].prefault(within * element_bytes_, some * element_bytes_);
+    at += some;
+  }
   const std::uint32_t first = taken_;
   taken_ += count;
   return first;
 }
 
-BrickStore::BrickStore(const SensorModel& model) : model_(model), bricks_(sizeof(Brick)), blocks_(64 * sizeof(float)) {
+std::size_t Arena::memory_bytes() const {
+  const std::size_t bytes = taken_ * element_bytes_;
+  return bytes <= kSmallBytes ? bytes : (bytes + kLargePage - 1) / kLargePage * kLargePage;
+}
+
+BrickStore::BrickStore(const SensorModel& model)
+    : model_(model), bricks_(sizeof(Brick), kBrickSegmentBits), blocks_(64 * sizeof(float), kSegmentBits) {
   uniform_slot(model.lowest);  // the first value: see Supply::close
 }
 

@@ -19,21 +19,21 @@ namespace uwsim::bricks {
 /// Elements of a fixed size that never move, by index. Handing out is for one thread at a time; looking up is for all.
 class Arena {
  public:
-  static constexpr std::uint32_t kSegment = 1u << kSegmentBits;
-
-  explicit Arena(std::size_t element_bytes);
+  /// In segments of 2^segment_bits elements.
+  Arena(std::size_t element_bytes, int segment_bits);
 
   /// The first of `count` new elements. Throws std::bad_alloc.
   std::uint32_t take(std::uint32_t count);
   std::byte* at(std::uint32_t index) const {
-    return pointers()[index >> kSegmentBits] + element_bytes_ * (index & (kSegment - 1));
+    return pointers()[index >> segment_bits_] + element_bytes_ * (index & ((1u << segment_bits_) - 1));
   }
   std::uint32_t taken() const { return taken_; }
   std::byte* const* pointers() const { return table_.as<std::byte*>(); }
-  std::size_t memory_bytes() const { return segments_.size() * kSegment * element_bytes_; }
+  std::size_t memory_bytes() const;
 
  private:
   std::size_t element_bytes_;
+  int segment_bits_;
   std::uint32_t taken_ = 0;
   Pages table_;  ///< of segments; in pages of its own, so that it never moves
   std::vector<Pages> segments_;

@@ -8,13 +8,9 @@
 #include <utility>
 
 namespace uwsim {
-namespace {
 
-constexpr std::size_t kLargePage = std::size_t{1} << 21;
-
-}  // namespace
-
-Pages::Pages(std::size_t bytes) : bytes_(bytes), mapping_bytes_(bytes + (bytes < kLargePage ? 0 : kLargePage)) {
+Pages::Pages(std::size_t bytes, std::size_t small_bytes)
+    : bytes_(bytes), mapping_bytes_(bytes + (bytes < kLargePage ? 0 : 2 * kLargePage)) {
   mapping_ =
       ::mmap(nullptr, mapping_bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (mapping_ == MAP_FAILED) {
@@ -22,7 +18,8 @@ Pages::Pages(std::size_t bytes) : bytes_(bytes), mapping_bytes_(bytes + (bytes <
     throw std::bad_alloc();
   }
   const std::uintptr_t start = reinterpret_cast<std::uintptr_t>(mapping_);
-  const std::uintptr_t aligned = mapping_bytes_ == bytes ? start : (start + kLargePage - 1) & ~(kLargePage - 1);
+  const std::uintptr_t aligned =
+      mapping_bytes_ == bytes ? start : ((start + small_bytes + kLargePage - 1) & ~(kLargePage - 1)) - small_bytes;
   data_ = reinterpret_cast<void*>(aligned);
 }
 
@@ -40,7 +37,11 @@ Pages& Pages::operator=(Pages&& other) noexcept {
   return *this;
 }
 
-void Pages::ask_for_large() { ::madvise(data_, bytes_, MADV_HUGEPAGE); }
+void Pages::ask_for_large() {
+  const std::uintptr_t start = reinterpret_cast<std::uintptr_t>(data_);
+  const std::size_t whole = ((start + bytes_ + kLargePage - 1) & ~(kLargePage - 1)) - start;
+  ::madvise(data_, bytes_ < kLargePage ? bytes_ : whole, MADV_HUGEPAGE);
+}
 
 void Pages::prefault([[maybe_unused]] std::size_t first_byte, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_POPULATE_WRITE

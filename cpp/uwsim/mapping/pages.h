@@ -4,16 +4,19 @@
 
 namespace uwsim {
 
+inline constexpr std::size_t kLargePage = std::size_t{1} << 21;
+
 /// Memory of the system's own, all zero, of which only what is touched takes room. Throws std::bad_alloc.
 class Pages {
  public:
   Pages() = default;
-  explicit Pages(std::size_t bytes);
+  /// Of what is as large, the first large page begins after `small_bytes`.
+  explicit Pages(std::size_t bytes, std::size_t small_bytes = 0);
   ~Pages();
   Pages(Pages&& other) noexcept;
   Pages& operator=(Pages&& other) noexcept;
 
-  /// Asks for large pages, where they are used.
+  /// Asks for large pages, where they fit.
   void ask_for_large();
   /// Has the pages of a part present: no page faults there later. What the system cannot do is left.
   void prefault(std::size_t first_byte, std::size_t bytes);
