@@ -19,6 +19,36 @@ constexpr int kBrickSegmentBits = 15;
 static_assert((sizeof(Brick) << kBrickSegmentBits) % kLargePage == 0);
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
+/// What arenas that are gone leave for the next ones, up to so much of address space: memory that is present already.
+constexpr std::size_t kKeptBytes = 64 << 20;
+struct KeptSegments {
+  KeptSegments() { segments.reserve(kKeptBytes / kLargePage); }
+
+  std::mutex mutex;
+  std::vector<Pages> segments;
+  std::size_t bytes = 0;
+};
+
+/// Never destroyed: maps may outlive what is.
+KeptSegments& kept_segments() {
+  static KeptSegments& all = *new KeptSegments;
+  return all;
+}
+
+Pages kept_segment(std::size_t bytes) {
+  KeptSegments& kept = kept_segments();
+  const std::scoped_lock lock(kept.mutex);
+  for (Pages& segment : kept.segments) {
+    if (segment.size() != bytes) continue;
+    Pages found = std::move(segment);
+    segment = std::move(kept.segments.back());
+    kept.segments.pop_back();
+    kept.bytes -= bytes;
+    return found;
+  }
+  return {};
+}
+
 void fill(float* block, float value) { std::fill_n(block, 64, value); }
 
 }  // namespace
@@ -28,13 +58,26 @@ Arena::Arena(std::size_t element_bytes, int segment_bits)
       segment_bits_(segment_bits),
       table_((kIndices >> segment_bits) * sizeof(std::byte*)) {}
 
+Arena::~Arena() {
+  KeptSegments& kept = kept_segments();
+  const std::scoped_lock lock(kept.mutex);
+  for (Pages& segment : segments_) {
+    if (kept.bytes + segment.size() > kKeptBytes) continue;
+    kept.bytes += segment.size();
+    kept.segments.push_back(std::move(segment));
+  }
+}
+
 /// A small map stays small: large pages come after the first few.
 std::uint32_t Arena::take(std::uint32_t count) {
   if (taken_ > kIndices - count) throw std::bad_alloc();
   const std::size_t in_segment = std::size_t{1} << segment_bits_, end = std::size_t{taken_} + count;
   while (segments_.size() * in_segment < end) {
-    Pages segment(in_segment * element_bytes_, segments_.empty() ? kSmallBytes : 0);
-    segment.ask_for_large();
+    Pages segment = kept_segment(in_segment * element_bytes_);
+    if (segment.size() == 0) {
+      segment = Pages(in_segment * element_bytes_, segments_.empty() ? kSmallBytes : 0);
+      segment.ask_for_large();
+    }
     table_.as<std::byte*>()[segments_.size()] = segment.as<std::byte>();
     segments_.push_back(std::move(segment));
   }

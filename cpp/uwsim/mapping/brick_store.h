@@ -16,11 +16,15 @@
 
 namespace uwsim::bricks {
 
-/// Elements of a fixed size that never move, by index. Handing out is for one thread at a time; looking up is for all.
+/// Elements of a fixed size that never move, by index; what is in new ones is anything. Handing out is for one thread
+/// at a time; looking up is for all.
 class Arena {
  public:
   /// In segments of 2^segment_bits elements.
   Arena(std::size_t element_bytes, int segment_bits);
+  ~Arena();
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
 
   /// The first of `count` new elements. Throws std::bad_alloc.
   std::uint32_t take(std::uint32_t count);
