@@ -84,14 +84,14 @@ void BrickUpdate::insert(std::size_t count, const std::function<ScanInput(std::s
   traces_.resize(2 * kScansTogether);
   batch_ = {};
   std::atomic<std::size_t> next_group = 0, next_scan = 0;
+  const auto plan = [&] {
+    store_.make_room();
+    group();
+    batch_ = batch_after(batch_, count, team_size);
+    next_group = next_scan = 0;
+  };
+  plan();
   Team(team_size).run([&](std::size_t thread, Team& team) {
-    const auto plan = [&] {
-      if (thread != 0) return;
-      store_.make_room();
-      group();
-      batch_ = batch_after(batch_, count, team_size);
-      next_group = next_scan = 0;
-    };
     bool goes_on = true;
     const auto work = [&] {
       goes_on = batch_.count > 0;
@@ -100,7 +100,10 @@ void BrickUpdate::insert(std::size_t count, const std::function<ScanInput(std::s
       }
       update(next_group);
     };
-    while (team.together(plan) && team.together(work) && goes_on) {
+    const auto plan_on_one = [&] {
+      if (thread == 0) plan();
+    };
+    while (team.together(work) && goes_on && team.together(plan_on_one)) {
     }
   });
   store_.make_room();
