@@ -18,7 +18,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -30,6 +30,7 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator, _core
+from uwsim.figure_style import new_figure, save_figure
 from uwsim.scenario import load
 
 console = Console()
@@ -40,6 +41,7 @@ AREA_M = ((-104.0, 56.0), (-80.0, 24.0))  # the lake's survey
 LINES_APART_M = 13.0
 PINGS_APART_M = 0.3
 SIZES = (10_000, 31_623, 100_000, 316_228, 1_000_000, 3_162_278, 10_000_000)
+GROWTH = {"_again": "one place again, all in the caches", "": "along survey lines", "_scattered": "scattered places"}
 LIMITS = {"quads": ("coherent", "quads"), "triangles": ("coherent",), "incoherent": ("quads",)}
 GOALS = {
     "ping/limit": 0.8,
@@ -70,6 +72,13 @@ class Heads:
         ways = np.einsum("nij,bj->nbi", self.world_from_sonar[:, :3, :2], table)
         return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], ways.shape), ways
 
+    def first_again(self) -> Heads:
+        """As many pings, all from the first place: what they meet stays in the processor's caches."""
+        poses = ("positions_world_m", "orientations_xyzw", "world_from_body", "world_from_sonar")
+        return replace(
+            self, **{name: np.repeat(getattr(self, name)[:1], len(self.positions_world_m), 0) for name in poses}
+        )
+
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
@@ -89,8 +98,8 @@ def main(
         cases |= limit_cases(scattered, vertices, triangles, Path(folder) / "scattered.bin", "_scattered")
         for size in SIZES if growth else ():
             grown = lake(size)
-            cases[f"triangles_{size}"] = Pings(grown, heads)
-            cases[f"triangles_{size}_scattered"] = Pings(grown, scattered)
+            for suffix, places in {"": heads, "_scattered": scattered, "_again": heads.first_again()}.items():
+                cases[f"triangles_{size}{suffix}"] = Pings(grown, places)
         rates = measure(cases, rounds)
     figures = summarise(rates)
     console.print(_table(figures))
@@ -181,17 +190,10 @@ class Pings:
 
     def __init__(self, sim: Simulator, heads: Heads) -> None:
         self._rov = sim.rov
-        z = heads.positions_world_m[:, 2] + 1.0  # coarser terrain may lie a little higher
-        self._places = [
-            ((x, y, max(up, bed)), q)
-            for (x, y, _), up, bed, q in zip(
-                heads.positions_world_m,
-                z - 1.0,
-                sim.world.height_at(heads.positions_world_m[:, :2]) + 1.0,
-                heads.orientations_xyzw,
-                strict=True,
-            )
-        ]
+        positions = heads.positions_world_m.copy()
+        # Coarser terrain may lie a little higher.
+        positions[:, 2] = np.maximum(positions[:, 2], sim.world.height_at(positions[:, :2]) + 1.0)
+        self._places = list(zip(positions, heads.orientations_xyzw, strict=True))
 
     def __call__(self) -> float:
         """Pings per second; putting the vehicle there is not counted."""
@@ -374,11 +376,9 @@ def _table(figures: dict[str, float]) -> Table:
 
 def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
     """Draws the cost against the number of triangles, with the straight line in log n that fits it best."""
-    import matplotlib.pyplot as plt
-
-    sizes, slopes = np.array(SIZES), {}
-    figure, panel = plt.subplots(figsize=(6, 4), layout="constrained")
-    for suffix, label in (("", "along survey lines"), ("_scattered", "from scattered places")):
+    sizes, slopes, figure = np.array(SIZES), {}, new_figure(7.0, 4.5)
+    panel = figure.subplots()
+    for suffix, label in GROWTH.items():
         cost_us = np.array([1e6 / figures[f"triangles_{size}{suffix}"] for size in SIZES])
         slope, offset = np.polyfit(np.log10(sizes), cost_us, 1)
         (line,) = panel.semilogx(sizes, cost_us, "o-", label=label)
@@ -389,8 +389,7 @@ def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
         slopes[f"us_a_decade{suffix}"] = float(slope)
     panel.set(xlabel="triangles", ylabel="a ping of 1,025 beams [us]", ylim=(0, None), title="Cost against triangles")
     panel.legend()
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+    save_figure(figure, path)
     return slopes
 
 
