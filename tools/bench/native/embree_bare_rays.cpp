@@ -1,5 +1,5 @@
 // Embree alone, casting recorded packets of sixteen rays: the peer that `uwsim bench camera` measures against.
-// Usage: embree_bare_rays FILE THREADS. For each line on stdin, casts all of them and prints the wall seconds it took.
+// Usage: embree_bare_rays FILE THREADS [quads]. For each line on stdin, casts all of them and prints the wall seconds it took.
 // FILE, little-endian: uint64 counts of vertices, triangles, packets; float vertices x 3; uint32 triangles x 3; then for
 // each packet int32 kind (0 cast, 1 occluded, + 2 where coherent), int32 active x 16, and eight rows of 16 floats: origin
 // x, y, z, direction x, y, z, near, far.
@@ -15,6 +15,8 @@
 #include <thread>
 #include <vector>
 
+#include "embree_faces.h"
+
 namespace {
 
 struct Packet {
@@ -28,23 +30,6 @@ std::vector<T> read(std::ifstream& file, std::size_t count) {
   std::vector<T> values(count);
   file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(count * sizeof(T)));
   return values;
-}
-
-RTCScene build(RTCDevice device, const std::vector<float>& vertices, const std::vector<std::uint32_t>& triangles) {
-  RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                     vertices.size() / 3);
-  std::memcpy(to, vertices.data(), vertices.size() * sizeof(float));
-  to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
-                               triangles.size() / 3);
-  std::memcpy(to, triangles.data(), triangles.size() * sizeof(std::uint32_t));
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
-  return scene;
 }
 
 double cast(RTCScene scene, const Packet& packet) {
@@ -74,9 +59,10 @@ double cast(RTCScene scene, const Packet& packet) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  const int threads = count == 3 ? std::atoi(arguments[2]) : 0;
+  const int threads = count >= 3 ? std::atoi(arguments[2]) : 0;
+  const bool as_quads = count == 4 && std::strcmp(arguments[3], "quads") == 0;
   if (threads < 1) {
-    std::fprintf(stderr, "usage: embree_bare_rays FILE THREADS\n");
+    std::fprintf(stderr, "usage: embree_bare_rays FILE THREADS [quads]\n");
     return 2;
   }
   std::ifstream file(arguments[1], std::ios::binary);
@@ -89,7 +75,7 @@ int main(int count, char** arguments) {
     return 1;
   }
   RTCDevice device = rtcNewDevice("verbose=0");
-  RTCScene scene = build(device, vertices, triangles);
+  RTCScene scene = embree_faces::build(device, vertices, triangles, as_quads);
   constexpr std::size_t kChunk = 160;  // packets: a row of a picture's blocks
   while (std::getchar() != EOF) {
     std::atomic<std::size_t> next{0};

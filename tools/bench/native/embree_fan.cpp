@@ -4,45 +4,12 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <vector>
 
+#include "embree_faces.h"
 #include "ray_case.h"
 
 namespace {
-
-template <std::size_t corners>
-using Faces = std::vector<std::array<std::uint32_t, corners>>;
-
-/// Takes the pairs a, b, d and b, c, d that follow each other as quads a, b, c, d; Embree cuts these from b to d.
-void sort(const RayCase& rays, bool pair, Faces<3>& triangles, Faces<4>& quads) {
-  for (std::uint64_t k = 0; k < rays.triangle_count; ++k) {
-    const std::uint32_t* t = &rays.triangles[3 * k];
-    if (pair && k + 1 < rays.triangle_count && t[1] == t[3] && t[2] == t[5]) {
-      quads.push_back({t[0], t[1], t[4], t[2]});
-      ++k;
-    } else {
-      triangles.push_back({t[0], t[1], t[2]});
-    }
-  }
-}
-
-template <std::size_t corners>
-void attach(RTCDevice device, RTCScene scene, const RayCase& rays, const Faces<corners>& faces) {
-  if (faces.empty()) return;
-  RTCGeometry geometry = rtcNewGeometry(device, corners == 3 ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                           rays.vertex_count);
-  void* indices =
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, corners == 3 ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4,
-                              corners * sizeof(std::uint32_t), faces.size());
-  std::memcpy(vertices, rays.vertices_m.data(), rays.vertices_m.size() * sizeof(float));
-  std::memcpy(indices, faces.data(), faces.size() * sizeof(faces[0]));
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-}
 
 bool asked(int count, char** arguments, const char* word) {
   return std::any_of(arguments + 2, arguments + count, [&](const char* a) { return std::strcmp(a, word) == 0; });
@@ -58,14 +25,7 @@ int main(int count, char** arguments) {
   const bool coherent = asked(count, arguments, "coherent");
   const RayCase rays(arguments[1]);
   RTCDevice device = rtcNewDevice(nullptr);
-  RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  Faces<3> triangles;
-  Faces<4> quads;
-  sort(rays, asked(count, arguments, "quads"), triangles, quads);
-  attach(device, scene, rays, triangles);
-  attach(device, scene, rays, quads);
-  rtcCommitScene(scene);
+  RTCScene scene = embree_faces::build(device, rays.vertices_m, rays.triangles, asked(count, arguments, "quads"));
 
   answer(rays, [&](const double* pose) {
     RTCIntersectContext context;
