@@ -177,6 +177,82 @@ TEST(RayScene, PacketsGoThroughTheTilesOfAWideWorldAndComeFromFarAway) {
   }
 }
 
+/// Rays from about one place in different directions, to 1 km.
+RayPacket packet_of(const std::array<Eigen::Vector3f, kPacketRays>& ways, float near_m) {
+  RayPacket rays;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    rays.origin_x[k] = rays.origin_y[k] = rays.origin_z[k] = 0;
+    rays.direction_x[k] = ways[k].x();
+    rays.direction_y[k] = ways[k].y();
+    rays.direction_z[k] = ways[k].z();
+    rays.near_m[k] = near_m;
+    rays.far_m[k] = 1000;
+    rays.active[k] = -1;
+  }
+  return rays;
+}
+
+TEST(RayScene, ShadowRaysFromTheFootOfACliffAreBlockedByTheCliffOnly) {
+  // A step of 12 m within one cell of half a metre, in a terrain 300 m wide.
+  std::vector<float> heights;
+  for (int j = 0; j < 601; ++j) {
+    for (int i = 0; i < 601; ++i) heights.push_back(i <= 300 ? -30.0f : -18.0f);
+  }
+  World world;
+  world.set_terrain(Heightfield(heights, 601, 601, 0.5, {0, 0}));
+  const RayScene scene(world);
+  for (const double off_m : {0.002, 0.02, 0.1, 0.4}) {
+    std::array<Eigen::Vector3f, kPacketRays> ways;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const double dip = 0.3 + 0.08 * static_cast<double>(k), side = k % 2 == 0 ? 1 : -1;
+      ways[k] = Eigen::Vector3d(side * std::cos(dip), 0.1, std::sin(dip)).normalized().cast<float>();
+    }
+    const Eigen::Vector3d anchor(150 - off_m, 150.2, -30 + 1e-3);
+    Blocked blocked;
+    scene.occluded(anchor, packet_of(ways, 1e-3f), blocked);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const RayHit exact = scene.cast({anchor, ways[k].cast<double>()}, 1000);
+      EXPECT_EQ(blocked[k] != 0, exact.label == kTerrain) << off_m << " m off, ray " << k;
+      EXPECT_EQ(exact.label == kTerrain, k % 2 == 0 && std::atan(24.0) > 0.3 + 0.08 * static_cast<double>(k)) << k;
+    }
+  }
+}
+
+TEST(RayScene, ASliversTipEndsWhereItEndsInFloat) {
+  TriangleMesh sliver;
+  sliver.vertices_m = {{0, 0, -10},       {20, 0, -10},      {20, 0.02, -10},
+                       {-250, -250, -50}, {-240, -250, -50}, {-250, -240, -50}};
+  sliver.triangles = {{0, 1, 2}};
+  World world;
+  world.add_solid("sliver", sliver);
+  sliver.triangles = {{3, 4, 5}};
+  world.add_solid("far off", sliver);
+  const RayScene scene(world);
+  std::array<Eigen::Vector3f, kPacketRays> ways;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // in the sliver's plane 20 cm before its tip to 5 cm short of that
+    const double x = -0.2 + 0.01 * static_cast<double>(k), y = x * 0.02 / 20 / 2;
+    ways[k] = Eigen::Vector3d(x - 3, y, -10).normalized().cast<float>();
+  }
+  HitPacket hits;
+  Blocked blocked;
+  scene.cast({3, 0, 0}, packet_of(ways, 0), hits);
+  scene.occluded({3, 0, 0}, packet_of(ways, 0), blocked);
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    EXPECT_EQ(hits.label[k], kNothing) << k;
+    EXPECT_EQ(blocked[k], 0) << k;
+  }
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // and on the sliver
+    ways[k] =
+        Eigen::Vector3d(static_cast<double>(k), 0.5e-3 * (3 + static_cast<double>(k)), -10).normalized().cast<float>();
+  }
+  scene.cast({3, 0, 0}, packet_of(ways, 0), hits);
+  scene.occluded({3, 0, 0}, packet_of(ways, 0), blocked);
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    EXPECT_EQ(hits.label[k], kTerrain + 1) << k;
+    EXPECT_EQ(blocked[k], -1) << k;
+  }
+}
+
 TEST(RayScene, TheGroundIsUnderTheTerrainOnly) {
   const RayScene scene(slope_world({0, 0}));
   EXPECT_TRUE(scene.under_ground({40, 50, -10.1}));

@@ -16,9 +16,8 @@ namespace {
 
 /// Triangles that share no vertices: each is widened by itself.
 template <typename CornersOf>
-void attach(RTCDevice device, RTCScene tree, std::size_t count, std::uint32_t geometry_id,
-            const CornersOf& corners_of) {
-  const GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+GeometryOwner triangles(RTCDevice device, std::size_t count, const CornersOf& corners_of) {
+  GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   auto* vertex = static_cast<float*>(
       rtcSetNewGeometryBuffer(owner.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count));
   auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
@@ -30,8 +29,12 @@ void attach(RTCDevice device, RTCScene tree, std::size_t count, std::uint32_t ge
     }
   }
   for (std::size_t k = 0; k < 3 * count; ++k) index[k] = static_cast<std::uint32_t>(k);
-  rtcCommitGeometry(owner.get());
-  rtcAttachGeometryByID(tree, owner.get(), geometry_id);
+  return owner;
+}
+
+void attach(RTCScene tree, RTCGeometry geometry, std::uint32_t geometry_id) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(tree, geometry, geometry_id);
 }
 
 /// What Embree passes to the callbacks of round geometries.
@@ -46,6 +49,28 @@ struct CastContext {
   }
 };
 
+/// Rays that are not solved again in double pass the long tips that sharp corners have when widened.
+void pass_tips(const RTCFilterFunctionNArguments* args) {
+  if (detail_of(args->context).exact != nullptr) return;
+  const auto& surfaces = *static_cast<const TileSurfaces*>(args->geometryUserPtr);
+  for (unsigned k = 0; k < args->N; ++k) {
+    if (args->valid[k] == 0) continue;
+    const Eigen::Vector3d origin(RTCRayN_org_x(args->ray, args->N, k), RTCRayN_org_y(args->ray, args->N, k),
+                                 RTCRayN_org_z(args->ray, args->N, k));
+    const Eigen::Vector3d way(RTCRayN_dir_x(args->ray, args->N, k), RTCRayN_dir_y(args->ray, args->N, k),
+                              RTCRayN_dir_z(args->ray, args->N, k));
+    const Eigen::Vector3d point = surfaces.middle_m() + origin + double{RTCRayN_tfar(args->ray, args->N, k)} * way;
+    const Eigen::Vector3d normal(RTCHitN_Ng_x(args->hit, args->N, k), RTCHitN_Ng_y(args->hit, args->N, k),
+                                 RTCHitN_Ng_z(args->hit, args->N, k));
+    const Corners corners =
+        surfaces.corners(RTCHitN_geomID(args->hit, args->N, k), RTCHitN_primID(args->hit, args->N, k));
+    const double sine = std::abs(normal.stableNormalized().dot(way));
+    // Float's error along the ray grows with its length over the triangle.
+    const double room_m = 2 * surfaces.rim_m() * (1 + 0.05 / sine);
+    if ((closest_on_triangle(point, corners) - point).norm() > room_m) args->valid[k] = 0;
+  }
+}
+
 void round_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& round = *static_cast<const RoundGeometry*>(args->geometryUserPtr);
   const ShapeBounds box = bounds(round.shapes[args->primID]);
@@ -59,7 +84,7 @@ void round_bounds(const RTCBoundsFunctionArguments* args) {
 class CallbackRays {
  public:
   CallbackRays(const RTCIntersectContext* context, RTCRayN* rays, unsigned n)
-      : detail_(*reinterpret_cast<const RayDetail*>(context + 1)),
+      : detail_(detail_of(context)),
         exact_(detail_.exact == nullptr && detail_.late != nullptr ? &detail_.late->get() : detail_.exact),
         rays_(rays),
         n_(n) {}
@@ -171,6 +196,10 @@ void round_occluded(const RTCOccludedFunctionNArguments* args) {
 
 }  // namespace
 
+const RayDetail& detail_of(const RTCIntersectContext* context) {
+  return reinterpret_cast<const CastContext*>(context)->detail;
+}
+
 const ExactRays& LateRays::get() {
   if (made) return exact;
   made = true;
@@ -208,20 +237,29 @@ void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles) {
 
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry) {
   const Eigen::Vector3d middle = surfaces.middle_m();
-  attach(device, tree, surfaces.count(geometry), geometry, [&](std::uint32_t k) {
+  bool sharp = false;
+  const GeometryOwner owner = triangles(device, surfaces.count(geometry), [&](std::uint32_t k) {
     Corners corners = surfaces.corners(geometry, k);
     for (Eigen::Vector3d& corner : corners) corner -= middle;
+    sharp = sharp || has_sharp_corner(corners);
     return widened(corners, surfaces.rim_m());
   });
+  if (sharp) {
+    rtcSetGeometryUserData(owner.get(), const_cast<TileSurfaces*>(&surfaces));
+    rtcSetGeometryIntersectFilterFunction(owner.get(), &pass_tips);
+    rtcSetGeometryOccludedFilterFunction(owner.get(), &pass_tips);
+  }
+  attach(tree, owner.get(), geometry);
 }
 
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh) {
   const TileContents::Share& share = surfaces.contents().meshes[mesh];
-  attach(device, tree, share.members.size(), static_cast<std::uint32_t>(mesh), [&](std::uint32_t k) {
+  const GeometryOwner owner = triangles(device, share.members.size(), [&](std::uint32_t k) {
     Corners corners = surfaces.mesh_corners(mesh, k);
     for (Eigen::Vector3d& corner : corners) corner -= surfaces.middle_m();
     return corners;
   });
+  attach(tree, owner.get(), static_cast<std::uint32_t>(mesh));
 }
 
 void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& round) {
@@ -231,8 +269,7 @@ void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& ro
   rtcSetGeometryBoundsFunction(owner.get(), &round_bounds, nullptr);
   rtcSetGeometryIntersectFunction(owner.get(), &round_intersect);
   rtcSetGeometryOccludedFunction(owner.get(), &round_occluded);
-  rtcCommitGeometry(owner.get());
-  rtcAttachGeometryByID(tree, owner.get(), round.geometry);
+  attach(tree, owner.get(), round.geometry);
 }
 
 namespace {

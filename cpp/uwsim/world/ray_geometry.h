@@ -10,6 +10,7 @@
 
 struct RTCDeviceTy;
 struct RTCGeometryTy;
+struct RTCIntersectContext;
 struct RTCSceneTy;
 struct RTCRay16;
 struct RTCRayHit;
@@ -51,6 +52,9 @@ struct RayDetail {
   ExactHits* round_hits = nullptr;  ///< takes the exact distance and normal of each round hit, by lane, if not null
   LateRays* late = nullptr;         ///< where `exact` is null, gives it once a round solid asks
 };
+
+/// What `intersect` and `occluded` let Embree's callbacks know.
+const RayDetail& detail_of(const RTCIntersectContext* context);
 
 inline LaneRays lanes_of(const ExactRays& rays) {
   return {rays.origin_x.data(),    rays.origin_y.data(),    rays.origin_z.data(), rays.direction_x.data(),

@@ -5,11 +5,13 @@
 #include <limits>
 
 #include "uwsim/core/check.h"
+#include "uwsim/world/ray_walk.h"
 
 namespace uwsim {
 namespace {
 
 constexpr std::uint32_t kCorners = 4;
+constexpr double kFaintRaise_m = 5e-4;  // less than shadow rays are lifted off what they start on
 
 struct Quads {
   float* vertex;
@@ -54,6 +56,24 @@ void fill_crossed(const TileSurfaces& surfaces, std::uint32_t cells, const Quads
   for (std::uint32_t k = 0; k < kCorners * cells; ++k) quads.index[k] = k;
 }
 
+/// By a cliff the twin is high over the ground. A shadow ray that starts between the two comes out through the twin
+/// from below, and is blocked only if it meets the terrain.
+void leave_ground(const RTCFilterFunctionNArguments* args) {
+  const TileSurfaces& surfaces = *detail_of(args->context).surfaces;
+  RTCRayN* rays = args->ray;
+  for (unsigned k = 0; k < args->N; ++k) {
+    const Eigen::Vector3f up(RTCHitN_Ng_x(args->hit, args->N, k), RTCHitN_Ng_y(args->hit, args->N, k),
+                             RTCHitN_Ng_z(args->hit, args->N, k));
+    const Eigen::Vector3f way(RTCRayN_dir_x(rays, args->N, k), RTCRayN_dir_y(rays, args->N, k),
+                              RTCRayN_dir_z(rays, args->N, k));
+    if (args->valid[k] == 0 || up.dot(way) <= 0) continue;
+    const Eigen::Vector3f origin(RTCRayN_org_x(rays, args->N, k), RTCRayN_org_y(rays, args->N, k),
+                                 RTCRayN_org_z(rays, args->N, k));
+    const TileRay ray{surfaces.middle_m() + origin.cast<double>(), way.cast<double>(), RTCRayN_tfar(rays, args->N, k)};
+    if (!walk_terrain(surfaces, ray, RTCRayN_tnear(rays, args->N, k)).hit) args->valid[k] = 0;
+  }
+}
+
 }  // namespace
 
 void attach_terrain(RTCDevice device, RTCScene tree, const TileSurfaces& surfaces, std::uint32_t geometry) {
@@ -70,6 +90,7 @@ void attach_terrain(RTCDevice device, RTCScene tree, const TileSurfaces& surface
   require(quads.vertex != nullptr && quads.index != nullptr, "world.triangles", 2 * cells,
           "not enough memory for them");
   plain ? fill_plain(surfaces, quads) : fill_crossed(surfaces, static_cast<std::uint32_t>(cells), quads);
+  if (surfaces.highest_raise_m() > kFaintRaise_m) rtcSetGeometryOccludedFilterFunction(owner.get(), &leave_ground);
   rtcCommitGeometry(owner.get());
   rtcAttachGeometryByID(tree, owner.get(), geometry);
 }

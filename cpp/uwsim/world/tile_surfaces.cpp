@@ -54,6 +54,24 @@ std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray
   return TileHit{-normal.dot(from_a) / along, normal / area, clear};
 }
 
+Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return a;
+  if (d3 >= 0 && d4 <= d3) return b;
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  const double along_bc = (d4 - d3) + (d5 - d6);
+  if (va <= 0 && d4 >= d3 && d5 >= d6 && along_bc > 0) return b + (d4 - d3) / along_bc * (c - b);
+  const double whole = va + vb + vc;
+  return whole > 0 ? Eigen::Vector3d(a + (vb * ab + vc * ac) / whole) : a;
+}
+
 /// A triangle that holds one with a corner so sharp that moving its edges outward would move the corner far: of the
 /// longest edge a to b the line moves out by the rim; the other two go round the corners, farther than need be.
 Corners widened_sharp(const Corners& triangle, double rim_m) {
@@ -74,7 +92,14 @@ Corners widened_sharp(const Corners& triangle, double rim_m) {
   return wide;
 }
 
+bool has_sharp_corner(const Corners& triangle) {
+  const auto side = [&](std::size_t k) { return (triangle[(k + 1) % 3] - triangle[k % 3]).stableNormalized(); };
+  const auto is_sharp = [&](std::size_t k) { return 0.5 * (side(k) + side(k + 2)).norm() * kSharpest < 1; };
+  return is_sharp(0) || is_sharp(1) || is_sharp(2);
+}
+
 Corners widened(const Corners& triangle, double rim_m) {
+  if (has_sharp_corner(triangle)) return widened_sharp(triangle, rim_m);
   Corners wide = triangle;
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d one = (triangle[(k + 1) % 3] - triangle[k]).stableNormalized();
@@ -82,7 +107,6 @@ Corners widened(const Corners& triangle, double rim_m) {
     const Eigen::Vector3d inward = one + two;
     const double sine = 0.5 * (one - two).norm(), cosine = 0.5 * inward.norm();  // of half the corner's angle
     if (cosine < 1e-9) continue;
-    if (sine * kSharpest < 1) return widened_sharp(triangle, rim_m);
     wide[k] -= rim_m / sine * inward / (2 * cosine);
   }
   return wide;

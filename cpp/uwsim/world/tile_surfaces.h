@@ -68,8 +68,10 @@ class TileSurfaces {
   /// Where that has a vertex of the block (column and row), about the middle: higher, by so much as takes it off the
   /// steepest triangle there; at the block's edges wider too.
   Eigen::Vector3d raised_vertex_m(std::uint32_t column, std::uint32_t row) const;
+  /// How far over the terrain the twin is, at its steepest.
+  double highest_raise_m() const { return raise_m() * steepest_; }
   /// A ray that is so high above the terrain is above its twin, too.
-  double clearance_m() const { return 4 * raise_m() * steepest_; }
+  double clearance_m() const { return 4 * highest_raise_m(); }
 
   std::size_t count(std::uint32_t geometry) const;
   bool is_round(std::uint32_t geometry) const;
@@ -135,6 +137,11 @@ class TileSurfaces {
 /// Where a ray meets a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double.
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double reach_m);
 
+/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
+Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle);
+
+/// Sharper than 14 degrees: there, the widened triangle reaches far beyond this one.
+bool has_sharp_corner(const Corners& triangle);
 /// The triangle with each edge moved outward in its plane by `rim_m`, or by more where a corner is sharper than 14
 /// degrees.
 Corners widened(const Corners& triangle, double rim_m);
