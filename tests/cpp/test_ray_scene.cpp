@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "meshes.h"
+#include "uwsim/core/random.h"
 
 namespace uwsim {
 namespace {
@@ -216,6 +217,37 @@ TEST(RayScene, ShadowRaysFromTheFootOfACliffAreBlockedByTheCliffOnly) {
       EXPECT_EQ(exact.label == kTerrain, k % 2 == 0 && std::atan(24.0) > 0.3 + 0.08 * static_cast<double>(k)) << k;
     }
   }
+}
+
+TEST(RayScene, RaysAreBlockedWhereTheyMeetSomethingExactlyCast) {
+  const RandomStream random(3, "bed");
+  std::vector<float> heights(101 * 101);
+  for (std::size_t k = 0; k < heights.size(); ++k) heights[k] = static_cast<float>(-20 + 2 * random.normal(k));
+  World world;
+  world.set_terrain(Heightfield(heights, 101, 101, 2.0, {0, 0}));
+  world.add_solid("ball", testing::sphere(6, 12));
+  const RayScene scene(world);
+  int differ = 0, met = 0;
+  for (std::uint64_t n = 0; n < 2000; ++n) {
+    std::array<Eigen::Vector3f, kPacketRays> ways;
+    for (std::uint64_t k = 0; k < kPacketRays; ++k) {
+      const std::uint64_t tick = n * kPacketRays + k;
+      ways[k] = Eigen::Vector3d(random.normal(tick, 1), random.normal(tick, 2), 0.2 * random.normal(tick, 3))
+                    .normalized()
+                    .cast<float>();
+    }
+    const Eigen::Vector3d anchor(200 * random.uniform(n, 4), 200 * random.uniform(n, 5), -12 - random.uniform(n, 6));
+    Blocked blocked;
+    scene.occluded(anchor, packet_of(ways, 0), blocked);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const bool exact = scene.cast({anchor, ways[k].cast<double>().normalized()}, 1000).label != kNothing;
+      met += exact;
+      differ += exact != (blocked[k] != 0);
+    }
+  }
+  EXPECT_GT(met, 8'000);
+  EXPECT_LT(met, 22'000);
+  EXPECT_LE(differ, 3) << "of 32000: at silhouettes";
 }
 
 TEST(RayScene, ASliversTipEndsWhereItEndsInFloat) {
