@@ -40,7 +40,9 @@ class RayScene {
   /// The same, packets of sixteen rays without conversions; several together cost less than one by one.
   void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
 
-  /// The bare float cast, for pictures: at the cost of the ray tree itself. Distances err by some 1e-4 m.
+  /// The bare float cast, for pictures: at the cost of the ray tree itself. Distances err by some 1e-4 m; at
+  /// silhouettes a ray may take the wrong side within half a millionth of half the tile's size, over terrain times its
+  /// steepness: up to 0.2 mm at the lake's hills, some mm at cliffs of 24 in 1 in a tile 1 km wide.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
             RayOrder order = RayOrder::kIncoherent) const;
   /// Idle lanes are not blocked.
