@@ -6,11 +6,13 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 #include <random>
 #include <sstream>
 #include <thread>
 
 #include "uwsim/core/check.h"
+#include "uwsim/mapping/growing.h"
 #include "uwsim/mapping/occupancy_map.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
@@ -186,6 +188,18 @@ TEST(MapEngines, PointsCloserThanFloatsCanTellEndTheirWalk) {
   for (OccupancyMap* map : {&octomap, &bricks}) map->insert_scan(points_m, Vector3d::Zero(), kNoLimit);
   expect_same(octomap, bricks);
   EXPECT_EQ(bricks.statistics().occupied_voxels, 1u);
+}
+
+/// What a thread wants to write after the memory did not do must have room, though it is less than was asked for.
+TEST(Growing, AsksAgainForWhatThereWasNoMemoryFor) {
+  Growing<double> growing;
+  *growing.room(1) = 1.5;
+  growing.grow(1);
+  const std::size_t too_many = std::numeric_limits<std::size_t>::max() / 4;
+  EXPECT_THROW(growing.room(too_many), std::bad_alloc);
+  const double* const before = growing.data();
+  EXPECT_NE(growing.room(1000), before + 1) << "no other place, as if there had been room";
+  EXPECT_EQ(growing.data()[0], 1.5);
 }
 
 TEST(QuietStderr, DropsThisThreadsTextAlone) {

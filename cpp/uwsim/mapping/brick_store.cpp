@@ -126,12 +126,14 @@ ChangedChunks BrickStore::take_changed() { return std::exchange(changed_, {}); }
 
 BrickStore::Chunk& BrickStore::chunk(std::uint32_t code) {
   if (!changed_.all) changed_.codes.insert(code);
-  std::unique_ptr<Chunk>& chunk = chunks_[code];
-  if (!chunk && residency_) restore(code);
+  const auto found = chunks_.find(code);
+  Chunk* chunk = found == chunks_.end() ? nullptr : found->second.get();
+  if (!chunk && residency_) chunk = restore(code);
   if (!chunk) {
-    chunk = std::make_unique<Chunk>();
+    auto made = std::make_unique<Chunk>();
     const LargeLeaf* leaf = large_leaf_over(code);
-    chunk->bricks.fill(leaf ? uniform_slot(leaf->log_odds) : kNone);
+    made->bricks.fill(leaf ? uniform_slot(leaf->log_odds) : kNone);
+    chunk = (chunks_[code] = std::move(made)).get();
   }
   if (residency_) {
     chunk->used = ++residency_->now;
@@ -244,8 +246,11 @@ std::size_t BrickStore::memory_bytes() const {
 
 BrickStore::Supply::~Supply() {
   const std::scoped_lock lock(store_.mutex_);
-  store_.spare_bricks_.insert(store_.spare_bricks_.end(), free_bricks_.begin(), free_bricks_.end());
-  store_.spare_blocks_.insert(store_.spare_blocks_.end(), free_.free, free_.free + free_.free_count);
+  try {
+    store_.spare_bricks_.insert(store_.spare_bricks_.end(), free_bricks_.begin(), free_bricks_.end());
+    store_.spare_blocks_.insert(store_.spare_blocks_.end(), free_.free, free_.free + free_.free_count);
+  } catch (const std::bad_alloc&) {  // they lie idle
+  }
 }
 
 Blocks& BrickStore::Supply::blocks(std::size_t at_least) {
@@ -256,12 +261,13 @@ Blocks& BrickStore::Supply::blocks(std::size_t at_least) {
     const std::scoped_lock lock(store_.mutex_);
     const std::size_t wanted = at_least + kBlocksAtOnce - free_.free_count;
     std::uint32_t* const more = free_blocks_.room(wanted);
+    free_.free = free_blocks_.data();
     std::vector<std::uint32_t>& spares = store_.spare_blocks_;
     const std::size_t spare = std::min(wanted, spares.size());
-    std::copy(spares.end() - static_cast<std::ptrdiff_t>(spare), spares.end(), more);
-    spares.resize(spares.size() - spare);
     const auto fresh = static_cast<std::uint32_t>(wanted - spare);
     const std::uint32_t first = fresh == 0 ? 0 : store_.blocks_.take(fresh);
+    std::copy(spares.end() - static_cast<std::ptrdiff_t>(spare), spares.end(), more);
+    spares.resize(spares.size() - spare);
     for (std::uint32_t i = 0; i < fresh; ++i) more[spare + i] = first + fresh - 1 - i;
     free_blocks_.grow(wanted);
     free_.free_count += static_cast<std::uint32_t>(wanted);

@@ -4,7 +4,6 @@
 #include <barrier>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 
 namespace uwsim::bricks {
@@ -31,8 +30,8 @@ class Team {
     for (std::size_t thread = 1; thread < threads_; ++thread) {
       try {
         others.emplace_back([&, thread] { job(thread, *this); });
-      } catch (const std::system_error&) {
-        barrier_.arrive_and_drop();  // the system gives no more threads: fewer do it all
+      } catch (const std::exception&) {
+        barrier_.arrive_and_drop();  // the system gives no more threads, or no memory for them: fewer do it all
       }
     }
     job(0, *this);

@@ -18,10 +18,11 @@ class Growing {
   /// Room for `more` elements after the last: where they go.
   T* room(std::size_t more) {
     if (size_ + more > capacity_) {
-      capacity_ = std::max(size_ + more, capacity_ + capacity_ / 2);
-      auto larger = std::make_unique_for_overwrite<T[]>(capacity_);
+      const std::size_t capacity = std::max(size_ + more, capacity_ + capacity_ / 2);
+      auto larger = std::make_unique_for_overwrite<T[]>(capacity);
       std::copy_n(data_.get(), size_, larger.get());
       data_ = std::move(larger);
+      capacity_ = capacity;  // not before: there may be no memory
     }
     return data_.get() + size_;
   }

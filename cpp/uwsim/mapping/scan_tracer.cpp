@@ -41,7 +41,7 @@ std::uint64_t ScanTracer::Layout::address(const Key& key) const {
 
 void ScanTracer::make_room(std::size_t rays) {
   if (rays <= capacity_) return;
-  capacity_ = rays;
+  capacity_ = 0;  // until all of them have it: there may be no memory
   columns_.resize(7 * rays);
   keys_.resize(3 * rays);
   flags_.resize(2 * rays);
@@ -58,7 +58,11 @@ void ScanTracer::make_room(std::size_t rays) {
   rays_.steps = steps_.data();
   rays_.negative = flags_.data();
   rays_.kind = flags_.data() + rays;
-  if (!kernels_.slabs) return;
+  if (kernels_.slabs) make_slab_room(rays);
+  capacity_ = rays;
+}
+
+void ScanTracer::make_slab_room(std::size_t rays) {
   slab_columns_.resize(10 * rays);
   slab_order_.resize(rays);
   way_.resize(rays);
@@ -181,6 +185,7 @@ void ScanTracer::mark_hits(std::size_t count, const Layout& layout) {
 
 void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
   trace.clear();
+  wide_.clear();  // of a scan that memory did not do for
   if (scan.count == 0) return;
   make_room(scan.count);
   kernels_.start_rays(scan, rays_);

@@ -51,6 +51,7 @@ class ScanTracer {
   };
 
   void make_room(std::size_t rays);
+  void make_slab_room(std::size_t rays);
   Layout layout_of(std::size_t count, const Key& origin) const;
   void sort_out_slabs(std::size_t count, const Key& origin);
   void aim(std::size_t count, const Layout& layout);
