@@ -49,6 +49,7 @@ class OccupancyMap:
     default the system's folder for temporary files, which must not itself be in memory), gone with the process however
     it ends, and come back when they are used. The bytes do not depend on it. Inserting raises OSError, having inserted
     nothing, while that file cannot be written; the map is whole.
+    What maps that are gone leave of their memory is kept for the next ones, 64 MB of voxels at most and rays' tables.
 
     The bytes of a map depend on the scans and their order alone. Calls release the GIL and wait for each other.
     """
