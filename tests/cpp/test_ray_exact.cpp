@@ -14,9 +14,8 @@ namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTangent = 1.75e-3;     // sine of 0.1 degree
-constexpr double kLoneTangent = 5.3e-3;  // of 0.3 degree: edges that nothing adjoins
-constexpr double kEdge = 1e-10;  // barycentric: a ray aimed at an edge misses it by double's rounding, either side
+constexpr double kTangent = 1.75e-3;  // sine of 0.1 degree
+constexpr double kEdge = 1e-10;       // barycentric: a ray aimed at an edge misses it by double's rounding, either side
 
 struct Met {
   double distance_m = kInfinity;
@@ -201,7 +200,7 @@ int wrong_past_edges(const World& world, double beside_m, double span_m, std::ui
     const Eigen::Vector3d way = any_way(random, k, 8), origin = aim - span_m * random.uniform(k, 11) * way;
     const Met expected = brute.cast(origin, way, 2 * span_m);
     const RayHit got = scene.cast({origin, way}, 2 * span_m);
-    wrong += !agrees(expected, got, way, kLoneTangent);
+    wrong += !agrees(expected, got, way, kTangent);
   }
   return wrong;
 }
@@ -275,6 +274,41 @@ TEST(RayExact, PastTheEdgesOfLoneTrianglesSmallAndKilometresLong) {
   EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 2, 2, 20), 1e-5, 20, 7), 0);
   EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 1e-4, 2000, 8), 0);
   EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 100, 2000, 9), 0);
+}
+
+/// Rays at 0.1 to 0.5 degree to lone triangles of such a size, past their edges on either side.
+int wrong_at_grazing_edges(double length_m) {
+  const RandomStream random(17, "grazing");
+  int wrong = 0;
+  std::uint64_t tick = 0;
+  for (int triangle = 0; triangle < rays_to_cast() / 100; ++triangle) {
+    TriangleMesh mesh;
+    for (int corner = 0; corner < 3; ++corner) mesh.vertices_m.push_back(length_m * any_way(random, ++tick, 0));
+    mesh.triangles.push_back({0, 1, 2});
+    const auto& v = mesh.vertices_m;
+    const Eigen::Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]).normalized();
+    World world;
+    world.add_solid("lone", mesh);
+    const RayScene scene(world);
+    const BruteForce brute(world);
+    for (int k = 0; k < 100; ++k, ++tick) {
+      const auto edge = static_cast<std::size_t>(k % 3);
+      const Eigen::Vector3d along = v[(edge + 1) % 3] - v[edge], across = normal.cross(along).normalized();
+      const double off = std::pow(10.0, -8 + 7 * random.uniform(tick, 0)) * (k % 2 == 0 ? 1 : -1);
+      const Eigen::Vector3d aim = v[edge] + random.uniform(tick, 1) * along + off * across;
+      const double turn = 2 * std::numbers::pi * random.uniform(tick, 2);
+      const double sine = (kTangent + 7e-3 * random.uniform(tick, 3)) * (k % 4 < 2 ? 1 : -1);
+      const Eigen::Vector3d level = std::cos(turn) * along.normalized() + std::sin(turn) * across;
+      const Eigen::Vector3d way = (level + sine * normal).normalized();
+      const Eigen::Vector3d origin = aim - length_m * random.uniform(tick, 4) * way;
+      wrong += !agrees(brute.cast(origin, way, 2 * length_m), scene.cast({origin, way}, 2 * length_m), way, kTangent);
+    }
+  }
+  return wrong;
+}
+
+TEST(RayExact, GrazingTheEdgesOfLoneTriangles) {
+  for (const double length_m : {3.0, 60.0, 800.0, 4000.0}) EXPECT_EQ(wrong_at_grazing_edges(length_m), 0) << length_m;
 }
 
 }  // namespace

@@ -49,8 +49,8 @@ struct CastContext {
   }
 };
 
-/// Rays that are not solved again in double pass the long tips that sharp corners have when widened.
-void pass_tips(const RTCFilterFunctionNArguments* args) {
+/// Rays that are not solved again in double pass what widening added to triangles.
+void pass_rims(const RTCFilterFunctionNArguments* args) {
   if (detail_of(args->context).exact != nullptr) return;
   const auto& surfaces = *static_cast<const TileSurfaces*>(args->geometryUserPtr);
   for (unsigned k = 0; k < args->N; ++k) {
@@ -66,7 +66,7 @@ void pass_tips(const RTCFilterFunctionNArguments* args) {
         surfaces.corners(RTCHitN_geomID(args->hit, args->N, k), RTCHitN_primID(args->hit, args->N, k));
     const double sine = std::abs(normal.stableNormalized().dot(way));
     // Float's error along the ray grows with its length over the triangle.
-    const double room_m = 2 * surfaces.rim_m() * (1 + 0.05 / sine);
+    const double room_m = surfaces.error_m() * (1 + 0.05 / sine);
     if ((closest_on_triangle(point, corners) - point).norm() > room_m) args->valid[k] = 0;
   }
 }
@@ -237,18 +237,14 @@ void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles) {
 
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry) {
   const Eigen::Vector3d middle = surfaces.middle_m();
-  bool sharp = false;
   const GeometryOwner owner = triangles(device, surfaces.count(geometry), [&](std::uint32_t k) {
     Corners corners = surfaces.corners(geometry, k);
     for (Eigen::Vector3d& corner : corners) corner -= middle;
-    sharp = sharp || has_sharp_corner(corners);
     return widened(corners, surfaces.rim_m());
   });
-  if (sharp) {
-    rtcSetGeometryUserData(owner.get(), const_cast<TileSurfaces*>(&surfaces));
-    rtcSetGeometryIntersectFilterFunction(owner.get(), &pass_tips);
-    rtcSetGeometryOccludedFilterFunction(owner.get(), &pass_tips);
-  }
+  rtcSetGeometryUserData(owner.get(), const_cast<TileSurfaces*>(&surfaces));
+  rtcSetGeometryIntersectFilterFunction(owner.get(), &pass_rims);
+  rtcSetGeometryOccludedFilterFunction(owner.get(), &pass_rims);
   attach(tree, owner.get(), geometry);
 }
 

@@ -106,7 +106,7 @@ struct RayTile::Impl {
   }
 
   /// How far from the point that Embree names the true hit may be.
-  double room_m(double sine) const { return 2 * surfaces.rim_m() * (1 + 1 / sine); }
+  double room_m(double sine) const { return surfaces.error_m() * (1 + 1 / sine); }
 
   /// Of terrain and solid, what is first. Embree tells of a solid too early or not at all, by the rim's width, and of
   /// the terrain too early, or by lying under its twin not at all; then the ray goes on behind.

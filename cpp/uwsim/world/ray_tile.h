@@ -23,9 +23,8 @@ namespace uwsim {
 /// hit taken; where there is none, the ray goes on behind it.
 ///
 /// Rays are cast from a little before their start, so that float does not put them behind what they start close to;
-/// what lies before the start does not count. One case is left to float's error, 1e-6 of half the tile's diagonal
-/// (which huge triangles make longer): a ray that comes to a solid's triangle at less than 0.3 degree, that close to an
-/// edge which nothing adjoins, may pass it.
+/// what lies before the start does not count. Left to float's error, 1e-6 of half the tile's diagonal (which huge
+/// triangles make longer), are rays that come to a surface at less than 0.1 degree.
 class RayTile {
  public:
   /// Throws InvalidValue when Embree cannot build its tree.

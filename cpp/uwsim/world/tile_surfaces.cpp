@@ -37,6 +37,13 @@ Corners solid_corners(const Solid& solid, std::uint32_t triangle) {
   return {v[t[0]], v[t[1]], v[t[2]]};
 }
 
+/// Sharper than 14 degrees: there, moving the edges outward would move the corner far.
+bool has_sharp_corner(const Corners& triangle) {
+  const auto side = [&](std::size_t k) { return (triangle[(k + 1) % 3] - triangle[k % 3]).stableNormalized(); };
+  const auto is_sharp = [&](std::size_t k) { return 0.5 * (side(k) + side(k + 2)).norm() * kSharpest < 1; };
+  return is_sharp(0) || is_sharp(1) || is_sharp(2);
+}
+
 }  // namespace
 
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double reach_m) {
@@ -90,12 +97,6 @@ Corners widened_sharp(const Corners& triangle, double rim_m) {
   wide[(first + 1) % 3] = b + beyond(std::max(0.0, (b - a).norm() - foot)) * along - rim_m * across;
   wide[(first + 2) % 3] = a + foot * along + apex * across;
   return wide;
-}
-
-bool has_sharp_corner(const Corners& triangle) {
-  const auto side = [&](std::size_t k) { return (triangle[(k + 1) % 3] - triangle[k % 3]).stableNormalized(); };
-  const auto is_sharp = [&](std::size_t k) { return 0.5 * (side(k) + side(k + 2)).norm() * kSharpest < 1; };
-  return is_sharp(0) || is_sharp(1) || is_sharp(2);
 }
 
 Corners widened(const Corners& triangle, double rim_m) {

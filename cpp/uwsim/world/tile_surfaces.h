@@ -57,9 +57,11 @@ class TileSurfaces {
   double diagonal_m() const { return diagonal_m_; }
   /// More than any point of a ray or surface in this tile moves when rounded to float about the middle.
   double reach_m() const { return reach_m_; }
-  /// By how much triangles are widened for the ray tree. At grazing incidence a ray's error grows along the surface, so
-  /// it is several times the reach: enough down to about a degree, and in practice below.
+  /// By how much triangles are widened for the ray tree. A ray's error grows along a surface as it grazes it, 570 times
+  /// at 0.1 degree; and that error is a small part of the reach.
   double rim_m() const { return kRim * reach_m_; }
+  /// How far from where Embree names it, across the ray, a true hit may be.
+  double error_m() const { return kError * reach_m_; }
   /// So far before their start, rays in double are cast in float where solids have triangles: else float's error hides
   /// one just before them, which they come to at 0.1 degree or more.
   double back_m() const { return back_m_; }
@@ -104,7 +106,7 @@ class TileSurfaces {
   TerrainBlock terrain_block() const;
 
  private:
-  static constexpr double kRim = 4, kRaise = 0.5, kBack = 256;
+  static constexpr double kRim = 64, kError = 8, kRaise = 0.5, kBack = 256;
 
   const TileContents::Share& share(std::uint32_t geometry) const;
   std::uint32_t other_number(std::uint32_t geometry, std::uint32_t primitive) const;
@@ -140,8 +142,6 @@ std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray
 /// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
 Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle);
 
-/// Sharper than 14 degrees: there, the widened triangle reaches far beyond this one.
-bool has_sharp_corner(const Corners& triangle);
 /// The triangle with each edge moved outward in its plane by `rim_m`, or by more where a corner is sharper than 14
 /// degrees.
 Corners widened(const Corners& triangle, double rim_m);
