@@ -1,4 +1,4 @@
-"""Makes docs/cameras.png: the ROV's cameras and the station's, by waters, hours and lamps. Needs the package built."""
+"""Makes docs/cameras.jpg: the ROV's cameras and the station's, by waters, hours and lamps. Needs the package built."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator
-from uwsim.gallery import side_by_side
+from uwsim.gallery import side_by_side, write
 from uwsim.scenario import load
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -55,8 +55,7 @@ def main() -> None:
             take(sim, "station", "III", DUSK_DEG, lamps=False),
         ]
     )
-    sheet = Image.fromarray(side_by_side(rows)).quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
-    sheet.save(DOCS / "cameras.png", optimize=True)
+    write(DOCS / "cameras.jpg", side_by_side(rows))
 
 
 if __name__ == "__main__":
