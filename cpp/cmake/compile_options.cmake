@@ -10,3 +10,8 @@ add_compile_options(-ffp-contract=off -fvisibility=hidden -Wall -Wextra)
 if(UWSIM_WERROR)
   add_compile_options(-Werror)
 endif()
+
+# Headers that are parsed once for all files: Eigen alone takes longer than most files of ours. Kernels, which have flags
+# of their own, do without. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON shows an include that a file has forgotten.
+set(UWSIM_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <limits> <memory>
+  <optional> <span> <sstream> <stdexcept> <string> <string_view> <utility> <vector>)

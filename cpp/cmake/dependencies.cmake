@@ -8,7 +8,7 @@ find_package(embree 3 CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
 
-# Debian's archives: octomap's templates must be Debian's own code (see mapping/occupancy_map.cpp).
+# Debian's archives: octomap's templates must be Debian's own code (see mapping/octomap_engine.cpp).
 find_package(octomap 1.9 CONFIG REQUIRED)
 add_library(uwsim_octomap INTERFACE)
 target_include_directories(uwsim_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})

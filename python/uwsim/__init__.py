@@ -16,16 +16,16 @@ try:
 except PackageNotFoundError:  # a source tree that was never installed
     __version__ = "0+unknown"
 
-# Loaded when first asked for (PEP 562), so that `uwsim --help` answers at once.
-_HOMES = {"Scenario": "uwsim.scenario", "ScenarioError": "uwsim.scenario", "Simulator": "uwsim.simulator"}
+# Imported on first use (PEP 562), so that `uwsim --help` answers at once.
+_MODULE_OF = {"Scenario": "uwsim.scenario", "ScenarioError": "uwsim.scenario", "Simulator": "uwsim.simulator"}
 
 __all__ = ["Scenario", "ScenarioError", "Simulator", "__version__"]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name not in _MODULE_OF:
         raise AttributeError(f"module 'uwsim' has no attribute '{name}'")
-    value = getattr(import_module(_HOMES[name]), name)
+    value = getattr(import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
 

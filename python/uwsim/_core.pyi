@@ -24,10 +24,9 @@ __all__: list[str] = [
     "DepthCamera",
     "Detection",
     "FinParameters",
-    "ForwardLookingModel",
-    "ImagingAcoustics",
+    "ImagingKind",
+    "ImagingSonar",
     "InstructionSet",
-    "LampLight",
     "Lens",
     "MapEngine",
     "MapOptions",
@@ -35,6 +34,7 @@ __all__: list[str] = [
     "NoiseSpec",
     "OccupancyMap",
     "Optics",
+    "Parameter",
     "PhysicsPing",
     "Picture",
     "Ping",
@@ -44,17 +44,15 @@ __all__: list[str] = [
     "RoundShape",
     "RowReduction",
     "SensorKind",
-    "SensorParameter",
     "SensorReading",
     "SensorSpec",
-    "SideScanModel",
     "Simulation",
     "SimulationSpec",
-    "SingleBeamModel",
     "SolidProperties",
     "SonarFigures",
     "SonarSpec",
     "SoundSpeedProfile",
+    "SpotLamp",
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
@@ -72,11 +70,12 @@ __all__: list[str] = [
     "effect_names",
     "encode_depth_string",
     "filter_range",
-    "forward_look",
     "ground_plane",
+    "imaging_kind",
+    "imaging_kinds",
     "jerlov_types",
     "material_names",
-    "mounted",
+    "mounted_pose",
     "multibeam_model",
     "nadir_area_m2",
     "nadir_snr_db",
@@ -89,127 +88,90 @@ __all__: list[str] = [
     "sea_water_density_kg_m3",
     "sensor_kind",
     "sensor_kinds",
-    "side_scan",
-    "single_beam",
     "solid_properties",
     "sound_speed_m_s",
     "sound_speed_profile",
     "soundings",
+    "stream_name",
     "surface_class_names",
     "transform_points",
     "voxel_grid",
 ]
 
-class SoundSpeedProfile:
+class Parameter:
     """
-    Speed of sound by depth: linear between levels, constant above and below them.
+    A figure of a kind of sensor or imaging sonar.
     """
-    @staticmethod
-    def even(speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> SoundSpeedProfile:
+    @property
+    def by_default(self) -> float:
         """
-        One speed everywhere: straight rays.
+        The default of each value; NaN: must be given.
         """
-    def __init__(self, depths_m: typing.Any, speeds_m_s: typing.Any) -> None:
+    @property
+    def high(self) -> float: ...
+    @property
+    def low(self) -> float:
         """
-        Each (n,), depths rising. Raises ValueError that names the level.
+        Least value; the least positive number where 0 is excluded.
         """
-    def at(self, depth_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
+    @property
+    def meaning(self) -> str: ...
+    @property
+    def type(self) -> str:
         """
-        Speed [m/s] at a depth [m].
+        "number", "whole number" or "flag"
+        """
+    @property
+    def unit(self) -> str: ...
+    @property
+    def width(self) -> int:
+        """
+        Number of values.
         """
 
-class SonarFigures:
+class BodyState:
     """
-    What an active sonar sends, hears and decides by. Levels re 1 uPa (at 1 m).
+    Pose and velocity of a body; six-vectors (linear, angular) in the body frame.
     """
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError that names the field.
-        """
-    def range_cell_m(self, sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    def __init__(self, position_m: typing.Any, orientation_xyzw: typing.Any, velocity_body: typing.Any) -> None: ...
     @property
-    def bandwidth_hz(self) -> float: ...
-    @bandwidth_hz.setter
-    def bandwidth_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def beam_width_across_rad(self) -> float:
+    def orientation_xyzw(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
         """
-        -3 dB, one way: of a receiving beam, within the fan's plane
-        """
-    @beam_width_across_rad.setter
-    def beam_width_across_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def beam_width_along_rad(self) -> float:
-        """
-        -3 dB, one way: of the transmitter, across the fan's plane
-        """
-    @beam_width_along_rad.setter
-    def beam_width_along_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def detection_threshold_db(self) -> float:
-        """
-        The signal-to-noise ratio that is detected half of the time.
-        """
-    @detection_threshold_db.setter
-    def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def directivity_index_db(self) -> float: ...
-    @directivity_index_db.setter
-    def directivity_index_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def figure_db(self) -> float:
-        """
-        SL + processing gain + DI - NL
+        (4,)
         """
     @property
-    def frequency_hz(self) -> float: ...
-    @frequency_hz.setter
-    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def noise_level_db(self) -> float:
+    def position_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        In the receiver's band.
-        """
-    @noise_level_db.setter
-    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def processing_gain_db(self) -> float:
-        """
-        10 log10 (bandwidth x length)
+        (3,) [m]
         """
     @property
-    def pulse_length_s(self) -> float: ...
-    @pulse_length_s.setter
-    def pulse_length_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    def velocity_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        (6,) [m/s, rad/s]
+        """
     @property
-    def source_level_db(self) -> float: ...
-    @source_level_db.setter
-    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    def world_from_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        (4, 4)
+        """
 
-class BottomMaterial:
-    """
-    What a bottom gives back.
-    """
-    def __init__(
-        self,
-        strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
-        relief: typing.SupportsFloat | typing.SupportsIndex = 0.1,
-    ) -> None: ...
+class SolidProperties:
     @property
-    def relief(self) -> float:
+    def centroid_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        rms slope of its relief across a footprint
+        (3,) [m]
         """
     @property
-    def strength_db(self) -> float:
+    def inertia_per_density_m5(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
         """
-        Of a square metre at normal incidence; Lambert's law.
+        (3, 3) [m^5], about the centroid; times density gives kg m^2
         """
+    @property
+    def volume_m3(self) -> float: ...
 
 class Waves:
     """
-    Linear waves on water of one depth, stretched to their own surface (Airy; Wheeler 1970).
+    Linear (Airy) waves on water of constant depth, with Wheeler's stretching (1970) near the surface.
     """
     @staticmethod
     def airy(
@@ -236,12 +198,12 @@ class Waves:
         gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
     ) -> Waves:
         """
-        A sea of component_count waves. Raises ValueError.
+        A sea of component_count waves with a JONSWAP spectrum. Raises ValueError.
         """
     @property
     def bound_m(self) -> float:
         """
-        No crest is higher, no trough deeper.
+        The sum of the amplitudes: no crest is higher, no trough deeper.
         """
     @property
     def depth_m(self) -> float: ...
@@ -253,12 +215,12 @@ class Waves:
 
 class Current:
     """
-    A current: a function of place and time. All raise ValueError.
+    A current: a function of place and time. Its constructors raise ValueError.
     """
     @staticmethod
     def gridded(x_m: typing.Any, y_m: typing.Any, z_m: typing.Any, velocity_m_s: typing.Any) -> Current:
         """
-        A steady field, velocity_m_s (nz, ny, nx, 3) on rising axes: trilinear, held beyond its edges.
+        A steady field, velocity_m_s (nz, ny, nx, 3) on rising axes: trilinear, constant beyond the edges.
         """
     @staticmethod
     def gusty(
@@ -267,12 +229,12 @@ class Current:
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> Current:
         """
-        Gauss-Markov, of standard deviation sigma_m_s (3,) about no mean.
+        Gauss-Markov gusts of standard deviation sigma_m_s (3,) with zero mean.
         """
     @staticmethod
     def layered(depth_m: typing.Any, velocity_m_s: typing.Any) -> Current:
         """
-        depth_m: (n,) rising; velocity_m_s: (n, 3). Linear between.
+        depth_m: (n,) rising; velocity_m_s: (n, 3). Linear between levels.
         """
     @staticmethod
     def tidal(
@@ -308,12 +270,12 @@ class WaterProfile:
 
 class Water:
     """
-    The water: still, even and with one steady current, unless waves, a profile or currents are set.
+    The water: calm, uniform and with one steady current, unless waves, a profile or currents are set.
     """
     def __init__(self) -> None: ...
     def add_current(self, current: Current) -> None:
         """
-        Adds to current_world_m_s and to those added before.
+        Adds a current to current_world_m_s and to those added before.
         """
     def check(self) -> None:
         """
@@ -321,22 +283,22 @@ class Water:
         """
     def density_at_kg_m3(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        At rest.
+        Density of still water.
         """
     def pressure_at_pa(
         self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) -> (n,) absolute, under the waves of the moment.
+        (n, 3) -> (n,) absolute pressure under the waves of the moment.
         """
     def pressure_pa(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Absolute, of the water at rest: p_atm + the integral of rho g.
+        Absolute pressure of still water: p_atm + the integral of rho g.
         """
     def salinity_at_psu(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     def sound_speed_m_s(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        As the profile gives it, else by temperature, salinity and depth (Mackenzie 1981).
+        That of the profile, else by temperature, salinity and depth (Mackenzie 1981).
         """
     def surface_height_m(
         self, xy_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
@@ -349,7 +311,7 @@ class Water:
         self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) -> (n, 3), current and waves together.
+        (n, 3) -> (n, 3), currents and waves together.
         """
     @property
     def atmospheric_pressure_pa(self) -> float: ...
@@ -393,14 +355,14 @@ class Water:
     @property
     def waves(self) -> Waves | None:
         """
-        None: still
+        None: a flat surface
         """
     @waves.setter
     def waves(self, arg1: Waves | None) -> None: ...
 
 class RoundShape:
     """
-    A sphere, or a straight piece of round pipe: what rays meet without facets.
+    A sphere or a straight piece of round pipe, which rays meet exactly instead of as facets.
     """
     @staticmethod
     def cylinder(
@@ -412,7 +374,7 @@ class RoundShape:
     @staticmethod
     def pipe(line_world_m: typing.Any, radius_m: typing.SupportsFloat | typing.SupportsIndex) -> list[RoundShape]:
         """
-        Pieces along a line (n, 3), capped at both ends, mitred where it bends. Raises ValueError.
+        Pieces along a line (n, 3) with caps at both ends and mitred bends. Raises ValueError.
         """
     @staticmethod
     def sphere(centre_world_m: typing.Any, radius_m: typing.SupportsFloat | typing.SupportsIndex) -> RoundShape:
@@ -424,7 +386,7 @@ class RoundShape:
 
 class World:
     """
-    The one world that feeds physics and rays. ENU, z up, water at z = 0.
+    The world that dynamics and rays share. ENU, z up, water surface at z = 0.
     """
 
     water: Water
@@ -437,12 +399,12 @@ class World:
         shapes: collections.abc.Sequence[RoundShape] = [],
     ) -> int:
         """
-        vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes: what rays meet instead of the mesh,
-        which then stands for contacts and the true surface. Returns the label. Raises ValueError.
+        vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes: rays meet these instead of the mesh,
+        which then serves contacts and the true surface. Returns the label. Raises ValueError.
         """
     def height_at(self, xy_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 2) -> (n,) float64 terrain height; NaN outside.
+        (n, 2) -> (n,) float64, height of the terrain; NaN outside.
         """
     def set_terrain(
         self, heights_m: typing.Any, spacing_m: typing.SupportsFloat | typing.SupportsIndex, origin_m: typing.Any
@@ -454,7 +416,7 @@ class World:
         self, point_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
     ) -> str | None:
         """
-        (3,) -> the name of a closed solid that the point is inside of, or None.
+        (3,) -> the name of a closed solid that encloses the point, or None.
         """
     def surface_mesh(
         self,
@@ -467,7 +429,7 @@ class World:
     @property
     def label_names(self) -> list[str]:
         """
-        Names by label: nothing, terrain, then the solids'.
+        Names by label: nothing, terrain, then the solids.
         """
     @property
     def terrain_extent_m(self) -> tuple[float, float, float, float]:
@@ -489,23 +451,23 @@ class RayHits:
     @property
     def ranges_m(self) -> numpy.typing.NDArray[numpy.float32]:
         """
-        (n,) float32, inf = nothing within range
+        (n,) float32; inf where nothing was hit within range
         """
 
 class RayScene:
     """
-    The world's surfaces for rays (Embree). A snapshot: solids added later are not in it.
+    The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it.
     """
     def __init__(self, world: World) -> None: ...
     def cast(
         self, origins_m: typing.Any, directions: typing.Any, max_range_m: typing.SupportsFloat | typing.SupportsIndex
     ) -> RayHits:
         """
-        origins_m: (n, 3) or (1, 3); directions: (n, 3), any length but zero. Returns RayHits. Raises ValueError.
+        origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. Returns RayHits. Raises ValueError.
         """
     def distance_m(self, points_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) -> (n,) float64, exact distance to the nearest surface.
+        (n, 3) -> (n,) float64, the distance to the nearest triangle, exact to double rounding.
         """
     def visible(
         self,
@@ -514,52 +476,119 @@ class RayScene:
         tolerance_m: typing.SupportsFloat | typing.SupportsIndex = 0.001,
     ) -> numpy.typing.NDArray[numpy.bool]:
         """
-        (n,) bool: no surface lies more than tolerance_m before the point as seen from origin_m (3,).
+        (n,) bool: seen from origin_m (3,), no surface lies more than tolerance_m before the point.
         """
 
-class BodyState:
+class SoundSpeedProfile:
     """
-    Pose and velocity of a body; six-vectors (linear, angular) in the body frame.
+    Speed of sound by depth: linear between levels, constant above and below them.
     """
-    def __init__(self, position_m: typing.Any, orientation_xyzw: typing.Any, velocity_body: typing.Any) -> None: ...
-    @property
-    def orientation_xyzw(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
+    @staticmethod
+    def even(speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> SoundSpeedProfile:
         """
-        (4,)
+        The same speed at all depths: straight rays.
         """
-    @property
-    def position_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+    def __init__(self, depths_m: typing.Any, speeds_m_s: typing.Any) -> None:
         """
-        (3,) [m]
+        Each (n,), with increasing depths. Raises ValueError that names the level.
         """
-    @property
-    def velocity_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+    def at(self, depth_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        (6,) [m/s, rad/s]
-        """
-    @property
-    def world_from_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
-        """
-        (4, 4)
+        Speed [m/s] at a depth [m].
         """
 
-class SolidProperties:
+class SonarFigures:
+    """
+    Figures of an active sonar: transmitter, receiver, detector. Levels re 1 uPa (at 1 m).
+    """
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError that names the field.
+        """
+    def range_cell_m(self, sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     @property
-    def centroid_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+    def bandwidth_hz(self) -> float: ...
+    @bandwidth_hz.setter
+    def bandwidth_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beam_width_across_rad(self) -> float:
         """
-        (3,) [m]
+        -3 dB, one way: a receiving beam's, within the fan's plane
+        """
+    @beam_width_across_rad.setter
+    def beam_width_across_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def beam_width_along_rad(self) -> float:
+        """
+        -3 dB, one way: the transmitter's, across the fan's plane
+        """
+    @beam_width_along_rad.setter
+    def beam_width_along_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def detection_threshold_db(self) -> float:
+        """
+        Signal-to-noise ratio with a detection probability of one half.
+        """
+    @detection_threshold_db.setter
+    def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def directivity_index_db(self) -> float: ...
+    @directivity_index_db.setter
+    def directivity_index_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def figure_db(self) -> float:
+        """
+        SL + processing gain + DI - NL
         """
     @property
-    def inertia_per_density_m5(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+    def frequency_hz(self) -> float: ...
+    @frequency_hz.setter
+    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def noise_level_db(self) -> float:
         """
-        (3, 3) [m^5], about the centroid; times density gives kg m^2
+        In the receiver's band.
+        """
+    @noise_level_db.setter
+    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def processing_gain_db(self) -> float:
+        """
+        10 log10 (bandwidth x length)
         """
     @property
-    def volume_m3(self) -> float: ...
+    def pulse_length_s(self) -> float: ...
+    @pulse_length_s.setter
+    def pulse_length_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def source_level_db(self) -> float: ...
+    @source_level_db.setter
+    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class BottomMaterial:
+    """
+    How a bottom scatters sound back.
+    """
+    def __init__(
+        self,
+        strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
+        relief: typing.SupportsFloat | typing.SupportsIndex = 0.1,
+    ) -> None: ...
+    @property
+    def relief(self) -> float:
+        """
+        rms slope of the relief across a footprint
+        """
+    @property
+    def strength_db(self) -> float:
+        """
+        Backscatter of a square metre at normal incidence; Lambert's law.
+        """
 
 class CraftParameters:
     """
-    A craft's coefficients in Fossen's order: surge, sway, heave, roll, pitch, yaw.
+    Mass and hydrodynamic coefficients in Fossen's order: surge, sway, heave, roll, pitch, yaw.
     """
     def __init__(self) -> None: ...
     @property
@@ -606,7 +635,7 @@ class CraftParameters:
 
 class Craft:
     """
-    A rigid body in fluid: equations of motion after Fossen 2011, ch. 6 and 8.
+    A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.
     """
     def __init__(self, parameters: CraftParameters, vertices_body_m: typing.Any, triangles: typing.Any) -> None:
         """
@@ -624,23 +653,23 @@ class Craft:
         """
     def kinetic_energy_j(self, state: BodyState) -> float:
         """
-        Of the body and the still water around it.
+        Kinetic energy of the body and the still water around it.
         """
     def submerged_fraction(
         self, state: BodyState, water: Water | None = None, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> float:
         """
-        0 dry .. 1 fully under water; without water, under z = 0.
+        From 0 (dry) to 1 (wholly submerged). Without water: under z = 0.
         """
     @property
     def volume_m3(self) -> float:
         """
-        Displaced when submerged.
+        The volume displaced when submerged.
         """
 
 class ThrustCurve:
     """
-    Thrust in still water against a command in [-1, 1], linear between points.
+    Thrust in still water as a function of a command in [-1, 1], linear between points.
     """
     def __init__(
         self,
@@ -663,18 +692,18 @@ class ThrustCurve:
 
 class ThrusterParameters:
     """
-    A propeller with its motor, body frame.
+    A propeller and its motor, body frame.
     """
     def __init__(self, name: str, position_body_m: typing.Any, axis_body: typing.Any, curve: ThrustCurve) -> None: ...
     @property
     def axis_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) unit, where a positive thrust pushes
+        (3,) unit, direction of a positive thrust
         """
     @property
     def bollard_coefficient(self) -> float:
         """
-        K_T at rest
+        K_T at zero speed
         """
     @bollard_coefficient.setter
     def bollard_coefficient(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -694,14 +723,14 @@ class ThrusterParameters:
     @property
     def spin(self) -> int:
         """
-        1 right-handed about the axis, -1 left-handed
+        1 right-handed, -1 left-handed about the axis when it thrusts ahead
         """
     @spin.setter
     def spin(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     @property
     def time_constant_s(self) -> float:
         """
-        of the thrust; 0 follows at once
+        of the thrust; 0: no lag
         """
     @time_constant_s.setter
     def time_constant_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -715,7 +744,7 @@ class ThrusterParameters:
     @property
     def zero_thrust_advance_ratio(self) -> float:
         """
-        inf: no loss
+        inf: no loss of thrust with speed
         """
     @zero_thrust_advance_ratio.setter
     def zero_thrust_advance_ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -736,7 +765,7 @@ class FinParameters:
     ) -> None: ...
     def lift_slope(self) -> float:
         """
-        dC_L / d alpha at no lift [1/rad].
+        dC_L / d alpha at zero lift [1/rad].
         """
     @property
     def area_m2(self) -> float: ...
@@ -752,7 +781,7 @@ class FinParameters:
     @property
     def efficiency(self) -> float:
         """
-        Oswald's
+        Oswald's efficiency factor
         """
     @efficiency.setter
     def efficiency(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -774,7 +803,7 @@ class FinParameters:
     @property
     def span_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) unit; a deflection turns about it, right-handed
+        (3,) unit; deflections are right-handed about it
         """
     @property
     def stall_angle_rad(self) -> float: ...
@@ -787,7 +816,7 @@ class FinParameters:
 
 class ActuatorsSpec:
     """
-    What drives and steers a vehicle.
+    The thrusters and fins that drive and steer a vehicle.
     """
     def __init__(self) -> None: ...
     @property
@@ -797,7 +826,7 @@ class ActuatorsSpec:
     @property
     def full_wrench_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
-        (6,) force and torque straight along and about the axes at full effort [N, N m]
+        (6,) direct force and torque along and about the axes at full effort, without thrusters [N, N m]
         """
     @full_wrench_body.setter
     def full_wrench_body(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"]) -> None: ...
@@ -806,9 +835,98 @@ class ActuatorsSpec:
     @thrusters.setter
     def thrusters(self, arg0: collections.abc.Sequence[ThrusterParameters]) -> None: ...
 
+class SensorKind:
+    """
+    A kind of sensor.
+    """
+    @property
+    def channels(self) -> dict[str, tuple[int, str]]:
+        """
+        {name: (width, unit)} of the quantities that noise acts on
+        """
+    @property
+    def fields(self) -> dict[str, tuple[int, str]]:
+        """
+        {name: (width, unit)} of a reading
+        """
+    @property
+    def meaning(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """
+        {name: Parameter}
+        """
+
+class NoiseSpec:
+    """
+    Errors of one channel of a sensor, in its unit u: white noise (std for each sample, density in u per root hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), quantum, limits. 0: no such error.
+    """
+    def __init__(
+        self,
+        *,
+        std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        density: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        turn_on_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        bias_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        bias_time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        walk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        quantum: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        limit_low: typing.SupportsFloat | typing.SupportsIndex = ...,
+        limit_high: typing.SupportsFloat | typing.SupportsIndex = ...,
+    ) -> None: ...
+
+class SensorSpec:
+    def __init__(
+        self,
+        name: str,
+        kind: str,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        *,
+        parameters: collections.abc.Mapping[
+            str, collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
+        ] = {},
+        noise: collections.abc.Mapping[str, NoiseSpec] = {},
+        rate_hz: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        latency_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        drop_out: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None:
+        """
+        parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Checked by Simulation.add_vehicle.
+        """
+    @property
+    def drop_out(self) -> float: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def latency_s(self) -> float: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def rate_hz(self) -> float: ...
+
+class SensorReading:
+    """
+    One sample of a sensor.
+    """
+    @property
+    def stamp_ns(self) -> int:
+        """
+        Time of the measurement.
+        """
+    @property
+    def valid(self) -> bool: ...
+    @property
+    def values(self) -> dict[str, typing.Any]:
+        """
+        {field: float or (n,) float64}
+        """
+
 class MultibeamModel:
     """
-    A multibeam's fan, evenly spread about the head's forward axis.
+    A multibeam's fan: beams evenly spaced about the head's forward axis.
     """
     def __init__(
         self,
@@ -844,29 +962,29 @@ class MultibeamModel:
     @property
     def number(self) -> int:
         """
-        1..4, as on the wire; 0: not of the wire
+        1..4, as on the wire; 0: not on the wire
         """
     @property
     def ping_rate_max_hz(self) -> float:
         """
-        Of the electronics.
+        Limit of the electronics.
         """
     @property
     def range_limit_m(self) -> float:
         """
-        The published decoder's limit: above it, no echo.
+        The published decoder's limit: a range above it is no echo.
         """
     @property
     def range_max_m(self) -> float:
         """
-        A range at or past it is no echo.
+        A range at or beyond it is no echo.
         """
     @property
     def tilt_rate_rad_s(self) -> float: ...
 
 class Detection:
     """
-    How a beam's range was found.
+    How the range of a beam was detected.
 
     Members:
 
@@ -876,7 +994,7 @@ class Detection:
 
       PHASE
 
-      FALSE : Noise was taken for an echo.
+      FALSE : Noise was detected as an echo.
     """
 
     AMPLITUDE: typing.ClassVar[Detection]
@@ -907,7 +1025,7 @@ class Detection:
 
 class PhysicsPing:
     """
-    One multibeam ping in physics mode: Ping's arrays and more, read-only, a value a beam.
+    One multibeam ping in physics mode: the arrays of Ping and more, read-only, one value for each beam.
     """
     @property
     def angles_rad(self) -> numpy.ndarray:
@@ -922,7 +1040,7 @@ class PhysicsPing:
     @property
     def incidence_rad(self) -> numpy.ndarray:
         """
-        (beams,) float32 in [0, pi/2], true; NaN = no detection, or a false one
+        (beams,) float32 in [0, pi/2], true value; NaN = no detection, or a false one
         """
     @property
     def intensity_db(self) -> numpy.ndarray:
@@ -932,12 +1050,12 @@ class PhysicsPing:
     @property
     def labels(self) -> numpy.ndarray:
         """
-        (beams,) uint16, true, see World.label_names; 0 where false
+        (beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one
         """
     @property
     def model(self) -> int:
         """
-        EM 2040 variant 1..4; 0: not of the wire
+        EM 2040 variant 1..4; 0: not on the wire
         """
     @property
     def points_sonar_m(self) -> numpy.ndarray:
@@ -952,7 +1070,7 @@ class PhysicsPing:
     @property
     def snr_db(self) -> numpy.ndarray:
         """
-        (beams,) float32, over the noise, at the detector; -inf = none
+        (beams,) float32, signal-to-noise ratio at the detector; -inf = no detection
         """
     @property
     def time_ns(self) -> int: ...
@@ -964,7 +1082,7 @@ class PhysicsPing:
     @property
     def valid(self) -> numpy.ndarray:
         """
-        (beams,) bool: detected, be it falsely
+        (beams,) bool: detected, false detections included
         """
     @property
     def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
@@ -974,7 +1092,7 @@ class PhysicsPing:
 
 class AcousticSpec:
     """
-    What makes a multibeam an acoustic instrument.
+    The acoustic figures of a multibeam in physics mode.
     """
 
     false_detections: bool
@@ -992,14 +1110,14 @@ class AcousticSpec:
     @property
     def bending(self) -> bool:
         """
-        Whether the sound speed's profile bends the beams.
+        Whether rays follow the sound-speed profile.
         """
     @bending.setter
     def bending(self, arg0: bool) -> None: ...
     @property
     def bottom(self) -> BottomMaterial:
         """
-        Of what has no line in `materials`.
+        For labels beyond `materials`.
         """
     @bottom.setter
     def bottom(self, arg0: BottomMaterial) -> None: ...
@@ -1020,7 +1138,7 @@ class AcousticSpec:
 
 class AcousticMultibeam:
     """
-    A multibeam in physics mode by itself, without a vehicle. Pings do not depend on threads.
+    A multibeam in physics mode without a vehicle. Pings do not depend on the number of threads.
     """
     def __init__(
         self,
@@ -1044,169 +1162,68 @@ class AcousticMultibeam:
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
     ) -> PhysicsPing:
         """
-        One ping of the head at a pose (3,), (4,), moving (3,), (3,) in world axes. Random draws are keyed by tick.
-        Raises ValueError. Releases the GIL.
+        Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random draws are
+        keyed by tick. Raises ValueError. Releases the GIL.
         """
     @property
     def profile(self) -> SoundSpeedProfile:
         """
-        Speed of sound of its water.
+        Sound-speed profile of its water.
         """
 
-class ImagingAcoustics:
+class ImagingKind:
     """
-    What picture-making sonars share; see uwsim.imaging.Acoustics.
+    A kind of imaging sonar.
     """
+    @property
+    def meaning(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """
+        {name: Parameter}: the shared acoustic figures and the kind's own.
+        """
 
-    time_varied_gain: bool
-    def __init__(self) -> None: ...
+class ImagingSonar:
+    """
+    An imaging sonar; see uwsim.sonars.imaging.
+    """
+    def __init__(
+        self,
+        kind: str,
+        figures: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex],
+        strengths_db: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
+    ) -> None:
+        """
+        figures: by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label, NaN for the bottom's
+        or the solids'. Raises ValueError that names the figure.
+        """
     def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Of the water at the head [dB/m].
+        Absorption in the water at the head [dB/m].
         """
-    @property
-    def bottom_strength_db(self) -> float: ...
-    @bottom_strength_db.setter
-    def bottom_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def frequency_hz(self) -> float: ...
-    @frequency_hz.setter
-    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def gain_db_decade(self) -> float: ...
-    @gain_db_decade.setter
-    def gain_db_decade(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def looks(self) -> int: ...
-    @looks.setter
-    def looks(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def noise_level_db(self) -> float: ...
-    @noise_level_db.setter
-    def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def range_bins(self) -> int: ...
-    @range_bins.setter
-    def range_bins(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def range_max_m(self) -> float: ...
-    @range_max_m.setter
-    def range_max_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def solid_strength_db(self) -> float: ...
-    @solid_strength_db.setter
-    def solid_strength_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def source_level_db(self) -> float: ...
-    @source_level_db.setter
-    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def strengths_db(self) -> list[float]:
+    def ping(
+        self,
+        scene: RayScene,
+        water: Water,
+        positions_m: typing.Any,
+        orientations_xyzw: typing.Any,
+        seed: typing.SupportsInt | typing.SupportsIndex,
+        stream: str,
+        first_ping: typing.SupportsInt | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+        angles_rad: typing.Any = (),
+    ) -> dict[str, numpy.typing.NDArray[numpy.float32]]:
         """
-        By label; NaN: bottom's or solids'.
+        The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the
+        kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its
+        speckle. The same result whatever the number of threads. Raises ValueError. Releases the GIL.
         """
-    @strengths_db.setter
-    def strengths_db(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
-
-class ForwardLookingModel:
-    """
-    See uwsim.imaging.ForwardLooking.
-    """
-
-    acoustics: ImagingAcoustics
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def beam_width_rad(self) -> float: ...
-    @beam_width_rad.setter
-    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def beams(self) -> int: ...
-    @beams.setter
-    def beams(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def columns_per_beam(self) -> int: ...
-    @columns_per_beam.setter
-    def columns_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def field_of_view_rad(self) -> float: ...
-    @field_of_view_rad.setter
-    def field_of_view_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def rays_per_column(self) -> int: ...
-    @rays_per_column.setter
-    def rays_per_column(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def taper(self) -> float: ...
-    @taper.setter
-    def taper(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def vertical_width_rad(self) -> float: ...
-    @vertical_width_rad.setter
-    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
-class SideScanModel:
-    """
-    See uwsim.imaging.SideScan.
-    """
-
-    acoustics: ImagingAcoustics
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def along_width_rad(self) -> float: ...
-    @along_width_rad.setter
-    def along_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def depression_rad(self) -> float: ...
-    @depression_rad.setter
-    def depression_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def detection_db(self) -> float: ...
-    @detection_db.setter
-    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def planes(self) -> int: ...
-    @planes.setter
-    def planes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def vertical_width_rad(self) -> float: ...
-    @vertical_width_rad.setter
-    def vertical_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-
-class SingleBeamModel:
-    """
-    See uwsim.imaging.SingleBeam.
-    """
-
-    acoustics: ImagingAcoustics
-    def __init__(self) -> None: ...
-    def check(self) -> None:
-        """
-        Raises ValueError.
-        """
-    @property
-    def beam_width_rad(self) -> float: ...
-    @beam_width_rad.setter
-    def beam_width_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def detection_db(self) -> float: ...
-    @detection_db.setter
-    def detection_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def rays_across(self) -> int: ...
-    @rays_across.setter
-    def rays_across(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 
 class DepthCamera:
     """
-    See uwsim.depth_map.DepthMap.
+    See uwsim.sonars.depth_map.DepthMap.
     """
     def __init__(self) -> None: ...
     def check(self) -> None:
@@ -1271,6 +1288,218 @@ class RowReduction:
     @property
     def value(self) -> int: ...
 
+class WaterOptics:
+    """
+    The optical properties of a water [1/m], each (3,): red, green, blue.
+    """
+    @staticmethod
+    def jerlov(type: str) -> WaterOptics:
+        """
+        A Jerlov type's (sources in water_optics.h). Raises ValueError for an unknown type.
+        """
+    def __init__(
+        self,
+        diffuse_attenuation: typing.Any,
+        absorption: typing.Any,
+        scattering: typing.Any,
+        refractive_index: typing.SupportsFloat | typing.SupportsIndex = 1.333,
+    ) -> None: ...
+    @property
+    def absorption(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def beam_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def diffuse_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def refractive_index(self) -> float: ...
+    @property
+    def scattering(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+
+class Optics:
+    """
+    Everything that determines the light: the water, the sun, the wind on the surface, particles in the water.
+    """
+    def __init__(
+        self,
+        water: WaterOptics,
+        sun_elevation_rad: typing.SupportsFloat | typing.SupportsIndex,
+        sun_azimuth_rad: typing.SupportsFloat | typing.SupportsIndex,
+        wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
+        particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) irradiance of daylight on a level surface just below a flat water surface, in units of the sun's outside the atmosphere.
+        """
+    @property
+    def to_sun_below_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def to_sun_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def water(self) -> WaterOptics: ...
+
+class Lens:
+    """
+    As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.
+    """
+    def __init__(
+        self,
+        width: typing.SupportsInt | typing.SupportsIndex,
+        height: typing.SupportsInt | typing.SupportsIndex,
+        fx: typing.SupportsFloat | typing.SupportsIndex,
+        fy: typing.SupportsFloat | typing.SupportsIndex,
+        cx: typing.SupportsFloat | typing.SupportsIndex,
+        cy: typing.SupportsFloat | typing.SupportsIndex,
+        distortion: typing.Annotated[
+            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(5)"
+        ] = [0.0, 0.0, 0.0, 0.0, 0.0],
+    ) -> None:
+        """
+        distortion: k1, k2, p1, p2, k3.
+        """
+
+class Camera:
+    """
+    Lens and image sensor. Raises ValueError that names the field.
+    """
+    def __init__(
+        self,
+        name: str,
+        lens: Lens,
+        exposure: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        full_well: typing.SupportsFloat | typing.SupportsIndex = 8000.0,
+        read_noise: typing.SupportsFloat | typing.SupportsIndex = 6.0,
+        vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
+        wobble_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0008,
+    ) -> None: ...
+    @property
+    def name(self) -> str: ...
+
+class SpotLamp:
+    """
+    A spot lamp that shines along its x; 1e5 lx count as irradiance 1.
+    """
+    def __init__(
+        self,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        flux_lm: typing.SupportsFloat | typing.SupportsIndex,
+        half_angle_rad: typing.SupportsFloat | typing.SupportsIndex,
+        soft_share: typing.SupportsFloat | typing.SupportsIndex,
+        colour: typing.Any,
+    ) -> None: ...
+
+class Picture:
+    """
+    Read-only arrays from one pass, rows from the top; see picture.h.
+    """
+    @property
+    def classes(self) -> numpy.ndarray:
+        """
+        (H, W) uint8, see surface_class_names()
+        """
+    @property
+    def depth_m(self) -> numpy.ndarray:
+        """
+        (H, W) float32 along the optical axis, inf = nothing
+        """
+    @property
+    def gain(self) -> float:
+        """
+        factor from radiance to exposed signal
+        """
+    @property
+    def labels(self) -> numpy.ndarray:
+        """
+        (H, W) uint16, see CameraScene.label_names
+        """
+    @property
+    def normals_world(self) -> numpy.ndarray:
+        """
+        (H, W, 3) float32, 0 = nothing
+        """
+    @property
+    def packets(self) -> bytes:
+        """
+        The packets of rays cast, as tools/bench/native/embree_bare_rays reads them, if recorded
+        """
+    @property
+    def radiance(self) -> numpy.ndarray:
+        """
+        (H, W, 3) float32 before exposure, if requested
+        """
+    @property
+    def rays(self) -> dict[str, int]:
+        """
+        The number of rays cast, by kind.
+        """
+    @property
+    def rgb(self) -> numpy.ndarray:
+        """
+        (H, W, 3) uint8, sRGB; (0, W, 3) if only geometry was requested
+        """
+    @property
+    def task_s(self) -> dict[str, float]:
+        """
+        Seconds by rendering task, summed over threads, if measured.
+        """
+
+class CameraScene:
+    """
+    A snapshot of the world with its materials and textures; and the vehicles.
+    """
+    def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def add_vehicle(
+        self, name: str, vertices_body_m: typing.Any, triangles: typing.Any, material: str, colour: typing.Any = None
+    ) -> int:
+        """
+        Adds a hull, vertices (n, 3) and triangles (m, 3), and returns the vehicle's index. Raises ValueError.
+        """
+    def render(
+        self,
+        camera: Camera,
+        optics: Optics,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        time_s: typing.SupportsFloat | typing.SupportsIndex,
+        tick: typing.SupportsInt | typing.SupportsIndex,
+        effects: collections.abc.Sequence[str],
+        lamps: collections.abc.Sequence[SpotLamp] = [],
+        vehicle_positions_m: typing.Any = None,
+        vehicle_orientations_xyzw: typing.Any = None,
+        hidden_vehicle: typing.SupportsInt | typing.SupportsIndex | None = None,
+        geometry_only: bool = False,
+        keep_radiance: bool = False,
+        measure: bool = False,
+        record: bool = False,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> Picture:
+        """
+        One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. vehicle_positions_m: (n, 3), vehicle_orientations_xyzw: (n, 4), of all vehicles or none. The bytes do not depend on the number of threads. Releases the GIL. Raises ValueError.
+        """
+    def set_appearance(
+        self,
+        label: typing.SupportsInt | typing.SupportsIndex,
+        material: str,
+        surface_class: str,
+        colour: typing.Any = None,
+        texture_image: typing.Any = None,
+        texture_corners: typing.Any = None,
+    ) -> None:
+        """
+        Sets a solid's. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the lower left. Raises ValueError.
+        """
+    def set_ground(self, bed: str, steep: str, land: str) -> None:
+        """
+        Sets the terrain's materials: under water, where it is steep, above water. Raises ValueError.
+        """
+    @property
+    def label_names(self) -> list[str]:
+        """
+        World.label_names, then the vehicles.
+        """
+
 class MapEngine:
     """
     Members:
@@ -1306,7 +1535,7 @@ class MapEngine:
 
 class InstructionSet:
     """
-    Forms of the brick engine's inner loops, all with the same result.
+    The instruction set of the brick engine's kernels; the results are the same.
 
     Members:
 
@@ -1347,7 +1576,7 @@ class InstructionSet:
 
 class MapOptions:
     """
-    What a map is made of, and its probabilities of hit, miss and clamping.
+    The engine of a map, its memory, and its probabilities of hit, miss and clamping.
     """
     def __init__(
         self,
@@ -1365,13 +1594,13 @@ class MapOptions:
 
 class OccupancyMap:
     """
-    OctoMap's octree, about an origin in the world.
+    OctoMap's octree about an origin in the world.
     """
     @staticmethod
     def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any, options: MapOptions) -> OccupancyMap:
         """
-        A map from a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is no sound map of
-        OctoMap's. Releases the GIL.
+        Reads a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is not a valid OctoMap
+        file. Releases the GIL.
         """
     def __init__(
         self, resolution_m: typing.SupportsFloat | typing.SupportsIndex, origin_world_m: typing.Any, options: MapOptions
@@ -1384,8 +1613,9 @@ class OccupancyMap:
         max_range_m: typing.SupportsFloat | typing.SupportsIndex,
     ) -> tuple[numpy.typing.NDArray[numpy.int8], numpy.typing.NDArray[numpy.float64]]:
         """
-        (n, 3) float64 each. Returns (n,) int8 ends: 1 occupied, 0 range or edge, -1 unknown, and (n, 3) float64
-        centres of the last voxels. Releases the GIL.
+        origins_world_m, directions_world: (n, 3) float64. Returns where the rays end, (n,) int8: 1 occupied, 0 at
+        the maximum range or the cube's edge, -1 unknown; and the centres of the last voxels, (n, 3) float64.
+        Releases the GIL.
         """
     def cells(
         self, depth: typing.SupportsInt | typing.SupportsIndex
@@ -1393,15 +1623,16 @@ class OccupancyMap:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
     ]:
         """
-        As leaves, of the cubes at a depth of the tree, 1 to 16. Releases the GIL.
+        The cubes at a depth of the tree, 1 to 16, in the form of leaves(). Releases the GIL.
         """
     def changed_voxels(self) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int8]]:
         """
-        (n, 3) float64 centres and (n,) int8 states of what changed since the last call. Releases the GIL.
+        The voxels whose state changed since the last call: centres (n, 3) float64, states (n,) int8. Releases the
+        GIL.
         """
     def free_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) float64: centres of the finest voxels, world, in Morton order. Releases the GIL.
+        Centres of the free voxels, (n, 3) float64, world, at the finest level, in Morton order. Releases the GIL.
         """
     def insert_scan(
         self,
@@ -1410,8 +1641,9 @@ class OccupancyMap:
         max_range_m: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64. Raises ValueError,
-        inserting nothing, on shapes, on an origin that is not finite and outside OctoMap's cube. Releases the GIL.
+        Inserts one ping. points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64.
+        Raises ValueError, inserting nothing, on wrong shapes, a non-finite origin and points outside OctoMap's
+        cube. Releases the GIL.
         """
     def insert_scans(
         self,
@@ -1422,8 +1654,9 @@ class OccupancyMap:
         threads: typing.SupportsInt | typing.SupportsIndex,
     ) -> None:
         """
-        points_world_m: (n, 3) float32 of all scans; counts: (m,) int64; origins_world_m: (m, 3) float64. Raises
-        ValueError as insert_scan does, inserting none of them. Releases the GIL.
+        Inserts pings in their order. points_world_m: (n, 3) float32, the points of all; counts: (m,) int64,
+        points of each; origins_world_m: (m, 3) float64. Raises ValueError as insert_scan does, inserting none.
+        Releases the GIL.
         """
     def leaves(
         self,
@@ -1431,7 +1664,8 @@ class OccupancyMap:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
     ]:
         """
-        Centres (n, 3) float64, edges (n,) float64, log-odds (n,) float32 of the pruned tree's leaves. Releases the GIL.
+        The leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,) float32. Releases
+        the GIL.
         """
     def log_odds_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -1439,12 +1673,13 @@ class OccupancyMap:
         """
     def merge(self, other: OccupancyMap) -> None:
         """
-        Adds the other's log-odds. Raises ValueError. Releases the GIL.
+        Adds the log-odds of another map. Raises ValueError. Releases the GIL.
         """
     def model(self) -> tuple[float, float, float, float]: ...
     def occupied_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) float64: centres of the finest voxels, world, in Morton order. Releases the GIL.
+        Centres of the occupied voxels, (n, 3) float64, world, at the finest level, in Morton order. Releases the
+        GIL.
         """
     def set_model(
         self,
@@ -1454,15 +1689,16 @@ class OccupancyMap:
         clamping_max: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Of later scans. Raises ValueError. Releases the GIL.
+        Sets the probabilities of later scans. Raises ValueError. Releases the GIL.
         """
     def state_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.int8]:
         """
-        points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the GIL.
+        points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the
+        GIL.
         """
     def statistics(self) -> tuple[int, int, int, int, int, int]:
         """
-        (occupied voxels, free voxels, nodes, bytes of memory, points left out, evictions). Releases the GIL.
+        (occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases the GIL.
         """
     def to_bytes(self, format: str) -> bytes:
         """
@@ -1474,11 +1710,12 @@ class OccupancyMap:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
     ]:
         """
-        As leaves, of the finest voxels with centres in a box, (3,) float64 each. Releases the GIL.
+        The finest voxels whose centres are in a box, in the form of leaves(). low_world_m, high_world_m: (3,)
+        float64. Releases the GIL.
         """
     def write(self, path: os.PathLike[str] | str | bytes, format: str) -> None:
         """
-        Atomically. Raises OSError. Releases the GIL.
+        Writes a 'bt' or 'ot' file atomically. Raises OSError. Releases the GIL.
         """
     @property
     def engine(self) -> MapEngine: ...
@@ -1486,327 +1723,6 @@ class OccupancyMap:
     def origin_world_m(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def resolution_m(self) -> float: ...
-
-class WaterOptics:
-    """
-    A water's coefficients [1/m], (3,) in the order red, green, blue.
-    """
-    @staticmethod
-    def jerlov(type: str) -> WaterOptics:
-        """
-        Of a Jerlov type (sources in water_optics.h). Raises ValueError for an unknown one.
-        """
-    def __init__(
-        self,
-        diffuse_attenuation: typing.Any,
-        absorption: typing.Any,
-        scattering: typing.Any,
-        refractive_index: typing.SupportsFloat | typing.SupportsIndex = 1.333,
-    ) -> None: ...
-    @property
-    def absorption(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-    @property
-    def beam_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-    @property
-    def diffuse_attenuation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-    @property
-    def refractive_index(self) -> float: ...
-    @property
-    def scattering(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-
-class Optics:
-    """
-    What light is like: the water, the sun, the wind on the surface, what drifts.
-    """
-    def __init__(
-        self,
-        water: WaterOptics,
-        sun_elevation_rad: typing.SupportsFloat | typing.SupportsIndex,
-        sun_azimuth_rad: typing.SupportsFloat | typing.SupportsIndex,
-        wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
-        wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
-        particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
-    ) -> None: ...
-    def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        """
-        (3,) of the daylight just below a flat surface; 1 is the sun's outside the air.
-        """
-    @property
-    def to_sun_below_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-    @property
-    def to_sun_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
-    @property
-    def water(self) -> WaterOptics: ...
-
-class Lens:
-    """
-    As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.
-    """
-    def __init__(
-        self,
-        width: typing.SupportsInt | typing.SupportsIndex,
-        height: typing.SupportsInt | typing.SupportsIndex,
-        fx: typing.SupportsFloat | typing.SupportsIndex,
-        fy: typing.SupportsFloat | typing.SupportsIndex,
-        cx: typing.SupportsFloat | typing.SupportsIndex,
-        cy: typing.SupportsFloat | typing.SupportsIndex,
-        distortion: typing.Annotated[
-            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(5)"
-        ] = [0.0, 0.0, 0.0, 0.0, 0.0],
-    ) -> None:
-        """
-        distortion: k1, k2, p1, p2, k3.
-        """
-
-class Camera:
-    """
-    Lens and sensor. Raises ValueError that names the figure.
-    """
-    def __init__(
-        self,
-        name: str,
-        lens: Lens,
-        exposure: typing.SupportsFloat | typing.SupportsIndex = 1.0,
-        full_well: typing.SupportsFloat | typing.SupportsIndex = 8000.0,
-        read_noise: typing.SupportsFloat | typing.SupportsIndex = 6.0,
-        vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
-        wobble_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0008,
-    ) -> None: ...
-    @property
-    def name(self) -> str: ...
-
-class LampLight:
-    """
-    A spot lamp that shines along its x; irradiance 1 is taken as 1e5 lx.
-    """
-    def __init__(
-        self,
-        position_m: typing.Any,
-        orientation_xyzw: typing.Any,
-        flux_lm: typing.SupportsFloat | typing.SupportsIndex,
-        half_angle_rad: typing.SupportsFloat | typing.SupportsIndex,
-        soft_share: typing.SupportsFloat | typing.SupportsIndex,
-        colour: typing.Any,
-    ) -> None: ...
-
-class Picture:
-    """
-    Read-only arrays of one pass, rows from the top; see picture.h.
-    """
-    @property
-    def classes(self) -> numpy.ndarray:
-        """
-        (H, W) uint8, see surface_class_names()
-        """
-    @property
-    def depth_m(self) -> numpy.ndarray:
-        """
-        (H, W) float32 along the optical axis, inf = nothing
-        """
-    @property
-    def gain(self) -> float:
-        """
-        exposure that made rgb of radiance
-        """
-    @property
-    def labels(self) -> numpy.ndarray:
-        """
-        (H, W) uint16, see CameraScene.label_names
-        """
-    @property
-    def normals_world(self) -> numpy.ndarray:
-        """
-        (H, W, 3) float32, 0 = nothing
-        """
-    @property
-    def packets(self) -> bytes:
-        """
-        What was cast, as tools/bench/native/embree_bare_rays reads it
-        """
-    @property
-    def radiance(self) -> numpy.ndarray:
-        """
-        (H, W, 3) float32 before exposure, where asked for
-        """
-    @property
-    def rays(self) -> dict[str, int]:
-        """
-        How many were cast, by kind.
-        """
-    @property
-    def rgb(self) -> numpy.ndarray:
-        """
-        (H, W, 3) uint8, sRGB; (0, W, 3) where geometry alone was asked for
-        """
-    @property
-    def stage_s(self) -> dict[str, float]:
-        """
-        Seconds of all threads together by stage, where measured.
-        """
-
-class CameraScene:
-    """
-    The world that feeds physics and rays, with looks; and the vehicles. A snapshot of the world.
-    """
-    def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    def add_body(
-        self, name: str, vertices_body_m: typing.Any, triangles: typing.Any, material: str, colour: typing.Any = None
-    ) -> int:
-        """
-        Returns the body's index.
-        """
-    def render(
-        self,
-        camera: Camera,
-        optics: Optics,
-        position_m: typing.Any,
-        orientation_xyzw: typing.Any,
-        time_s: typing.SupportsFloat | typing.SupportsIndex,
-        tick: typing.SupportsInt | typing.SupportsIndex,
-        effects: collections.abc.Sequence[str],
-        lamps: collections.abc.Sequence[LampLight] = [],
-        body_positions_m: typing.Any = None,
-        body_orientations_xyzw: typing.Any = None,
-        hidden_body: typing.SupportsInt | typing.SupportsIndex | None = None,
-        geometry_only: bool = False,
-        keep_radiance: bool = False,
-        measure: bool = False,
-        record: bool = False,
-        threads: typing.SupportsInt | typing.SupportsIndex = 1,
-    ) -> Picture:
-        """
-        One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. body_positions_m: (n, 3), body_orientations_xyzw: (n, 4), of all bodies or none. Same bytes whatever the number of threads. Releases the GIL. Raises ValueError.
-        """
-    def set_ground(self, bed: str, steep: str, land: str) -> None: ...
-    def set_look(
-        self,
-        label: typing.SupportsInt | typing.SupportsIndex,
-        material: str,
-        surface_class: str,
-        colour: typing.Any = None,
-        texture_image: typing.Any = None,
-        texture_corners: typing.Any = None,
-    ) -> None:
-        """
-        colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the lower left. Raises ValueError.
-        """
-    @property
-    def label_names(self) -> list[str]:
-        """
-        World.label_names, then the bodies'.
-        """
-
-class SensorParameter:
-    """
-    A figure that a kind of sensor takes.
-    """
-    @property
-    def by_default(self) -> float:
-        """
-        of each value; NaN: must be given
-        """
-    @property
-    def high(self) -> float: ...
-    @property
-    def low(self) -> float: ...
-    @property
-    def meaning(self) -> str: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def width(self) -> int:
-        """
-        how many values it has
-        """
-
-class SensorKind:
-    """
-    A kind of sensor.
-    """
-    @property
-    def channels(self) -> dict[str, tuple[int, str]]:
-        """
-        {name: (width, unit)} of what noise acts on
-        """
-    @property
-    def fields(self) -> dict[str, tuple[int, str]]:
-        """
-        {name: (width, unit)} of a reading
-        """
-    @property
-    def meaning(self) -> str: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def parameters(self) -> dict[str, SensorParameter]:
-        """
-        {name: SensorParameter}
-        """
-
-class NoiseSpec:
-    """
-    Errors of one channel of a sensor, in its unit u: std, density (white: a sample's, and per root hertz), turn_on_std, bias_std with bias_time_s (Gauss-Markov), walk (u per root second), quantum, limits. 0: none.
-    """
-    def __init__(
-        self,
-        *,
-        std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        density: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        turn_on_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        bias_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        bias_time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        walk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        quantum: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        limit_low: typing.SupportsFloat | typing.SupportsIndex = ...,
-        limit_high: typing.SupportsFloat | typing.SupportsIndex = ...,
-    ) -> None: ...
-
-class SensorSpec:
-    def __init__(
-        self,
-        name: str,
-        kind: str,
-        position_m: typing.Any,
-        orientation_xyzw: typing.Any,
-        *,
-        parameters: collections.abc.Mapping[
-            str, collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]
-        ] = {},
-        noise: collections.abc.Mapping[str, NoiseSpec] = {},
-        rate_hz: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        latency_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        drop_out: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-    ) -> None:
-        """
-        parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Checked when a vehicle takes it.
-        """
-    @property
-    def drop_out(self) -> float: ...
-    @property
-    def kind(self) -> str: ...
-    @property
-    def latency_s(self) -> float: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def rate_hz(self) -> float: ...
-
-class SensorReading:
-    """
-    One sample of a sensor.
-    """
-    @property
-    def stamp_ns(self) -> int:
-        """
-        when it was taken
-        """
-    @property
-    def valid(self) -> bool: ...
-    @property
-    def values(self) -> dict[str, typing.Any]:
-        """
-        {field: float or (n,) float64}
-        """
 
 class SimulationSpec:
     def __init__(self) -> None: ...
@@ -1846,7 +1762,7 @@ class SonarSpec:
         acoustics: AcousticSpec | None = None,
     ) -> None:
         """
-        acoustics: in physics mode; without, in geometry mode.
+        acoustics: makes it a sonar in physics mode; without, it is in geometry mode.
         """
     @property
     def model(self) -> MultibeamModel: ...
@@ -1898,7 +1814,7 @@ class VehicleSpec:
     def __init__(self) -> None: ...
     def set_collision_pieces(self, pieces_body_m: collections.abc.Sequence[numpy.ndarray]) -> None:
         """
-        Each (n, 3): the corners of a convex piece, body frame; the shape becomes PIECES.
+        Each (n, 3): corners of a convex piece, body frame [m]. Sets the shape to PIECES.
         """
     def set_start(self, position_m: typing.Any, orientation_xyzw: typing.Any) -> None: ...
     @property
@@ -1920,7 +1836,7 @@ class VehicleSpec:
 
 class Telemetry:
     """
-    The paper's vehicle panel.
+    The instrument panel of a vehicle, as in the paper.
     """
     @property
     def acceleration_m_s2(self) -> float: ...
@@ -1938,7 +1854,7 @@ class Telemetry:
     @property
     def distance_to_seabed_m(self) -> float:
         """
-        straight down; inf over nothing
+        straight down; inf where there is nothing
         """
     @property
     def distance_to_station_m(self) -> float: ...
@@ -1965,7 +1881,7 @@ class Telemetry:
 
 class Simulation:
     """
-    A world with vehicles, advanced by fixed steps; vehicles by index.
+    A world with vehicles, which are given by index, advanced by fixed steps.
     """
     def __init__(self, world: World, scene: RayScene, spec: SimulationSpec) -> None: ...
     def acoustic_ping(
@@ -1975,7 +1891,7 @@ class Simulation:
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
     ) -> PhysicsPing:
         """
-        Of a sonar in physics mode. Raises ValueError in geometry mode. Releases the GIL.
+        Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.
         """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
@@ -1988,37 +1904,40 @@ class Simulation:
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Positive is up; the head turns there as time passes. Raises ValueError.
+        Set the elevation to which the head turns as time passes; positive is up. Raises ValueError.
         """
     def collisions(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> int:
         """
-        How often it came to touch something.
+        How often the vehicle has begun to touch something.
         """
     def controllable(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[list[bool], "FixedSize(6)"]:
         """
-        Whether an effort does something, surge to yaw.
+        Whether an effort has an effect, by axis, surge to yaw.
         """
     def effort(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
     def fin_angles_rad(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
-        (name, deflection now [rad]) pairs of those that move.
+        (name, present deflection [rad]) pairs of the fins that move.
         """
     def full_wrench_body(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]], "FixedSize(2)"]:
         """
-        Two (6,): the largest wrench about each axis alone, ahead and astern, magnitudes [N, N m].
+        Two (6,): magnitudes of the largest wrench along or about each axis alone, forward and backward [N, N m].
         """
     def in_physics_mode(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> bool: ...
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
-    ) -> Ping: ...
+    ) -> Ping:
+        """
+        Ping in geometry mode. Releases the GIL.
+        """
     def ping_batch(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,
@@ -2027,8 +1946,9 @@ class Simulation:
         threads: typing.SupportsInt | typing.SupportsIndex | None = None,
     ) -> PingBatch:
         """
-        world_from_body: (n, 4, 4) float64, rigid. Geometry mode, the head as it is tilted now. The same results
-        whatever the threads (by default all). Raises ValueError. Releases the GIL, answers Ctrl-C.
+        Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its present
+        elevation. threads: by default all; results do not depend on it. Raises ValueError. Releases the GIL, answers
+        Ctrl-C.
         """
     def read_sensor(
         self,
@@ -2037,18 +1957,18 @@ class Simulation:
         with_noise: bool = True,
     ) -> SensorReading:
         """
-        Repeated at one time it is the same sample. Without noise: the present, without rate, delay and drop-outs.
+        Repeated at one time, the same sample. Without noise: the present value, without rate, latency and drop-outs.
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
     def restore_state(self, state: bytes, scenario: str, build: str) -> str:
         """
-        Returns the notes. Raises ValueError, changing nothing, for a state that is damaged or has other fingerprints.
+        Returns the notes. Raises ValueError, changing nothing, for a damaged state or other fingerprints.
         """
     def save_state(self, scenario: str, build: str, notes: str = "") -> bytes:
         """
-        All that the future depends on beside what the simulation was made of, with fingerprints of that.
-        notes: kept with it.
+        Everything that the future depends on apart from what the simulation was built from, with fingerprints of that.
+        notes: stored with it.
         """
     def set_effort(
         self,
@@ -2064,7 +1984,7 @@ class Simulation:
         angles_rad: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
     ) -> None:
         """
-        (name, deflection) pairs; unnamed ones centre. Raises ValueError.
+        (name, deflection [rad]) pairs; the others centre. Raises ValueError.
         """
     def set_state(self, vehicle: typing.SupportsInt | typing.SupportsIndex, state: BodyState) -> None: ...
     def set_thrusters(
@@ -2073,7 +1993,7 @@ class Simulation:
         commands: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
     ) -> None:
         """
-        (name, command in [-1, 1]) pairs; unnamed ones stop. Raises ValueError.
+        (name, command in [-1, 1]) pairs; the others stop. Raises ValueError.
         """
     def set_wrench(
         self,
@@ -2081,24 +2001,24 @@ class Simulation:
         wrench_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
     ) -> None:
         """
-        (6,) [N, N m]; beyond the thrusters it keeps its direction.
+        (6,) [N, N m]; beyond the thrusters' limits it keeps its direction. Raises ValueError.
         """
     def sonar_elevation_rad(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> float:
         """
-        Where the head points now.
+        The present elevation of the head.
         """
     def sonar_ping_rate_max_hz(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> float:
         """
-        By two-way travel time, c / (2 range), c at the head.
+        Limit by two-way travel time, c / (2 range) with c at the head, and by the electronics.
         """
     def state(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
-        Fixed steps; releases the GIL, answers Ctrl-C.
+        Advances by fixed steps. Releases the GIL, answers Ctrl-C.
         """
     def telemetry(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> Telemetry: ...
     def thruster_commands(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
@@ -2107,7 +2027,7 @@ class Simulation:
         """
     def thrusts_n(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
-        (name, still-water thrust now [N]) pairs.
+        (name, present still-water thrust [N]) pairs.
         """
     @property
     def tick(self) -> int: ...
@@ -2116,17 +2036,17 @@ class Simulation:
     @property
     def version(self) -> int:
         """
-        Changes whenever something may look different: time, a place, an aim.
+        Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.
         """
 
 class Ping:
     """
-    One multibeam ping. Arrays are read-only, a value a beam.
+    One multibeam ping. Arrays are read-only, one value for each beam.
     """
     @property
     def angles_rad(self) -> numpy.ndarray:
         """
-        (beams,) float32, about +z of the sonar, positive to port
+        (beams,) float32, about the sonar's +z, positive to port
         """
     @property
     def incidence_rad(self) -> numpy.ndarray:
@@ -2136,7 +2056,7 @@ class Ping:
     @property
     def intensity_db(self) -> numpy.ndarray:
         """
-        (beams,) float32, echo level less source level (Lambert, 40 log R, absorption); -inf = no echo
+        (beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo
         """
     @property
     def labels(self) -> numpy.ndarray:
@@ -2146,7 +2066,7 @@ class Ping:
     @property
     def model(self) -> int:
         """
-        EM 2040 variant 1..4
+        EM 2040 variant 1..4; 0: another sonar
         """
     @property
     def points_sonar_m(self) -> numpy.ndarray:
@@ -2173,12 +2093,12 @@ class Ping:
 
 class PingBatch:
     """
-    Several pings of one sonar. Arrays are read-only, a row a ping; see Ping.
+    Several pings of one sonar. Arrays are read-only, one row for each ping; see Ping.
     """
     @property
     def angles_rad(self) -> numpy.ndarray:
         """
-        (beams,) float32, the same for all
+        (beams,) float32, common to all pings
         """
     @property
     def incidence_rad(self) -> numpy.ndarray:
@@ -2198,7 +2118,7 @@ class PingBatch:
     @property
     def model(self) -> int:
         """
-        EM 2040 variant 1..4
+        EM 2040 variant 1..4; 0: another sonar
         """
     @property
     def points_sonar_m(self) -> numpy.ndarray:
@@ -2238,7 +2158,7 @@ def decode_depth_string(
     range_limit_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become inf.
+    The ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become inf.
     Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
     """
 
@@ -2266,14 +2186,18 @@ def detection_probability(
     detection_threshold_db: typing.SupportsFloat | typing.SupportsIndex,
 ) -> float:
     """
-    snr: a ratio, not dB. looks: independent ones that the echo holds.
+    snr: a ratio, not dB. looks: number of independent looks in the echo.
     """
 
-def effect_names() -> list[str]: ...
+def effect_names() -> list[str]:
+    """
+    The names of the effects.
+    """
+
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
-    The published depthArray text: C#'s G7 text of each range, each followed by the letter a.
-    ranges_m: (n,) float32, in [0, range_max_m], or inf (no echo), which is written as range_max_m.
+    The published depthArray text: each range in C#'s G7 format, followed by the letter a.
+    ranges_m: (n,) float32, in [0, range_max_m], or inf for no echo, which is written as range_max_m.
     Raises ValueError that names the beam on anything else.
     """
 
@@ -2287,38 +2211,37 @@ def filter_range(
     GIL.
     """
 
-def forward_look(
-    model: ForwardLookingModel,
-    scene: RayScene,
-    water: Water,
-    position_m: typing.Any,
-    orientation_xyzw: typing.Any,
-    seed: typing.SupportsInt | typing.SupportsIndex,
-    stream: str,
-    tick: typing.SupportsInt | typing.SupportsIndex,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    (bins, beams) float32, dB re 1 uPa; pose: world from sonar. Raises ValueError. Releases the GIL.
-    """
-
 def ground_plane(
     points_m: typing.Any,
     distance_m: typing.SupportsFloat | typing.SupportsIndex,
     max_slope_rad: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"], float, numpy.ndarray]:
     """
-    pcl::RandomSampleConsensus: normal (3,) that looks up, offset [m] with normal . p + offset = 0, and the inliers
-    (n,) bool. points_m: (n, 3) float32, finite. Raises ValueError. Releases the GIL.
+    pcl::RandomSampleConsensus. points_m: (n, 3) float32, finite. Returns the upward normal (3,), the offset [m]
+    with normal . p + offset = 0, and the inliers (n,) bool. Raises ValueError. Releases the GIL.
+    """
+
+def imaging_kind(name: str) -> ImagingKind:
+    """
+    Raises ValueError with the known names.
+    """
+
+def imaging_kinds() -> list[str]:
+    """
+    The kinds of imaging sonar that are built in.
     """
 
 def jerlov_types() -> list[str]:
     """
-    Names of the Jerlov water types.
+    The names of the Jerlov water types.
     """
 
-def material_names() -> list[str]: ...
-def mounted(
+def material_names() -> list[str]:
+    """
+    The names of the materials.
+    """
+
+def mounted_pose(
     position_m: typing.Any,
     orientation_xyzw: typing.Any,
     mount_position_m: typing.Any,
@@ -2329,7 +2252,7 @@ def mounted(
     typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"],
 ]:
     """
-    Pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).
+    The pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).
     """
 
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
@@ -2344,7 +2267,7 @@ def nadir_area_m2(
     sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
 ) -> float:
     """
-    Bottom straight below that scatters one range cell's worth [m2].
+    Area of bottom straight below that contributes to one range cell [m2].
     """
 
 def nadir_snr_db(
@@ -2355,7 +2278,7 @@ def nadir_snr_db(
     absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> float:
     """
-    The active sonar equation straight below [dB].
+    Signal-to-noise ratio of the bottom straight below, by the active sonar equation [dB].
     """
 
 def pass_through(
@@ -2365,8 +2288,8 @@ def pass_through(
     max_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::PassThrough: the points whose coordinate 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32. Points that are
-    not finite drop out. Raises ValueError. Releases the GIL.
+    pcl::PassThrough: the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32.
+    Discards non-finite points. Raises ValueError. Releases the GIL.
     """
 
 def refracted(
@@ -2376,7 +2299,7 @@ def refracted(
     n_to: typing.SupportsFloat | typing.SupportsIndex,
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
     """
-    Snell's law; normal points to where the ray comes from. None where it is totally reflected.
+    Snell's law: the refracted direction (3,), None if totally reflected. normal: (3,), towards the side that the ray comes from.
     """
 
 def register_cloud(
@@ -2387,8 +2310,9 @@ def register_cloud(
     max_iterations: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
     """
-    pcl::IterativeClosestPoint: target_from_source (4, 4), rms [m] and share of the points within reach, iterations,
-    converged. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Raises ValueError. Releases the GIL.
+    pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Returns
+    target_from_source (4, 4), the rms distance [m] of the points within max_distance_m, their share of all, the
+    iterations and whether they converged. Raises ValueError. Releases the GIL.
     """
 
 def remove_box(
@@ -2396,7 +2320,7 @@ def remove_box(
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
     pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)
-    float64. Points that are not finite drop out. Raises ValueError. Releases the GIL.
+    float64. Discards non-finite points. Raises ValueError. Releases the GIL.
     """
 
 def remove_outliers(
@@ -2405,8 +2329,8 @@ def remove_outliers(
     deviations: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::StatisticalOutlierRemoval; (n, 3) float32. Points that are not finite drop out. Raises ValueError. Releases
-    the GIL.
+    pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises ValueError. Releases the
+    GIL.
     """
 
 def scan_to_points(
@@ -2417,8 +2341,9 @@ def scan_to_points(
     range_max_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    A LaserScan's points in its own frame (x forward, y left), (n, 3) float32, beams in order; as in laser_geometry
-    only range_min <= range < range_max counts. ranges_m: (beams,) float32. Raises ValueError. Releases the GIL.
+    The points of a LaserScan in its own frame (x forward, y left), (n, 3) float32, in the order of the beams. As
+    in laser_geometry only range_min <= range < range_max counts. ranges_m: (beams,) float32. Raises ValueError.
+    Releases the GIL.
     """
 
 def sea_water_density_kg_m3(
@@ -2426,50 +2351,17 @@ def sea_water_density_kg_m3(
     salinity_psu: typing.SupportsFloat | typing.SupportsIndex,
 ) -> float:
     """
-    At atmospheric pressure, by EOS-80 (UNESCO 44, 1983).
+    Density at atmospheric pressure by EOS-80 (UNESCO 44, 1983).
     """
 
 def sensor_kind(name: str) -> SensorKind:
     """
-    Raises ValueError with the names there are.
+    Raises ValueError with the known names.
     """
 
 def sensor_kinds() -> list[str]:
     """
     The kinds of sensor that are built in.
-    """
-
-def side_scan(
-    model: SideScanModel,
-    scene: RayScene,
-    water: Water,
-    positions_m: typing.Any,
-    orientations_xyzw: typing.Any,
-    seed: typing.SupportsInt | typing.SupportsIndex,
-    stream: str,
-    first_ping: typing.SupportsInt | typing.SupportsIndex,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> tuple[
-    numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]
-]:
-    """
-    Poses (n, 3) and (n, 4). (port_db (n, bins), starboard_db (n, bins), altitude_m (n,)), float32. Raises ValueError. Releases the GIL.
-    """
-
-def single_beam(
-    model: SingleBeamModel,
-    scene: RayScene,
-    water: Water,
-    position_m: typing.Any,
-    orientation_xyzw: typing.Any,
-    angles_rad: typing.Any,
-    seed: typing.SupportsInt | typing.SupportsIndex,
-    stream: str,
-    first_ping: typing.SupportsInt | typing.SupportsIndex,
-    threads: typing.SupportsInt | typing.SupportsIndex = 1,
-) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
-    """
-    angles_rad (n,). (level_db (n, bins), ranges_m (n,)), float32, inf = no echo. Raises ValueError. Releases the GIL.
     """
 
 def solid_properties(vertices_m: typing.Any, triangles: typing.Any) -> SolidProperties:
@@ -2488,31 +2380,40 @@ def sound_speed_m_s(
 
 def sound_speed_profile(water: Water) -> SoundSpeedProfile:
     """
-    The water's speed of sound by depth: as its profile gives it, else Mackenzie's.
+    The speed of sound by depth: as given by the water's profile, else Mackenzie's.
     """
 
 def soundings(
     directions_world: typing.Any, travel_time_s: typing.Any, origin_world_m: typing.Any, profile: SoundSpeedProfile
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Points (n, 3) float64, world, that a survey computes: sound traced along directions_world (n, 3), as sent, for
-    half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN where the time
-    is not finite. Raises ValueError. Releases the GIL.
+    Soundings as a survey computes them, (n, 3) float64, world: rays traced from the transmitted directions_world
+    (n, 3) for half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN for a
+    time that is not finite. Raises ValueError. Releases the GIL.
     """
 
-def surface_class_names() -> list[str]: ...
+def stream_name(owner: str, part: str) -> str:
+    """
+    The name of the random stream of a vehicle's sensor, sonar or camera.
+    """
+
+def surface_class_names() -> list[str]:
+    """
+    The names of the surface classes, by the numbers in Picture.classes.
+    """
+
 def transform_points(
     points_source_m: typing.Any, target_from_source: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::transformPointCloud: (n, 3) float32 in, (n, 3) float32 out. target_from_source: (4, 4) float64, rigid.
-    Raises ValueError. Releases the GIL.
+    pcl::transformPointCloud. points_source_m: (n, 3) float32. target_from_source: (4, 4) float64, rigid. Returns
+    (n, 3) float32. Raises ValueError. Releases the GIL.
     """
 
 def voxel_grid(
     points_m: typing.Any, voxel_m: typing.SupportsFloat | typing.SupportsIndex
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m; (n, 3) float32 in, (k, 3) float32 out.
-    Points that are not finite drop out. Raises ValueError. Releases the GIL.
+    pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m. points_m: (n, 3) float32. Returns (k,
+    3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
     """

@@ -1,4 +1,4 @@
-"""Files that are either the old one or the new one, never half of one."""
+"""Atomic writing: after an interruption a file is either the old one or the new one, never half of one."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write beside the target, flush to disk and rename.
+    """Write a temporary file beside the target, flush it to disk and rename it.
 
-    Raises OSError, which names the target and leaves no trace, where that fails.
+    Raises OSError, which names the target, when that fails; no temporary file is left behind.
     """
     try:
         _write_and_rename(path, content)
@@ -29,6 +29,6 @@ def _write_and_rename(path: Path, content: bytes) -> None:
             os.fsync(file.fileno())
         Path(name).replace(path)
     except BaseException:
-        with contextlib.suppress(OSError):  # the first error is the one to tell
+        with contextlib.suppress(OSError):  # report the first error, not this one
             Path(name).unlink()
         raise

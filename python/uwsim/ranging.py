@@ -1,15 +1,15 @@
-"""The links from a sonar's ranges to points in the world, each a function that can be called alone.
+"""The links from a sonar's ranges to points in the world; each is a function that can be called alone.
 
     text = encode_depth_string(ping.ranges_m, model=2)      the published wire: "12.31a12.3a55a..."
-    ranges_m = decode_depth_string(text, model=2)           inf where no echo came back
+    ranges_m = decode_depth_string(text, model=2)           inf without echo
     scan = to_laser_scan(ranges_m, model=2, stamp_s=12.5)   sensor_msgs/LaserScan's fields
     points_m = to_point_cloud(scan)                         in base_scan: x forward, y left, z up
     points_m = remove_box(transform_points(points_m, body_from_sonar), box_min_m, box_max_m)      self filter
     points_world_m = transform_points(points_m, world_from_body)
 
-Points are (n, 3) float32 and PCL does the work on them. Arrays of float32 in C order pass without a copy, float64 and
-sequences are converted, other dtypes are refused. All errors are ValueError. model: one of the wire's four, or any
-other sonar's, such as rov.sonar.model.
+Points are (n, 3) float32, processed by PCL. Float32 arrays in C order are not copied, float64 and sequences are
+converted, other dtypes are refused. All errors are ValueError. model: the number of one of the wire's four, or any
+sonar's model, such as rov.sonar.model.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from uwsim import _core
 MODELS: Mapping[int, _core.MultibeamModel] = MappingProxyType({n: _core.multibeam_model(n) for n in (1, 2, 3, 4)})
 """The four EM 2040 variants of the wire: 600 kHz single, 700 kHz single, 600 kHz dual, 700 kHz dual swath.
 
-Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two ranges: range_max_m (95 or 55), which a
-beam without echo carries on the wire, and range_limit_m (94.9 or 54.9), above which the decoder takes a value for no
-echo and which is the LaserScan's range_max.
+Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two ranges: range_max_m (95 or 55), which
+the wire sends for a beam without echo, and range_limit_m (94.9 or 54.9), above which the decoder reads a value as no
+echo, and which is the LaserScan's range_max.
 """
 
 
@@ -39,9 +39,9 @@ def _no_intensities() -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class LaserScan:
-    """One ping as sensor_msgs/LaserScan has it: angles in rad, times in s, ranges in m, under the message's own names.
+    """One ping as a sensor_msgs/LaserScan, under the message's own names: angles in rad, times in s, ranges in m.
 
-    Beam i looks along angle_min + i * angle_increment in the x-y plane of frame_id, from +x towards +y.
+    Beam i points along angle_min + i * angle_increment in the x-y plane of frame_id, from +x towards +y.
     ranges: (beams,) float32, inf without echo. intensities: (beams,) or empty.
     """
 
@@ -61,7 +61,7 @@ class LaserScan:
 def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2) -> str:
     """Write the published `depthArray` text of one ping: each range as C# writes a float, each followed by "a".
 
-    ranges_m: (beams,) float32 in [0, model's range_max_m], or inf, which is written as range_max_m.
+    ranges_m: (beams,) float32 in [0, range_max_m of the model], or inf, which is written as range_max_m.
     """
     variant = _variant(model)
     return _core.encode_depth_string(_ranges(ranges_m, variant), variant.range_max_m)
@@ -70,8 +70,8 @@ def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel =
 def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDArray[np.float32]:
     """Read a `depthArray` text: ranges, (beams,) float32.
 
-    As published, a value above the model's range_limit_m is no echo: inf. Raises ValueError, naming the beam, unless
-    the text is exactly the model's number of plain decimals, each followed by "a".
+    As published, a value above the model's range_limit_m means no echo: inf. Raises ValueError, naming the beam, unless
+    the text is one plain decimal for each beam of the model, each followed by "a".
     """
     variant = _variant(model)
     if not isinstance(text, str):
@@ -82,7 +82,7 @@ def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDA
 def to_laser_scan(
     ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2, stamp_s: float = 0.0, *, ping_interval_s: float = 0.1
 ) -> LaserScan:
-    """Make the LaserScan of one ping, in `base_scan`. All beams of a ping are of one time: time_increment is 0.
+    """Make the LaserScan of one ping, in `base_scan`. All beams share one time: time_increment is 0.
 
     ranges_m: (beams,) float32. ping_interval_s: time between pings, the message's scan_time.
     """
@@ -117,8 +117,8 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
 def transform_points(points_source_m: ArrayLike, target_from_source: ArrayLike) -> NDArray[np.float32]:
     """Express points in another frame, (n, 3) float32.
 
-    target_from_source: (4, 4), rigid, such as ping.world_from_sonar. Coordinates are rounded to float32: by 2 um at
-    50 m from zero, by 0.2 mm at 4 km.
+    target_from_source: (4, 4), rigid, such as ping.world_from_sonar. Rounding to float32 moves coordinates by up to
+    2 um at 50 m from zero and 0.2 mm at 4 km.
     """
     return _core.transform_points(points_source_m, target_from_source)
 
@@ -129,7 +129,7 @@ def filter_range(points_m: ArrayLike, min_m: float, max_m: float) -> NDArray[np.
 
 
 def remove_box(points_m: ArrayLike, box_min_m: ArrayLike, box_max_m: ArrayLike) -> NDArray[np.float32]:
-    """Drop the points (n, 3) in an axis-aligned box, faces included: a self filter in the vehicle's frame.
+    """Discard the points (n, 3) in an axis-aligned box, faces included: a self filter in the vehicle's frame.
 
     box_min_m, box_max_m: (3,), opposite corners.
     """
@@ -146,18 +146,18 @@ def _variant(model: int | _core.MultibeamModel) -> _core.MultibeamModel:
 
 def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.float32]:
     ranges = np.asarray(ranges_m)
-    taken = ranges.dtype in (np.float32, np.float64) or (
+    is_accepted = ranges.dtype in (np.float32, np.float64) or (
         not isinstance(ranges_m, np.ndarray) and ranges.dtype.kind in "iu"
     )
-    if not taken:
+    if not is_accepted:
         raise ValueError(f"ranges_m.dtype = {ranges.dtype}: must be float32, float64 or a sequence of numbers")
     if ranges.shape != (variant.beams,):
         raise ValueError(
             f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number or variant.name}"
         )
-    far = np.isfinite(ranges) & (ranges > variant.range_max_m)
-    if far.any():
-        beam = int(np.argmax(far))
+    too_far = np.isfinite(ranges) & (ranges > variant.range_max_m)
+    if too_far.any():
+        beam = int(np.argmax(too_far))
         rule = f"must be in [0, {variant.range_max_m:g}] m, or inf for a beam without echo"
         raise ValueError(f"ranges_m[{beam}] = {ranges[beam]} m: {rule}")
     return np.ascontiguousarray(ranges, dtype=np.float32)

@@ -1,4 +1,4 @@
-"""The simulator's face: one object that holds a scenario's world and vehicles and advances them in fixed steps."""
+"""Simulator, the front door: it holds a scenario's world and vehicles and advances them in fixed steps."""
 
 from __future__ import annotations
 
@@ -11,28 +11,30 @@ from typing import Any, Self
 import numpy as np
 
 from uwsim import _core
-from uwsim.assembly import vehicle_spec
-from uwsim.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.imaging_mount import imaging_sonars
+from uwsim.cameras.mounted import station_cameras, vehicle_cameras
+from uwsim.cameras.shared_scene import SharedScene
 from uwsim.scenario import Scenario, build_world, load
-from uwsim.scenario.build import backscatter_by_label
-from uwsim.scenario.optics_spec import Optics
-from uwsim.studio import Studio
+from uwsim.scenario.build.labels import backscatter_by_label
+from uwsim.scenario.build.simulation import simulation_spec
+from uwsim.scenario.build.vehicle import vehicle_spec
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.spec.optics import Optics
+from uwsim.sonars.mounted import imaging_sonars
 from uwsim.vehicle import Vehicle
 
-STEP_TOLERANCE = 1e-6  # of a step, by which a duration may miss a whole number of steps
+STEP_TOLERANCE = 1e-6  # share of a step by which a duration may differ from a whole number of steps
 
 
 class Simulator:
     """A scenario that runs.
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
-    seed, sonar_model (every vehicle's: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (of a model that
-    works at several), mission_time_s: replace the scenario's figures.
-    threads: how many a survey may use; by default all. Results do not depend on it.
+    seed, sonar_model (of every vehicle: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model
+    that works at several), mission_time_s: replace the scenario's values.
+    threads: how many may be used; by default all. Results do not depend on it.
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
-    Reading, pinging and looking at telemetry do not advance time, and repeated at one time give the same sample.
+    Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample.
     One call at a time owns the simulator; others wait. cameras: the station's, by name.
     """
 
@@ -55,16 +57,21 @@ class Simulator:
         self.threads = _checked_threads(threads)
         self.world = build_world(self.scenario)
         self.scene = _core.RayScene(self.world)
-        self._core = _core.Simulation(self.world, self.scene, _simulation_spec(self.scenario))
-        self._studio = Studio(self.scenario, self.world, self.scene, self._core, self.threads)
-        self.cameras = self._studio.station_cameras()
+        self._core = _core.Simulation(self.world, self.scene, simulation_spec(self.scenario))
+        self._shared_scene = SharedScene(self.scenario, self.world, self.scene, self._core, self.threads)
+        self.cameras = station_cameras(self.scenario.station, self._shared_scene)
         self.vehicles: dict[str, Vehicle] = {}
-        for vehicle in self.scenario.vehicles:
-            spec = vehicle_spec(self.scenario, vehicle)
+        for entry in self.scenario.vehicles:
+            spec = vehicle_spec(self.scenario, entry)
             index = self._core.add_vehicle(spec)
-            cameras, lamps = self._studio.cameras_of(index), self._studio.lamps_of(index)
-            self.vehicles[vehicle.name] = Vehicle(self._core, index, spec, cameras, lamps)
-            self.vehicles[vehicle.name].imaging_sonars = imaging_sonars(self, vehicle)
+            self.vehicles[entry.name] = Vehicle(
+                self._core,
+                index,
+                spec,
+                cameras=vehicle_cameras(entry.name, entry.model.cameras, index, self._shared_scene),
+                lamps=self._shared_scene.lamps[index],
+                imaging_sonars=imaging_sonars(self, entry),
+            )
 
     @property
     def rov(self) -> Vehicle:
@@ -73,22 +80,22 @@ class Simulator:
 
     @property
     def optics(self) -> Optics:
-        """The light that cameras see by, as the scenario has it or as last set."""
-        return self._studio.optics
+        """The light, for cameras: the scenario's, or as last set by set_optics."""
+        return self._shared_scene.optics
 
     def set_optics(self, **changes: Any) -> None:
-        """Change the light from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
-        self._studio.optics = self._studio.optics.with_changes(changes)
+        """Change the light, such as jerlov="5C" or sun_elevation_deg=2, from now on. Raises ValueError."""
+        self._shared_scene.optics = self._shared_scene.optics.with_changes(changes)
 
     @property
     def strengths_db(self) -> dict[str, float]:
-        """How much sound each surface scatters, by World.label_names, as its material has it; what pictures show."""
+        """Backscatter strength of each surface's material, by World.label_names, for imaging sonars."""
         surfaces = zip(self.world.label_names, backscatter_by_label(self.scenario), strict=True)
         return {name: surface.strength_db for name, surface in surfaces}
 
     @property
     def seed(self) -> int:
-        """What every random draw is keyed by."""
+        """The key of every random draw."""
         return self.scenario.seed
 
     @property
@@ -107,7 +114,7 @@ class Simulator:
         return self.time_ns * 1e-9
 
     def step(self, n: int = 1) -> None:
-        """Advance by n fixed steps. Raises ValueError when n is negative or a vehicle's motion diverges."""
+        """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""
         if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 0 <= n < 2**63:
             raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
         self._core.step(int(n))
@@ -120,24 +127,24 @@ class Simulator:
         self.step(round(steps))
 
     def wait(self, duration_s: float) -> None:
-        """What a mission calls to let time pass: the simulator is its own clock. Same as advance."""
+        """Advance, as the clock of a mission: see uwsim.control.Clock."""
         self.advance(duration_s)
 
     def save_state(self) -> bytes:
-        """All that the future depends on beside scenario and seed.
+        """Save everything that the future depends on, except scenario and seed.
 
-        That is motion, commands, clocks, sensors' memories, lamps and the light of set_optics. A Simulator of the same
-        scenario, seed and build that restores it gives the same poses, samples and pictures to the last bit. What a
-        mission or a map remembers is not in it.
+        This is motion, commands, clocks, sensors' memories, lamps and the light of set_optics. A Simulator of the same
+        scenario, seed and build that restores it gives the same poses, samples and pictures to the last bit. The
+        states of missions and maps are not included.
         """
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
         notes = json.dumps({"lamps": lit, "optics": self.optics.model_dump(mode="json")})
         return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
 
     def restore_state(self, state: bytes) -> None:
-        """Go on from what `save_state` gave.
+        """Continue from a state that `save_state` returned.
 
-        Raises ValueError, changing nothing, for a state that is damaged or of another scenario, seed or build.
+        Raises ValueError, changing nothing, if the state is damaged or from another scenario, seed or build.
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
@@ -153,7 +160,7 @@ class Simulator:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Nothing to release: the world lives as long as the object."""
+        """Do nothing: the world is freed with the object."""
 
 
 def _checked_threads(threads: int | None) -> int:
@@ -162,14 +169,3 @@ def _checked_threads(threads: int | None) -> int:
     if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
         raise ValueError(f"threads = {threads!r}: must be a whole number in [1, 1024]")
     return int(threads)
-
-
-def _simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
-    spec = _core.SimulationSpec()
-    spec.step_s = scenario.step_s
-    spec.seed = scenario.seed
-    spec.mission_time_s = scenario.mission_time_s
-    spec.station_world_m = scenario.station.position_m
-    spec.range_warning_m = scenario.warnings.range_m
-    spec.proximity_warning_m = scenario.warnings.proximity_m
-    return spec

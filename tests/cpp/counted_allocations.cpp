@@ -1,6 +1,6 @@
-// The program's own malloc and its kin: the loader prefers them to the C library's for every shared library too, so
-// that Bullet's, Embree's and the C++ library's allocations are seen with ours. Memory comes from the C library's
-// internal names, which glibc exports for this use; `free` stays its own.
+// This program's own malloc and its relatives. The loader prefers them to those of the C library, for every shared
+// library, too, so that allocations by Bullet, Embree and the C++ library are counted with ours. The memory comes from
+// the C library's internal functions, which glibc exports for this purpose; `free` remains the C library's.
 
 #include "counted_allocations.h"
 

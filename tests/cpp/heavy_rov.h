@@ -13,8 +13,8 @@
 
 namespace uwsim::testing {
 
-/// The packaged hull or its collision pieces, from OBJ files that our own tools wrote: `v x y z` and `f a b c` lines,
-/// one `o` line before each piece. Throws where the file is not there.
+/// A packaged hull or its collision pieces, from an OBJ file that our own tools wrote: lines `v x y z` and `f a b c`,
+/// and a line `o` before each piece. Throws when the file cannot be read.
 struct ObjFile {
   TriangleMesh mesh;
   std::vector<ConvexPiece> pieces;
@@ -39,7 +39,7 @@ struct ObjFile {
   }
 };
 
-/// A sensor of this kind with every error there is.
+/// A sensor of this kind with every kind of error.
 inline SensorSpec noisy(const SensorKind& kind) {
   SensorSpec spec;
   spec.name = spec.kind = kind.name;
@@ -57,8 +57,8 @@ inline SensorSpec noisy(const SensorKind& kind) {
   return spec;
 }
 
-/// A BlueROV2 Heavy: the packaged hull of 2,204 triangles and its 24 collision pieces, eight lagging thrusters with
-/// advance loss, coefficients of von Benzon et al. 2022, and one sensor of every kind, noisy.
+/// A BlueROV2 Heavy: the packaged hull of 2,204 triangles and its 24 collision pieces, eight lagging thrusters that
+/// lose thrust with speed, coefficients of von Benzon et al. 2022, and one sensor of every kind, noisy.
 inline VehicleSpec heavy_rov(const std::string& name, const Eigen::Vector3d& position_m, double density_kg_m3 = 1000) {
   TriangleMesh mesh = ObjFile("bluerov2_heavy.obj").mesh;
   const SolidProperties solid = solid_properties(mesh);

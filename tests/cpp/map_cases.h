@@ -28,15 +28,15 @@ inline std::vector<float> random_points(std::mt19937& random, int count, double 
   return points_m;
 }
 
-/// The same few scans from about the map's origin, moved by `offset_m`.
+/// Inserts a few scans from near the map's origin, moved by `offset_m`: the same ones for the same seed.
 inline void insert_some(OccupancyMap& map, unsigned seed, int scans, double spread_m,
                         const Eigen::Vector3d& offset_m = Eigen::Vector3d::Zero()) {
   std::mt19937 random(seed);
   const Eigen::Vector3d about_m = map.origin_world_m() + offset_m;
   for (int i = 0; i < scans; ++i) {
     const std::vector<float> points_m = random_points(random, 40, spread_m, about_m);
-    const int again = 1 + static_cast<int>(random() % 6);  // some voxels reach their limits
-    for (int k = 0; k < again; ++k) map.insert_scan(points_m, about_m + Eigen::Vector3d(0.3 * i, 0.2, 0.1), kNoLimit);
+    const int repeats = 1 + static_cast<int>(random() % 6);  // some voxels reach the clamping limits
+    for (int k = 0; k < repeats; ++k) map.insert_scan(points_m, about_m + Eigen::Vector3d(0.3 * i, 0.2, 0.1), kNoLimit);
   }
 }
 

@@ -7,7 +7,7 @@
 
 namespace uwsim::testing {
 
-/// A closed box with the given edges, centred on the origin.
+/// A closed box with the given edge lengths, centred on the origin.
 inline TriangleMesh box(double x, double y, double z) {
   TriangleMesh mesh;
   for (int corner = 0; corner < 8; ++corner) {
@@ -18,7 +18,7 @@ inline TriangleMesh box(double x, double y, double z) {
   return mesh;
 }
 
-/// A closed sphere of latitude bands, centred on the origin.
+/// A closed sphere of `bands` latitude bands, centred on the origin.
 inline TriangleMesh sphere(double radius, int bands) {
   TriangleMesh mesh;
   const int around = 2 * bands;
@@ -26,9 +26,9 @@ inline TriangleMesh sphere(double radius, int bands) {
   for (int i = 1; i < bands; ++i) {
     const double polar = std::numbers::pi * i / bands;
     for (int j = 0; j < around; ++j) {
-      const double turn = 2 * std::numbers::pi * j / around;
-      mesh.vertices_m.emplace_back(radius * std::sin(polar) * std::cos(turn), radius * std::sin(polar) * std::sin(turn),
-                                   radius * std::cos(polar));
+      const double angle = 2 * std::numbers::pi * j / around;
+      mesh.vertices_m.emplace_back(radius * std::sin(polar) * std::cos(angle),
+                                   radius * std::sin(polar) * std::sin(angle), radius * std::cos(polar));
     }
   }
   mesh.vertices_m.emplace_back(0, 0, -radius);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The files that are compiled for newer processors give the linker no function that others might call, and round after
-# every operation: no fused multiply-add. Usage: scan_kernels_stay_apart.sh libuwsim_mapping.a
+# Checks that the files compiled for newer processors export no function, which the linker might use in other files, and
+# that they round after every operation: no fused multiply-add. Usage: scan_kernels_stay_apart.sh libuwsim_mapping.a
 set -euo pipefail
 
 folder=$(mktemp -d)
@@ -11,7 +11,7 @@ for set in portable avx2 avx512 slabs_avx512; do
   object=scan_kernels_$set.cpp.o
   ar x "$archive" "$object"
   if nm "$object" | grep -E '^[0-9a-f]+ [TWVu] '; then
-    echo "$object: gives these to the linker" >&2
+    echo "$object: exports these functions" >&2
     exit 1
   fi
   if objdump -d "$object" | grep -E 'vfn?m(add|sub)'; then

@@ -15,7 +15,7 @@
 
 namespace uwsim {
 
-/// A flat bed at 20 m with a wall 5.5 m to port, and one vehicle 12 m deep whose motion the test writes.
+/// A flat bed at 20 m with a wall 5.5 m to port, and one vehicle 12 m deep whose motion the test sets.
 class SensorBench : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kStepNs = 5'000'000;
@@ -27,20 +27,20 @@ class SensorBench : public ::testing::Test {
     for (auto& v : wall.vertices_m) v += Eigen::Vector3d(0, 6, -20);
     world.add_solid("wall to port", wall);
     scene.emplace(world);
-    moment.state.world_from_body.position_m = {0, 0, -12};
+    snapshot.state.world_from_body.position_m = {0, 0, -12};
   }
 
   Surroundings around() const { return {*scene, world.water, station_world_m}; }
 
   NoisySensor sensor(const SensorSpec& spec, std::uint64_t seed = 7) const { return {spec, seed, "rov", kStepNs}; }
 
-  /// What a sensor without errors reads now.
-  Sample truth(const SensorSpec& spec) const { return sensor(spec).read_true(moment, around()); }
+  /// The present reading of a sensor without errors.
+  Sample truth(const SensorSpec& spec) const { return sensor(spec).read_true(snapshot, around()); }
 
   World world;
   std::optional<RayScene> scene;
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
-  Moment moment;
+  VehicleSnapshot snapshot;
 };
 
 inline SensorSpec sensor_spec(const std::string& kind, std::map<std::string, std::vector<double>, std::less<>> p = {},

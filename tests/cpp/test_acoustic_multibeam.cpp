@@ -26,7 +26,7 @@ Water even_water() {
   return water;
 }
 
-/// Loud enough for any range here, and without a doubt about it.
+/// So loud that every echo in these tests is detected.
 AcousticSpec loud() {
   AcousticSpec spec;
   spec.figures.source_level_db = 230;
@@ -52,7 +52,7 @@ AcousticMultibeam sonar_of(const MultibeamModel& fan, const AcousticSpec& spec, 
   return AcousticMultibeam(fan, spec, water, 1000, RandomStream(5, "rov/sonar"));
 }
 
-/// Mean over many pings of the middle beam's intensity, as a level: speckle averaged out.
+/// The level of the middle beam's mean intensity over many pings, which averages speckle out.
 double mean_level_db(const AcousticMultibeam& sonar, const RayScene& scene, const Pose& pose, int pings = 4000) {
   double sum = 0;
   const auto middle = static_cast<std::size_t>(sonar.fan().beams / 2);
@@ -63,7 +63,7 @@ double mean_level_db(const AcousticMultibeam& sonar, const RayScene& scene, cons
   return 10 * std::log10(sum / pings);
 }
 
-TEST(BeamFootprint, HasTheGaussianPatternsMomentsHoweverManyRays) {
+TEST(BeamFootprint, HasTheMomentsOfTheGaussianPatternForAnyNumberOfRays) {
   for (const int rays : {4, 8, 16, 64}) {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
@@ -79,7 +79,7 @@ TEST(BeamFootprint, HasTheGaussianPatternsMomentsHoweverManyRays) {
   EXPECT_THROW(BeamFootprint::offsets(65), InvalidValue);
 }
 
-TEST(AcousticMultibeam, StraightBelowItsLevelIsTheSonarEquations) {
+TEST(AcousticMultibeam, TheLevelStraightBelowFollowsTheSonarEquation) {
   AcousticSpec spec = loud();
   spec.bottom = {-25, 0.1};
   const AcousticMultibeam sonar = sonar_of(fan_of(3, 1), spec);
@@ -91,14 +91,14 @@ TEST(AcousticMultibeam, StraightBelowItsLevelIsTheSonarEquations) {
   }
 }
 
-TEST(AcousticMultibeam, AbsorptionCostsItsDecibelsOutAndBackExactly) {
+TEST(AcousticMultibeam, AbsorptionAppliesExactlyTwiceOnceOutAndOnceBack) {
   Water sea = even_water();
   sea.salinity_psu = 35;
   AcousticSpec spec = loud();
-  spec.figures.source_level_db = 290;  // far above the noise, which fades along
+  spec.figures.source_level_db = 290;  // far above the noise, which fades as well
   const RayScene scene(bed_world(0, -400));
   const auto level_db = [&](double acidity_ph) {
-    spec.acidity_ph = acidity_ph;  // changes absorption and nothing else
+    spec.acidity_ph = acidity_ph;  // affects only absorption
     return sonar_of(fan_of(3, 1), spec, sea).ping(scene, looking_down(1e-3), {}, 4).intensity_db[1];
   };
   const auto mean_db_m = [](double acidity_ph) {
@@ -110,7 +110,7 @@ TEST(AcousticMultibeam, AbsorptionCostsItsDecibelsOutAndBackExactly) {
   EXPECT_GT(level_db(6) - level_db(9), 0.5);
 }
 
-TEST(AcousticMultibeam, EachBeamErrsByItself) {
+TEST(AcousticMultibeam, BeamsErrIndependently) {
   AcousticSpec spec = loud();
   spec.range_noise = true;
   const AcousticMultibeam sonar = sonar_of(fan_of(401, 0.1), spec);
@@ -127,16 +127,16 @@ TEST(AcousticMultibeam, EachBeamErrsByItself) {
   }
 }
 
-TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndASmallTargetsBy40) {
+TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndThatOfASmallTargetBy40) {
   AcousticSpec spec = loud();
-  spec.figures.frequency_hz = 2e3;  // next to no absorption
+  spec.figures.frequency_hz = 2e3;  // hardly any absorption
   spec.figures.bandwidth_hz = 2e3;
   spec.figures.pulse_length_s = 1e-2;
   const auto fall_db = [&](const RayScene& near, const RayScene& far, const Pose& a, const Pose& b) {
     const AcousticMultibeam sonar = sonar_of(fan_of(3, 1, 2000), spec);
     return mean_level_db(sonar, near, a) - mean_level_db(sonar, far, b);
   };
-  // A slope of 60 degrees stretches the footprint over many cells.
+  // On a slope of 60 degrees the footprint extends over many range cells.
   spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.3;
   const double steep = std::tan(std::numbers::pi / 3);
   EXPECT_NEAR(fall_db(RayScene(bed_world(steep, -100)), RayScene(bed_world(steep, -400)), looking_down(0.001),
@@ -150,26 +150,26 @@ TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndASmallTargetsBy40) {
     return world;
   };
   spec.rays_per_beam = 64;
-  // 64 rays: from a third of the plate's rays within it on.
+  // 64 rays: enough of them hit the plate.
   spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.1;
   EXPECT_NEAR(fall_db(RayScene(plate(-60)), RayScene(plate(-120)), looking_down(0.001), looking_down(0.001)),
               40 * std::log10(2.0), 2.5);
 }
 
-TEST(AcousticMultibeam, ASlopesFootprintAveragesToItsPlane) {
+TEST(AcousticMultibeam, TheFootprintOnASlopeAveragesToItsPlane) {
   AcousticSpec spec = loud();
   spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.03;
   const double slope = std::tan(0.5);
   const RayScene scene(bed_world(slope, -50));
   const AcousticPing ping = sonar_of(fan_of(3, 1), spec).ping(scene, looking_down(1e-3), {}, 0);
   ASSERT_EQ(ping.valid[1], 1);
-  // Energy leans to the near side: by a few standard deviations' squares, not more.
+  // The near side returns more energy: a shift of a few squared standard deviations.
   EXPECT_NEAR(ping.ranges_m[1], 50, 50 * 3 * 0.013 * 0.013 / std::pow(std::cos(0.5), 2));
   EXPECT_NEAR(ping.incidence_rad[1], 0.5, 0.03);
   EXPECT_EQ(ping.labels[1], kTerrain);
 }
 
-TEST(AcousticMultibeam, ObliqueBeamsAreRangedByPhaseAndScatterLessThanByAmplitude) {
+TEST(AcousticMultibeam, ObliqueBeamsAreDetectedByPhaseWithSmallerErrorsThanByAmplitude) {
   AcousticSpec spec = loud();
   spec.range_noise = true;
   const RayScene scene(bed_world(0, -40));
@@ -191,7 +191,7 @@ TEST(AcousticMultibeam, ObliqueBeamsAreRangedByPhaseAndScatterLessThanByAmplitud
   EXPECT_LT(std::sqrt(squares / count), 0.4 * std::sqrt(predicted_amplitude / count));
 }
 
-TEST(AcousticMultibeam, DetectionsThinOutWithRangeAndHalfAreLeftAtTheThreshold) {
+TEST(AcousticMultibeam, TheShareOfDetectionsFallsWithRangeAndIsOneHalfAtTheThreshold) {
   AcousticSpec spec;
   spec.false_detections = false;
   const Water water = even_water();
@@ -212,7 +212,7 @@ TEST(AcousticMultibeam, DetectionsThinOutWithRangeAndHalfAreLeftAtTheThreshold) 
   EXPECT_LT(before, 0.02);
 }
 
-TEST(AcousticMultibeam, FalseDetectionsComeAtTheirRateAndNotAtAllWhenSwitchedOff) {
+TEST(AcousticMultibeam, FalseDetectionsOccurAtTheirRateAndNeverWhenSwitchedOff) {
   AcousticSpec spec;
   spec.figures.detection_threshold_db = 9;
   const RayScene empty(bed_world(0, -900));
@@ -237,7 +237,7 @@ TEST(AcousticMultibeam, FalseDetectionsComeAtTheirRateAndNotAtAllWhenSwitchedOff
   }
 }
 
-TEST(AcousticMultibeam, AMovingHeadHearsTheEchoWhereItHasMovedTo) {
+TEST(AcousticMultibeam, AMovingHeadReceivesTheEchoAtItsNewPose) {
   const RayScene scene(bed_world(0, -100));
   const AcousticMultibeam sonar = sonar_of(fan_of(121, 90), loud());
   const Pose pose = looking_down(1e-3);
@@ -247,8 +247,8 @@ TEST(AcousticMultibeam, AMovingHeadHearsTheEchoWhereItHasMovedTo) {
   const double c = sound_speed_m_s(8, 0, 0), under_way_s = 200 / c;
   const double at_rest = range_m({}, 60);
   EXPECT_NEAR(range_m({{0, 0, -5}, {0, 0, 0}}, 60), at_rest - 0.5 * 5 * under_way_s, 2e-3);
-  EXPECT_NEAR(range_m({{5, 0, 0}, {0, 0, 0}}, 60), at_rest, 2e-3) << "across the way it costs nothing of first order";
-  // The fan lies in y-z; turning about x moves beam 0 from 45 degrees by the turn until it hears.
+  EXPECT_NEAR(range_m({{5, 0, 0}, {0, 0, 0}}, 60), at_rest, 2e-3) << "no first-order effect of motion across the path";
+  // The fan lies in y-z: until reception, rotation about x turns beam 0 from its 45 degrees.
   const double rate = 0.3;
   const double still = range_m({}, 0), turned = range_m({{0, 0, 0}, {rate, 0, 0}}, 0);
   const double turn = rate * 2 * still / c;
@@ -257,7 +257,7 @@ TEST(AcousticMultibeam, AMovingHeadHearsTheEchoWhereItHasMovedTo) {
   EXPECT_NEAR(range_m({{0, 0, 0}, {-rate, 0, 0}}, 0), 100 / std::cos(std::numbers::pi / 4 - sign * turn), 0.15);
 }
 
-TEST(AcousticMultibeam, ThePingIsTheSameWhateverTheThreads) {
+TEST(AcousticMultibeam, APingIsTheSameForAnyNumberOfThreads) {
   AcousticSpec spec;
   spec.figures.source_level_db = 195;
   const RayScene scene(bed_world(0.2, -80));
@@ -276,7 +276,7 @@ TEST(AcousticMultibeam, ThePingIsTheSameWhateverTheThreads) {
   }
 }
 
-TEST(AcousticMultibeam, StrengthGoesByLabel) {
+TEST(AcousticMultibeam, EachLabelHasItsStrength) {
   AcousticSpec spec = loud();
   spec.materials = {{-30, 0}, {-42, 0}};
   spec.bottom = {-20, 0};
@@ -286,7 +286,7 @@ TEST(AcousticMultibeam, StrengthGoesByLabel) {
   EXPECT_NEAR(mean_level_db(sonar_of(fan_of(3, 1), spec), scene, looking_down(1e-3)) - soft, 22, 0.5);
 }
 
-TEST(AcousticMultibeam, BendingShowsInTheTravelTimeNotInTheBeam) {
+TEST(AcousticMultibeam, BendingChangesTravelTimesAndKeepsTheNominalBeamAngles) {
   Water water = even_water();
   water.surface_temperature_deg_c = 20;
   water.bottom_temperature_deg_c = 5;
@@ -296,12 +296,12 @@ TEST(AcousticMultibeam, BendingShowsInTheTravelTimeNotInTheBeam) {
   const AcousticPing straight = sonar_of(fan_of(121, 120), spec, water).ping(scene, looking_down(0.5), {}, 3);
   spec.bending = true;
   const AcousticPing bent = sonar_of(fan_of(121, 120), spec, water).ping(scene, looking_down(0.5), {}, 3);
-  // Sound is slower below: it takes longer, and bends towards the bottom, which the outer beams meet sooner.
+  // Sound is slower below: the travel time is longer, and rays bend towards the bottom, so outer beams hit it sooner.
   EXPECT_GT(bent.travel_time_s[60], straight.travel_time_s[60]);
   EXPECT_LT(bent.travel_time_s[0], straight.travel_time_s[0]);
 }
 
-TEST(AcousticMultibeam, AHeadOutOfTheWaterOrUnderTheGroundHearsNothing) {
+TEST(AcousticMultibeam, AHeadAboveTheWaterOrUnderTheGroundDetectsNothing) {
   const RayScene scene(bed_world(0, -30));
   for (const double depth_m : {-1.0, 30.5}) {
     const AcousticPing ping = sonar_of(fan_of(31, 90), {}).ping(scene, looking_down(depth_m), {}, 0);
@@ -312,7 +312,7 @@ TEST(AcousticMultibeam, AHeadOutOfTheWaterOrUnderTheGroundHearsNothing) {
   }
 }
 
-TEST(AcousticMultibeam, FiguresThatAreNoneAreRefused) {
+TEST(AcousticMultibeam, RefusesFiguresOutOfRange) {
   AcousticSpec spec;
   spec.materials = {{-30, -1}};
   EXPECT_THROW(sonar_of(fan_of(3, 1), spec), InvalidValue);

@@ -19,7 +19,7 @@ FinParameters tail_fin(const char* name, const Eigen::Vector3d& span) {
   return p;
 }
 
-/// One propeller and a cross of fins.
+/// A propeller and four fins in a cross.
 ActuatorsSpec torpedo() {
   ThrusterParameters propeller;
   propeller.name = "propeller";
@@ -49,7 +49,7 @@ TEST(Actuators, ZeroCommandGivesZeroWrench) {
   EXPECT_TRUE(settled_wrench(actuators).isZero(0));
 }
 
-TEST(Actuators, ATorpedoTurnsAboutEachAxisByItsFinsAlone) {
+TEST(Actuators, FinsTurnATorpedoAboutEachAxisAlone) {
   Actuators actuators(torpedo());
   EXPECT_EQ(actuators.controllable(), (std::array{true, false, false, true, true, true}));
   for (const int axis : {3, 4, 5}) {
@@ -60,9 +60,9 @@ TEST(Actuators, ATorpedoTurnsAboutEachAxisByItsFinsAlone) {
     other_torques.head<3>().setZero();
     other_torques(axis) = 0;
     EXPECT_LT(other_torques.norm(), 1e-9);
-    double most = 0;
-    for (const Fin& fin : actuators.fins()) most = std::max(most, std::abs(fin.angle_rad()));
-    EXPECT_NEAR(most, 0.4, 1e-12) << "full effort is full deflection";
+    double largest = 0;
+    for (const Fin& fin : actuators.fins()) largest = std::max(largest, std::abs(fin.angle_rad()));
+    EXPECT_NEAR(largest, 0.4, 1e-12) << "full effort is full deflection";
   }
   Vector6d all = Vector6d::Zero();
   all.tail<3>().setOnes();
@@ -80,49 +80,49 @@ TEST(Actuators, FullEffortIsTheLargestWrenchAheadAndAstern) {
   EXPECT_NEAR(actuators.full_wrench_body()[1](0), 30, 1e-9);
 }
 
-TEST(Actuators, AllIsRelativeToTheWater) {
+TEST(Actuators, OnlyMotionThroughTheWaterMatters) {
   Actuators actuators(torpedo());
   actuators.set_fins({{"port", 0.2}, {"top", -0.1}});
   EvenWater river;
   river.current_world_m_s = {1, 0, 0};
-  EXPECT_LT(settled_wrench(actuators, ahead(1), river).norm(), 1e-12) << "drifting with it";
+  EXPECT_LT(settled_wrench(actuators, ahead(1), river).norm(), 1e-12) << "drifting with the water";
   EXPECT_LT((settled_wrench(actuators, ahead(2.5), river) - settled_wrench(actuators, ahead(1.5))).norm(), 1e-12);
 }
 
-TEST(Actuators, InAirNothingPushes) {
+TEST(Actuators, InAirThereIsNoForce) {
   Actuators actuators(torpedo());
   actuators.set_effort(Vector6d::Ones());
   BodyState flying = ahead(2);
   flying.world_from_body.position_m.z() = 0.5;
   EXPECT_TRUE(settled_wrench(actuators, flying).isZero(0));
-  flying.world_from_body.position_m.z() = 0;  // half of the propeller's disc
+  flying.world_from_body.position_m.z() = 0;  // half of the propeller's disc is wet
   actuators.set_wrench(20 * Vector6d::Unit(0));
   actuators.set_fins({});
   flying.velocity_body.setZero();
   EXPECT_NEAR(settled_wrench(actuators, flying)(0), 10, 1e-9);
-  ActuatorsSpec straight;
-  straight.full_wrench_body.setConstant(10);
-  Actuators paper(straight);
+  ActuatorsSpec direct;
+  direct.full_wrench_body.setConstant(10);
+  Actuators paper(direct);
   paper.set_effort(Vector6d::Ones());
   paper.advance(0.005, true);
   EXPECT_NEAR(paper.wrench_body(flying, EvenWater(), 0, 0.25)(2), 2.5, 1e-12);
 }
 
-TEST(Actuators, AStraightDriveTakesWrenchesToo) {
+TEST(Actuators, ADirectWrenchCanBeSet) {
   ActuatorsSpec spec;
   spec.full_wrench_body << 100, 50, 50, 10, 0, 10;
   Actuators actuators(spec);
   EXPECT_EQ(actuators.controllable(), (std::array{true, true, true, true, false, true}));
-  Vector6d wrench, given;
+  Vector6d wrench, expected;
   wrench << 40, 25, 0, 0, 3, -5;
-  given << 40, 25, 0, 0, 0, -5;
+  expected << 40, 25, 0, 0, 0, -5;
   actuators.set_wrench(wrench);
-  EXPECT_LT((settled_wrench(actuators) - given).norm(), 1e-12);
+  EXPECT_LT((settled_wrench(actuators) - expected).norm(), 1e-12);
   actuators.set_wrench(4 * wrench);
-  EXPECT_LT((settled_wrench(actuators) - 2 * given).norm(), 1e-12) << "sway saturates; the direction stays";
+  EXPECT_LT((settled_wrench(actuators) - 2 * expected).norm(), 1e-12) << "sway saturates; the direction is kept";
 }
 
-TEST(Actuators, WhatIsRefusedChangesNothing) {
+TEST(Actuators, ARefusedCommandChangesNothing) {
   Actuators actuators(torpedo());
   actuators.set_thrusters({{"propeller", 0.5}});
   EXPECT_THROW(actuators.set_thrusters({{"proppeller", 0.1}}), InvalidValue);
@@ -135,10 +135,10 @@ TEST(Actuators, WhatIsRefusedChangesNothing) {
   EXPECT_NEAR(settled_wrench(actuators)(0), 25, 1e-9);
   ActuatorsSpec spec = torpedo();
   spec.fins[1].name = "port";
-  EXPECT_THROW(Actuators{spec}, InvalidValue) << "a name taken twice";
+  EXPECT_THROW(Actuators{spec}, InvalidValue) << "a repeated name";
   spec = torpedo();
   spec.full_wrench_body(0) = 10;
-  EXPECT_THROW(Actuators{spec}, InvalidValue) << "straight forces and thrusters";
+  EXPECT_THROW(Actuators{spec}, InvalidValue) << "a direct wrench and thrusters";
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "uwsim/core/instruction_set.h"
 #include "uwsim/sonar/beam_kernels.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ struct Beams {
   Lanes<std::uint16_t> out_label;
   Lanes<std::uint8_t> valid;
 
-  /// Hits straight below a deep head at some distance and incidence.
+  /// Hits straight below a deep head at various distances and incidences.
   explicit Beams(std::uint64_t tick) {
     const RandomStream random(5, "beams");
     for (std::uint32_t k = 0; k < 16; ++k) {
@@ -44,15 +45,15 @@ struct Beams {
 
 constexpr EchoRule kRule{-100, 600, -30, 0.07};
 
-TEST(BeamKernels, AnEchoIsTheSonarEquationWithinAMillionth) {
+TEST(BeamKernels, AnEchoFollowsTheSonarEquationWithinAMillionth) {
   for (std::uint64_t tick = 0; tick < 500; ++tick) {
     Beams beams(tick);
     beams.run(beam_kernels(), kRule);
     for (std::size_t k = 0; k < 16; ++k) {
-      const bool heard = beams.distance[k] < 600 && -100 + beams.distance[k] * beams.dz[k] <= 0;
-      ASSERT_EQ(beams.valid[k], heard ? 1 : 0);
-      EXPECT_EQ(beams.out_label[k], heard ? 1 + k : 0);
-      if (!heard) {
+      const bool echo = beams.distance[k] < 600 && -100 + beams.distance[k] * beams.dz[k] <= 0;
+      ASSERT_EQ(beams.valid[k], echo ? 1 : 0);
+      EXPECT_EQ(beams.out_label[k], echo ? 1 + k : 0);
+      if (!echo) {
         EXPECT_TRUE(std::isinf(beams.range[k]) && std::isnan(beams.incidence[k]) && std::isinf(beams.intensity[k]));
         continue;
       }
@@ -65,7 +66,7 @@ TEST(BeamKernels, AnEchoIsTheSonarEquationWithinAMillionth) {
   }
 }
 
-TEST(BeamKernels, AllWidthsGiveTheSameBits) {
+TEST(BeamKernels, AllInstructionSetsGiveTheSameBits) {
   for (std::uint64_t tick = 0; tick < 200; ++tick) {
     Beams one(tick), two(tick), three(tick);
     one.run(baseline_beam_kernels(), kRule);
@@ -78,16 +79,17 @@ TEST(BeamKernels, AllWidthsGiveTheSameBits) {
         EXPECT_EQ(one.intensity[k], other.intensity[k]);
       }
     };
-    if (__builtin_cpu_supports("avx2")) expect_same(two, avx2_beam_kernels());
-    if (&beam_kernels() == &avx512_beam_kernels()) expect_same(three, avx512_beam_kernels());
+    if (processor_has(InstructionSet::avx2)) expect_same(two, avx2_beam_kernels());
+    if (processor_has(InstructionSet::avx512)) expect_same(three, avx512_beam_kernels());
   }
 }
 
-TEST(BeamKernels, RaysThatRiseAreFollowedToTheSurfaceOnly) {
-  Lanes<double> way, reach;
-  for (std::size_t k = 0; k < 16; ++k) way[k] = (static_cast<double>(k) - 8) / 8;
-  beam_kernels().reach(-5, 40, way.data(), reach.data());
-  for (std::size_t k = 0; k < 16; ++k) EXPECT_EQ(reach[k], way[k] > 0 ? std::min(40.0, 5 / way[k]) : 40);
+TEST(BeamKernels, RisingRaysEndAtTheSurface) {
+  Lanes<double> direction_z, reach;
+  for (std::size_t k = 0; k < 16; ++k) direction_z[k] = (static_cast<double>(k) - 8) / 8;
+  beam_kernels().reach(-5, 40, direction_z.data(), reach.data());
+  for (std::size_t k = 0; k < 16; ++k)
+    EXPECT_EQ(reach[k], direction_z[k] > 0 ? std::min(40.0, 5 / direction_z[k]) : 40);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "uwsim/sonar/beam_pattern.h"
+#include "uwsim/sonar/imaging/beam_pattern.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 double db(double power) { return 10 * std::log10(power); }
 
-/// Highest level past the main lobe.
+/// Highest level outside the main lobe.
 double side_lobe_db(const BeamPattern& pattern) {
   double angle = 0;
   while (pattern.power(angle + 1e-4) <= pattern.power(angle)) angle += 1e-4;
@@ -23,7 +23,7 @@ double side_lobe_db(const BeamPattern& pattern) {
   return db(highest);
 }
 
-TEST(BeamPattern, FallsToHalfAtHalfItsWidthWhateverItsTaper) {
+TEST(BeamPattern, FallsToHalfPowerAtHalfItsWidthForAnyTaper) {
   for (const double taper : {0.0, 0.25, 0.46, 0.5}) {
     for (const double width : {0.01, 0.3, 2.0}) {
       const BeamPattern pattern(width, taper, 0);
@@ -45,7 +45,7 @@ TEST(BeamPattern, DoesNotFallBelowItsFloor) {
   EXPECT_EQ(pattern.power(1.0), 1e-3);
 }
 
-TEST(BeamPattern, RefusesWhatIsNoBeam) {
+TEST(BeamPattern, RefusesFiguresOutOfRange) {
   EXPECT_THROW(BeamPattern(0, 0, 0), InvalidValue);
   EXPECT_THROW(BeamPattern(3.2, 0, 0), InvalidValue);
   EXPECT_THROW(BeamPattern(0.1, 0.51, 0), InvalidValue);

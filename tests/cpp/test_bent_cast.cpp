@@ -29,13 +29,13 @@ Eigen::Vector3d dipping(double dip_rad, double heading_rad = 0) {
 }
 
 SoundHit cast_one(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& from,
-                  const Eigen::Vector3d& way, double time_max_s = 2) {
+                  const Eigen::Vector3d& direction, double time_max_s = 2) {
   SoundHit hit;
-  cast_bent(scene, profile, from, {&way, 1}, time_max_s, {&hit, 1});
+  cast_bent(scene, profile, from, {&direction, 1}, time_max_s, {&hit, 1});
   return hit;
 }
 
-TEST(BentCast, UnderAConstantGradientItMeetsAFlatBedWhereSnellsCircleDoes) {
+TEST(BentCast, UnderAConstantGradientTheHitOnAFlatBedLiesOnSnellsCircle) {
   const double g = 0.1, c0 = 1450;
   const auto profile = gradient(c0, g);
   const RayScene scene(flat_world(-60));
@@ -46,7 +46,7 @@ TEST(BentCast, UnderAConstantGradientItMeetsAFlatBedWhereSnellsCircleDoes) {
     const auto gd = [](double a) { return std::log(std::tan(std::numbers::pi / 4 + a / 2)); };
     const double time = (gd(dip) - gd(dip_bed)) / g;
     const SoundHit hit = cast_one(scene, profile, {3, 4, -depth}, dipping(dip, 0.7));
-    // A chord within a millimetre of the arc meets a slanting bed within a millimetre over its slant.
+    // A chord within a millimetre of the arc hits the bed within a millimetre over the sine of the dip.
     const double slack_m = 1e-3 / std::sin(dip_bed) + 2e-4;
     EXPECT_NEAR(std::hypot(hit.point_world_m.x() - 3, hit.point_world_m.y() - 4), across, slack_m);
     EXPECT_NEAR(hit.point_world_m.z(), -60, 2e-4);
@@ -57,14 +57,14 @@ TEST(BentCast, UnderAConstantGradientItMeetsAFlatBedWhereSnellsCircleDoes) {
 }
 
 TEST(BentCast, ChordsStayWithinAMillimetreOfTheArc) {
-  // A fence of thin poles along a level ray's arc: each is met or missed as the arc, not as the straight line, would.
+  // Thin poles along the arc of a level ray: hit or missed as by the arc, not as by a straight line.
   const auto profile = gradient(1450, 0.5, 400);
   const double c = 1450 + 0.5 * 50, radius = c / 0.5;
   for (const double across : {20.0, 40.0, 80.0}) {
     const double rise_m = radius - std::sqrt(radius * radius - across * across);
     for (const double off_m : {-0.002, 0.002}) {
       World world;
-      TriangleMesh box = testing::box(0.1, 10, 2);  // its top 1 m above its middle
+      TriangleMesh box = testing::box(0.1, 10, 2);  // its top is 1 m above its centre
       for (auto& v : box.vertices_m) v += Eigen::Vector3d(across + 0.05, 0, -50 + rise_m - 1 + off_m);
       world.add_solid("box", box);
       const SoundHit hit = cast_one(RayScene(world), profile, {0, 0, -50}, dipping(0), 0.2);
@@ -73,28 +73,28 @@ TEST(BentCast, ChordsStayWithinAMillimetreOfTheArc) {
   }
 }
 
-TEST(BentCast, ARayThatTurnsUpMeetsWhatHangsInItsWayButNothingAboveTheSurface) {
+TEST(BentCast, ARisingRayHitsSubmergedObstaclesButNothingAboveTheSurface) {
   const auto profile = gradient(1450, 0.5, 400);
   World world;
   TriangleMesh box = testing::box(1, 20, 40);
   for (auto& v : box.vertices_m) v += Eigen::Vector3d(600, 0, 20.1);  // from z = 0.1 up
   world.add_solid("bridge", box);
   const RayScene scene(world);
-  EXPECT_EQ(cast_one(scene, profile, {0, 0, -20}, dipping(0.05)).label, kNothing) << "meets the surface on its way";
+  EXPECT_EQ(cast_one(scene, profile, {0, 0, -20}, dipping(0.05)).label, kNothing) << "ends at the surface before";
   EXPECT_EQ(cast_one(scene, profile, {590, 0, -1}, dipping(-0.3)).label, kNothing);
   EXPECT_EQ(cast_one(scene, profile, {590, 0, 1}, dipping(-0.3)).label, kNothing) << "a dry head";
   EXPECT_EQ(cast_one(scene, profile, {590, 0, 0}, dipping(-0.3)).label, kNothing);
 }
 
-TEST(BentCast, InEvenWaterItIsTheStraightCastAndOneChord) {
+TEST(BentCast, InHomogeneousWaterItIsAStraightCastOfOneChord) {
   const RayScene scene(flat_world(-30));
   const auto even = SoundSpeedProfile::even(1500);
-  const Eigen::Vector3d way = dipping(0.4);
+  const Eigen::Vector3d direction = dipping(0.4);
   SoundHit hit;
-  EXPECT_EQ(cast_bent(scene, even, {0, 0, -10}, {&way, 1}, 1, {&hit, 1}), 1u);
+  EXPECT_EQ(cast_bent(scene, even, {0, 0, -10}, {&direction, 1}, 1, {&hit, 1}), 1u);
   EXPECT_NEAR(hit.length_m, 20 / std::sin(0.4), 2e-4);
   EXPECT_NEAR(hit.time_s, 20 / std::sin(0.4) / 1500, 2e-7);
-  EXPECT_EQ(cast_one(scene, even, {0, 0, -10}, way, 0.02).label, kNothing) << "not within the time";
+  EXPECT_EQ(cast_one(scene, even, {0, 0, -10}, direction, 0.02).label, kNothing) << "not within the time";
 }
 
 TEST(WaterSound, TheProfileFollowsMackenzieBetweenItsLevels) {

@@ -1,4 +1,4 @@
-// Small random cases of every awkward kind, against OctoMap's own insertPointCloud: not a byte may differ.
+// Small random scans of every awkward kind: the brick engine must give the bytes of OctoMap's own insertPointCloud.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <sstream>
 
-#include "uwsim/core/check.h"
+#include "uwsim/core/instruction_set.h"
 #include "uwsim/mapping/occupancy_map.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
@@ -53,12 +53,12 @@ class CaseMaker {
         for (int axis = 0; axis < 3; ++axis) ping.points_m.push_back(chance(0.01) ? not_finite() : point_m[axis]);
       }
       made.pings.push_back(ping);
-      while (chance(0.3)) made.pings.push_back(ping);  // the same once more: voxels reach their limits
+      while (chance(0.3)) made.pings.push_back(ping);  // again and again, so that voxels reach the clamping limits
     }
     return made;
   }
 
-  /// Fans and single rays that are nearly level and long, as sonars give them: many with crossings that coincide.
+  /// Long, nearly level fans and single rays like those of a sonar. Many cross two faces at the same point.
   Case make_level() {
     Case made{pick({0.1, 0.2, 0.25, 0.5}), {}, kNoLimit, {}};
     if (chance(0.5)) made.max_range_m = made.resolution_m * pick({30.0, 77.7, 150.0});
@@ -71,10 +71,10 @@ class CaseMaker {
       const int beams = 1 + static_cast<int>(random_() % 120);
       for (int k = 0; k < beams; ++k) {
         const double angle = middle + width * k / beams, steps = uniform(5, 160);
-        Eigen::Vector3d way(std::cos(angle), std::sin(angle), tilt + sheer * std::sin(angle));
-        if (chance(0.2)) way = (way * pick({4.0, 8.0, 16.0})).array().round();  // ties
-        const Eigen::Vector3d point_m = ping.origin_m + way * (chance(0.2) ? std::round(steps) : steps) *
-                                                            made.resolution_m / std::max(1.0, way.norm() / 3);
+        Eigen::Vector3d direction(std::cos(angle), std::sin(angle), tilt + sheer * std::sin(angle));
+        if (chance(0.2)) direction = (direction * pick({4.0, 8.0, 16.0})).array().round();  // ties
+        const Eigen::Vector3d point_m = ping.origin_m + direction * (chance(0.2) ? std::round(steps) : steps) *
+                                                            made.resolution_m / std::max(1.0, direction.norm() / 3);
         for (int axis = 0; axis < 3; ++axis) ping.points_m.push_back(static_cast<float>(point_m[axis]));
       }
       made.pings.push_back(ping);
@@ -100,7 +100,7 @@ class CaseMaker {
     return odd;
   }
 
-  /// On voxels' corners, on their middles, along axes and diagonals, or anywhere.
+  /// An offset to a voxel's corner, to its centre, along an axis, along a diagonal, or any.
   Eigen::Vector3d awkward(double spread_m, double resolution_m) {
     Eigen::Vector3d offset_m;
     for (double& x : offset_m) x = uniform(-spread_m, spread_m);
@@ -132,8 +132,8 @@ std::string describe(const Case& one, const Bytes& got, const Bytes& expected) {
   return text.str();
 }
 
-/// OctoMap as anyone would call it.
-Bytes stock(const Case& one) {
+/// The bytes of OctoMap itself, called as any program calls it.
+Bytes octomaps(const Case& one) {
   octomap::OcTree tree(one.resolution_m);
   tree.setProbHit(one.model.hit);
   tree.setProbMiss(one.model.miss);
@@ -170,7 +170,7 @@ Bytes one_by_one(const Case& one, const MapOptions& how) {
   return bytes_of(map);
 }
 
-/// In batches of any size, empty ones among them.
+/// Inserted in batches of random sizes, some of them empty.
 Bytes batched(const Case& one, const MapOptions& how, int threads, unsigned seed) {
   std::mt19937 random(seed);
   OccupancyMap map = empty_map(one, how);
@@ -191,49 +191,40 @@ Bytes batched(const Case& one, const MapOptions& how, int threads, unsigned seed
   return bytes_of(map);
 }
 
-bool knows(InstructionSet set) {
-  try {
-    kernels_for(set);
-    return true;
-  } catch (const InvalidValue&) {
-    return false;
-  }
-}
-
 class BrickFuzz : public testing::TestWithParam<InstructionSet> {};
 
-TEST_P(BrickFuzz, NotAByteDiffersFromStock) {
-  if (!knows(GetParam())) GTEST_SKIP() << "this processor does not know the instruction set";
+TEST_P(BrickFuzz, BytesAreOctomapsForAwkwardScans) {
+  if (!processor_has(GetParam())) GTEST_SKIP() << "this processor does not have the instruction set";
   MapOptions bricks;
   bricks.instruction_set = GetParam();
   CaseMaker maker(1234u + static_cast<unsigned>(GetParam()));
   int voxels = 0;
   for (int i = 0; i < 1500; ++i) {
     const Case one = maker.make();
-    const Bytes expected = stock(one);
+    const Bytes expected = octomaps(one);
     const Bytes single = one_by_one(one, bricks), together = batched(one, bricks, 1 + i % 2, maker.number());
     ASSERT_TRUE(single == expected) << "case " << i << ": " << describe(one, single, expected);
     ASSERT_TRUE(together == expected) << "case " << i << ", batched: " << describe(one, together, expected);
     voxels += expected.ot.size() > 200;
   }
-  EXPECT_GT(voxels, 1000);  // the cases are about something
+  EXPECT_GT(voxels, 1000) << "too many cases are empty";
 }
 
-TEST_P(BrickFuzz, NotAByteDiffersFromStockForFans) {
-  if (!knows(GetParam())) GTEST_SKIP() << "this processor does not know the instruction set";
+TEST_P(BrickFuzz, BytesAreOctomapsForSonarFans) {
+  if (!processor_has(GetParam())) GTEST_SKIP() << "this processor does not have the instruction set";
   MapOptions bricks;
   bricks.instruction_set = GetParam();
   CaseMaker maker(99u + static_cast<unsigned>(GetParam()));
   for (int i = 0; i < 600; ++i) {
     const Case one = maker.make_level();
-    const Bytes expected = stock(one), got = batched(one, bricks, 1 + i % 2, maker.number());
+    const Bytes expected = octomaps(one), got = batched(one, bricks, 1 + i % 2, maker.number());
     ASSERT_TRUE(got == expected) << "case " << i << ": " << describe(one, got, expected);
   }
 }
 
-/// Also with a limit of memory, of which parts leave for a file and we write the .bt, and a model that is changed, by
-/// which voxels may lie outside the limits, and the limits both on one side of "occupied".
-TEST(BrickFuzzWithALimit, NotAByteDiffersFromOctomapAfterAChangeOfTheModel) {
+/// A changed model may leave voxels outside the clamping limits, and both limits on one side of "occupied". With a
+/// limit of memory parts of the map go to a file, and the .bt is written by us.
+TEST(BrickFuzzWithALimit, BytesAreOctomapsAfterAChangeOfTheModel) {
   MapOptions octomap, limited;
   octomap.engine = MapEngineKind::octomap;
   limited.memory_limit_bytes = 50'000;
@@ -241,21 +232,21 @@ TEST(BrickFuzzWithALimit, NotAByteDiffersFromOctomapAfterAChangeOfTheModel) {
   std::uint64_t evictions = 0;
   for (int i = 0; i < 400; ++i) {
     const Case one = maker.make(), other = maker.make();
-    OccupancyMap expected = empty_map(one, octomap), map = empty_map(one, limited), roomy = empty_map(one, {});
-    for (OccupancyMap* each : {&expected, &map, &roomy}) {
+    OccupancyMap expected = empty_map(one, octomap), map = empty_map(one, limited), unlimited = empty_map(one, {});
+    for (OccupancyMap* each : {&expected, &map, &unlimited}) {
       for (const Ping& ping : one.pings) each->insert_scan(ping.points_m, ping.origin_m, one.max_range_m);
       each->set_model(other.model);
     }
     ASSERT_TRUE(bytes_of(map) == bytes_of(expected)) << "case " << i;
-    ASSERT_TRUE(bytes_of(roomy) == bytes_of(expected)) << "case " << i << ", no limit";
-    for (OccupancyMap* each : {&expected, &map, &roomy}) {
+    ASSERT_TRUE(bytes_of(unlimited) == bytes_of(expected)) << "case " << i << ", no limit";
+    for (OccupancyMap* each : {&expected, &map, &unlimited}) {
       for (const Ping& ping : one.pings) each->insert_scan(ping.points_m, ping.origin_m, one.max_range_m);
     }
     ASSERT_TRUE(bytes_of(map) == bytes_of(expected)) << "case " << i << ", scans after the change";
-    ASSERT_TRUE(bytes_of(roomy) == bytes_of(expected)) << "case " << i << ", scans after the change, no limit";
+    ASSERT_TRUE(bytes_of(unlimited) == bytes_of(expected)) << "case " << i << ", scans after the change, no limit";
     evictions += map.statistics().evictions;
   }
-  EXPECT_GT(evictions, 100u);  // the limit was felt
+  EXPECT_GT(evictions, 100u) << "the limit had no effect";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BrickFuzz,
@@ -266,13 +257,13 @@ INSTANTIATE_TEST_SUITE_P(All, BrickFuzz,
                                                                                      : "avx512");
                          });
 
-TEST(OctomapEngine, IsStock) {
+TEST(OctomapEngine, BytesAreOctomapsForAwkwardScans) {
   MapOptions octomap;
   octomap.engine = MapEngineKind::octomap;
   CaseMaker maker(77);
   for (int i = 0; i < 300; ++i) {
     const Case one = maker.make();
-    const Bytes expected = stock(one);
+    const Bytes expected = octomaps(one);
     ASSERT_TRUE(one_by_one(one, octomap) == expected) << "case " << i;
     ASSERT_TRUE(batched(one, octomap, 2, maker.number()) == expected) << "case " << i;
   }

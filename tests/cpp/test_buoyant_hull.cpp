@@ -18,7 +18,7 @@ Buoyancy buoyancy(const BuoyantHull& hull, const Pose& pose, const WaterField& w
   return hull.buoyancy(pose.position_m, pose.rotation(), water, time_s);
 }
 
-/// rho(z) by straight lines between knots from the surface down; constant beyond them.
+/// Density linear between knots from the surface down, constant beyond them.
 class LayeredWater : public EvenWater {
  public:
   std::vector<double> z_m = {0, -1, -1.5, -3};
@@ -34,7 +34,7 @@ class LayeredWater : public EvenWater {
     }
     return {.high_m = z_m.back(), .density_kg_m3 = rho_kg_m3.back()};
   }
-  /// The integral of rho between two heights and of rho z, by Simpson's rule between knots: exact.
+  /// The integrals of rho and of rho z between two heights, by Simpson's rule between knots, which is exact.
   Eigen::Vector2d mass_between(double low, double high) const {
     std::vector<double> cuts = {low, high};
     for (const double z : z_m)
@@ -51,7 +51,7 @@ class LayeredWater : public EvenWater {
   }
 };
 
-TEST(BuoyantHull, AnUprightBoxDisplacesItsDraught) {
+TEST(BuoyantHull, AnUprightBoxDisplacesTheVolumeBelowItsWaterline) {
   const BuoyantHull hull(testing::box(2, 1, 0.8));
   for (const double z : {-0.399, -0.2, 0.0, 0.1, 0.399}) {
     const Displacement wet = hull.displacement({{3, 4, z}, Eigen::Quaterniond::Identity()});
@@ -71,7 +71,7 @@ TEST(BuoyantHull, ABoxTurnedOnItsEdgeDisplacesATriangularPrism) {
   EXPECT_LT((wet.centroid_world_m - Eigen::Vector3d(0, 0, -h / 3)).norm(), 1e-12);
 }
 
-TEST(BuoyantHull, HalfASphereIsHalfItsVolumeAtAnyAttitude) {
+TEST(BuoyantHull, ASphereCentredAtTheSurfaceDisplacesHalfItsVolumeAtAnyAttitude) {
   const BuoyantHull hull(testing::sphere(1, 40));
   const double whole = solid_properties(hull.mesh_body()).volume_m3;
   for (const double angle : {0.0, 0.4, 1.1, 2.9}) {
@@ -80,48 +80,48 @@ TEST(BuoyantHull, HalfASphereIsHalfItsVolumeAtAnyAttitude) {
   }
 }
 
-TEST(BuoyantHull, IsContinuousThroughTheSurface) {
+TEST(BuoyantHull, DisplacementIsContinuousThroughTheSurface) {
   const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
   double last = hull.displacement({{0, 0, 2}, tilted(0.5)}).volume_m3;
   EXPECT_EQ(last, 0);
   for (double z = 2; z > -2; z -= 1e-3) {
     const double volume = hull.displacement({{0, 0, z}, tilted(0.5)}).volume_m3;
     EXPECT_GE(volume, last - 1e-12);
-    EXPECT_LT(volume - last, 1e-3 * 1.6) << "no more than the waterplane's area can take";
+    EXPECT_LT(volume - last, 1e-3 * 1.6) << "bounded by the waterplane's area";
     last = volume;
   }
   EXPECT_NEAR(last, 1.2 * 0.8 * 0.6, 1e-12);
 }
 
-TEST(BuoyantHull, UnderWaterItIsTheWeightOfTheWaterThroughTheCentroid) {
+TEST(BuoyantHull, SubmergedBuoyancyIsTheWeightOfTheWaterThroughTheCentroid) {
   TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
   for (Eigen::Vector3d& v : mesh.vertices_m) v += Eigen::Vector3d(0.3, -0.2, 0.1);
   const BuoyantHull hull(mesh);
   const Pose pose{{7, -3, -5}, tilted(0.9)};
-  const Buoyancy lift = buoyancy(hull, pose, EvenWater{});
+  const Buoyancy got = buoyancy(hull, pose, EvenWater{});
   const Eigen::Vector3d force = 1000 * 9.80665 * 1.2 * 0.8 * 0.6 * (pose.rotation().transpose().col(2));
-  EXPECT_LT((lift.force_body_n - force).norm(), 1e-9 * force.norm());
-  EXPECT_LT((lift.moment_body_nm - Eigen::Vector3d(0.3, -0.2, 0.1).cross(force)).norm(), 1e-9 * force.norm());
+  EXPECT_LT((got.force_body_n - force).norm(), 1e-9 * force.norm());
+  EXPECT_LT((got.moment_body_nm - Eigen::Vector3d(0.3, -0.2, 0.1).cross(force)).norm(), 1e-9 * force.norm());
 }
 
-TEST(BuoyantHull, InLayersABoxIsLiftedByTheIntegralOfDensity) {
+TEST(BuoyantHull, InLayersTheForceOnABoxIsTheIntegralOfDensity) {
   const BuoyantHull hull(testing::box(1.2, 0.8, 1.0));
   const LayeredWater water;
   for (const double z : {0.3, -0.2, -0.5, -1.1, -1.3, -2.1, -2.2, -3.2, -9.0}) {
     const double mass = 1.2 * 0.8 * water.mass_between(z - 0.5, std::min(0.0, z + 0.5))(0);
-    const Buoyancy lift = buoyancy(hull, {{2, 1, z}, Eigen::Quaterniond::Identity()}, water);
-    EXPECT_NEAR(lift.force_body_n.z(), mass * water.gravity_m_s2, 1e-9 * mass * water.gravity_m_s2) << z;
-    EXPECT_LT(lift.moment_body_nm.norm(), 1e-9 * mass) << z;
+    const Buoyancy got = buoyancy(hull, {{2, 1, z}, Eigen::Quaterniond::Identity()}, water);
+    EXPECT_NEAR(got.force_body_n.z(), mass * water.gravity_m_s2, 1e-9 * mass * water.gravity_m_s2) << z;
+    EXPECT_LT(got.moment_body_nm.norm(), 1e-9 * mass) << z;
   }
 }
 
-TEST(BuoyantHull, InLayersATiltedHullIsTurnedThroughTheCentreOfTheMassItDisplaces) {
+TEST(BuoyantHull, InLayersTheForceActsThroughTheCentreOfTheDisplacedMass) {
   const BuoyantHull hull(testing::box(1.2, 0.8, 1.0));
   const LayeredWater water;
   for (const double z : {0.1, -0.7, -1.1, -2.4, -20.0}) {
     const Pose pose{{0, 0, z}, tilted(0.7)};
     const Eigen::Matrix3d rotation = pose.rotation();
-    // Slices of the same box, thin enough for a sum: closed form within a slice by its own displacement.
+    // The sum over thin slices of the box, each with the density at its centroid.
     double mass = 0;
     Eigen::Vector3d moment = Eigen::Vector3d::Zero();
     Displacement lower = hull.displacement(pose, z - 1);
@@ -139,9 +139,9 @@ TEST(BuoyantHull, InLayersATiltedHullIsTurnedThroughTheCentreOfTheMassItDisplace
       lower = upper;
     }
     const Eigen::Vector3d up(0, 0, water.gravity_m_s2);
-    const Buoyancy lift = buoyancy(hull, pose, water);
-    EXPECT_NEAR((rotation * lift.force_body_n).z(), mass * up.z(), 1e-6 * mass * up.z()) << z;
-    EXPECT_LT((rotation * lift.moment_body_nm - moment.cross(up)).norm(), 1e-5 * mass * up.z()) << z;
+    const Buoyancy got = buoyancy(hull, pose, water);
+    EXPECT_NEAR((rotation * got.force_body_n).z(), mass * up.z(), 1e-6 * mass * up.z()) << z;
+    EXPECT_LT((rotation * got.moment_body_nm - moment.cross(up)).norm(), 1e-5 * mass * up.z()) << z;
   }
 }
 

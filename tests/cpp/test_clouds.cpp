@@ -39,20 +39,20 @@ Matrix4d some_pose() {
   return pose;
 }
 
-TEST(Clouds, BeamsLookAlongTheirAngles) {
+TEST(Clouds, PointsLieAlongTheAnglesOfTheirBeams) {
   const double fov = 85 * std::numbers::pi / 180;
   const ScanGeometry geometry{-fov / 2, fov / 512, 0, 54.9};
   const std::vector<float> points_m = scan_to_points(std::vector<float>(513, 20.0f), geometry);
   ASSERT_EQ(rows(points_m).rows(), 513);
   for (int i = 0; i < 513; ++i) {
     const Vector3d p = rows(points_m).row(i).cast<double>();
-    EXPECT_NEAR(std::atan2(p.y(), p.x()), -fov / 2 + i * fov / 512, 1e-7);  // to starboard first, to port last
+    EXPECT_NEAR(std::atan2(p.y(), p.x()), -fov / 2 + i * fov / 512, 1e-7);  // from starboard to port
     EXPECT_NEAR(p.norm(), 20, 1e-5);
     EXPECT_EQ(p.z(), 0);
   }
 }
 
-TEST(Clouds, OnlyRangesOfTheScanCount) {
+TEST(Clouds, RangesOutsideTheScansLimitsAreDiscarded) {
   const std::vector<float> ranges_m = {kInf, kNan, 0.5f, 1.0f, 2.0f, 10.0f, -kInf, -3.0f};
   const std::vector<float> points_m = scan_to_points(ranges_m, {0, 0, 1.0, 10.0});
   EXPECT_EQ(points_m, (std::vector<float>{1, 0, 0, 2, 0, 0}));
@@ -74,7 +74,7 @@ TEST(Clouds, TransformKeepsLengthsAndCarriesTheOrigin) {
   }
 }
 
-TEST(Clouds, RefusesWhatIsNoRigidTransform) {
+TEST(Clouds, TransformsThatAreNotRigidAreRefused) {
   Matrix4d scaled = 2 * Matrix4d::Identity();
   scaled(3, 3) = 1;
   Matrix4d mirrored = Matrix4d::Identity();
@@ -86,12 +86,12 @@ TEST(Clouds, RefusesWhatIsNoRigidTransform) {
   }
 }
 
-TEST(Clouds, RangeFilterKeepsTheShellWithItsEdges) {
+TEST(Clouds, RangeFilterKeepsPointsAtItsLimits) {
   const std::vector<float> points_m = {1, 0, 0, 0, 2, 0, 0, 0, 5, 3, 4, 0, 0, 0, 5.01f, kNan, 0, 0, kInf, 0, 0};
   EXPECT_EQ(filter_range(points_m, 2, 5), (std::vector<float>{0, 2, 0, 0, 0, 5, 3, 4, 0}));
 }
 
-TEST(Clouds, BoxAndItsOutsideMakeTheWhole) {
+TEST(Clouds, PointsAreEitherInTheBoxOrKept) {
   const std::vector<float> points_m = random_points(500);
   const Vector3d low(-20, -30, -40), high(10, 25, 5);
   const std::vector<float> outside_m = remove_box(points_m, low, high);
@@ -107,7 +107,7 @@ TEST(Clouds, BoxAndItsOutsideMakeTheWhole) {
   EXPECT_THROW(remove_box(points_m, high, low), InvalidValue);
 }
 
-TEST(Clouds, NothingInNothingOut) {
+TEST(Clouds, EmptyCloudsStayEmpty) {
   EXPECT_TRUE(transform_points({}, some_pose()).empty());
   EXPECT_TRUE(filter_range({}, 0, 1).empty());
   EXPECT_TRUE(remove_box({}, Vector3d::Zero(), Vector3d::Ones()).empty());

@@ -6,7 +6,7 @@
 #include "meshes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// Laws of contact, through the shipped world: shapes, search, solver and motion together.
+// Laws of contact for RigidBodyWorld: shapes, contact finder, solver and integrator together.
 namespace uwsim {
 namespace {
 
@@ -65,7 +65,7 @@ struct Rest {
   BodyState end;
 };
 
-/// Lets a body settle for `settle` steps, then watches it for 400 steps.
+/// Lets a body settle for `settle` steps, then observes it for 400 steps.
 Rest rest(const World& world, std::shared_ptr<const Craft> craft, const BodyState& start, int settle) {
   RigidBodyWorld bodies(world, kStep_s);
   bodies.add_body({"body", std::move(craft), CollisionShape::kHull, 0.6, 0.1}, start);
@@ -87,7 +87,7 @@ CraftParameters sinking_box(double added_mass) {
 }
 
 TEST(Contact, ABodyRestsWithoutJitterWithinAMillimetreOfTheBed) {
-  for (const double added : {0.0, 11520.0}) {  // none and ten times the rigid mass
+  for (const double added : {0.0, 11520.0}) {  // none, and ten times the rigid mass
     const Rest on_flat = rest(terrain_world(flat), box_craft(sinking_box(added)), at(0.1, 0.2, -9.5), 2000);
     EXPECT_LT(on_flat.rms_speed, 1e-4) << added;
     EXPECT_NEAR(on_flat.end.world_from_body.position_m.z(), -10 + 0.3 + 0.5 * kRestGap_m, 0.6 * kRestGap_m);
@@ -113,14 +113,14 @@ TEST(Contact, ABodyRestsOnASolidsMesh) {
   EXPECT_NEAR(on_box.end.world_from_body.position_m.z(), -11.5 + 0.3, 1.2 * kRestGap_m);
 }
 
-TEST(Contact, TheImpulseIsThatOfTheFullMassMatrixThroughTheWholeStep) {
+TEST(Contact, TheImpulseOfAStepIsThatOfTheFullMassMatrix) {
   CraftParameters p = box_parameters(1000);
   p.added_mass.diagonal() << 300, 2000, 4000, 150, 250, 500;
   const auto craft = box_craft(p);
   Matrix6d mass = p.added_mass;
   mass.topLeftCorner<3, 3>() += p.mass_kg * Eigen::Matrix3d::Identity();
   mass.bottomRightCorner<3, 3>() += p.inertia_kg_m2;
-  for (const double wall_yaw : {0.0, 0.3}) {  // square on and oblique: a corner meets the wall
+  for (const double wall_yaw : {0.0, 0.3}) {  // perpendicular, and oblique, so that a corner meets the wall
     for (const double restitution : {0.0, 0.5, 1.0}) {
       Pose pose;
       pose.position_m = {3, 0, -30};
@@ -136,9 +136,9 @@ TEST(Contact, TheImpulseIsThatOfTheFullMassMatrixThroughTheWholeStep) {
         bodies.step(EvenWater{}, 0);
       }
       ASSERT_TRUE(bodies.in_contact(0));
-      const Eigen::Matrix3d turn = before.world_from_body.rotation();
-      const Eigen::Vector3d normal = turn.transpose() * pose.direction(-Eigen::Vector3d::UnitX());
-      // The corner or the edge's middle that goes deepest.
+      const Eigen::Matrix3d rotation = before.world_from_body.rotation();
+      const Eigen::Vector3d normal = rotation.transpose() * pose.direction(-Eigen::Vector3d::UnitX());
+      // The deepest corner, or the middle of the deepest edge.
       Eigen::Vector3d corner = Eigen::Vector3d(0.6, wall_yaw == 0 ? 0 : (wall_yaw > 0 ? 0.4 : -0.4), 0);
       corner.z() = 0.3 * (normal.z() > 0 ? -1 : 1);
       Vector6d j;
@@ -174,7 +174,7 @@ TEST(Contact, EnergyNeverGrows) {
   }
 }
 
-TEST(Contact, NothingTunnels) {
+TEST(Contact, NoBodyTunnelsThroughASurface) {
   CraftParameters p = box_parameters(1000);
   p.added_mass.diagonal() << 100, 100, 100, 10, 10, 10;
   const auto craft = box_craft(p);
@@ -204,7 +204,7 @@ TEST(Contact, NothingTunnels) {
   }
 }
 
-TEST(Contact, ABodyPlacedInsideTheGroundIsPushedOutGently) {
+TEST(Contact, ABodyPlacedInsideTheGroundIsPushedOutSlowly) {
   for (const double depth_m : {0.2, 3.0}) {
     const auto craft = box_craft(sinking_box(500));
     RigidBodyWorld bodies(terrain_world(rough), kStep_s);
@@ -220,7 +220,7 @@ TEST(Contact, ABodyPlacedInsideTheGroundIsPushedOutGently) {
   }
 }
 
-TEST(Contact, ABodySlidesOverTheEdgesBetweenTrianglesOfAFlatPlace) {
+TEST(Contact, ABodyOnAFlatMeshSlidesOverTheEdgesBetweenTriangles) {
   CraftParameters p = box_parameters(2000);
   const auto craft = box_craft(p);
   TriangleMesh tiles;
@@ -243,7 +243,7 @@ TEST(Contact, ABodySlidesOverTheEdgesBetweenTrianglesOfAFlatPlace) {
   }
 }
 
-TEST(Contact, TheSameStateHasTheSameFuture) {
+TEST(Contact, EqualStatesHaveEqualFutures) {
   const auto craft = box_craft(sinking_box(500));
   const World world = terrain_world(rough);
   const BodySpec spec{"body", craft, CollisionShape::kHull, 0.6, 0.1};
@@ -254,7 +254,7 @@ TEST(Contact, TheSameStateHasTheSameFuture) {
     bodies.step(EvenWater{}, 0);
     other.step(EvenWater{}, 0);
   }
-  other.set_state(0, bodies.state(0));  // teleported, with a past of its own
+  other.set_state(0, bodies.state(0));  // placed there, with a different past
   for (int k = 0; k < 500; ++k) {
     bodies.step(EvenWater{}, 0);
     other.step(EvenWater{}, 0);
@@ -288,7 +288,7 @@ TEST(Contact, PiecesLeaveTheHollowsThatAHullFills) {
   EXPECT_FALSE(passes(CollisionShape::kHull));
 }
 
-TEST(Contact, ABodyWithTenTimesItsMassAddedIsStableWhenItIsHit) {
+TEST(Contact, ABodyWithTenTimesItsMassAddedIsStableInACollision) {
   CraftParameters light = box_parameters(1000), heavy = box_parameters(1000);
   light.added_mass.diagonal() << 100, 100, 100, 10, 10, 10;
   for (Eigen::Index axis = 0; axis < 6; ++axis) {

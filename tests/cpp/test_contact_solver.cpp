@@ -5,7 +5,7 @@
 namespace uwsim {
 namespace {
 
-/// A body whose added mass makes it ten times heavier sideways than ahead, hit off its centre.
+/// A body that added mass makes ten times heavier sideways than ahead.
 ContactBody heavy_sideways(const Vector6d& velocity) {
   Matrix6d mass = Matrix6d::Zero();
   mass.diagonal() << 100, 1000, 500, 5, 20, 30;
@@ -26,7 +26,7 @@ Vector6d point_row(const Eigen::Vector3d& point, const Eigen::Vector3d& directio
   return j;
 }
 
-TEST(ContactSolver, TheImpulseSeesTheWholeMassMatrix) {
+TEST(ContactSolver, TheImpulseFollowsFromTheWholeMassMatrix) {
   Vector6d velocity;
   velocity << 1.5, -0.8, 0.3, 0, 0.1, 0.4;
   for (const Eigen::Vector3d& normal : {Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(-1, 1, 0.2).normalized().eval()}) {
@@ -47,7 +47,7 @@ TEST(ContactSolver, TheImpulseSeesTheWholeMassMatrix) {
   }
 }
 
-TEST(ContactSolver, FrictionStaysInItsConeAndStopsASlowSlide) {
+TEST(ContactSolver, FrictionStaysWithinCoulombsConeAndStopsASlowSlide) {
   const Contact contact{
       .a = 0, .point_world_m = {0, 0, -0.3}, .normal_world = {0, 0, 1}, .friction = 0.3, .restitution = 0};
   Vector6d fast = Vector6d::Zero(), slow = Vector6d::Zero();
@@ -70,7 +70,7 @@ TEST(ContactSolver, AGapMayCloseButNotBeCrossedInOneStep) {
   EXPECT_GE(body.velocity_body(2), -0.002 / 0.005 - 1e-9);
 }
 
-TEST(ContactSolver, AnOverlapIsPushedApartWithoutAddingVelocity) {
+TEST(ContactSolver, AnOverlapIsSeparatedWithoutAddingVelocity) {
   ContactBody body = heavy_sideways(Vector6d::Zero());
   const Contact contact{.a = 0, .point_world_m = {0, 0, 0}, .normal_world = {0, 0, 1}, .gap_m = -0.02};
   ContactSolver().solve({&body, 1}, {&contact, 1}, 0.005);

@@ -12,14 +12,14 @@ namespace {
 
 const Eigen::Vector3d kEast = Eigen::Vector3d::UnitX();
 
-TEST(Current, ALayeredOneIsLinearBetweenLevelsAndConstantBeyond) {
+TEST(Current, LayersAreLinearBetweenLevelsAndConstantBeyond) {
   const auto current = layered_current({2, 10}, {{1, 0, 0}, {0, 0.4, 0}});
   EXPECT_EQ(current->at({5, 5, 0}, 0).velocity_m_s, Eigen::Vector3d(1, 0, 0));
   EXPECT_LT((current->at({5, 5, -4}, 7).velocity_m_s - Eigen::Vector3d(0.75, 0.1, 0)).norm(), 1e-15);
   EXPECT_EQ(current->at({5, 5, -99}, 0).velocity_m_s, Eigen::Vector3d(0, 0.4, 0));
 }
 
-TEST(Current, ATideTurnsWithItsPeriodAndItsRateIsItsSlope) {
+TEST(Current, ATideReversesWithItsPeriodAndItsRateIsItsDerivative) {
   const double period = 44'712;  // M2
   const auto tide = tidal_current(0.8 * kEast, period, 0);
   EXPECT_NEAR(tide->at({}, period / 4).velocity_m_s.x(), 0.8, 1e-12);
@@ -28,7 +28,7 @@ TEST(Current, ATideTurnsWithItsPeriodAndItsRateIsItsSlope) {
   EXPECT_NEAR(tide->at({}, 100).rate_m_s2.x(), slope, 1e-9);
 }
 
-TEST(Current, GustsHaveTheirDeviationAndTheirCorrelationTime) {
+TEST(Current, GustsHaveTheirStandardDeviationAndCorrelationTime) {
   const double tau = 20, sigma = 0.1;
   const auto gusts = gusty_current({sigma, sigma, 0}, tau, 11);
   constexpr int kSamples = 100'000;
@@ -47,19 +47,19 @@ TEST(Current, GustsHaveTheirDeviationAndTheirCorrelationTime) {
   EXPECT_EQ(gusts->at({}, 3).velocity_m_s.z(), 0);
 }
 
-TEST(Current, GustsAreContinuousAndTheirRateIsTheirSlope) {
+TEST(Current, GustsAreContinuousAndTheirRateIsTheirDerivative) {
   const auto gusts = gusty_current({0.1, 0, 0}, 1, 11);  // blocks of 16 s, knots every 1/32 s
   double last = gusts->at({}, 0).velocity_m_s.x();
   for (int k = 1; k <= 32'000; ++k) {
     const CurrentSample now = gusts->at({}, 1e-3 * k);
-    EXPECT_NEAR(now.velocity_m_s.x(), last, 1.5e-3 * 0.1 * 32) << "no more than a few sigma a knot";
+    EXPECT_NEAR(now.velocity_m_s.x(), last, 1.5e-3 * 0.1 * 32) << "a few sigma from knot to knot at most";
     last = now.velocity_m_s.x();
   }
   const CurrentSample a = gusts->at({}, 5.001), b = gusts->at({}, 5.002);
   EXPECT_NEAR((b.velocity_m_s.x() - a.velocity_m_s.x()) / 0.001, a.rate_m_s2.x(), 1e-9);
 }
 
-TEST(Current, AGridIsTrilinearInsideAndHeldOutside) {
+TEST(Current, AGridIsTrilinearInsideAndConstantOutside) {
   CurrentGrid grid{.x_m = {0, 1, 4}, .y_m = {-2, 2}, .z_m = {-10, 0}, .velocity_m_s = {}};
   const auto field = [](double x, double y, double z) {
     return Eigen::Vector3d(0.1 * x + 0.02 * x * y, 0.3 + 0.01 * y * z, 0.001 * x * y * z);
@@ -73,7 +73,7 @@ TEST(Current, AGridIsTrilinearInsideAndHeldOutside) {
   EXPECT_LT((current->at({9, 0.7, -50}, 0).velocity_m_s - field(4, 0.7, -10)).norm(), 1e-14);
 }
 
-TEST(Current, WhatCannotBeIsRefused) {
+TEST(Current, InvalidCurrentsAreRefused) {
   EXPECT_THROW(layered_current({3, 1}, {kEast, kEast}), InvalidValue);
   EXPECT_THROW(layered_current({1}, {kEast, kEast}), InvalidValue);
   EXPECT_THROW(tidal_current(kEast, 0, 0), InvalidValue);

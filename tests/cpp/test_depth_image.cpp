@@ -23,20 +23,21 @@ std::vector<double> beams(int count) {
   return angles;
 }
 
-TEST(DepthImage, ATiltedCameraSeesAFlatBedAtTheDepthOfItsPlane) {
+TEST(DepthImage, ATiltedCameraRendersAFlatBedAtTheDepthOfItsPlane) {
   const DepthCamera view = camera(64, 32);
   const double tilt = 40 * kDegree;
   const DepthImage image = depth_image(view, RayScene(flat_bed(-20)), at({0, 0, -12}, tilt));
   for (int row = 0; row < 32; ++row) {
     const double up = std::tan(10 * kDegree) * (1 - (2 * row + 1) / 32.0);
-    const double expected = 8 / (std::sin(tilt) - up * std::cos(tilt));  // depth 1 falls by so much
+    const double expected =
+        8 / (std::sin(tilt) - up * std::cos(tilt));  // the ray at depth 1 descends by the denominator
     for (int column = 0; column < 64; ++column) {
       EXPECT_NEAR(image.depth_m[static_cast<std::size_t>(64 * row + column)], expected, 1e-4);
     }
   }
 }
 
-TEST(DepthImage, ItsColumnsBecomeRangesWithinHalfAPixel) {
+TEST(DepthImage, ColumnsAreConvertedToRangesWithinHalfAPixel) {
   const double tilt = 30 * kDegree, h = 6;
   for (const int width : {128, 512, 2048}) {
     const DepthImage image = depth_image(camera(width, 1), RayScene(flat_bed(-20)), at({0, 0, -20 + h}, tilt));
@@ -51,7 +52,7 @@ TEST(DepthImage, ItsColumnsBecomeRangesWithinHalfAPixel) {
   }
 }
 
-TEST(DepthImage, OnASlopingWallTheErrorIsThatOfHalfAPixelAndInterpolationRemovesIt) {
+TEST(DepthImage, OnAnObliqueWallTheErrorIsThatOfHalfAPixelAndInterpolationRemovesIt) {
   World world;  // a wall across the view at 45 degrees
   TriangleMesh wall = testing::box(400, 1, 40);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(-45 * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -76,7 +77,7 @@ TEST(DepthImage, OnASlopingWallTheErrorIsThatOfHalfAPixelAndInterpolationRemoves
   EXPECT_GT(last, 1e-3);
 }
 
-TEST(DepthImage, TheNearestRowFindsWhatStandsAboveTheFan) {
+TEST(DepthImage, TheNearestRowDetectsATargetAboveTheFan) {
   World world = flat_bed(-40);
   TriangleMesh target = testing::box(0.5, 4, 0.5);
   for (auto& v : target.vertices_m) v += Eigen::Vector3d(12.25, 0, -20 + 1.2);
@@ -87,7 +88,7 @@ TEST(DepthImage, TheNearestRowFindsWhatStandsAboveTheFan) {
   EXPECT_NEAR(depth_image_ranges(image, ahead, RowReduction::kNearest, false)[0], std::hypot(12, 0.95), 0.03);
 }
 
-TEST(DepthImage, AStoredDepthComesInWholeSteps) {
+TEST(DepthImage, AQuantisedDepthIsAMultipleOfTheStep) {
   DepthCamera coarse = camera(33, 1);
   coarse.depth_bits = 8;
   const DepthImage image = depth_image(coarse, RayScene(flat_bed(-20)), at({0, 0, -15}, 30 * kDegree));
@@ -96,19 +97,19 @@ TEST(DepthImage, AStoredDepthComesInWholeSteps) {
   EXPECT_GT(std::abs(image.depth_m[16] - 10), 1e-3);
 }
 
-TEST(DepthImage, NothingIsSeenBeyondTheFarPlaneAboveTheWaterOrOutOfTheView) {
+TEST(DepthImage, DepthIsInfiniteBeyondTheFarPlaneAboveTheWaterAndOutsideTheView) {
   const RayScene scene(flat_bed(-20));
   const DepthImage level = depth_image(camera(32, 1), scene, at({0, 0, -15}));
   for (const float depth : level.depth_m) EXPECT_TRUE(std::isinf(depth)) << "the bed rises to the horizon";
   for (const float depth : depth_image(camera(32, 1), scene, at({0, 0, 2}, 60 * kDegree)).depth_m) {
-    EXPECT_TRUE(std::isinf(depth)) << "a dry camera";
+    EXPECT_TRUE(std::isinf(depth)) << "a camera above the water";
   }
   World world;
   TriangleMesh ship = testing::box(2, 40, 4);
   for (auto& v : ship.vertices_m) v += Eigen::Vector3d(10, 0, 3);
   world.add_solid("dry", ship);
   for (const float depth : depth_image(camera(32, 8), RayScene(world), at({0, 0, -0.5}, -15 * kDegree)).depth_m) {
-    EXPECT_TRUE(std::isinf(depth)) << "what stands above the water";
+    EXPECT_TRUE(std::isinf(depth)) << "surfaces above the water";
   }
   const DepthImage down = depth_image(camera(32, 1), scene, at({0, 0, -15}, 60 * kDegree));
   const std::array angles{50 * kDegree, 100 * kDegree, std::numbers::pi};
@@ -117,7 +118,7 @@ TEST(DepthImage, NothingIsSeenBeyondTheFarPlaneAboveTheWaterOrOutOfTheView) {
   }
 }
 
-TEST(DepthImage, RefusesCamerasThatAreNone) {
+TEST(DepthImage, RefusesFiguresOutOfRange) {
   const auto refused = [](auto change) {
     DepthCamera view = camera(64, 4);
     change(view);

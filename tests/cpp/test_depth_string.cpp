@@ -50,7 +50,7 @@ TEST(DepthString, RoundsTiesAwayFromZero) {
   EXPECT_EQ(text_of(1234566.5f), "1234567a");  // to even would be 1234566
 }
 
-/// The C library's %.7g, of a double one step up so that ties go away from zero.
+/// The C library's %.7g of the next larger double, so that ties round away from zero.
 std::string by_printf(float value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.7ga", std::nextafter(static_cast<double>(value), 1e300));
@@ -95,23 +95,23 @@ TEST(DepthString, ReadsBackWithinHalfOfTheSeventhDigit) {
   EXPECT_EQ(encode_depth_string(back_m, 55), text);
 }
 
-TEST(DepthString, BeamWithoutEchoCarriesTheRangeAndComesBackInfinite) {
+TEST(DepthString, ABeamWithoutEchoIsWrittenAsTheMaximumRangeAndReadAsInfinite) {
   EXPECT_EQ(encode_depth_string(std::vector<float>{kInf, 1.5f}, 55), "55a1.5a");
   EXPECT_EQ(decode_depth_string("55a1.5a", 2, 54.9), (std::vector<float>{kInf, 1.5f}));
 }
 
-TEST(DepthString, LimitItselfIsNoEcho) {
+TEST(DepthString, TheLimitItselfIsNoEcho) {
   // The float32 nearest to 54.9 is greater than 54.9, and that is how the published decoder compares.
   EXPECT_EQ(decode_depth_string("54.9a54.90001a54.89999a", 3, 54.9), (std::vector<float>{kInf, kInf, 54.89999f}));
 }
 
-TEST(DepthString, RefusesRangesThatAreNoRanges) {
+TEST(DepthString, RefusesRangesOutOfRange) {
   for (const float bad : {std::nanf(""), -1.0f, -kInf, 55.1f}) {
     EXPECT_THROW(encode_depth_string(std::vector<float>{bad}, 55), InvalidValue);
   }
 }
 
-TEST(DepthString, RefusalNamesBeamTextAndRule) {
+TEST(DepthString, AnErrorNamesBeamTextAndRule) {
   EXPECT_EQ(refusal_of("1a2x3a"), "depth_string[1] = '2x3': must be a decimal number of metres, at least 0");
   EXPECT_EQ(refusal_of("1a2"), "depth_string[1] = '2': the text must hold 2 values, each followed by 'a'");
 }

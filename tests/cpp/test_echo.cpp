@@ -19,8 +19,8 @@ TEST(BeamEcho, WithinOneRangeCellEnergiesAddUp) {
   EXPECT_NEAR(echo.centre_range_m, 20, 1e-6);
 }
 
-TEST(BeamEcho, AnEvenSpreadPeaksAtItsShareOfACell) {
-  // Rays every 0.1 m, each as wide as its share: an even echo of 6.4 m.
+TEST(BeamEcho, AnEvenlySpreadEchoPeaksAtTheEnergyInOneCell) {
+  // Rays every 0.1 m, each 0.1 m wide: a rectangular echo of 6.4 m.
   std::vector<RayEcho> rays;
   for (int k = 0; k < 64; ++k) rays.push_back({10 + 0.1f * static_cast<float>(k), 1.0f / 64, 0.2f, 0.5f, kTerrain});
   const BeamEcho echo = beam_echo(rays, kCell);
@@ -29,7 +29,7 @@ TEST(BeamEcho, AnEvenSpreadPeaksAtItsShareOfACell) {
   EXPECT_NEAR(echo.centre_range_m, 10 + 0.1 * 31.5, 1e-4);
 }
 
-TEST(BeamEcho, AnEdgesTwoEchoesAreNotAveraged) {
+TEST(BeamEcho, TheTwoEchoesAtAnEdgeAreNotAveraged) {
   std::vector<RayEcho> rays(5, {10, 0.2f, kCell, 0.9f, kTerrain + 1});
   for (int k = 0; k < 3; ++k) rays.push_back({14, 0.2f, kCell, 0.5f, kTerrain});
   std::reverse(rays.begin(), rays.end());
@@ -40,7 +40,7 @@ TEST(BeamEcho, AnEdgesTwoEchoesAreNotAveraged) {
   EXPECT_NEAR(echo.cosine, 0.9, 1e-6);
 }
 
-TEST(BeamEcho, TheFarEchoIsTakenWhereItIsTheStronger) {
+TEST(BeamEcho, TheStrongerEchoIsDetectedEvenIfItIsFarther) {
   std::vector<RayEcho> rays(2, {10, 0.2f, kCell, 0.9f, kTerrain + 1});
   for (int k = 0; k < 6; ++k) rays.push_back({14, 0.2f, kCell, 0.5f, kTerrain});
   const BeamEcho echo = beam_echo(rays, kCell);
@@ -49,7 +49,7 @@ TEST(BeamEcho, TheFarEchoIsTakenWhereItIsTheStronger) {
   EXPECT_NEAR(echo.energy, 1.2, 1e-6);
 }
 
-TEST(BeamEcho, WithoutRaysThereIsNone) { EXPECT_EQ(beam_echo({}, kCell).peak, 0); }
+TEST(BeamEcho, WithoutRaysThereIsNoEcho) { EXPECT_EQ(beam_echo({}, kCell).peak, 0); }
 
 }  // namespace
 }  // namespace uwsim

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// To port, right at the origin.
+/// A fin to port, its centre of pressure at the origin.
 FinParameters plane() {
   FinParameters p;
   p.name = "port";
@@ -24,7 +24,7 @@ FinParameters plane() {
   return p;
 }
 
-/// (lift upward, drag) on the fin going ahead at 2 m/s and sinking so that the flow meets it at `attack_rad`.
+/// (Upward lift, drag) on a fin that moves at 2 m/s, ahead and downward so that its angle of attack is `attack_rad`.
 Eigen::Vector2d lift_and_drag(const Fin& fin, double attack_rad) {
   Vector6d moving = Vector6d::Zero();
   moving(0) = 2 * std::cos(attack_rad);
@@ -35,7 +35,7 @@ Eigen::Vector2d lift_and_drag(const Fin& fin, double attack_rad) {
   return {s * tau(0) + c * tau(2), -c * tau(0) + s * tau(2)};
 }
 
-TEST(Fin, ItsLiftSlopeIsTheLowAspectRatioFormulas) {
+TEST(Fin, TheLiftSlopeIsThatOfALowAspectRatioWing) {
   FinParameters p = plane();
   EXPECT_NEAR(p.lift_slope(), 2 * std::numbers::pi / (1 + std::numbers::sqrt2), 1e-12);
   p.aspect_ratio = 1e6;
@@ -48,17 +48,17 @@ TEST(Fin, ItsLiftSlopeIsTheLowAspectRatioFormulas) {
   EXPECT_NEAR(force(1), 0.01 + std::pow(force(0), 2) / (std::numbers::pi * 0.9 * 2), 1e-5) << "induced drag";
 }
 
-TEST(Fin, PastItsStallItIsAFlatPlate) {
+TEST(Fin, BeyondStallItIsAFlatPlate) {
   const Fin fin(plane());
-  double most = 0, at = 0;
+  double largest = 0, at = 0;
   for (double angle = 0; angle < 30 * kDegree; angle += 0.1 * kDegree) {
     const double lift = fin.coefficients(angle).lift;
-    if (lift > most) {
-      most = lift;
+    if (lift > largest) {
+      largest = lift;
       at = angle;
     }
   }
-  EXPECT_LT(fin.coefficients(28 * kDegree).lift, 0.8 * most) << "no drop past the stall";
+  EXPECT_LT(fin.coefficients(28 * kDegree).lift, 0.8 * largest) << "lift must drop beyond stall";
   EXPECT_NEAR(at, 15 * kDegree, 3 * kDegree);
   const Fin::Coefficients plate = fin.coefficients(70 * kDegree);
   EXPECT_NEAR(plate.lift, 2 * std::pow(std::sin(70 * kDegree), 2) * std::cos(70 * kDegree), 1e-6);
@@ -66,14 +66,14 @@ TEST(Fin, PastItsStallItIsAFlatPlate) {
   EXPECT_NEAR(fin.coefficients(-0.1).lift, -fin.coefficients(0.1).lift, 1e-15);
 }
 
-TEST(Fin, DragOpposesTheWayWhereverTheFlowComesFrom) {
+TEST(Fin, DragOpposesTheMotionAtEveryAngleOfAttack) {
   const Fin fin(plane());
   for (double angle = -180 * kDegree; angle < 180 * kDegree; angle += 5 * kDegree) {
     EXPECT_GT(lift_and_drag(fin, angle)(1), 0) << angle;
   }
 }
 
-TEST(Fin, ADeflectionIsAnAngleOfAttackAboutTheSpan) {
+TEST(Fin, ADeflectionChangesTheAngleOfAttack) {
   Fin fin(plane());
   fin.set_command(-5 * kDegree);  // about +y: the leading edge rises
   fin.advance(10);
@@ -86,7 +86,7 @@ TEST(Fin, ADeflectionIsAnAngleOfAttackAboutTheSpan) {
   EXPECT_NEAR(lift_and_drag(slightly, 0)(0), 1e-4 * per_radian.z(), 1e-5);
 }
 
-TEST(Fin, TurnsAtItsRate) {
+TEST(Fin, ItTurnsAtItsLimitedRate) {
   FinParameters p = plane();
   p.rate_max_rad_s = 0.5;
   Fin fin(p);
@@ -97,7 +97,7 @@ TEST(Fin, TurnsAtItsRate) {
   EXPECT_NEAR(fin.angle_rad(), 0.3, 1e-12);
 }
 
-TEST(Fin, AtTheSternItDampsTheTurn) {
+TEST(Fin, AtTheSternItDampsTurning) {
   FinParameters p = plane();
   p.position_body_m = {-0.7, 0, 0.1};
   p.span_body = Eigen::Vector3d::UnitZ();
@@ -108,14 +108,14 @@ TEST(Fin, AtTheSternItDampsTheTurn) {
   rudder.add_wrench(moving, 1000, 1, tau);
   EXPECT_LT(tau(5), 0);
   const double lift = 0.5 * 1000 * 0.01 * 1.5 * p.lift_slope() * 0.07;  // q A C_La (0.07 m/s / 1.5 m/s)
-  EXPECT_NEAR(tau(1), lift, 0.02 * lift) << "its tail swings to starboard; lift pushes back to port";
+  EXPECT_NEAR(tau(1), lift, 0.02 * lift) << "the tail swings to starboard; lift pushes it back to port";
   EXPECT_NEAR(tau(5), -0.7 * tau(1), 1e-12);
   tau.setZero();
   rudder.add_wrench(Vector6d::Zero(), 1000, 1, tau);
   EXPECT_TRUE(tau.isZero(0));
 }
 
-TEST(Fin, FiguresThatMakeNoSenseAreRefused) {
+TEST(Fin, InvalidParametersAreRefused) {
   const auto refused = [](auto change) {
     FinParameters p = plane();
     change(p);

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "meshes.h"
-#include "uwsim/dynamics/motion.h"
+#include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/buoyant_hull.h"
 #include "uwsim/world/water.h"
 
@@ -29,7 +29,7 @@ Buoyancy buoyancy(const BuoyantHull& hull, const Pose& pose, const WaterField& w
   return hull.buoyancy(pose.position_m, pose.rotation(), water, time_s);
 }
 
-TEST(HullInWaves, AFloatingBoxIsLiftedByThePressureUnderItsBottom) {
+TEST(HullInWaves, TheForceOnAFloatingBoxIsThePressureUnderItsBottom) {
   const BuoyantHull hull(testing::box(2, 1, 1));
   const Water water = with_wave(0.15, 2.5, 0.5);
   for (double t = 0; t < 2.5; t += 0.25) {
@@ -41,40 +41,40 @@ TEST(HullInWaves, AFloatingBoxIsLiftedByThePressureUnderItsBottom) {
         sum += water.gauge_pressure_at(p, t) * 2 / (kCells * kCells);
       }
     }
-    const Buoyancy lift = buoyancy(hull, {{0, 0, 0}, Eigen::Quaterniond::Identity()}, water, t);
-    EXPECT_NEAR(lift.force_body_n.z(), sum, 3e-3 * sum) << t;
+    const Buoyancy got = buoyancy(hull, {{0, 0, 0}, Eigen::Quaterniond::Identity()}, water, t);
+    EXPECT_NEAR(got.force_body_n.z(), sum, 3e-3 * sum) << t;
   }
 }
 
-TEST(HullInWaves, UnderTheWavesTheClosedFormIsTheIntegralOfPressure) {
+TEST(HullInWaves, BelowTheWavesTheClosedFormEqualsTheIntegralOfPressure) {
   TriangleMesh mesh = testing::box(1.6, 0.6, 0.4);
   for (Eigen::Vector3d& v : mesh.vertices_m) v += Eigen::Vector3d(0.2, 0.1, 0);
   const BuoyantHull hull(mesh);
-  const PressedSurface skin(mesh, 0.03);
+  const HullPressure pressure(mesh, 0.03);
   for (const double depth : {6.0, 40.0}) {
     const Water water = with_wave(0.02, 2.5, 0.9, depth);
     const Pose pose{{1, 2, -2}, tilted(0.8)};
     const Eigen::Matrix3d rotation = pose.rotation();
-    const PressedSurface::Load still = skin.load(pose.position_m, rotation, EvenWater{}, 0);
+    const HullPressure::Load still = pressure.load(pose.position_m, rotation, EvenWater{}, 0);
     for (const double t : {0.0, 0.7, 1.9}) {
-      const PressedSurface::Load all = skin.load(pose.position_m, rotation, water, t);
-      const Buoyancy lift = buoyancy(hull, pose, water, t), calm = buoyancy(hull, pose, EvenWater{}, t);
+      const HullPressure::Load all = pressure.load(pose.position_m, rotation, water, t);
+      const Buoyancy got = buoyancy(hull, pose, water, t), calm = buoyancy(hull, pose, EvenWater{}, t);
       const Eigen::Vector3d force = all.force_body_n - still.force_body_n;
       const Eigen::Vector3d moment = all.moment_body_nm - still.moment_body_nm;
-      EXPECT_LT((lift.force_body_n - calm.force_body_n - force).norm(), 0.02 * force.norm());
-      EXPECT_LT((lift.moment_body_nm - calm.moment_body_nm - moment).norm(), 0.02 * force.norm());
+      EXPECT_LT((got.force_body_n - calm.force_body_n - force).norm(), 0.02 * force.norm());
+      EXPECT_LT((got.moment_body_nm - calm.moment_body_nm - moment).norm(), 0.02 * force.norm());
     }
   }
 }
 
-TEST(HullInWaves, DeepDownItFeelsNone) {
+TEST(HullInWaves, DeepDownThereIsNoWaveForce) {
   const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
   const Pose pose{{1, 2, -100}, tilted(0.8)};
   EXPECT_EQ(buoyancy(hull, pose, with_wave(0.3, 3, 0, 200), 1).force_body_n,
             buoyancy(hull, pose, EvenWater{}, 1).force_body_n);
 }
 
-TEST(HullInWaves, ForceIsContinuousFromTheAirDown) {
+TEST(HullInWaves, TheForceIsContinuousFromTheAirToTheDeep) {
   const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
   const Water water = with_wave(0.3, 3);
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
@@ -105,7 +105,7 @@ TEST(HullInWaves, ASmallNeutralBodyThatMovesWithTheWaterAcceleratesWithIt) {
   }
 }
 
-TEST(HullInWaves, ANeutralBodyIsCarriedByATideThatRises) {
+TEST(HullInWaves, ANeutralBodyWithoutDampingIsCarriedByARisingTide) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
   const SolidProperties solid = solid_properties(mesh);
   CraftParameters p;
@@ -115,15 +115,15 @@ TEST(HullInWaves, ANeutralBodyIsCarriedByATideThatRises) {
   const Craft craft(p, BuoyantHull(mesh));
   Water water;
   water.currents = {tidal_current({0.5, 0.2, 0}, 100, 0)};
-  BodyState state;  // no damping: pressure and added mass alone carry it
+  BodyState state;
   state.world_from_body.position_m.z() = -10;
   for (int k = 0; k < 1000; ++k) state = advance(craft, state, {}, water, 0.02 * k, 0.02);
-  const Eigen::Vector3d stream = water.flow_at(state.world_from_body.position_m, 20).velocity_m_s;
-  EXPECT_LT((state.velocity_body.head<3>() - stream).norm(), 1e-6);
+  const Eigen::Vector3d current = water.flow_at(state.world_from_body.position_m, 20).velocity_m_s;
+  EXPECT_LT((state.velocity_body.head<3>() - current).norm(), 1e-6);
 }
 
-/// Long waves lift a floating box with them; it neither lags nor overshoots much, its own period being far shorter.
-TEST(HullInWaves, AVehicleThatSmallWavesPassOverHeavesWithThem) {
+/// The period of the waves is much longer than that of the box, so it neither lags nor overshoots much.
+TEST(HullInWaves, AFloatingBoxHeavesWithLongWaves) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
   const SolidProperties solid = solid_properties(mesh);
   CraftParameters p;

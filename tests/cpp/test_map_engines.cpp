@@ -1,4 +1,4 @@
-// The two engines of OccupancyMap side by side: maps out of files, scans of any width, OctoMap's own tree from either.
+// The two engines of OccupancyMap give the same maps: from files, from scans of any width, and as an octomap::OcTree.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
@@ -7,13 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <random>
 #include <sstream>
 #include <thread>
 
+#include "map_cases.h"
 #include "uwsim/core/check.h"
-#include "uwsim/mapping/growing.h"
-#include "uwsim/mapping/occupancy_map.h"
+#include "uwsim/mapping/bricks/uninitialised_vector.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
@@ -24,20 +23,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 constexpr MapOptions kOctomap{MapEngineKind::octomap, {}, InstructionSet::best};
 constexpr MapOptions kBricks{};
 
-std::vector<float> random_points(std::mt19937& random, int count, double spread_m) {
-  std::uniform_real_distribution<double> uniform(-spread_m, spread_m);
-  std::vector<float> points_m;
-  for (int i = 0; i < 3 * count; ++i) points_m.push_back(static_cast<float>(uniform(random)));
-  return points_m;
-}
-
 void expect_same(const OccupancyMap& octomap, const OccupancyMap& bricks) {
-  EXPECT_TRUE(octomap.to_bytes(MapFormat::ot) == bricks.to_bytes(MapFormat::ot));
-  EXPECT_TRUE(octomap.to_bytes(MapFormat::bt) == bricks.to_bytes(MapFormat::bt));
+  expect_same_bytes(octomap, bricks);
   EXPECT_EQ(octomap.statistics().nodes, bricks.statistics().nodes);
   EXPECT_EQ(octomap.statistics().occupied_voxels, bricks.statistics().occupied_voxels);
   EXPECT_EQ(octomap.statistics().free_voxels, bricks.statistics().free_voxels);
@@ -45,7 +35,7 @@ void expect_same(const OccupancyMap& octomap, const OccupancyMap& bricks) {
 
 std::string small_map_file(std::mt19937& random, MapFormat format) {
   OccupancyModel model;
-  model.clamping_min = 0.05;  // of other limits than the map that reads it
+  model.clamping_min = 0.05;  // not the limit of the map that reads the file
   OccupancyMap map(0.5, Vector3d::Zero(), {MapEngineKind::octomap, model, InstructionSet::best});
   const int scans = 1 + static_cast<int>(random() % 12);
   const std::vector<float> points_m = random_points(random, 30, 6);
@@ -53,7 +43,7 @@ std::string small_map_file(std::mt19937& random, MapFormat format) {
   return map.to_bytes(format);
 }
 
-TEST(MapEngines, GoOnAlikeFromAFile) {
+TEST(MapEngines, ScansAfterAFileGiveTheSameMap) {
   std::mt19937 random(3);
   for (int i = 0; i < 60; ++i) {
     const std::string file = small_map_file(random, i % 2 ? MapFormat::bt : MapFormat::ot);
@@ -70,10 +60,10 @@ TEST(MapEngines, GoOnAlikeFromAFile) {
   }
 }
 
-TEST(MapEngines, LeavesOfAnySizeTakeScans) {
+TEST(MapEngines, ScansIntoLeavesOfAnySizeGiveTheSameMap) {
   const std::string eight_free = octree_header(MapFormat::bt, 9, 0.5) + "UU";
   const std::string one_occupied = octree_header(MapFormat::bt, 2, 0.5) + std::string("\x02\0", 2);
-  // Inner nodes down to a leaf of 2^levels voxels in the first corner of the cube.
+  // Inner nodes down to a leaf of 2^levels voxels an edge in the first corner of the cube.
   const auto deep_leaf = [](int levels) {
     std::string body;
     for (int depth = 0; depth < 15 - levels; ++depth) body += std::string("\x03\0", 2);
@@ -98,7 +88,7 @@ TEST(MapEngines, LeavesOfAnySizeTakeScans) {
   }
 }
 
-TEST(MapEngines, ScansWiderThanTheTable) {
+TEST(MapEngines, ScansTooWideForTheBitmapGiveTheSameMap) {
   std::mt19937 random(4);
   for (const double spread_m : {200.0, 1500.0}) {
     const std::vector<float> points_m = random_points(random, 4, spread_m);
@@ -114,7 +104,7 @@ TEST(MapEngines, ScansWiderThanTheTable) {
   }
 }
 
-TEST(MapEngines, LongestRayIsTheSame) {
+TEST(MapEngines, LongestRayGivesTheSameMap) {
   OccupancyMap octomap(0.1, Vector3d::Zero(), kOctomap), bricks(0.1);
   const std::vector<float> point_m{3200, 500, 400};
   for (OccupancyMap* map : {&octomap, &bricks}) map->insert_scan(point_m, {-2200, -1000, -500}, kNoLimit);
@@ -122,7 +112,7 @@ TEST(MapEngines, LongestRayIsTheSame) {
   EXPECT_GT(bricks.statistics().free_voxels, 70'000u);
 }
 
-TEST(MapEngines, EitherGivesAnOcTree) {
+TEST(MapEngines, BothGiveOctomapsTreeWithTheirBytes) {
   std::mt19937 random(5);
   const std::vector<float> points_m = random_points(random, 200, 10);
   for (const MapOptions& options : {kOctomap, kBricks}) {
@@ -164,7 +154,7 @@ TEST(MapEngines, BatchIsInsertedWholeOrNotAtAll) {
   }
 }
 
-TEST(MapEngines, OddProbabilitiesAreRefused) {
+TEST(MapEngines, ProbabilitiesOutOfRangeAreRefused) {
   const auto refuse = [](OccupancyModel model) {
     EXPECT_THROW(OccupancyMap(0.5, Vector3d::Zero(), {MapEngineKind::bricks, model, InstructionSet::best}),
                  InvalidValue);
@@ -181,7 +171,7 @@ TEST(MapEngines, OddProbabilitiesAreRefused) {
   refuse({0.7, 0.4, 0.9, 0.1});
 }
 
-TEST(MapEngines, PointsCloserThanFloatsCanTellEndTheirWalk) {
+TEST(MapEngines, RaysToPointsAtFloatDistanceZeroEnd) {
   const float tiny = -1e-30f;
   const std::vector<float> points_m{tiny, tiny, tiny, tiny, 0, 0, 0, tiny, tiny};
   OccupancyMap octomap(0.5, Vector3d::Zero(), kOctomap), bricks(0.5);
@@ -190,37 +180,37 @@ TEST(MapEngines, PointsCloserThanFloatsCanTellEndTheirWalk) {
   EXPECT_EQ(bricks.statistics().occupied_voxels, 1u);
 }
 
-/// What a thread wants to write after the memory did not do must have room, though it is less than was asked for.
-TEST(Growing, AsksAgainForWhatThereWasNoMemoryFor) {
-  Growing<double> growing;
-  *growing.room(1) = 1.5;
-  growing.grow(1);
+/// A failed reserve() must not count as space: a smaller one after it would write past the end.
+TEST(UninitialisedVector, ReservesAgainAfterThereWasNoMemory) {
+  UninitialisedVector<double> vector;
+  *vector.reserve(1) = 1.5;
+  vector.extend(1);
   const std::size_t too_many = std::numeric_limits<std::size_t>::max() / 4;
-  EXPECT_THROW(growing.room(too_many), std::bad_alloc);
-  const double* const before = growing.data();
-  EXPECT_NE(growing.room(1000), before + 1) << "no other place, as if there had been room";
-  EXPECT_EQ(growing.data()[0], 1.5);
+  EXPECT_THROW(vector.reserve(too_many), std::bad_alloc);
+  const double* const before = vector.data();
+  EXPECT_NE(vector.reserve(1000), before + 1) << "reserved nothing, as if there had been space";
+  EXPECT_EQ(vector.data()[0], 1.5);
 }
 
-TEST(QuietStderr, DropsThisThreadsTextAlone) {
+TEST(QuietStderr, DropsTheTextOfItsThreadOnly) {
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
-  const int kept = ::dup(STDERR_FILENO);
+  const int real_stderr = ::dup(STDERR_FILENO);
   ::dup2(ends[1], STDERR_FILENO);
   {
     const QuietStderr quiet;
-    std::fprintf(stderr, "unheard\n");
-    std::jthread([] { std::fprintf(stderr, "heard\n"); }).join();
+    std::fprintf(stderr, "dropped\n");
+    std::jthread([] { std::fprintf(stderr, "other thread\n"); }).join();
   }
-  std::fprintf(stderr, "again\n");
-  ::dup2(kept, STDERR_FILENO);
+  std::fprintf(stderr, "afterwards\n");
+  ::dup2(real_stderr, STDERR_FILENO);
   ::close(ends[1]);
   char text[64] = {};
   ssize_t size = 0;
   for (ssize_t more; (more = ::read(ends[0], text + size, sizeof text - 1 - static_cast<std::size_t>(size))) > 0;) {
     size += more;
   }
-  EXPECT_STREQ(text, "heard\nagain\n");
+  EXPECT_STREQ(text, "other thread\nafterwards\n");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Merging maps and changing their probabilities, against OctoMap's own tree, voxel by voxel.
+// Merged maps and maps with changed probabilities, compared with OctoMap's own tree voxel by voxel.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -22,8 +22,8 @@ OccupancyMap empty_map(MapEngineKind engine, const Vector3d& origin_m = Vector3d
   return OccupancyMap(kEdge_m, origin_m, with_engine(engine));
 }
 
-/// OctoMap adds the log-odds of each known voxel of `other`, one after the other, to a copy of `map`.
-std::string added_by_octomap(const OccupancyMap& map, const OccupancyMap& other) {
+/// The .ot of a copy of `map` to which OctoMap has added the log-odds of each known voxel of `other`.
+std::string merged_by_octomap(const OccupancyMap& map, const OccupancyMap& other) {
   const std::shared_ptr<octomap::OcTree> tree = map.octree();
   const Vector3d far = Vector3d::Constant(1000);
   const MapCubes voxels = other.voxels_in(other.origin_world_m() - far, other.origin_world_m() + far);
@@ -37,7 +37,7 @@ std::string added_by_octomap(const OccupancyMap& map, const OccupancyMap& other)
   return bytes.str();
 }
 
-TEST(MapMerge, IsTheSumThatOctomapMakes) {
+TEST(MapMerge, GivesTheSumsThatOctomapGives) {
   for (unsigned seed = 0; seed < 12; ++seed) {
     for (const Vector3d& apart_m : {Vector3d(0, 0, 0), Vector3d(0.5, -1, 3.5), Vector3d(32, -32, 64)}) {
       for (const MapEngineKind engine : kEngines) {
@@ -45,7 +45,7 @@ TEST(MapMerge, IsTheSumThatOctomapMakes) {
           OccupancyMap map = empty_map(engine), other = empty_map(other_engine, apart_m);
           insert_some(map, seed, 3, 6);
           insert_some(other, seed + 100, 3, 6, -0.5 * apart_m);
-          const std::string expected = added_by_octomap(map, other);
+          const std::string expected = merged_by_octomap(map, other);
           map.merge(other);
           ASSERT_TRUE(map.to_bytes(MapFormat::ot) == expected) << "seed " << seed;
         }
@@ -54,7 +54,7 @@ TEST(MapMerge, IsTheSumThatOctomapMakes) {
   }
 }
 
-TEST(MapMerge, UnknownTakesTheOthersValue) {
+TEST(MapMerge, UnknownVoxelsTakeTheValuesOfTheOtherMap) {
   for (const MapEngineKind engine : kEngines) {
     OccupancyMap full = empty_map(engine), empty = empty_map(engine);
     insert_some(full, 3, 4, 7);
@@ -66,8 +66,8 @@ TEST(MapMerge, UnknownTakesTheOthersValue) {
   }
 }
 
-TEST(MapMerge, LeavesOfAnySize) {
-  // Inner nodes down to a leaf of 2^levels voxels in the first corner of the cube, free or occupied.
+TEST(MapMerge, OfLeavesOfAnySizeIsTheSameInBothEngines) {
+  // Inner nodes down to a leaf of 2^levels voxels an edge in the first corner of the cube, free (1) or occupied (2).
   const auto deep_leaf = [](int levels, char code) {
     std::string body;
     for (int depth = 0; depth < 15 - levels; ++depth) body += std::string("\x03\0", 2);
@@ -92,7 +92,7 @@ TEST(MapMerge, LeavesOfAnySize) {
   }
 }
 
-TEST(MapMerge, OtherGridsAreRefused) {
+TEST(MapMerge, MapsOnAnotherGridAreRefused) {
   for (const MapEngineKind engine : kEngines) {
     OccupancyMap map = empty_map(engine);
     insert_some(map, 1, 2, 5);
@@ -109,7 +109,7 @@ TEST(MapMerge, OtherGridsAreRefused) {
   }
 }
 
-TEST(MapModel, ActsOnLaterScansAsInOctomap) {
+TEST(MapModel, ActsOnLaterScansOnlyAsInOctomap) {
   const OccupancyModel models[] = {{0.9, 0.2, 0.3, 0.8}, {0.7, 0.4, 0.05, 0.99}, {0.5, 0.5, 0.4, 0.6}, {}};
   for (unsigned seed = 0; seed < 8; ++seed) {
     OccupancyMap octomap = empty_map(kEngines[0]), bricks = empty_map(kEngines[1]);

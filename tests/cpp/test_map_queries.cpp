@@ -1,4 +1,4 @@
-// Questions to both engines, answered as OctoMap answers them.
+// Queries of both engines give the answers of OctoMap.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -38,7 +38,7 @@ void expect_equal(const MapCubes& a, const MapCubes& b) {
   EXPECT_EQ(a.log_odds, b.log_odds);
 }
 
-TEST(MapQueries, RaysEndWhereOctomapsEnd) {
+TEST(MapQueries, RaysEndWhereOctomapsRaysEnd) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     const double edge_m = seed % 2 ? 0.3 : 0.5;
     const OccupancyMap octomap = some_map(kEngines[0], seed, edge_m), bricks = some_map(kEngines[1], seed, edge_m);
@@ -51,7 +51,7 @@ TEST(MapQueries, RaysEndWhereOctomapsEnd) {
       directions[i] = i % 3 == 0 ? (i % 2 ? 1 : -1) : 0;
       if (i < 150) origins_m[i] = kOrigin_m[Eigen::Index(i % 3)] + edge_m * std::round(5 * directions[i]);
     }
-    for (std::size_t i = 300; i < 1200; ++i) {  // from middles along diagonals: ties at every step
+    for (std::size_t i = 300; i < 1200; ++i) {  // from centres along diagonals: ties at every step
       const int axis = static_cast<int>(i % 3), ray = static_cast<int>(i / 3);
       origins_m[i] = kOrigin_m[axis] + edge_m * (0.5 + std::floor((origins_m[i] - kOrigin_m[axis]) / edge_m));
       directions[i] = ray % 4 == axis ? 0 : (ray >> axis & 4 ? 1 : -1);
@@ -95,7 +95,7 @@ TEST(MapQueries, RaysThatCannotBeCastAreRefused) {
   refuse(origin_m, up, 0);
   refuse(origin_m, up, std::nan(""));
   refuse(origin_m, {}, 5);
-  const auto to_the_edge = map.cast_rays(origin_m, up, true, kNoLimit);  // ends, and says nothing
+  const auto to_the_edge = map.cast_rays(origin_m, up, true, kNoLimit);  // this one can be cast
   EXPECT_EQ(to_the_edge.ends.size(), 1u);
 }
 
@@ -125,7 +125,7 @@ TEST(MapQueries, CellsAreOctomapsInnerNodes) {
   }
 }
 
-/// Leaves of the .ot that OctoMap writes, by centre and edge.
+/// The leaves of the .ot that OctoMap writes: log-odds by centre and edge.
 class WrittenLeaves {
  public:
   explicit WrittenLeaves(const octomap::OcTree& tree) : edge_m_(tree.getResolution()) {
@@ -157,7 +157,7 @@ class WrittenLeaves {
   std::size_t at_ = 0;
 };
 
-TEST(MapQueries, LeavesAreThePrunedTrees) {
+TEST(MapQueries, LeavesAreThoseOfOctomapsPrunedTree) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     const OccupancyMap octomap = some_map(kEngines[0], seed), bricks = some_map(kEngines[1], seed);
     const std::map<std::vector<double>, float> expected = WrittenLeaves(*octomap.octree()).leaves;
@@ -172,11 +172,11 @@ TEST(MapQueries, LeavesAreThePrunedTrees) {
       ASSERT_EQ(found->second, leaves.log_odds[i]);
       largest_m = std::max(largest_m, leaves.edges_m[i]);
     }
-    EXPECT_GE(largest_m, 1.0);  // something was pruned
+    EXPECT_GE(largest_m, 1.0) << "nothing was pruned";
   }
 }
 
-TEST(MapQueries, BoxesHoldWhatLiesInThem) {
+TEST(MapQueries, BoxesHoldTheVoxelsWhoseCentresLieInThem) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     const OccupancyMap octomap = some_map(kEngines[0], seed), bricks = some_map(kEngines[1], seed);
     const Vector3d all = Vector3d::Constant(1e6);
@@ -189,7 +189,7 @@ TEST(MapQueries, BoxesHoldWhatLiesInThem) {
       for (Eigen::Index i = 0; i < 3; ++i) {
         low[i] = std::min(corners[std::size_t(i)], corners[std::size_t(i) + 3]);
         high[i] = std::max(corners[std::size_t(i)], corners[std::size_t(i) + 3]);
-        if (box % 4 == 0) low[i] = 0.25 + 0.5 * std::round(2 * low[i]);  // a voxel's centre on the face
+        if (box % 4 == 0) low[i] = 0.25 + 0.5 * std::round(2 * low[i]);  // faces through voxels' centres
         if (box % 4 == 0) high[i] = std::max(low[i], high[i]);
       }
       MapCubes expected;
@@ -217,14 +217,14 @@ States states_of(const OccupancyMap& map) {
   States states;
   for (std::size_t i = 0; i < voxels.log_odds.size(); ++i) {
     const double* at = &voxels.centres_world_m[3 * i];
-    states[{at[0], at[1], at[2]}] = OccupancyModel::is_occupied(voxels.log_odds[i]);
+    states[{at[0], at[1], at[2]}] = is_occupied(voxels.log_odds[i]);
   }
   return states;
 }
 
-TEST(MapChanges, AreTheDifferenceSinceTheLastCall) {
+TEST(MapChanges, AreTheDifferencesSinceTheLastCall) {
   for (unsigned seed = 0; seed < 6; ++seed) {
-    std::vector<OccupancyMap::Changes> told[2];
+    std::vector<OccupancyMap::Changes> reported[2];
     for (const MapEngineKind engine : kEngines) {
       OccupancyMap map = some_map(engine, seed);
       States before;
@@ -240,11 +240,11 @@ TEST(MapChanges, AreTheDifferenceSinceTheLastCall) {
           const double* at = &changes.voxel_centres_world_m[3 * i];
           got[{at[0], at[1], at[2]}] = changes.states[i];
         }
-        EXPECT_EQ(got.size(), changes.states.size());  // none twice
+        EXPECT_EQ(got.size(), changes.states.size());  // no voxel twice
         EXPECT_EQ(got, expected) << "step " << step;
         EXPECT_EQ(got.empty(), step == 4);
         before = now;
-        told[engine == MapEngineKind::bricks].push_back(changes);
+        reported[engine == MapEngineKind::bricks].push_back(changes);
         if (step == 2) {
           OccupancyMap other = some_map(engine, seed + 20);
           map.merge(other);
@@ -253,14 +253,14 @@ TEST(MapChanges, AreTheDifferenceSinceTheLastCall) {
         }
       }
     }
-    for (std::size_t step = 0; step < told[0].size(); ++step) {
-      EXPECT_EQ(told[0][step].voxel_centres_world_m, told[1][step].voxel_centres_world_m);
-      EXPECT_EQ(told[0][step].states, told[1][step].states);
+    for (std::size_t step = 0; step < reported[0].size(); ++step) {
+      EXPECT_EQ(reported[0][step].voxel_centres_world_m, reported[1][step].voxel_centres_world_m);
+      EXPECT_EQ(reported[0][step].states, reported[1][step].states);
     }
   }
 }
 
-TEST(MapOutside, PointsAreRefusedOrCounted) {
+TEST(MapOutside, PointsOutsideTheCubeAreRefusedOrCounted) {
   const Vector3d low(-1e5, 0, 0);
   const std::vector<float> points_m{101, -20, 3, 1e6f, 0, 0, 102, -19, 3, std::nanf(""), 0, 0};
   for (const MapEngineKind engine : kEngines) {
@@ -272,7 +272,7 @@ TEST(MapOutside, PointsAreRefusedOrCounted) {
     counts.insert_scan(points_m, kOrigin_m, 50);
     EXPECT_EQ(counts.statistics().outside_points, 1u);
     EXPECT_EQ(counts.statistics().occupied_voxels, 2u);
-    counts.insert_scan(points_m, low, 50);  // from outside: all of its points
+    counts.insert_scan(points_m, low, 50);  // all its points: the origin is outside
     EXPECT_EQ(counts.statistics().outside_points, 4u);
     EXPECT_EQ(counts.statistics().occupied_voxels, 2u);
     refusing.insert_scan(std::vector<float>{101, -20, 3, 102, -19, 3}, kOrigin_m, 50);

@@ -1,4 +1,4 @@
-// A map that holds to a limit of memory is, to the byte, the one made in one piece.
+// A map with a limit of memory has the bytes of the map without.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kEdge_m = 0.2;
 constexpr int kPoints = 12;
 
-MapOptions limited(std::size_t bytes) {
+MapOptions with_limit(std::size_t bytes) {
   MapOptions options;
   options.memory_limit_bytes = bytes;
   return options;
@@ -26,7 +26,7 @@ MapOptions limited(std::size_t bytes) {
 
 OccupancyMap map_of(const MapOptions& options = {}) { return OccupancyMap(kEdge_m, Vector3d::Zero(), options); }
 
-/// To and fro along a line, some scans together.
+/// Inserts scans, three at a time, along a line to and fro.
 void fly(OccupancyMap& map, int legs, int threads) {
   std::mt19937 random(8);
   for (int leg = 0; leg < legs; ++leg) {
@@ -54,76 +54,77 @@ std::string file_bytes(const std::string& path) {
   return bytes.str();
 }
 
-TEST(MapSpill, TheBytesDoNotDependOnTheLimit) {
-  OccupancyMap whole = map_of();
-  fly(whole, 6, 1);
+TEST(MapSpill, BytesDoNotDependOnTheLimit) {
+  OccupancyMap unlimited = map_of();
+  fly(unlimited, 6, 1);
   for (const std::size_t limit : std::initializer_list<std::size_t>{1, 200'000, 1'000'000}) {
     for (const int threads : {1, 2}) {
       if (limit == 1 && threads == 2) continue;
-      OccupancyMap tiles = map_of(limited(limit));
-      fly(tiles, 6, threads);
-      EXPECT_GT(tiles.statistics().evictions, limit == 1 ? 1000u : 10u) << limit;
-      expect_same_bytes(whole, tiles);
-      EXPECT_EQ(whole.statistics().nodes, tiles.statistics().nodes);
-      EXPECT_EQ(whole.statistics().free_voxels, tiles.statistics().free_voxels);
+      OccupancyMap limited = map_of(with_limit(limit));
+      fly(limited, 6, threads);
+      EXPECT_GT(limited.statistics().evictions, limit == 1 ? 1000u : 10u) << limit;
+      expect_same_bytes(unlimited, limited);
+      EXPECT_EQ(unlimited.statistics().nodes, limited.statistics().nodes);
+      EXPECT_EQ(unlimited.statistics().free_voxels, limited.statistics().free_voxels);
     }
   }
 }
 
-TEST(MapSpill, FilesAreWrittenInPieces) {
-  OccupancyMap whole = map_of(), tiles = map_of(limited(200'000));
-  for (OccupancyMap* map : {&whole, &tiles}) fly(*map, 3, 1);
+TEST(MapSpill, FilesWrittenPieceByPieceHaveTheSameBytes) {
+  OccupancyMap unlimited = map_of(), limited = map_of(with_limit(200'000));
+  for (OccupancyMap* map : {&unlimited, &limited}) fly(*map, 3, 1);
   for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
-    for (const OccupancyMap* map : {&whole, &tiles}) {
+    for (const OccupancyMap* map : {&unlimited, &limited}) {
       const std::string path = testing::TempDir() + (format == MapFormat::bt ? "spill.bt" : "spill.ot");
       map->write(path, format);
-      EXPECT_TRUE(file_bytes(path) == whole.to_bytes(format));
+      EXPECT_TRUE(file_bytes(path) == unlimited.to_bytes(format));
       std::filesystem::remove(path);
     }
   }
 }
 
-TEST(MapSpill, QuestionsBringBackWhatLeft) {
-  OccupancyMap whole = map_of(), tiles = map_of(limited(100'000));
-  for (OccupancyMap* map : {&whole, &tiles}) {
+TEST(MapSpill, QueriesSeeTheEvictedParts) {
+  OccupancyMap unlimited = map_of(), limited = map_of(with_limit(100'000));
+  for (OccupancyMap* map : {&unlimited, &limited}) {
     fly(*map, 3, 1);
     map->changed_voxels();
   }
   const Vector3d all = Vector3d::Constant(1e6);
-  const MapCubes voxels = whole.voxels_in(-all, all);
-  EXPECT_EQ(tiles.voxels_in(-all, all).log_odds, voxels.log_odds);
+  const MapCubes voxels = unlimited.voxels_in(-all, all);
+  EXPECT_EQ(limited.voxels_in(-all, all).log_odds, voxels.log_odds);
   std::mt19937 random(4);
   std::vector<double> points_m, directions;
   for (const float x : random_points(random, 3000, 60, {60, 0, -8})) points_m.push_back(x);
   for (const float x : random_points(random, 3000, 1)) directions.push_back(x);
-  EXPECT_EQ(tiles.state_at(points_m), whole.state_at(points_m));
-  EXPECT_EQ(tiles.cast_rays(points_m, directions, true, 30).ends, whole.cast_rays(points_m, directions, true, 30).ends);
-  EXPECT_EQ(tiles.cells(12).log_odds, whole.cells(12).log_odds);
-  EXPECT_EQ(tiles.leaves().edges_m, whole.leaves().edges_m);
-  for (OccupancyMap* map : {&whole, &tiles}) {
+  EXPECT_EQ(limited.state_at(points_m), unlimited.state_at(points_m));
+  EXPECT_EQ(limited.cast_rays(points_m, directions, true, 30).ends,
+            unlimited.cast_rays(points_m, directions, true, 30).ends);
+  EXPECT_EQ(limited.cells(12).log_odds, unlimited.cells(12).log_odds);
+  EXPECT_EQ(limited.leaves().edges_m, unlimited.leaves().edges_m);
+  for (OccupancyMap* map : {&unlimited, &limited}) {
     map->set_model({0.8, 0.3, 0.2, 0.9});
     insert_some(*map, 3, 3, 10, {30, 0, -5});
   }
-  EXPECT_EQ(tiles.changed_voxels().voxel_centres_world_m, whole.changed_voxels().voxel_centres_world_m);
-  OccupancyMap other = map_of(), other_tiles = map_of(limited(50'000));
-  for (OccupancyMap* map : {&other, &other_tiles}) fly(*map, 1, 1);
-  whole.merge(other);
-  tiles.merge(other_tiles);
-  expect_same_bytes(whole, tiles);
+  EXPECT_EQ(limited.changed_voxels().voxel_centres_world_m, unlimited.changed_voxels().voxel_centres_world_m);
+  OccupancyMap other = map_of(), other_limited = map_of(with_limit(50'000));
+  for (OccupancyMap* map : {&other, &other_limited}) fly(*map, 1, 1);
+  unlimited.merge(other);
+  limited.merge(other_limited);
+  expect_same_bytes(unlimited, limited);
 }
 
-TEST(MapSpill, AFileIsReadWithinTheLimit) {
-  OccupancyMap whole = map_of();
-  fly(whole, 3, 1);
+TEST(MapSpill, FilesAreReadWithinTheLimit) {
+  OccupancyMap unlimited = map_of();
+  fly(unlimited, 3, 1);
   for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
-    const std::string bytes = whole.to_bytes(format);
-    const OccupancyMap tiles = OccupancyMap::from_bytes(bytes, "x", Vector3d::Zero(), limited(100'000));
-    EXPECT_GT(tiles.statistics().evictions, 10u);
-    EXPECT_TRUE(tiles.to_bytes(format) == bytes);
+    const std::string bytes = unlimited.to_bytes(format);
+    const OccupancyMap limited = OccupancyMap::from_bytes(bytes, "x", Vector3d::Zero(), with_limit(100'000));
+    EXPECT_GT(limited.statistics().evictions, 10u);
+    EXPECT_TRUE(limited.to_bytes(format) == bytes);
   }
 }
 
-/// What a process may write to a file, for a while.
+/// Limits the size of the files that this process writes, while an object exists.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -138,8 +139,8 @@ class FileSizeLimit {
   rlimit before_;
 };
 
-TEST(MapSpill, AFullDiskLeavesTheMapWhole) {
-  OccupancyMap whole = map_of(), tiles = map_of(limited(200'000));
+TEST(MapSpill, FullDiskLeavesTheMapWhole) {
+  OccupancyMap unlimited = map_of(), limited = map_of(with_limit(200'000));
   const auto insert = [&](OccupancyMap& map, double x_m) {
     std::mt19937 random(static_cast<unsigned>(x_m));
     map.insert_scan(random_points(random, 200, 12, {x_m, 0, -8}), {x_m, 0, 0}, 15);
@@ -149,8 +150,8 @@ TEST(MapSpill, AFullDiskLeavesTheMapWhole) {
     const FileSizeLimit full(400'000);
     for (double x_m = 0; x_m < 200; x_m += 5) {
       try {
-        insert(tiles, x_m);
-        insert(whole, x_m);
+        insert(limited, x_m);
+        insert(unlimited, x_m);
       } catch (const FileError& error) {
         ++refused;
         EXPECT_NE(std::string(error.what()).find("File too large; the map is whole"), std::string::npos);
@@ -159,16 +160,16 @@ TEST(MapSpill, AFullDiskLeavesTheMapWhole) {
     EXPECT_GT(refused, 3);
     EXPECT_LT(refused, 40);
   }
-  expect_same_bytes(whole, tiles);
-  insert(tiles, 7);  // there is room again
-  insert(whole, 7);
-  expect_same_bytes(whole, tiles);
+  expect_same_bytes(unlimited, limited);
+  insert(limited, 7);  // files may grow again
+  insert(unlimited, 7);
+  expect_same_bytes(unlimited, limited);
 }
 
-TEST(MapSpill, LeavesNothingInItsFolder) {
+TEST(MapSpill, NothingIsLeftInItsFolder) {
   const std::string folder = testing::TempDir() + "spill_here";
   std::filesystem::create_directory(folder);
-  MapOptions options = limited(1);
+  MapOptions options = with_limit(1);
   options.spill_folder = folder;
   OccupancyMap map = map_of(options);
   fly(map, 1, 1);
@@ -178,8 +179,8 @@ TEST(MapSpill, LeavesNothingInItsFolder) {
   EXPECT_THROW(map_of(options), FileError);
 }
 
-TEST(MapSpill, IsOfTheBricksAlone) {
-  MapOptions options = limited(1'000'000);
+TEST(MapSpill, OnlyTheBrickEngineTakesALimit) {
+  MapOptions options = with_limit(1'000'000);
   options.engine = MapEngineKind::octomap;
   EXPECT_THROW(map_of(options), InvalidValue);
 }

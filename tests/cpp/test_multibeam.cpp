@@ -1,4 +1,4 @@
-#include "uwsim/sonar/multibeam.h"
+#include "uwsim/sonar/sonar_head.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,10 @@
 
 namespace uwsim {
 namespace {
+
+SonarHead head(int model, double elevation_rad, const Pose& body_from_mount = {}) {
+  return {{"sonar", em2040(model), body_from_mount, elevation_rad, std::nullopt}, Water{}, RandomStream(0, "sonar")};
+}
 
 World flat_world(float z_m) {
   World world;
@@ -25,22 +29,22 @@ TEST(MultibeamModel, TheFourVariantsAreAsPublished) {
     EXPECT_NEAR(model.field_of_view_rad, degrees * std::numbers::pi / 180, 1e-12);
     EXPECT_EQ(model.range_max_m, range);
     EXPECT_EQ(model.frequency_hz, khz * 1e3);
-    EXPECT_NEAR(model.angle_rad(beams - 1), -model.angle_min_rad(), 1e-12);
-    EXPECT_NEAR(model.angle_rad(beams / 2), 0, 1e-12) << "an odd number of beams: one looks straight ahead";
+    EXPECT_NEAR(model.angles().at(0), -model.field_of_view_rad / 2, 1e-12);
+    EXPECT_NEAR(model.angles().at(beams - 1), model.field_of_view_rad / 2, 1e-12);
+    EXPECT_NEAR(model.angles().at(beams / 2), 0, 1e-12) << "an odd number of beams: one looks straight ahead";
   }
   EXPECT_THROW(em2040(5), InvalidValue);
 }
 
-TEST(Multibeam, ABeamMeetsAFlatBedAtItsHeightOverTheSineOfItsDip) {
+TEST(Multibeam, TheRangeToAFlatBedIsTheHeightOverTheSineOfTheDip) {
   const RayScene scene(flat_world(-20));
-  Multibeam sonar(em2040(4), Pose{{0.5, 0, -0.2}, Eigen::Quaterniond::Identity()});
   const double tilt = 0.6;
-  sonar.point(-tilt);
+  const SonarHead sonar = head(4, -tilt, Pose{{0.5, 0, -0.2}, Eigen::Quaterniond::Identity()});
   const Pose body{{3, 2, -8}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))};
   const MultibeamPing ping = sonar.ping(scene, Water{}, body);
   for (int beam = 0; beam < 1025; ++beam) {
     const auto k = static_cast<std::size_t>(beam);
-    const double expected = (20 - 8 - 0.2) / (std::sin(tilt) * std::cos(sonar.model().angle_rad(beam)));
+    const double expected = (20 - 8 - 0.2) / (std::sin(tilt) * std::cos(em2040(4).angles().at(beam)));
     if (expected < 54.99) {
       ASSERT_EQ(ping.valid[k], 1);
       EXPECT_NEAR(ping.ranges_m[k], expected, 1e-5);
@@ -54,7 +58,7 @@ TEST(Multibeam, ABeamMeetsAFlatBedAtItsHeightOverTheSineOfItsDip) {
   }
 }
 
-TEST(Multibeam, PositiveElevationLooksUpAndPositiveAnglesToPort) {
+TEST(Multibeam, PositiveElevationIsUpAndPositiveAnglesAreToPort) {
   World world;
   TriangleMesh target = testing::box(1, 1, 1);
   const double up = 0.5;
@@ -62,20 +66,17 @@ TEST(Multibeam, PositiveElevationLooksUpAndPositiveAnglesToPort) {
   world.add_solid("above", target);
   for (auto& v : target.vertices_m) v += Eigen::Vector3d(0, 10, 0);
   world.add_solid("above to port", target);
-  Multibeam sonar(em2040(2), Pose{});
-  sonar.point(up);
+  const SonarHead sonar = head(2, up);
   const MultibeamPing ping = sonar.ping(RayScene(world), Water{}, {{0, 0, -30}, Eigen::Quaterniond::Identity()});
   EXPECT_EQ(ping.labels[256], kTerrain + 1);
   bool port = false;
   for (std::size_t k = 0; k < 513; ++k) port |= ping.labels[k] == kTerrain + 2 && k > 256;
   EXPECT_TRUE(port);
-  EXPECT_THROW(sonar.aim(1.6), InvalidValue);
 }
 
 TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
   const auto level = [](float depth) {
-    Multibeam sonar(em2040(1), Pose{});
-    sonar.point(-std::numbers::pi / 2);
+    const SonarHead sonar = head(1, -std::numbers::pi / 2);
     const RayScene scene(flat_world(-depth));
     return sonar.ping(scene, Water{}, Pose{{0, 0, -1}, Eigen::Quaterniond::Identity()}).intensity_db;
   };
@@ -92,33 +93,32 @@ TEST(Multibeam, SoundDoesNotLeaveTheWater) {
   for (auto& v : bank.vertices_m) v += Eigen::Vector3d(10, 0, 0);
   world.add_solid("bank", bank);
   const RayScene scene(world);
-  Multibeam sonar(em2040(2), Pose{});
-  sonar.point(0.05);
+  const SonarHead sonar = head(2, 0.05);
   const auto echoes = [&](double z) {
     return sonar.ping(scene, Water{}, {{0, 0, z}, Eigen::Quaterniond::Identity()}).valid;
   };
   EXPECT_EQ(echoes(-2)[256], 1);
-  EXPECT_EQ(echoes(-0.2)[256], 0) << "meets the bank above the surface";
-  EXPECT_EQ(echoes(1)[256], 0) << "a dry head";
+  EXPECT_EQ(echoes(-0.2)[256], 0) << "hits the bank above the surface";
+  EXPECT_EQ(echoes(1)[256], 0) << "a head above the water";
 }
 
-TEST(Multibeam, AHeadUnderTheGroundHearsNothingAndAHeadInASolidItsWalls) {
+TEST(Multibeam, AHeadUnderTheGroundReceivesNoEchoAndAHeadInASolidThoseOfItsWalls) {
   World world = flat_world(-20);
   TriangleMesh hollow = testing::box(4, 4, 4);
   for (auto& v : hollow.vertices_m) v += Eigen::Vector3d(50, 0, -10);
   world.add_solid("hollow", hollow);
   world.add_solid("buried", testing::box(1, 1, 1), {sphere({3, 0, -25}, 1)});
   const RayScene scene(world);
-  const Multibeam sonar(em2040(2), Pose{});
+  const Multibeam sonar(em2040(2));
   const auto ping = [&](const Eigen::Vector3d& at) {
     return sonar.ping(scene, Water{}, {at, Eigen::Quaterniond::Identity()});
   };
   for (const Eigen::Vector3d& under : {Eigen::Vector3d(0, 0, -25), Eigen::Vector3d(0, 0, -20)}) {
-    const MultibeamPing deaf = ping(under);
+    const MultibeamPing empty = ping(under);
     for (std::size_t k = 0; k < 513; ++k) {
-      EXPECT_EQ(deaf.valid[k], 0);
-      EXPECT_EQ(deaf.labels[k], kNothing);
-      EXPECT_TRUE(std::isinf(deaf.ranges_m[k]));
+      EXPECT_EQ(empty.valid[k], 0);
+      EXPECT_EQ(empty.labels[k], kNothing);
+      EXPECT_TRUE(std::isinf(empty.ranges_m[k]));
     }
   }
   const MultibeamPing walled = ping({50, 0, -10});
@@ -126,34 +126,17 @@ TEST(Multibeam, AHeadUnderTheGroundHearsNothingAndAHeadInASolidItsWalls) {
   EXPECT_NEAR(walled.ranges_m[256], 2, 1e-6);
 }
 
-TEST(Multibeam, TheHeadTurnsAtItsRateAsTimePasses) {
-  Multibeam sonar(em2040(2), Pose{});
-  sonar.point(-0.5);
-  EXPECT_EQ(sonar.elevation_rad(), -0.5);
-  sonar.aim(std::numbers::pi / 2);
-  EXPECT_EQ(sonar.elevation_rad(), -0.5) << "no time has passed";
-  sonar.advance(1);
-  EXPECT_NEAR(sonar.elevation_rad(), -0.5 + 5 * std::numbers::pi / 180, 1e-6) << "5 degrees a second";
-  for (int k = 0; k < 30; ++k) sonar.advance(1);
-  EXPECT_EQ(sonar.elevation_rad(), std::numbers::pi / 2);
-  sonar.aim(1.5);
-  sonar.advance(10);
-  EXPECT_EQ(sonar.elevation_rad(), 1.5) << "it does not swing past";
-  EXPECT_THROW(sonar.aim(NAN), InvalidValue);
-  EXPECT_THROW(sonar.point(-1.6), InvalidValue);
-}
-
-TEST(Multibeam, SoundMustComeBackBeforeTheNextPing) {
+TEST(Multibeam, ThePingRateIsLimitedByTheTwoWayTravelTime) {
   Water water;
   water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 10;
   water.salinity_psu = 35;
   for (const auto& [number, range] : {std::pair{1, 95.0}, {2, 55.0}}) {
     // Mackenzie's own figure at 10 deg C, 35 psu and the surface is 1489.8 m/s.
-    EXPECT_NEAR(Multibeam(em2040(number), Pose{}).ping_rate_max_hz(water, 0), 1489.8 / (2 * range), 0.01);
+    EXPECT_NEAR(Multibeam(em2040(number)).ping_rate_max_hz(water, 0), 1489.8 / (2 * range), 0.01);
   }
   MultibeamModel near = em2040(1);
   near.range_max_m = 1;
-  EXPECT_EQ(Multibeam(near, Pose{}).ping_rate_max_hz(water, 0), near.ping_rate_max_hz) << "the electronics' limit";
+  EXPECT_EQ(Multibeam(near).ping_rate_max_hz(water, 0), near.ping_rate_max_hz) << "the electronics' limit";
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-/// Scans of a wavy floor 8 m under a sensor that moves along x.
+/// A scan of a wavy floor 8 m below a sensor that moves along x.
 std::vector<float> floor_scan(double x_m) {
   std::vector<float> points_m;
   for (int beam = 0; beam < 200; ++beam) {
@@ -67,26 +67,26 @@ class Folder {
   const fs::path path;
 };
 
-TEST(OccupancyMap, RayFreesItsWayAndFillsItsEnd) {
+TEST(OccupancyMap, RayMakesTheVoxelsItPassesFreeAndItsEndOccupied) {
   OccupancyMap map(0.1);
   map.insert_scan(std::vector<float>{10.02f, 0.05f, 0.05f}, {0.05, 0.05, 0.05}, kNoLimit);
-  std::vector<double> way;
-  for (int i = 0; i < 100; ++i) way.insert(way.end(), {0.05 + 0.1 * i, 0.05, 0.05});
-  EXPECT_EQ(map.state_at(way), std::vector<std::int8_t>(100, 0));
+  std::vector<double> passed_m;
+  for (int i = 0; i < 100; ++i) passed_m.insert(passed_m.end(), {0.05 + 0.1 * i, 0.05, 0.05});
+  EXPECT_EQ(map.state_at(passed_m), std::vector<std::int8_t>(100, 0));
   EXPECT_EQ(map.state_at(std::vector<double>{10.05, 0.05, 0.05, 10.15, 0.05, 0.05, 5, 0.15, 0.05, 1e9, 0, 0}),
             (std::vector<std::int8_t>{1, -1, -1, -1}));
   EXPECT_EQ(map.statistics().occupied_voxels, 1u);
   EXPECT_EQ(map.statistics().free_voxels, 100u);
 }
 
-TEST(OccupancyMap, PointPastMaxRangeOnlyFreesUpToIt) {
+TEST(OccupancyMap, PointBeyondMaxRangeOnlyMakesVoxelsUpToThereFree) {
   OccupancyMap map(0.1);
   map.insert_scan(std::vector<float>{10.05f, 0.05f, 0.05f}, {0.05, 0.05, 0.05}, 5.0);
   EXPECT_EQ(map.statistics().occupied_voxels, 0u);
   EXPECT_EQ(map.state_at(std::vector<double>{4.95, 0.05, 0.05, 5.25, 0.05, 0.05}), (std::vector<std::int8_t>{0, -1}));
 }
 
-TEST(OccupancyMap, FilesAreTheBytesOctoMapWrites) {
+TEST(OccupancyMap, FilesHaveTheBytesThatOctomapWrites) {
   octomap::OcTree stock(0.5);
   for (int i = 0; i < 40; ++i) {
     const std::vector<float> points_m = floor_scan(0.2 * i);
@@ -103,7 +103,7 @@ TEST(OccupancyMap, FilesAreTheBytesOctoMapWrites) {
   EXPECT_EQ(ours.to_bytes(MapFormat::bt), binary.str());
 }
 
-TEST(OccupancyMap, WhatIsAskedInMidSurveyChangesNothing) {
+TEST(OccupancyMap, QueriesDuringASurveyDoNotChangeTheBytes) {
   const OccupancyMap undisturbed = floor_map();
   OccupancyMap map(0.5);
   for (int i = 0; i < 40; ++i) {
@@ -128,7 +128,7 @@ TEST(OccupancyMap, ListsCountsAndStatesAgree) {
   EXPECT_EQ(map.state_at(free), std::vector<std::int8_t>(free.size() / 3, 0));
 }
 
-TEST(OccupancyMap, ReadsBackWhatItWrote) {
+TEST(OccupancyMap, WrittenMapReadsBackTheSame) {
   const OccupancyMap map = floor_map(1.0 / 3);  // a resolution that six digits would change
   for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
     const std::string bytes = map.to_bytes(format);
@@ -142,7 +142,7 @@ TEST(OccupancyMap, ReadsBackWhatItWrote) {
   EXPECT_EQ(OccupancyMap::from_bytes(empty, "x").to_bytes(MapFormat::bt), empty);
 }
 
-TEST(OccupancyMap, OriginMovesTheCubeNotTheFile) {
+TEST(OccupancyMap, OriginMovesTheCubeAndNotTheFile) {
   const Vector3d origin(20'000, -30'000, 100);  // outside the +-16 km of a cube about zero
   OccupancyMap here(0.5), there(0.5, origin);
   here.insert_scan(std::vector<float>{8, 2, -3}, Vector3d::Zero(), kNoLimit);
@@ -153,7 +153,7 @@ TEST(OccupancyMap, OriginMovesTheCubeNotTheFile) {
     EXPECT_EQ(b[static_cast<std::size_t>(axis)], a[static_cast<std::size_t>(axis)] + origin[axis]);
 }
 
-TEST(OccupancyMap, NothingIsLostInSilence) {
+TEST(OccupancyMap, ScansThatCannotBeInsertedAreRefusedWhole) {
   OccupancyMap map(0.1);
   const std::string before = map.to_bytes(MapFormat::bt);
   const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
@@ -169,7 +169,7 @@ TEST(OccupancyMap, NothingIsLostInSilence) {
   EXPECT_THROW(OccupancyMap(0.1, {nan, 0, 0}), InvalidValue);
 }
 
-TEST(OccupancyMap, RefusesFilesCutShortAnywhere) {
+TEST(OccupancyMap, FilesCutShortAnywhereAreRefused) {
   for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
     const std::string whole = floor_map(2.0, 3).to_bytes(format);
     for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -179,7 +179,7 @@ TEST(OccupancyMap, RefusesFilesCutShortAnywhere) {
   }
 }
 
-TEST(OccupancyMap, SurvivesFilesWithAnyByteChanged) {
+TEST(OccupancyMap, FilesWithAChangedByteAreReadOrRefused) {
   std::mt19937 random(5);
   for (const MapFormat format : {MapFormat::bt, MapFormat::ot}) {
     const std::string whole = floor_map(2.0, 3).to_bytes(format);
@@ -188,22 +188,22 @@ TEST(OccupancyMap, SurvivesFilesWithAnyByteChanged) {
       bytes[random() % bytes.size()] = static_cast<char>(random());
       try {
         OccupancyMap::from_bytes(bytes, "x").statistics();
-      } catch (const InvalidValue&) {  // refused is fine, and so is a sound map of other voxels
+      } catch (const InvalidValue&) {  // a valid map of other voxels is as good
       }
     }
   }
 }
 
-TEST(OccupancyMap, RefusalSaysWhatIsWrong) {
-  const std::string sound = floor_map(2.0, 3).to_bytes(MapFormat::bt);
-  const std::string header = sound.substr(0, sound.find("data\n") + 5);
+TEST(OccupancyMap, RefusedFilesAreToldWhy) {
+  const std::string valid = floor_map(2.0, 3).to_bytes(MapFormat::bt);
+  const std::string header = valid.substr(0, valid.find("data\n") + 5);
   EXPECT_NE(refusal_of("P5 100 100").find("not an OctoMap file"), std::string::npos);
-  EXPECT_NE(refusal_of(replaced(sound, "id OcTree", "id ColorOcTree")).find("'ColorOcTree', not 'OcTree'"),
+  EXPECT_NE(refusal_of(replaced(valid, "id OcTree", "id ColorOcTree")).find("'ColorOcTree', not 'OcTree'"),
             std::string::npos);
-  EXPECT_NE(refusal_of(replaced(sound, "size ", "size 1")).find("but the header says 1"), std::string::npos);
-  EXPECT_NE(refusal_of(replaced(sound, "res 2", "res 0")).find("must be in [0.001, 1000] m"), std::string::npos);
-  EXPECT_NE(refusal_of(replaced(sound, "res 2", "res nan")).find("must be in"), std::string::npos);
-  EXPECT_NE(refusal_of(replaced(sound, "res 2", "res two")).find("'two', not a number"), std::string::npos);
+  EXPECT_NE(refusal_of(replaced(valid, "size ", "size 1")).find("but the header says 1"), std::string::npos);
+  EXPECT_NE(refusal_of(replaced(valid, "res 2", "res 0")).find("must be in [0.001, 1000] m"), std::string::npos);
+  EXPECT_NE(refusal_of(replaced(valid, "res 2", "res nan")).find("must be in"), std::string::npos);
+  EXPECT_NE(refusal_of(replaced(valid, "res 2", "res two")).find("'two', not a number"), std::string::npos);
   EXPECT_NE(refusal_of(header + std::string(1'000'000, '\xff')).find("deeper than 16"), std::string::npos);
   EXPECT_NE(refusal_of(header + std::string(2, '\0')).find("without children"), std::string::npos);
 }
@@ -215,14 +215,14 @@ TEST(OccupancyMap, HugeLeafIsCountedButNotListed) {
   EXPECT_THROW(map.occupied_voxels_world_m(), InvalidValue);
 }
 
-TEST(OccupancyMap, CubeKnownAllOverStaysAFile) {
+TEST(OccupancyMap, MapWhoseWholeCubeIsKnownWritesTheSameFile) {
   const std::string bytes = octree_header(MapFormat::bt, 9, 0.5) + "UU";  // eight free children
   const OccupancyMap map = OccupancyMap::from_bytes(bytes, "x");
   EXPECT_EQ(map.statistics().free_voxels, std::uint64_t{1} << 48);
   EXPECT_EQ(map.to_bytes(MapFormat::bt), bytes);
 }
 
-TEST(OccupancyMap, ReadsOnlyFiles) {
+TEST(OccupancyMap, OnlyRegularFilesAreRead) {
   const Folder folder;
   for (const std::string& path : {(folder.path / "none.bt").string(), folder.path.string(), std::string("/dev/zero")}) {
     EXPECT_THROW(OccupancyMap::read(path), FileError);
@@ -248,7 +248,7 @@ TEST(OccupancyMap, FullDiskLeavesTheOldFile) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
-TEST(OccupancyMap, WritesOnlyWhereAFileBelongs) {
+TEST(OccupancyMap, OnlyRegularFilesAreReplaced) {
   const Folder folder;
   const OccupancyMap map(0.5);
   EXPECT_THROW(map.write("/dev/full", MapFormat::bt), FileError);

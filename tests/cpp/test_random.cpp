@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+
+#include "uwsim/core/stream_name.h"
 
 namespace uwsim {
 namespace {
 
-TEST(RandomStream, ADrawDependsOnSeedStreamTickAndIndexAlone) {
+TEST(RandomStream, ADrawDependsOnlyOnSeedNameTickAndIndex) {
   const RandomStream depth(7, "rov/depth");
   const double first = depth.normal(3, 1);
   depth.normal(99);
@@ -37,7 +40,7 @@ TEST(RandomStream, NormalDrawsHaveZeroMeanAndUnitVarianceAndAreUncorrelated) {
   EXPECT_NEAR(products / n, 0, tolerance);
 }
 
-TEST(Random, APairOfNormalsIsOneDrawAndIndependent) {
+TEST(RandomStream, APairOfNormalsIsIndependentAndStartsWithTheSingleOne) {
   const RandomStream stream(7, "pair");
   double product = 0, second = 0;
   constexpr int kDraws = 100'000;
@@ -49,6 +52,12 @@ TEST(Random, APairOfNormalsIsOneDrawAndIndependent) {
   }
   EXPECT_NEAR(product, 0, 0.015);
   EXPECT_NEAR(second, 1, 0.02);
+}
+
+TEST(StreamName, JoinsItsPartsBySlashes) {
+  EXPECT_EQ(stream_name("rov"), "rov");
+  EXPECT_EQ(stream_name("rov", "imu"), "rov/imu");
+  EXPECT_EQ(stream_name(std::string("rov"), std::string("imu"), "bias"), "rov/imu/bias");
 }
 
 }  // namespace

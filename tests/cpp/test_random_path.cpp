@@ -10,7 +10,7 @@ namespace {
 
 const RandomStream kStream(5, "rov/imu/bias");
 
-TEST(RandomPath, AStepIsTheSameWhateverWasAskedBefore) {
+TEST(RandomPath, AStepDoesNotDependOnTheStepsReadBefore) {
   RandomPath in_order = RandomPath::gauss_markov(kStream, 2, 0.3, 50);
   std::vector<double> values;
   for (std::uint64_t k = 0; k < 1000; ++k) values.push_back(in_order.at(k));
@@ -24,7 +24,7 @@ TEST(RandomPath, AStepIsTheSameWhateverWasAskedBefore) {
   EXPECT_NE(other.at(17), values[17]);
 }
 
-TEST(RandomPath, AGaussMarkovProcessHasItsSpreadAndItsExponentialCorrelation) {
+TEST(RandomPath, AGaussMarkovProcessHasItsStandardDeviationAndExponentialCorrelation) {
   constexpr double kStd = 0.3, kTime = 20;
   constexpr std::size_t kSteps = 400'000;
   RandomPath process = RandomPath::gauss_markov(kStream, 0, kStd, kTime);
@@ -33,7 +33,7 @@ TEST(RandomPath, AGaussMarkovProcessHasItsSpreadAndItsExponentialCorrelation) {
   for (const std::size_t lag : {0, 1, 7, 20, 60}) {
     double products = 0;
     for (std::size_t k = 0; k + lag < kSteps; ++k) products += values[k] * values[k + lag];
-    // Five standard errors: about N / (2 correlation times) independent draws.
+    // Five standard errors; there are about N / (2 correlation times) independent draws.
     const double tolerance = 5 * kStd * kStd * std::sqrt(2 * kTime / kSteps);
     EXPECT_NEAR(products / kSteps, kStd * kStd * std::exp(-static_cast<double>(lag) / kTime), tolerance) << lag;
   }
@@ -54,7 +54,7 @@ TEST(RandomPath, ARandomWalkStartsAtZeroAndHasIndependentSteps) {
   EXPECT_NEAR(products / kSteps, 0, 5 / std::sqrt(kSteps));
 }
 
-TEST(RandomPath, ARandomWalkSpreadsWithTheRootOfTime) {
+TEST(RandomPath, TheStandardDeviationOfARandomWalkGrowsWithTheRootOfTime) {
   constexpr int kPaths = 4000;
   for (const std::uint64_t steps : {std::uint64_t{1}, std::uint64_t{1000}, std::uint64_t{1} << 33}) {
     double squares = 0;

@@ -1,4 +1,4 @@
-// The ray scene against a brute force in double over every triangle and shape of the world.
+// The ray scene against a brute-force cast in double over every triangle and shape of the world.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,14 +8,14 @@
 
 #include "meshes.h"
 #include "uwsim/core/random.h"
-#include "uwsim/world/ray_scene.h"
+#include "uwsim/rays/ray_scene.h"
 
 namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTangent = 1.75e-3;  // sine of 0.1 degree
-constexpr double kEdge = 1e-10;       // barycentric: a ray aimed at an edge misses it by double's rounding, either side
+constexpr double kGrazing = 1.75e-3;  // the sine of 0.1 degree, rounded up: closer to tangency nothing is promised
+constexpr double kEdge = 1e-10;  // barycentric: a ray aimed at an edge misses it by double rounding, on either side
 
 struct Met {
   double distance_m = kInfinity;
@@ -23,7 +23,7 @@ struct Met {
   Label label = kNothing;
 };
 
-/// Every triangle and shape, none left out.
+/// Tries every triangle and shape.
 class BruteForce {
  public:
   explicit BruteForce(const World& world) : world_(world) {
@@ -42,14 +42,15 @@ class BruteForce {
     }
   }
 
-  Met cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& way, double far_m) const {
+  Met cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double far_m) const {
     Met first;
     for (const Facet& f : facets_) {
-      const Eigen::Vector3d p = way.cross(f.ac);
+      const Eigen::Vector3d p = direction.cross(f.ac);
       const double determinant = f.ab.dot(p);
       if (determinant == 0) continue;
       const Eigen::Vector3d from = origin - f.a, q = from.cross(f.ab);
-      const double u = from.dot(p) / determinant, v = way.dot(q) / determinant, distance = f.ac.dot(q) / determinant;
+      const double u = from.dot(p) / determinant, v = direction.dot(q) / determinant,
+                   distance = f.ac.dot(q) / determinant;
       if (u < -kEdge || v < -kEdge || u + v > 1 + kEdge || distance < 0 || distance > far_m ||
           distance >= first.distance_m)
         continue;
@@ -57,7 +58,7 @@ class BruteForce {
     }
     for (std::size_t s = 0; s < world_.solids().size(); ++s) {
       for (const RoundShape& shape : world_.solids()[s]->shapes) {
-        const auto hit = first_hit(shape, origin, way, 0, far_m);
+        const auto hit = first_hit(shape, origin, direction, 0, far_m);
         if (hit && hit->distance_m < first.distance_m)
           first = {hit->distance_m, hit->normal_world, static_cast<Label>(kTerrain + 1 + s)};
       }
@@ -65,7 +66,7 @@ class BruteForce {
     return first;
   }
 
-  /// A corner, a point on an edge, or a point within one of the triangles.
+  /// A corner of a triangle, a point on one of its edges, or a point within it.
   Eigen::Vector3d target(const RandomStream& random, std::uint64_t k) const {
     const auto pick = static_cast<std::size_t>(random.uniform(k, 0) * static_cast<double>(facets_.size()));
     const Facet& f = facets_[pick];
@@ -94,7 +95,7 @@ TriangleMesh placed(TriangleMesh mesh, const Eigen::Vector3d& at, double turn) {
   return mesh;
 }
 
-/// A spiky bed with a box and a ball of facets half sunk in it, and a pipe, a post and a ball that are round.
+/// A spiky bed with a box and a faceted ball half sunk into it, and a round pipe, post and ball.
 World spiky_world(std::size_t cells, double spacing_m, const Eigen::Vector2d& origin_m) {
   const RandomStream random(7, "spiky bed");
   std::vector<float> heights((cells + 1) * (cells + 1));
@@ -108,10 +109,10 @@ World spiky_world(std::size_t cells, double spacing_m, const Eigen::Vector2d& or
   const double r = 0.04 * size;
   world.add_solid("box", placed(testing::box(4 * r, 2 * r, 3 * r), at(0.3, 0.3, -19), 0.8));
   world.add_solid("facets", placed(testing::sphere(2 * r, 10), at(0.7, 0.4, -20), 0.3));
-  const TriangleMesh any = placed(testing::box(r, r, r), at(0.5, 0.5, -20), 0);
-  world.add_solid("pipe", any, pipe({at(0.1, 0.7, -19), at(0.4, 0.75, -19.5), at(0.8, 0.6, -18)}, 0.5 * r));
-  world.add_solid("ball", any, {sphere(at(0.33, 0.35, -18), 1.5 * r)});
-  world.add_solid("post", any, {cylinder(at(0.6, 0.8, -25), at(0.62, 0.8, -10), 0.3 * r)});
+  const TriangleMesh unused = placed(testing::box(r, r, r), at(0.5, 0.5, -20), 0);  // rays meet the shapes instead
+  world.add_solid("pipe", unused, pipe({at(0.1, 0.7, -19), at(0.4, 0.75, -19.5), at(0.8, 0.6, -18)}, 0.5 * r));
+  world.add_solid("ball", unused, {sphere(at(0.33, 0.35, -18), 1.5 * r)});
+  world.add_solid("post", unused, {cylinder(at(0.6, 0.8, -25), at(0.62, 0.8, -10), 0.3 * r)});
   return world;
 }
 
@@ -120,7 +121,7 @@ int rays_to_cast() {
   return wanted != nullptr ? std::atoi(wanted) : 3000;
 }
 
-/// Counts the rays whose range or hit differs from the brute force's by more than is allowed.
+/// Casts rays past corners and edges of the world, from up to `span_m` away, and expects the brute force's hits.
 void expect_exact(const World& world, double span_m, std::uint64_t seed) {
   const RayScene scene(world);
   const BruteForce brute(world);
@@ -129,7 +130,7 @@ void expect_exact(const World& world, double span_m, std::uint64_t seed) {
   double worst_m = 0;
   for (int k = 0; k < rays_to_cast(); ++k) {
     const auto tick = static_cast<std::uint64_t>(k);
-    // Past corners and edges by anything from nothing to a millimetre and more.
+    // Past its target by nothing, or by 10 nm to 1 cm.
     const double beside = random.uniform(tick, 4) < 0.3 ? 0 : std::pow(10.0, -8 + 6 * random.uniform(tick, 5));
     const Eigen::Vector3d aim =
         brute.target(random, tick) +
@@ -137,11 +138,11 @@ void expect_exact(const World& world, double span_m, std::uint64_t seed) {
     Eigen::Vector3d from(random.normal(tick, 9), random.normal(tick, 10), std::abs(random.normal(tick, 11)) + 0.1);
     const Eigen::Vector3d origin =
         aim + span_m * random.uniform(tick, 12) * from.normalized() + Eigen::Vector3d(0, 0, 0.5);
-    const Eigen::Vector3d way = (aim - origin).normalized();
-    const Met expected = brute.cast(origin, way, 3 * span_m);
-    const RayHit got = scene.cast({origin, way}, 3 * span_m);
-    if (expected.label != kNothing && std::abs(expected.normal.dot(way)) < kTangent) continue;
-    if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(way)) < kTangent) continue;
+    const Eigen::Vector3d direction = (aim - origin).normalized();
+    const Met expected = brute.cast(origin, direction, 3 * span_m);
+    const RayHit got = scene.cast({origin, direction}, 3 * span_m);
+    if (expected.label != kNothing && std::abs(expected.normal.dot(direction)) < kGrazing) continue;
+    if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(direction)) < kGrazing) continue;
     ++compared;
     hit_count += expected.label != kNothing;
     const double error = expected.distance_m == got.distance_m ? 0 : std::abs(expected.distance_m - got.distance_m);
@@ -149,70 +150,75 @@ void expect_exact(const World& world, double span_m, std::uint64_t seed) {
     worst_m = fine ? std::max(worst_m, error) : worst_m;
     if (!fine && ++wrong <= 5) {
       ADD_FAILURE() << "ray " << k << ": expected " << expected.distance_m << " m on " << expected.label << ", got "
-                    << got.distance_m << " m on " << got.label << ", sines " << std::abs(expected.normal.dot(way))
-                    << " and " << std::abs(got.normal_world.cast<double>().dot(way)) << ", beside " << beside;
+                    << got.distance_m << " m on " << got.label << ", sines " << std::abs(expected.normal.dot(direction))
+                    << " and " << std::abs(got.normal_world.cast<double>().dot(direction)) << ", beside " << beside;
     }
   }
   EXPECT_EQ(wrong, 0) << "of " << compared;
   EXPECT_GT(compared, rays_to_cast() * 9 / 10);
   EXPECT_GT(hit_count, compared / 2);
-  EXPECT_LT(worst_m, 1e-9) << "what is found is solved in double";
+  EXPECT_LT(worst_m, 1e-9) << "hits are solved in double";
 }
 
-/// Whether the brute force and the ray scene agree, as far as is asked for: to 1e-5 m, or 1e-7 of the range.
-bool agrees(const Met& expected, const RayHit& got, const Eigen::Vector3d& way, double least_sine) {
-  if (expected.label != kNothing && std::abs(expected.normal.dot(way)) < least_sine) return true;
-  if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(way)) < least_sine) return true;
+/// Whether the two agree to 1e-5 m or 1e-7 of the range, or one of them grazes.
+bool agrees(const Met& expected, const RayHit& got, const Eigen::Vector3d& direction, double least_sine) {
+  if (expected.label != kNothing && std::abs(expected.normal.dot(direction)) < least_sine) return true;
+  if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(direction)) < least_sine) return true;
   if (expected.distance_m == got.distance_m) return true;
   const double nearer_m = std::min(expected.distance_m, got.distance_m);
   return std::abs(expected.distance_m - got.distance_m) <= std::max(1e-5, 1e-7 * nearer_m);
 }
 
-Eigen::Vector3d any_way(const RandomStream& random, std::uint64_t tick, std::uint32_t draw) {
-  const Eigen::Vector3d way(random.normal(tick, draw), random.normal(tick, draw + 1), random.normal(tick, draw + 2));
-  return way.normalized();
+Eigen::Vector3d random_direction(const RandomStream& random, std::uint64_t tick, std::uint32_t draw) {
+  const Eigen::Vector3d direction(random.normal(tick, draw), random.normal(tick, draw + 1),
+                                  random.normal(tick, draw + 2));
+  return direction.normalized();
 }
 
-/// Rays that start within 1e-7 m to a millimetre of a surface, on either side, and go any way.
+/// The number of wrong answers to rays in random directions that start within 1e-7 m to 1 mm of a surface, on either
+/// side.
 int wrong_near_surfaces(const World& world, std::uint64_t seed) {
   const RayScene scene(world);
   const BruteForce brute(world);
   const RandomStream random(seed, "starts");
   int wrong = 0;
   for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(rays_to_cast()); ++k) {
-    const Eigen::Vector3d off = std::pow(10.0, -7 + 4 * random.uniform(k, 4)) * any_way(random, k, 5);
-    const Eigen::Vector3d origin = brute.target(random, k) + off, way = any_way(random, k, 8);
-    const Met expected = brute.cast(origin, way, 5000);
-    const RayHit got = scene.cast({origin, way}, 5000);
-    wrong += !agrees(expected, got, way, kTangent);
+    const Eigen::Vector3d off = std::pow(10.0, -7 + 4 * random.uniform(k, 4)) * random_direction(random, k, 5);
+    const Eigen::Vector3d origin = brute.target(random, k) + off, direction = random_direction(random, k, 8);
+    const Met expected = brute.cast(origin, direction, 5000);
+    const RayHit got = scene.cast({origin, direction}, 5000);
+    wrong += !agrees(expected, got, direction, kGrazing);
   }
   return wrong;
 }
 
-/// Rays past the edges of triangles that hang free, by up to `beside_m`.
+/// The number of wrong answers to rays past the edges of free-standing triangles, by up to `beside_m`.
 int wrong_past_edges(const World& world, double beside_m, double span_m, std::uint64_t seed) {
   const RayScene scene(world);
   const BruteForce brute(world);
   const RandomStream random(seed, "edges");
   int wrong = 0;
   for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(rays_to_cast()); ++k) {
-    const Eigen::Vector3d aim = brute.target(random, k) + beside_m * random.uniform(k, 4) * any_way(random, k, 5);
-    const Eigen::Vector3d way = any_way(random, k, 8), origin = aim - span_m * random.uniform(k, 11) * way;
-    const Met expected = brute.cast(origin, way, 2 * span_m);
-    const RayHit got = scene.cast({origin, way}, 2 * span_m);
-    wrong += !agrees(expected, got, way, kTangent);
+    const Eigen::Vector3d aim =
+        brute.target(random, k) + beside_m * random.uniform(k, 4) * random_direction(random, k, 5);
+    const Eigen::Vector3d direction = random_direction(random, k, 8),
+                          origin = aim - span_m * random.uniform(k, 11) * direction;
+    const Met expected = brute.cast(origin, direction, 2 * span_m);
+    const RayHit got = scene.cast({origin, direction}, 2 * span_m);
+    wrong += !agrees(expected, got, direction, kGrazing);
   }
   return wrong;
 }
 
-/// Triangles that nothing adjoins, strewn over some way; long and thin, or as wide as they are long.
+/// Free-standing triangles, strewn over `spread_m`: slivers, or as wide as they are long.
 World strewn_triangles(int count, double length_m, double width_m, double spread_m) {
   const RandomStream random(11, "strewn");
   TriangleMesh mesh;
   for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(count); ++k) {
     const Eigen::Vector3d at(spread_m * random.uniform(k, 0), spread_m * random.uniform(k, 1),
                              -50 * random.uniform(k, 2));
-    const Eigen::Vector3d along = any_way(random, k, 3), across = along.cross(any_way(random, k, 6)).normalized();
+    const Eigen::Vector3d along = random_direction(random, k, 3),
+                          across = along.cross(random_direction(random, k, 6)).normalized();
     const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
     const double thin = width_m * std::pow(10.0, -2 * random.uniform(k, 9));
     mesh.vertices_m.insert(mesh.vertices_m.end(),
@@ -224,17 +230,19 @@ World strewn_triangles(int count, double length_m, double width_m, double spread
   return world;
 }
 
-TEST(RayExact, OverASpikyBedWithThingsSunkInIt) { expect_exact(spiky_world(40, 0.5, {-10, -10}), 30, 1); }
+TEST(RayExact, HitsAreExactOverASpikyBedWithSolidsSunkIntoIt) { expect_exact(spiky_world(40, 0.5, {-10, -10}), 30, 1); }
 
-TEST(RayExact, TenKilometresFromTheOrigin) { expect_exact(spiky_world(40, 0.5, {10'000.3, -10'000.7}), 30, 2); }
+TEST(RayExact, HitsAreExactTenKilometresFromTheOrigin) {
+  expect_exact(spiky_world(40, 0.5, {10'000.3, -10'000.7}), 30, 2);
+}
 
-TEST(RayExact, AHundredMetresAcross) { expect_exact(spiky_world(40, 10, {-3, 5}), 150, 3); }
+TEST(RayExact, HitsAreExactInAWorldFourHundredMetresWide) { expect_exact(spiky_world(40, 10, {-3, 5}), 150, 3); }
 
-TEST(RayExact, ThroughTheTilesOfAWorldSeveralKilometresWide) {
+TEST(RayExact, HitsAreExactThroughTheTilesOfAWorldSeveralKilometresWide) {
   expect_exact(spiky_world(40, 90, {7000, 1000}), 2000, 4);
 }
 
-TEST(RayExact, WhereABallMeetsTheBedTheNearerOfTheTwoIsTakenHoweverClose) {
+TEST(RayExact, WhereABallMeetsTheBedTheNearerOfTheTwoIsHitHoweverCloseTheyAre) {
   World world;
   world.set_terrain(Heightfield(std::vector<float>(41 * 41, -20.0f), 41, 41, 10.0, {-190, -210}));
   world.add_solid("ball", testing::box(1, 1, 1), {sphere({3, 4, -20}, 1)});
@@ -245,50 +253,53 @@ TEST(RayExact, WhereABallMeetsTheBedTheNearerOfTheTwoIsTakenHoweverClose) {
                  off = std::pow(10.0, -7 + 4 * random.uniform(k, 1));
     const double side = random.uniform(k, 2) < 0.5 ? -off : off;
     const Eigen::Vector3d aim(3 + (1 + side) * std::cos(turn), 4 + (1 + side) * std::sin(turn), -20);
-    // From outside, steep or shallow.
+    // From outside the ball, steep or shallow.
     const double dip = 0.02 + 1.5 * random.uniform(k, 3), bearing = turn + random.uniform(k, 4) - 0.5;
-    const Eigen::Vector3d way(-std::cos(dip) * std::cos(bearing), -std::cos(dip) * std::sin(bearing), -std::sin(dip));
-    const Eigen::Vector3d origin = aim - 40 * way, o = origin - Eigen::Vector3d(3, 4, -20);
-    const double b = o.dot(way), root = b * b - o.squaredNorm() + 1;
-    const double to_bed = (-20 - origin.z()) / way.z();
+    const Eigen::Vector3d direction(-std::cos(dip) * std::cos(bearing), -std::cos(dip) * std::sin(bearing),
+                                    -std::sin(dip));
+    const Eigen::Vector3d origin = aim - 40 * direction, o = origin - Eigen::Vector3d(3, 4, -20);
+    const double b = o.dot(direction), root = b * b - o.squaredNorm() + 1;
+    const double to_bed = (-20 - origin.z()) / direction.z();
     const double to_ball = root >= 0 ? -b - std::sqrt(root) : kInfinity;
     if (root > -1e-9 && root < 4e-6) continue;  // grazes the ball
-    const RayHit hit = scene.cast({origin, way}, 100);
+    const RayHit hit = scene.cast({origin, direction}, 100);
     ASSERT_NEAR(hit.distance_m, std::min(to_bed, to_ball), 1e-9) << k;
   }
 }
 
-TEST(RayExact, FromJustBeforeASurface) {
+TEST(RayExact, RaysThatStartCloseToASurfaceAreExact) {
   EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 0.5, {-10, -10}), 1), 0);
   EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 0.5, {10'000.3, -10'000.7}), 2), 0);
   EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 10, {-3, 5}), 3), 0);
   EXPECT_EQ(wrong_near_surfaces(spiky_world(40, 90, {7000, 1000}), 4), 0);
 }
 
-TEST(RayExact, PastTheEdgesOfSliversThatNothingAdjoins) {
+TEST(RayExact, RaysPastTheEdgesOfFreeSliversAreExact) {
   EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 2, 1e-2, 20), 1e-5, 20, 5), 0);
   EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 20, 1e-2, 900), 2e-5, 100, 6), 0);
 }
 
-TEST(RayExact, PastTheEdgesOfLoneTrianglesSmallAndKilometresLong) {
+TEST(RayExact, RaysPastTheEdgesOfFreeTrianglesAreExactWhetherSmallOrKilometresLong) {
   EXPECT_EQ(wrong_past_edges(strewn_triangles(100, 2, 2, 20), 1e-5, 20, 7), 0);
   EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 1e-4, 2000, 8), 0);
   EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 100, 2000, 9), 0);
 }
 
-/// Rays at 0.1 to 0.5 degree to lone triangles of such a size, past their edges on either side.
+/// The number of wrong answers to rays at 0.1 to 0.5 degree to single triangles of this size, past their edges on
+/// either side.
 int wrong_at_grazing_edges(double length_m) {
   const RandomStream random(17, "grazing");
   int wrong = 0;
   std::uint64_t tick = 0;
   for (int triangle = 0; triangle < rays_to_cast() / 100; ++triangle) {
     TriangleMesh mesh;
-    for (int corner = 0; corner < 3; ++corner) mesh.vertices_m.push_back(length_m * any_way(random, ++tick, 0));
+    for (int corner = 0; corner < 3; ++corner)
+      mesh.vertices_m.push_back(length_m * random_direction(random, ++tick, 0));
     mesh.triangles.push_back({0, 1, 2});
     const auto& v = mesh.vertices_m;
     const Eigen::Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]).normalized();
     World world;
-    world.add_solid("lone", mesh);
+    world.add_solid("single", mesh);
     const RayScene scene(world);
     const BruteForce brute(world);
     for (int k = 0; k < 100; ++k, ++tick) {
@@ -297,17 +308,18 @@ int wrong_at_grazing_edges(double length_m) {
       const double off = std::pow(10.0, -8 + 7 * random.uniform(tick, 0)) * (k % 2 == 0 ? 1 : -1);
       const Eigen::Vector3d aim = v[edge] + random.uniform(tick, 1) * along + off * across;
       const double turn = 2 * std::numbers::pi * random.uniform(tick, 2);
-      const double sine = (kTangent + 7e-3 * random.uniform(tick, 3)) * (k % 4 < 2 ? 1 : -1);
+      const double sine = (kGrazing + 7e-3 * random.uniform(tick, 3)) * (k % 4 < 2 ? 1 : -1);
       const Eigen::Vector3d level = std::cos(turn) * along.normalized() + std::sin(turn) * across;
-      const Eigen::Vector3d way = (level + sine * normal).normalized();
-      const Eigen::Vector3d origin = aim - length_m * random.uniform(tick, 4) * way;
-      wrong += !agrees(brute.cast(origin, way, 2 * length_m), scene.cast({origin, way}, 2 * length_m), way, kTangent);
+      const Eigen::Vector3d direction = (level + sine * normal).normalized();
+      const Eigen::Vector3d origin = aim - length_m * random.uniform(tick, 4) * direction;
+      wrong += !agrees(brute.cast(origin, direction, 2 * length_m), scene.cast({origin, direction}, 2 * length_m),
+                       direction, kGrazing);
     }
   }
   return wrong;
 }
 
-TEST(RayExact, GrazingTheEdgesOfLoneTriangles) {
+TEST(RayExact, RaysThatGrazeTheEdgesOfSingleTrianglesAreExact) {
   for (const double length_m : {3.0, 60.0, 800.0, 4000.0}) EXPECT_EQ(wrong_at_grazing_edges(length_m), 0) << length_m;
 }
 

@@ -1,4 +1,4 @@
-#include "uwsim/world/ray_scene.h"
+#include "uwsim/rays/ray_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -21,16 +21,16 @@ World slope_world(const Eigen::Vector2d& origin_m) {
   return world;
 }
 
-TEST(RayScene, ARayMeetsAPlaneAtItsClosedFormDistanceEvenFarFromTheOrigin) {
+TEST(RayScene, ARayMeetsAPlaneAtTheClosedFormDistanceEvenFarFromTheOrigin) {
   for (const double offset : {0.0, 10'000.0}) {
     const RayScene scene(slope_world({offset, offset}));
     const Eigen::Vector3d origin(offset + 40.37, offset + 51.91, 0);
     for (int k = 0; k < 50; ++k) {
       const double turn = 0.3 + k * 0.11;
-      const Eigen::Vector3d way = Eigen::Vector3d(0.4 * std::cos(turn), 0.4 * std::sin(turn), -1).normalized();
-      const RayHit hit = scene.cast({origin, way}, 100);
+      const Eigen::Vector3d direction = Eigen::Vector3d(0.4 * std::cos(turn), 0.4 * std::sin(turn), -1).normalized();
+      const RayHit hit = scene.cast({origin, direction}, 100);
       // z = -20 + (x - offset) / 4 along the ray
-      const double expected = (20 - 0.25 * (origin.x() - offset)) / (0.25 * way.x() - way.z());
+      const double expected = (20 - 0.25 * (origin.x() - offset)) / (0.25 * direction.x() - direction.z());
       EXPECT_NEAR(hit.distance_m, expected, 1e-9);
       EXPECT_EQ(hit.label, kTerrain);
       EXPECT_NEAR(hit.normal_world.z(), 1 / std::sqrt(1 + 0.0625), 1e-6);
@@ -38,7 +38,7 @@ TEST(RayScene, ARayMeetsAPlaneAtItsClosedFormDistanceEvenFarFromTheOrigin) {
   }
 }
 
-TEST(RayScene, RaysThroughVerticesAndEdgesDoNotLeak) {
+TEST(RayScene, RaysAtVerticesAndEdgesDoNotLeakThrough) {
   const RayScene scene(slope_world({0, 0}));
   for (int j = 1; j < 100; ++j) {
     for (int i = 1; i < 100; ++i) {
@@ -48,7 +48,7 @@ TEST(RayScene, RaysThroughVerticesAndEdgesDoNotLeak) {
   }
 }
 
-TEST(RayScene, NothingWithinRangeIsInfinityAndLabelsTellSolidsApart) {
+TEST(RayScene, AMissIsInfinitelyFarAndLabelsTellSolidsApart) {
   World world = slope_world({0, 0});
   TriangleMesh box = testing::box(2, 2, 2);
   for (auto& v : box.vertices_m) v += Eigen::Vector3d(20, 50, -5);
@@ -61,7 +61,7 @@ TEST(RayScene, NothingWithinRangeIsInfinityAndLabelsTellSolidsApart) {
   EXPECT_EQ(scene.cast({{20, 50, 0}, {0, 0, 1}}, 1000).label, kNothing);
 }
 
-TEST(RayScene, DistanceToASphereIsRadialWhateverTheThreads) {
+TEST(RayScene, DistanceToASphereIsRadialWhateverTheNumberOfThreads) {
   World world;
   world.add_solid("sphere", testing::sphere(2, 200));
   const RayScene scene(world);
@@ -73,14 +73,14 @@ TEST(RayScene, DistanceToASphereIsRadialWhateverTheThreads) {
   scene.distance(points, one, 1);
   scene.distance(points, two, 2);
   EXPECT_EQ(one, two);
-  // Facets are pi/200 wide both ways; each way sags by r (1 - cos(pi/400)).
+  // Facets are pi/200 wide both ways; each direction sags by r (1 - cos(pi/400)).
   const double facet_sag_m = 2 * 2 * (1 - std::cos(std::numbers::pi / 400)) + 1e-6;
   for (std::size_t k = 0; k < points.size(); ++k) {
     EXPECT_NEAR(one[k], std::abs(points[k].norm() - 2), facet_sag_m);
   }
 }
 
-TEST(RayScene, DegenerateTrianglesDoNotPoisonDistances) {
+TEST(RayScene, TrianglesWithoutAreaDoNotSpoilDistances) {
   World world;
   world.add_solid("sliver",
                   {{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {4, 0, 0}, {5, 0, 0}, {4, 1, 0}}, {{0, 1, 2}, {3, 4, 5}}});
@@ -92,7 +92,7 @@ TEST(RayScene, DegenerateTrianglesDoNotPoisonDistances) {
   EXPECT_NEAR(distances[2], 3, 1e-9);
 }
 
-TEST(RayScene, PacketsMeetWhatSingleRaysMeetAndLeaveIdleLanesAlone) {
+TEST(RayScene, PacketsMeetWhatSingleRaysMeetAndIdleLanesAreNeverBlocked) {
   World world = slope_world({0, 0});
   TriangleMesh box = testing::box(2, 2, 2);
   for (auto& v : box.vertices_m) v += Eigen::Vector3d(20, 50, -5);
@@ -101,11 +101,11 @@ TEST(RayScene, PacketsMeetWhatSingleRaysMeetAndLeaveIdleLanesAlone) {
   const Eigen::Vector3d anchor(20.3, 49.7, -1);
   RayPacket rays;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
-    const Eigen::Vector3f way = Eigen::Vector3f(0.2f * static_cast<float>(k) - 1.2f, 0.1f, -1).normalized();
+    const Eigen::Vector3f direction = Eigen::Vector3f(0.2f * static_cast<float>(k) - 1.2f, 0.1f, -1).normalized();
     rays.origin_x[k] = rays.origin_y[k] = rays.origin_z[k] = 0.01f * static_cast<float>(k);
-    rays.direction_x[k] = way.x();
-    rays.direction_y[k] = way.y();
-    rays.direction_z[k] = way.z();
+    rays.direction_x[k] = direction.x();
+    rays.direction_y[k] = direction.y();
+    rays.direction_z[k] = direction.z();
     rays.near_m[k] = 0;
     rays.far_m[k] = k == 7 ? 1.0f : 100.0f;
     rays.active[k] = k == 3 ? 0 : -1;
@@ -121,8 +121,8 @@ TEST(RayScene, PacketsMeetWhatSingleRaysMeetAndLeaveIdleLanesAlone) {
         continue;
       }
       const Eigen::Vector3d origin = anchor + 0.01 * static_cast<double>(k) * Eigen::Vector3d::Ones();
-      const Eigen::Vector3d way(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
-      const RayHit alone = scene.cast({origin, way}, rays.far_m[k]);
+      const Eigen::Vector3d direction(rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+      const RayHit alone = scene.cast({origin, direction}, rays.far_m[k]);
       EXPECT_EQ(hits.label[k], alone.label) << k;
       EXPECT_EQ(blocked[k], alone.label == kNothing ? 0 : -1) << k;
       if (alone.label == kNothing) {
@@ -136,13 +136,13 @@ TEST(RayScene, PacketsMeetWhatSingleRaysMeetAndLeaveIdleLanesAlone) {
   }
 }
 
-TEST(RayScene, RaysFromBeyondTheWorldMeetNothing) {
+TEST(RayScene, RaysFromFarBeyondTheWorldAndNonFiniteRaysMeetNothing) {
   const RayScene scene(slope_world({0, 0}));
   EXPECT_EQ(scene.cast({{0, 0, 2e18}, {0, 0, -1}}, 1e30).label, kNothing);
   EXPECT_EQ(scene.cast({{0, 0, 10}, {0, 0, NAN}}, 100).label, kNothing);
 }
 
-TEST(RayScene, PacketsGoThroughTheTilesOfAWideWorldAndComeFromFarAway) {
+TEST(RayScene, PacketsFindHitsInAllTilesOfAWideWorldAlsoFromFarAway) {
   // 5 km of slope, in tiles; seen from inside, and from 20 km up.
   std::vector<float> heights;
   for (int j = 0; j < 51; ++j) {
@@ -155,11 +155,11 @@ TEST(RayScene, PacketsGoThroughTheTilesOfAWideWorldAndComeFromFarAway) {
     const Eigen::Vector3d anchor(3030, 4040, z);
     RayPacket rays;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const Eigen::Vector3f way = Eigen::Vector3f(0.01f * static_cast<float>(k), 0.02f, -1).normalized();
+      const Eigen::Vector3f direction = Eigen::Vector3f(0.01f * static_cast<float>(k), 0.02f, -1).normalized();
       rays.origin_x[k] = rays.origin_y[k] = rays.origin_z[k] = 0;
-      rays.direction_x[k] = way.x();
-      rays.direction_y[k] = way.y();
-      rays.direction_z[k] = way.z();
+      rays.direction_x[k] = direction.x();
+      rays.direction_y[k] = direction.y();
+      rays.direction_z[k] = direction.z();
       rays.near_m[k] = 0;
       rays.far_m[k] = k == 5 ? 10.0f : 1e6f;
       rays.active[k] = k == 3 ? 0 : -1;
@@ -178,14 +178,14 @@ TEST(RayScene, PacketsGoThroughTheTilesOfAWideWorldAndComeFromFarAway) {
   }
 }
 
-/// Rays from about one place in different directions, to 1 km.
-RayPacket packet_of(const std::array<Eigen::Vector3f, kPacketRays>& ways, float near_m) {
+/// Rays from the anchor, up to 1 km long.
+RayPacket packet_of(const std::array<Eigen::Vector3f, kPacketRays>& directions, float near_m) {
   RayPacket rays;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     rays.origin_x[k] = rays.origin_y[k] = rays.origin_z[k] = 0;
-    rays.direction_x[k] = ways[k].x();
-    rays.direction_y[k] = ways[k].y();
-    rays.direction_z[k] = ways[k].z();
+    rays.direction_x[k] = directions[k].x();
+    rays.direction_y[k] = directions[k].y();
+    rays.direction_z[k] = directions[k].z();
     rays.near_m[k] = near_m;
     rays.far_m[k] = 1000;
     rays.active[k] = -1;
@@ -193,7 +193,7 @@ RayPacket packet_of(const std::array<Eigen::Vector3f, kPacketRays>& ways, float 
   return rays;
 }
 
-TEST(RayScene, ShadowRaysFromTheFootOfACliffAreBlockedByTheCliffOnly) {
+TEST(RayScene, ShadowRaysFromTheFootOfACliffAreBlockedByTheCliffAlone) {
   // A step of 12 m within one cell of half a metre, in a terrain 300 m wide.
   std::vector<float> heights;
   for (int j = 0; j < 601; ++j) {
@@ -203,23 +203,23 @@ TEST(RayScene, ShadowRaysFromTheFootOfACliffAreBlockedByTheCliffOnly) {
   world.set_terrain(Heightfield(heights, 601, 601, 0.5, {0, 0}));
   const RayScene scene(world);
   for (const double off_m : {0.002, 0.02, 0.1, 0.4}) {
-    std::array<Eigen::Vector3f, kPacketRays> ways;
+    std::array<Eigen::Vector3f, kPacketRays> directions;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       const double dip = 0.3 + 0.08 * static_cast<double>(k), side = k % 2 == 0 ? 1 : -1;
-      ways[k] = Eigen::Vector3d(side * std::cos(dip), 0.1, std::sin(dip)).normalized().cast<float>();
+      directions[k] = Eigen::Vector3d(side * std::cos(dip), 0.1, std::sin(dip)).normalized().cast<float>();
     }
     const Eigen::Vector3d anchor(150 - off_m, 150.2, -30 + 1e-3);
     Blocked blocked;
-    scene.occluded(anchor, packet_of(ways, 1e-3f), blocked);
+    scene.occluded(anchor, packet_of(directions, 1e-3f), blocked);
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const RayHit exact = scene.cast({anchor, ways[k].cast<double>()}, 1000);
+      const RayHit exact = scene.cast({anchor, directions[k].cast<double>()}, 1000);
       EXPECT_EQ(blocked[k] != 0, exact.label == kTerrain) << off_m << " m off, ray " << k;
       EXPECT_EQ(exact.label == kTerrain, k % 2 == 0 && std::atan(24.0) > 0.3 + 0.08 * static_cast<double>(k)) << k;
     }
   }
 }
 
-TEST(RayScene, RaysAreBlockedWhereTheyMeetSomethingExactlyCast) {
+TEST(RayScene, ShadowRaysAreBlockedWhereExactRaysMeetSomething) {
   const RandomStream random(3, "bed");
   std::vector<float> heights(101 * 101);
   for (std::size_t k = 0; k < heights.size(); ++k) heights[k] = static_cast<float>(-20 + 2 * random.normal(k));
@@ -229,18 +229,18 @@ TEST(RayScene, RaysAreBlockedWhereTheyMeetSomethingExactlyCast) {
   const RayScene scene(world);
   int differ = 0, met = 0;
   for (std::uint64_t n = 0; n < 2000; ++n) {
-    std::array<Eigen::Vector3f, kPacketRays> ways;
+    std::array<Eigen::Vector3f, kPacketRays> directions;
     for (std::uint64_t k = 0; k < kPacketRays; ++k) {
       const std::uint64_t tick = n * kPacketRays + k;
-      ways[k] = Eigen::Vector3d(random.normal(tick, 1), random.normal(tick, 2), 0.2 * random.normal(tick, 3))
-                    .normalized()
-                    .cast<float>();
+      directions[k] = Eigen::Vector3d(random.normal(tick, 1), random.normal(tick, 2), 0.2 * random.normal(tick, 3))
+                          .normalized()
+                          .cast<float>();
     }
     const Eigen::Vector3d anchor(200 * random.uniform(n, 4), 200 * random.uniform(n, 5), -12 - random.uniform(n, 6));
     Blocked blocked;
-    scene.occluded(anchor, packet_of(ways, 0), blocked);
+    scene.occluded(anchor, packet_of(directions, 0), blocked);
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const bool exact = scene.cast({anchor, ways[k].cast<double>().normalized()}, 1000).label != kNothing;
+      const bool exact = scene.cast({anchor, directions[k].cast<double>().normalized()}, 1000).label != kNothing;
       met += exact;
       differ += exact != (blocked[k] != 0);
     }
@@ -250,7 +250,7 @@ TEST(RayScene, RaysAreBlockedWhereTheyMeetSomethingExactlyCast) {
   EXPECT_LE(differ, 3) << "of 32000: at silhouettes";
 }
 
-TEST(RayScene, ASliversTipEndsWhereItEndsInFloat) {
+TEST(RayScene, FloatRaysSeeASliversTipEndWhereItEnds) {
   TriangleMesh sliver;
   sliver.vertices_m = {{0, 0, -10},       {20, 0, -10},      {20, 0.02, -10},
                        {-250, -250, -50}, {-240, -250, -50}, {-250, -240, -50}};
@@ -260,32 +260,32 @@ TEST(RayScene, ASliversTipEndsWhereItEndsInFloat) {
   sliver.triangles = {{3, 4, 5}};
   world.add_solid("far off", sliver);
   const RayScene scene(world);
-  std::array<Eigen::Vector3f, kPacketRays> ways;
-  for (std::size_t k = 0; k < kPacketRays; ++k) {  // in the sliver's plane 20 cm before its tip to 5 cm short of that
+  std::array<Eigen::Vector3f, kPacketRays> directions;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // 20 cm to 5 cm before the sliver's tip, in its plane
     const double x = -0.2 + 0.01 * static_cast<double>(k), y = x * 0.02 / 20 / 2;
-    ways[k] = Eigen::Vector3d(x - 3, y, -10).normalized().cast<float>();
+    directions[k] = Eigen::Vector3d(x - 3, y, -10).normalized().cast<float>();
   }
   HitPacket hits;
   Blocked blocked;
-  scene.cast({3, 0, 0}, packet_of(ways, 0), hits);
-  scene.occluded({3, 0, 0}, packet_of(ways, 0), blocked);
+  scene.cast({3, 0, 0}, packet_of(directions, 0), hits);
+  scene.occluded({3, 0, 0}, packet_of(directions, 0), blocked);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     EXPECT_EQ(hits.label[k], kNothing) << k;
     EXPECT_EQ(blocked[k], 0) << k;
   }
-  for (std::size_t k = 0; k < kPacketRays; ++k) {  // and on the sliver
-    ways[k] =
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // on the sliver
+    directions[k] =
         Eigen::Vector3d(static_cast<double>(k), 0.5e-3 * (3 + static_cast<double>(k)), -10).normalized().cast<float>();
   }
-  scene.cast({3, 0, 0}, packet_of(ways, 0), hits);
-  scene.occluded({3, 0, 0}, packet_of(ways, 0), blocked);
+  scene.cast({3, 0, 0}, packet_of(directions, 0), hits);
+  scene.occluded({3, 0, 0}, packet_of(directions, 0), blocked);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     EXPECT_EQ(hits.label[k], kTerrain + 1) << k;
     EXPECT_EQ(blocked[k], -1) << k;
   }
 }
 
-TEST(RayScene, TheGroundIsUnderTheTerrainOnly) {
+TEST(RayScene, OnlyPointsBelowTheTerrainAreUnderGround) {
   const RayScene scene(slope_world({0, 0}));
   EXPECT_TRUE(scene.under_ground({40, 50, -10.1}));
   EXPECT_FALSE(scene.under_ground({40, 50, -9.9}));

@@ -6,13 +6,13 @@
 
 #include "meshes.h"
 #include "uwsim/core/check.h"
-#include "uwsim/world/ray_scene.h"
+#include "uwsim/rays/ray_scene.h"
 
 namespace uwsim {
 namespace {
 
 constexpr double kStep_s = 0.005;
-constexpr double kSkin_m = 0.01;  // how near a resting body may stay to the surface
+constexpr double kTolerance_m = 0.01;  // distance of a resting body from the surface
 
 std::shared_ptr<const Craft> box_craft(double density_kg_m3, double added_mass = 0, double drag = 100) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
@@ -42,25 +42,25 @@ BodyState at(double x, double y, double z) {
   return state;
 }
 
-TEST(RigidBodyWorld, ABodyFloatsWhereItDisplacesItsMass) {
+TEST(RigidBodyWorld, AFloatingBodyDisplacesItsMass) {
   RigidBodyWorld bodies(flat_world(-20), kStep_s);
   bodies.add_body({"raft", box_craft(400, 100, 500), CollisionShape::kHull, 0.5, 0.1}, at(0, 0, -1));
   for (int k = 0; k < 20'000; ++k) bodies.step(EvenWater{}, 0);
   EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), 0.3 - 0.4 * 0.6, 2e-3);
 }
 
-TEST(RigidBodyWorld, AHeavyBodyComesToRestOnTheBedAndStaysThere) {
+TEST(RigidBodyWorld, AHeavyBodyComesToRestOnTheBed) {
   for (const double added : {0.0, 5000.0}) {
     RigidBodyWorld bodies(flat_world(-5), kStep_s);
     bodies.add_body({"anchor", box_craft(2500, added), CollisionShape::kHull, 0.5, 0.1}, at(0.3, 0.2, -3));
     for (int k = 0; k < 4000; ++k) bodies.step(EvenWater{}, 0);
     EXPECT_TRUE(bodies.in_contact(0));
-    EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), -5 + 0.3, kSkin_m);
+    EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), -5 + 0.3, kTolerance_m);
     EXPECT_LT(bodies.state(0).velocity_body.norm(), 0.02);
   }
 }
 
-TEST(RigidBodyWorld, FrictionHoldsABodyOnASlopeThatIsLessSteepThanItsAngle) {
+TEST(RigidBodyWorld, FrictionHoldsABodyOnASlopeBelowTheFrictionAngle) {
   const double slope = 0.3;
   const auto slid = [&](double friction) {
     RigidBodyWorld bodies(flat_world(-10, slope), kStep_s);
@@ -77,8 +77,8 @@ TEST(RigidBodyWorld, FrictionHoldsABodyOnASlopeThatIsLessSteepThanItsAngle) {
 TEST(RigidBodyWorld, EnergyNeverGrowsWhenABodyHitsAWallAtAnAngle) {
   World world;
   TriangleMesh wall = testing::box(0.4, 40, 40);
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.785, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  for (auto& v : wall.vertices_m) v = turn * v + Eigen::Vector3d(3, 0, -30);
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(0.785, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  for (auto& v : wall.vertices_m) v = rotation * v + Eigen::Vector3d(3, 0, -30);
   world.add_solid("wall", wall);
   RigidBodyWorld bodies(world, kStep_s);
   const auto craft = [] {
@@ -105,7 +105,7 @@ TEST(RigidBodyWorld, EnergyNeverGrowsWhenABodyHitsAWallAtAnAngle) {
   EXPECT_TRUE(touched);
 }
 
-TEST(RigidBodyWorld, ABodyStopsAtTheSurfaceThatARayMeets) {
+TEST(RigidBodyWorld, ABodyRestsOnTheSurfaceThatARayMeets) {
   const World world = flat_world(-6, 0.1);
   const RayScene scene(world);
   RigidBodyWorld bodies(world, kStep_s);
@@ -113,7 +113,7 @@ TEST(RigidBodyWorld, ABodyStopsAtTheSurfaceThatARayMeets) {
   for (int k = 0; k < 4000; ++k) bodies.step(EvenWater{}, 0);
   const Pose pose = bodies.state(0).world_from_body;
   const Eigen::Vector3d down = pose.direction(-Eigen::Vector3d::UnitZ());
-  EXPECT_NEAR(scene.cast({pose.position_m, down}, 10).distance_m, 0.3, 2 * kSkin_m);
+  EXPECT_NEAR(scene.cast({pose.position_m, down}, 10).distance_m, 0.3, 2 * kTolerance_m);
 }
 
 TEST(RigidBodyWorld, AFastBodyDoesNotPassThroughAGateBar) {
@@ -129,7 +129,7 @@ TEST(RigidBodyWorld, AFastBodyDoesNotPassThroughAGateBar) {
   EXPECT_LT(bodies.state(0).world_from_body.position_m.x(), 5);
 }
 
-TEST(RigidBodyWorld, TwoBodiesThatCollideKeepTheirMomentumAndPart) {
+TEST(RigidBodyWorld, TwoCollidingBodiesConserveMomentumAndSeparate) {
   RigidBodyWorld bodies(flat_world(-50), kStep_s);
   const auto craft = box_craft(1000, 0, 0);
   BodyState left = at(-2, 0, -20), right = at(2, 0.1, -20);
@@ -146,7 +146,7 @@ TEST(RigidBodyWorld, TwoBodiesThatCollideKeepTheirMomentumAndPart) {
   const auto velocity = [&](std::size_t k) -> Eigen::Vector3d {
     return bodies.state(k).world_from_body.direction(bodies.state(k).linear_body_m_s());
   };
-  // Parting an overlap turns the bodies a little, and their velocities with them.
+  // Separating an overlap rotates the bodies a little, and their velocities with them.
   EXPECT_LT((velocity(0) + velocity(1) - Eigen::Vector3d(0.5, 0, 0)).norm(), 2e-3);
   EXPECT_LT(velocity(0).x(), velocity(1).x());
 }

@@ -9,7 +9,7 @@
 #include "meshes.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
-#include "uwsim/world/ray_scene.h"
+#include "uwsim/rays/ray_scene.h"
 
 namespace uwsim {
 namespace {
@@ -24,7 +24,7 @@ Pose some_pose(const RandomStream& random, std::uint64_t tick, double away_m) {
           Eigen::Quaterniond(Eigen::AngleAxisd(6.3 * random.uniform(tick, 26), axis))};
 }
 
-/// A cylinder about its own z axis, half its length either way: the ray's first meeting, in its own frame.
+/// Where a ray first meets a cylinder about the z axis that reaches from -half to half.
 double closed_form_m(double radius, double half, const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
   double first = std::numeric_limits<double>::infinity();
   const double a = d.x() * d.x() + d.y() * d.y(), b = o.x() * d.x() + o.y() * d.y();
@@ -39,7 +39,7 @@ double closed_form_m(double radius, double half, const Eigen::Vector3d& o, const
   return first;
 }
 
-TEST(RoundShape, ASphereIsMetAtTheRootOfItsQuadratic) {
+TEST(RoundShape, ARayMeetsASphereAtTheRootOfTheQuadratic) {
   const RandomStream random(1, "sphere");
   for (std::uint64_t k = 0; k < 2000; ++k) {
     const double radius = std::exp(2 * random.normal(k, 0));
@@ -55,7 +55,7 @@ TEST(RoundShape, ASphereIsMetAtTheRootOfItsQuadratic) {
   }
 }
 
-TEST(RoundShape, ACylinderIsMetAtItsClosedFormAtAnyAttitudeFromAnywhere) {
+TEST(RoundShape, ARayMeetsACylinderAtTheClosedFormDistanceWhateverItsAttitude) {
   const RandomStream random(2, "cylinder");
   int hits = 0;
   for (std::uint64_t k = 0; k < 5000; ++k) {
@@ -75,13 +75,13 @@ TEST(RoundShape, ACylinderIsMetAtItsClosedFormAtAnyAttitudeFromAnywhere) {
   EXPECT_GT(hits, 1000);
 }
 
-TEST(RoundShape, APipeIsAsFarFromItsAxisAsItsRadiusAndLetsNoRayThroughItsSeams) {
+TEST(RoundShape, HitsOnAPipeLieOneRadiusFromItsAxisAndNoRaySlipsThroughItsSeams) {
   const std::vector<Eigen::Vector3d> line = {{0, 0, 0}, {4, 0, 1}, {6, 3, 1}, {6, 8, -1}};
   const auto pieces = pipe(line, 0.3);
   const RandomStream random(3, "pipe");
   const auto to_axis = [&](const Eigen::Vector3d& p) {
     double least = 1e9;
-    for (std::size_t k = 0; k + 1 < line.size(); ++k) {  // mitres: beyond the ends of a piece its axis goes on
+    for (std::size_t k = 0; k + 1 < line.size(); ++k) {  // of endless axes: mitred ends reach beyond
       const Eigen::Vector3d axis = (line[k + 1] - line[k]).normalized();
       least = std::min(least, std::abs((p - line[k] - axis.dot(p - line[k]) * axis).norm() - 0.3));
     }
@@ -89,18 +89,18 @@ TEST(RoundShape, APipeIsAsFarFromItsAxisAsItsRadiusAndLetsNoRayThroughItsSeams) 
   };
   for (std::uint64_t k = 0; k < 5000; ++k) {
     const std::size_t piece = k % 3;
-    const double along = k % 4 == 0 ? 1 : random.uniform(k, 0);  // a quarter straight at the seams
+    const double along = k % 4 == 0 ? 1 : random.uniform(k, 0);  // every fourth aims at a seam
     const Eigen::Vector3d aim = line[piece] + along * (line[piece + 1] - line[piece]);
     const Eigen::Vector3d origin = aim + 5 * some_vector(random, k, 1).normalized();
-    const Eigen::Vector3d way = (aim - origin).normalized();
+    const Eigen::Vector3d direction = (aim - origin).normalized();
     const Eigen::Vector3d along_last = (line[3] - line[2]).normalized(), from_bend = origin - line[2];
-    if ((from_bend - along_last.dot(from_bend) * along_last).norm() < 0.4) continue;  // it may start in the bore
+    if ((from_bend - along_last.dot(from_bend) * along_last).norm() < 0.4) continue;  // it may start inside the pipe
     double nearest = 1e9;
     for (const RoundShape& shape : pieces) {
-      if (const auto hit = first_hit(shape, origin, way)) nearest = std::min(nearest, hit->distance_m);
+      if (const auto hit = first_hit(shape, origin, direction)) nearest = std::min(nearest, hit->distance_m);
     }
     ASSERT_LT(nearest, 5 + 1e-9) << "through the wall at " << k;
-    const Eigen::Vector3d point = origin + nearest * way;
+    const Eigen::Vector3d point = origin + nearest * direction;
     const bool on_cap = (point - line.front()).norm() < 0.31 || (point - line.back()).norm() < 0.31;
     if (!on_cap) {
       EXPECT_NEAR(to_axis(point), 0, 1e-9) << k;
@@ -108,7 +108,7 @@ TEST(RoundShape, APipeIsAsFarFromItsAxisAsItsRadiusAndLetsNoRayThroughItsSeams) 
   }
 }
 
-TEST(RoundShape, TheSceneMeetsRoundThingsExactlyTenKilometresOut) {
+TEST(RoundShape, TheSceneMeetsRoundShapesExactlyTenKilometresOut) {
   const Eigen::Vector3d far_away(10'000.3, -9'999.9, -30);
   World world;
   world.add_solid("ball", testing::box(1, 1, 1), {sphere(far_away, 2)});
@@ -116,10 +116,10 @@ TEST(RoundShape, TheSceneMeetsRoundThingsExactlyTenKilometresOut) {
   const RandomStream random(4, "far");
   for (std::uint64_t k = 0; k < 2000; ++k) {
     const Eigen::Vector3d origin = far_away + 60 * random.uniform(k, 0) * some_vector(random, k, 1);
-    const Eigen::Vector3d way = (far_away + 1.1 * some_vector(random, k, 4) - origin).normalized();
+    const Eigen::Vector3d direction = (far_away + 1.1 * some_vector(random, k, 4) - origin).normalized();
     const Eigen::Vector3d o = origin - far_away;
-    const double b = o.dot(way), root = b * b - o.squaredNorm() + 4;
-    const RayHit hit = scene.cast({origin, way}, 500);
+    const double b = o.dot(direction), root = b * b - o.squaredNorm() + 4;
+    const RayHit hit = scene.cast({origin, direction}, 500);
     const double near = -b - std::sqrt(root), expected = near >= 0 ? near : -b + std::sqrt(root);
     if (root > 0 && std::sqrt(root) / 2 < 1.75e-3) continue;  // within 0.1 degree of tangency
     ASSERT_EQ(hit.label, root > 0 && expected >= 0 && expected <= 500 ? kTerrain + 1 : kNothing) << k;
@@ -129,7 +129,7 @@ TEST(RoundShape, TheSceneMeetsRoundThingsExactlyTenKilometresOut) {
   }
 }
 
-TEST(RoundShape, ThePacketsOfPicturesMeetThemToo) {
+TEST(RoundShape, FloatPacketsMeetRoundShapes) {
   World world;
   world.add_solid("post", testing::box(1, 1, 1), {cylinder({5, 0, -3}, {5, 0, 3}, 1)});
   const RayScene scene(world);
@@ -157,7 +157,7 @@ TEST(RoundShape, ThePacketsOfPicturesMeetThemToo) {
   }
 }
 
-TEST(RoundShape, BadOnesAreRefused) {
+TEST(RoundShape, InvalidShapesAreRefused) {
   EXPECT_THROW(sphere({0, 0, 0}, 0), InvalidValue);
   EXPECT_THROW(sphere({0, NAN, 0}, 1), InvalidValue);
   EXPECT_THROW(cylinder({1, 2, 3}, {1, 2, 3}, 1), InvalidValue);

@@ -12,7 +12,7 @@ namespace {
 
 const StateOrigin kHere{"a scenario", "a build"};
 
-/// A craft with thrusters that lag, a fin and sensors that remember; it drops onto a sloping bed.
+/// A craft with a lagging thruster, a fin and sensors with memory, which drops onto a sloping bed.
 VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
   const SolidProperties solid = solid_properties(mesh);
@@ -73,7 +73,7 @@ class SavedState : public ::testing::Test {
     sim.read_sensor(0, 0);
   }
 
-  /// Everything that can be seen of the next `steps` steps, to the bit.
+  /// Everything that can be observed in the next `steps` steps, to the bit.
   static std::string future(Simulation& sim, int steps) {
     std::string seen;
     const auto note = [&](const double* values, std::size_t n) {
@@ -107,14 +107,14 @@ TEST_F(SavedState, ARestoredSimulationHasTheSameFutureToTheBit) {
   act(sim);
   const std::string state = sim.save_state(kHere);
   const std::string expected = future(sim, 600);
-  ASSERT_GT(sim.collisions(0) + sim.collisions(1), 0u) << "or contacts are not tried";
+  ASSERT_GT(sim.collisions(0) + sim.collisions(1), 0u) << "the test needs contacts";
   Simulation fresh = two_craft(world);
   fresh.restore_state(state, kHere);
   EXPECT_EQ(fresh.save_state(kHere), state);
   EXPECT_EQ(future(fresh, 600), expected);
 }
 
-TEST_F(SavedState, StatesSavedInContactGoOnAlikeToo) {
+TEST_F(SavedState, StatesSavedInContactHaveTheSameFutureToo) {
   Simulation sim = two_craft(world);
   act(sim);
   bool touching = false;
@@ -133,7 +133,7 @@ TEST_F(SavedState, StatesSavedInContactGoOnAlikeToo) {
   EXPECT_TRUE(touching);
 }
 
-TEST_F(SavedState, SavingChangesNothing) {
+TEST_F(SavedState, SavingDoesNotChangeTheFuture) {
   Simulation saved = two_craft(world), left = two_craft(world);
   act(saved);
   act(left);
@@ -141,7 +141,7 @@ TEST_F(SavedState, SavingChangesNothing) {
   EXPECT_EQ(future(saved, 100), future(left, 100));
 }
 
-TEST_F(SavedState, AStateFromElsewhereIsRefusedAndChangesNothing) {
+TEST_F(SavedState, AStateOfAnotherOriginIsRefusedAndChangesNothing) {
   Simulation sim = two_craft(world);
   act(sim);
   const std::string state = sim.save_state(kHere);
@@ -155,7 +155,7 @@ TEST_F(SavedState, AStateFromElsewhereIsRefusedAndChangesNothing) {
   EXPECT_EQ(fresh.save_state(kHere), before);
 }
 
-TEST_F(SavedState, DamageIsFoundWhereverItIs) {
+TEST_F(SavedState, DamageToAnyByteIsDetected) {
   Simulation sim = two_craft(world);
   act(sim);
   const std::string state = sim.save_state(kHere);
@@ -172,21 +172,21 @@ TEST_F(SavedState, DamageIsFoundWhereverItIs) {
   EXPECT_EQ(fresh.save_state(kHere), before);
 }
 
-/// With a checksum that fits, as a forger would write it: refused, or taken and flown; no crash.
+/// A forged state with a matching checksum is refused, or restored and flown, without a crash.
 TEST_F(SavedState, AForgedStateDoesNotCrash) {
   Simulation sim = two_craft(world);
   act(sim);
-  const std::string figures(unsealed_state(sim.save_state(kHere), kHere));
+  const std::string content(unwrapped_state(sim.save_state(kHere), kHere));
   std::mt19937 draw(1);
-  int taken = 0, refused = 0;
+  int restored = 0, refused = 0;
   Simulation fresh = two_craft(world);
   for (int k = 0; k < 3000; ++k) {
-    std::string forged = figures;
+    std::string forged = content;
     for (int change = 0; change < 1 + k % 4; ++change) forged[draw() % forged.size()] = static_cast<char>(draw());
     if (k % 10 == 0) forged.resize(draw() % forged.size());
     try {
-      fresh.restore_state(sealed_state(forged, kHere), kHere);
-      ++taken;
+      fresh.restore_state(wrapped_state(forged, kHere), kHere);
+      ++restored;
       fresh.step(2);
       fresh.read_sensor(0, 0);
       fresh.read_sensor(1, 0);
@@ -195,11 +195,11 @@ TEST_F(SavedState, AForgedStateDoesNotCrash) {
       ++refused;
     }
   }
-  EXPECT_GT(taken, 0);
+  EXPECT_GT(restored, 0);
   EXPECT_GT(refused, 0);
 }
 
-TEST(StateArchive, RefusesWhatIsNotFinite) {
+TEST(StateArchive, NonFiniteValuesAreRefused) {
   StateArchive saved;
   double nothing = std::nan("");
   saved(nothing);

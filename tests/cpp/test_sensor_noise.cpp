@@ -59,8 +59,8 @@ class AllanDeviation : public SensorBench {
     NoisySensor imu = sensor(spec);
     std::vector<std::vector<double>> integrals(3, {0.0});
     for (int k = 0; k < kSamples; ++k) {
-      moment.tick = static_cast<std::uint64_t>(std::llround(k / (rate_hz * kStepS)));
-      const Sample& sample = imu.read(moment, around());
+      snapshot.tick = static_cast<std::uint64_t>(std::llround(k / (rate_hz * kStepS)));
+      const Sample& sample = imu.read(snapshot, around());
       for (std::size_t axis = 0; axis < 3; ++axis) {
         integrals[axis].push_back(integrals[axis].back() + sample.values[axis] / rate_hz);
       }
@@ -74,7 +74,7 @@ class AllanDeviation : public SensorBench {
     return means;
   }
 
-  /// Least squares of measured = a first(tau) + b second(tau), each weighed by its size.
+  /// Least-squares fit of measured = a first(tau) + b second(tau), with relative weights.
   static Eigen::Vector2d fit(const std::vector<double>& measured, const std::vector<std::size_t>& clusters,
                              double rate_hz, const std::function<double(double)>& first,
                              const std::function<double(double)>& second) {
@@ -94,7 +94,7 @@ TEST_F(AllanDeviation, RecoversDensityAndBiasInstability) {
   constexpr double kDensity = 1e-3, kBias = 2e-3, kTime = 4, kRate = 20;
   const std::vector<std::size_t> clusters = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512};
   const auto measured = variances({.density = kDensity, .bias_std = kBias, .bias_time_s = kTime}, kRate, clusters);
-  // The correlation time is that of the best fit.
+  // The correlation time of the best fit.
   double best_time = 0, best_misfit = 1e300;
   Eigen::Vector2d best = Eigen::Vector2d::Zero();
   for (double time = 1; time < 16; time *= 1.02) {
@@ -127,41 +127,41 @@ TEST_F(AllanDeviation, RecoversDensityAndRateRandomWalk) {
   EXPECT_NEAR(std::sqrt(found(1)), kWalk, 0.1 * kWalk);
 }
 
-TEST_F(AllanDeviation, TurnOnBiasIsConstantInARunAndSpreadOverRuns) {
+TEST_F(AllanDeviation, TheTurnOnBiasIsConstantInARunAndVariesBetweenRuns) {
   double squares = 0;
   constexpr int kRuns = 4000;
   for (std::uint64_t run = 0; run < kRuns; ++run) {
     NoisySensor depth = sensor(depth_with({.turn_on_std = 0.2}), run);
-    const double bias = depth.read(moment, around()).values[0] - 12;
-    moment.tick += 1000;
-    EXPECT_EQ(depth.read(moment, around()).values[0] - 12, bias);
+    const double bias = depth.read(snapshot, around()).values[0] - 12;
+    snapshot.tick += 1000;
+    EXPECT_EQ(depth.read(snapshot, around()).values[0] - 12, bias);
     squares += bias * bias;
   }
   EXPECT_NEAR(std::sqrt(squares / kRuns), 0.2, 0.2 * 5 / std::sqrt(2.0 * kRuns));
 }
 
-TEST_F(SensorNoise, NoiseHasItsSpreadAndIsUncorrelatedBetweenSensorsOfDifferentName) {
+TEST_F(SensorNoise, NoiseHasItsDeviationAndIsUncorrelatedBetweenSensorNames) {
   SensorSpec first = depth_with({.std = 0.04, .bias_std = 0.03, .bias_time_s = 2 * kStepS}), second = first;
   second.name = "spare";
   NoisySensor a = sensor(first), b = sensor(second);
   double squares = 0, products = 0;
   constexpr int kSamples = 50'000;
-  for (moment.tick = 0; moment.tick < kSamples; ++moment.tick) {
-    const double x = (a.read(moment, around()).values[0] - 12) / 0.05;
+  for (snapshot.tick = 0; snapshot.tick < kSamples; ++snapshot.tick) {
+    const double x = (a.read(snapshot, around()).values[0] - 12) / 0.05;
     squares += x * x;
-    products += x * (b.read(moment, around()).values[0] - 12) / 0.05;
+    products += x * (b.read(snapshot, around()).values[0] - 12) / 0.05;
   }
   EXPECT_NEAR(squares / kSamples, 1, 10 * std::sqrt(2.0 / kSamples));
   EXPECT_NEAR(products / kSamples, 0, 10 / std::sqrt(kSamples));
 }
 
-TEST_F(SensorNoise, ReadingsAreWholeQuantaWithinTheLimits) {
+TEST_F(SensorNoise, ReadingsAreMultiplesOfTheQuantumWithinTheLimits) {
   SensorSpec spec = depth_with({.std = 1, .quantum = 0.25, .limit_low = 11, .limit_high = 12.5});
   NoisySensor depth = sensor(spec);
   int at_low = 0, at_high = 0;
   constexpr int kSamples = 20'000;
-  for (moment.tick = 0; moment.tick < kSamples; ++moment.tick) {
-    const double value = depth.read(moment, around()).values[0];
+  for (snapshot.tick = 0; snapshot.tick < kSamples; ++snapshot.tick) {
+    const double value = depth.read(snapshot, around()).values[0];
     EXPECT_EQ(value, 0.25 * std::round(value / 0.25));
     EXPECT_TRUE(value >= 11 && value <= 12.5);
     at_low += value == 11;
@@ -171,55 +171,55 @@ TEST_F(SensorNoise, ReadingsAreWholeQuantaWithinTheLimits) {
   EXPECT_NEAR(at_high / double{kSamples}, 0.5 * std::erfc(0.375 / std::sqrt(2)), 0.015);
 }
 
-TEST_F(SensorNoise, SamplesDependOnTimeAloneNotOnWhatWasRead) {
+TEST_F(SensorNoise, SamplesDependOnTimeAndNotOnReads) {
   SensorSpec spec = depth_with({.std = 0.1, .bias_std = 0.2, .bias_time_s = 1, .walk = 0.1});
-  spec.rate_hz = 30;  // does not divide the steps
+  spec.rate_hz = 30;  // does not divide the step rate
   spec.latency_s = 0.04;
   spec.drop_out = 0.2;
   NoisySensor often = sensor(spec), seldom = sensor(spec);
-  for (moment.tick = 0; moment.tick < 2000; ++moment.tick) {
-    moment.state.world_from_body.position_m.z() = -12 - 1e-3 * static_cast<double>(moment.tick);
+  for (snapshot.tick = 0; snapshot.tick < 2000; ++snapshot.tick) {
+    snapshot.state.world_from_body.position_m.z() = -12 - 1e-3 * static_cast<double>(snapshot.tick);
     for (NoisySensor* each : {&often, &seldom}) {
-      if (moment.tick >= each->next_due()) each->keep(moment);
+      if (snapshot.tick >= each->next_due()) each->record(snapshot);
     }
-    const Sample first = often.read(moment, around());
-    const Sample again = often.read(moment, around());
+    const Sample first = often.read(snapshot, around());
+    const Sample again = often.read(snapshot, around());
     EXPECT_EQ(first.values, again.values);
-    if (moment.tick % 317 != 0) continue;
-    const Sample rare = seldom.read(moment, around());
+    if (snapshot.tick % 317 != 0) continue;
+    const Sample rare = seldom.read(snapshot, around());
     EXPECT_EQ(rare.values, first.values);
     EXPECT_EQ(rare.stamp_ns, first.stamp_ns);
     EXPECT_EQ(rare.valid, first.valid);
   }
 }
 
-TEST_F(SensorNoise, ARateHoldsTheLastSampleAndKeepsItsMean) {
+TEST_F(SensorNoise, ASampleIsHeldUntilTheNextAndTheMeanRateIsExact) {
   SensorSpec spec = sensor_spec("depth");
   spec.rate_hz = 30;
   NoisySensor depth = sensor(spec);
   std::uint64_t samples = 0, last_ns = ~std::uint64_t{0};
-  for (moment.tick = 0; moment.tick < 2000; ++moment.tick) {  // 10 s
-    moment.state.world_from_body.position_m.z() = -static_cast<double>(moment.tick) * kStepS;
-    if (moment.tick >= depth.next_due()) depth.keep(moment);
-    const Sample& sample = depth.read(moment, around());
-    ASSERT_NEAR(sample.values[0], 1e-9 * static_cast<double>(sample.stamp_ns), 1e-9) << "the value of its own stamp";
-    ASSERT_LT(moment.tick * kStepNs - sample.stamp_ns, 33'333'334u);
+  for (snapshot.tick = 0; snapshot.tick < 2000; ++snapshot.tick) {  // 10 s
+    snapshot.state.world_from_body.position_m.z() = -static_cast<double>(snapshot.tick) * kStepS;
+    if (snapshot.tick >= depth.next_due()) depth.record(snapshot);
+    const Sample& sample = depth.read(snapshot, around());
+    ASSERT_NEAR(sample.values[0], 1e-9 * static_cast<double>(sample.stamp_ns), 1e-9) << "the value at its own stamp";
+    ASSERT_LT(snapshot.tick * kStepNs - sample.stamp_ns, 33'333'334u);
     samples += sample.stamp_ns != last_ns;
     last_ns = sample.stamp_ns;
   }
   EXPECT_NEAR(static_cast<double>(samples), 300, 1);
 }
 
-TEST_F(SensorNoise, AnAcceleratingVehicleIsSeenAsItWasALatencyAgo) {
+TEST_F(SensorNoise, WithLatencyAReadingShowsThePast) {
   SensorSpec spec = sensor_spec("velocity");
   spec.latency_s = 0.15;
   spec.rate_hz = 50;
   NoisySensor velocity = sensor(spec);
-  for (moment.tick = 0; moment.tick < 400; ++moment.tick) {
-    const double now_s = static_cast<double>(moment.tick) * kStepS;
-    moment.state.velocity_body(0) = 0.8 * now_s;
-    if (moment.tick >= velocity.next_due()) velocity.keep(moment);
-    const Sample& sample = velocity.read(moment, around());
+  for (snapshot.tick = 0; snapshot.tick < 400; ++snapshot.tick) {
+    const double now_s = static_cast<double>(snapshot.tick) * kStepS;
+    snapshot.state.velocity_body(0) = 0.8 * now_s;
+    if (snapshot.tick >= velocity.next_due()) velocity.record(snapshot);
+    const Sample& sample = velocity.read(snapshot, around());
     ASSERT_EQ(sample.valid, now_s > 0.15 - 1e-9) << "nothing has arrived before";
     if (!sample.valid) continue;
     const double sampled_s = 0.02 * std::floor((now_s - 0.15) / 0.02 + 1e-9);
@@ -228,7 +228,7 @@ TEST_F(SensorNoise, AnAcceleratingVehicleIsSeenAsItWasALatencyAgo) {
   }
 }
 
-TEST_F(SensorNoise, AUsblFixArrivesATravelTimeBothWaysLater) {
+TEST_F(SensorNoise, AUsblFixArrivesAfterTheTwoWayTravelTime) {
   const std::vector<WaterLevel> levels = {{.depth_m = 0, .sound_speed_m_s = 1400},
                                           {.depth_m = 12, .sound_speed_m_s = 1600}};
   world.water.profile = std::make_shared<const WaterProfile>(levels);
@@ -238,10 +238,10 @@ TEST_F(SensorNoise, AUsblFixArrivesATravelTimeBothWaysLater) {
   NoisySensor usbl = sensor(spec);
   const double slowness_s_m = std::log(1600.0 / 1400) / 200;  // the mean of 1 / c
   const double travel_s = 2 * std::hypot(800, 12) * slowness_s_m;
-  for (moment.tick = 0; moment.tick < 800; ++moment.tick) {
-    if (moment.tick >= usbl.next_due()) usbl.keep(moment);
-    const double now_s = static_cast<double>(moment.tick) * kStepS;
-    const Sample& sample = usbl.read(moment, around());
+  for (snapshot.tick = 0; snapshot.tick < 800; ++snapshot.tick) {
+    if (snapshot.tick >= usbl.next_due()) usbl.record(snapshot);
+    const double now_s = static_cast<double>(snapshot.tick) * kStepS;
+    const Sample& sample = usbl.read(snapshot, around());
     ASSERT_EQ(sample.valid, now_s >= travel_s) << now_s;
     if (sample.valid) {
       ASSERT_NEAR(1e-9 * static_cast<double>(sample.stamp_ns), 0.2 * std::floor((now_s - travel_s) / 0.2), 1e-9);
@@ -249,29 +249,29 @@ TEST_F(SensorNoise, AUsblFixArrivesATravelTimeBothWaysLater) {
   }
 }
 
-TEST_F(SensorNoise, DroppedSamplesAreThatShareAndTheLastOneThroughIsHeld) {
+TEST_F(SensorNoise, TheShareOfDroppedSamplesIsAsGivenAndTheLastOtherSampleIsHeld) {
   SensorSpec spec = sensor_spec("depth");
   spec.drop_out = 0.3;
   spec.rate_hz = 100;
   NoisySensor depth = sensor(spec);
-  int lost = 0, held_longest = 0;
+  int lost = 0, longest_hold = 0;
   constexpr int kSamples = 20'000;
-  for (moment.tick = 0; moment.tick < 2 * kSamples; ++moment.tick) {
-    moment.state.world_from_body.position_m.z() = -static_cast<double>(moment.tick + 1) * kStepS;
-    if (moment.tick >= depth.next_due()) depth.keep(moment);
-    if (moment.tick % 2) continue;
-    const Sample& sample = depth.read(moment, around());
+  for (snapshot.tick = 0; snapshot.tick < 2 * kSamples; ++snapshot.tick) {
+    snapshot.state.world_from_body.position_m.z() = -static_cast<double>(snapshot.tick + 1) * kStepS;
+    if (snapshot.tick >= depth.next_due()) depth.record(snapshot);
+    if (snapshot.tick % 2) continue;
+    const Sample& sample = depth.read(snapshot, around());
     lost += !sample.valid;
-    const auto age = static_cast<int>((moment.tick * kStepNs - sample.stamp_ns) / (2 * kStepNs));
-    ASSERT_TRUE(moment.tick == 0 || sample.valid == (age == 0));
+    const auto age = static_cast<int>((snapshot.tick * kStepNs - sample.stamp_ns) / (2 * kStepNs));
+    ASSERT_TRUE(snapshot.tick == 0 || sample.valid == (age == 0));
     ASSERT_NEAR(sample.values[0], 1e-9 * static_cast<double>(sample.stamp_ns) + kStepS, 1e-9);
-    held_longest = std::max(held_longest, age);
+    longest_hold = std::max(longest_hold, age);
   }
   EXPECT_NEAR(lost / double{kSamples}, 0.3, 5 * std::sqrt(0.3 * 0.7 / kSamples));
-  EXPECT_GE(held_longest, 4) << "more than the ring holds";
+  EXPECT_GE(longest_hold, 4) << "more samples than the ring holds";
 }
 
-TEST_F(SensorNoise, SteppingAndReadingTakeNoMemory) {
+TEST_F(SensorNoise, SteppingAndReadingDoNotAllocateMemory) {
   std::vector<SensorSpec> specs = {sensor_spec("imu"), sensor_spec("depth"), sensor_spec("dvl"), sensor_spec("usbl")};
   for (SensorSpec& spec : specs) {
     spec.rate_hz = 40;
@@ -281,9 +281,9 @@ TEST_F(SensorNoise, SteppingAndReadingTakeNoMemory) {
   specs[0].noise["angular_velocity"] = {.std = 1e-3, .bias_std = 1e-3, .bias_time_s = 10, .walk = 1e-4};
   SensorRack rack(specs, 7, "rov", kStepNs);
   const auto step = [&] {
-    if (rack.due(moment.tick)) rack.keep(moment);
-    for (std::size_t k = 0; k < rack.size(); ++k) rack.at(k).read(moment, around());
-    ++moment.tick;
+    if (rack.due(snapshot.tick)) rack.record(snapshot);
+    for (std::size_t k = 0; k < rack.size(); ++k) rack.at(k).read(snapshot, around());
+    ++snapshot.tick;
   };
   step();
   const std::size_t before = allocations;
@@ -291,13 +291,13 @@ TEST_F(SensorNoise, SteppingAndReadingTakeNoMemory) {
   EXPECT_EQ(allocations, before);
 }
 
-TEST_F(SensorNoise, AllErrorsOffIsTheTruth) {
-  moment.state.velocity_body << 1, 2, 3, 0.1, 0.2, 0.3;
+TEST_F(SensorNoise, WithoutErrorsASensorReadsTheTruth) {
+  snapshot.state.velocity_body << 1, 2, 3, 0.1, 0.2, 0.3;
   for (const SensorKind* kind : sensor_kinds()) {
     SensorSpec spec = sensor_spec(std::string(kind->name));
     if (kind->name == "proximity") spec.parameters["range_max_m"] = {10};
     NoisySensor each = sensor(spec);
-    const Sample read = each.read(moment, around()), true_value = each.read_true(moment, around());
+    const Sample read = each.read(snapshot, around()), true_value = each.read_true(snapshot, around());
     EXPECT_EQ(read.values, true_value.values) << kind->name;
   }
 }

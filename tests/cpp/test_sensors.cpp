@@ -19,24 +19,25 @@ TEST_F(Sensors, PressureAndDepthFollowTheWater) {
   EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 1000 * 9.80665 * 12, 1e-6);
   EXPECT_NEAR(truth(sensor_spec("depth", {}, lower)).values[0], 12.5, 1e-12);
   EXPECT_NEAR(truth(sensor_spec("depth", {{"density_kg_m3", {1025}}})).values[0], 12 / 1.025, 1e-12)
-      << "a sensor set for the sea reads too little in a lake";
+      << "a sensor calibrated for the sea reads too little in a lake";
   EXPECT_NEAR(truth(sensor_spec("temperature")).values[0], world.water.temperature_deg_c(-12), 1e-12);
-  moment.state.world_from_body.position_m.z() = 3;
+  snapshot.state.world_from_body.position_m.z() = 3;
   EXPECT_EQ(truth(sensor_spec("depth")).values[0], 0) << "in air";
   EXPECT_EQ(truth(sensor_spec("pressure")).values[0], 101325);
 }
 
-TEST_F(Sensors, PressureIntegratesAStratifiedProfileAndDepthErrsByIt) {
+TEST_F(Sensors, PressureIntegratesAStratifiedProfileAndDepthErrsAccordingly) {
   const std::vector<WaterLevel> levels = {{.depth_m = 0, .temperature_deg_c = 20, .density_kg_m3 = 998},
                                           {.depth_m = 10, .temperature_deg_c = 5, .density_kg_m3 = 1008}};
   world.water.profile = std::make_shared<const WaterProfile>(levels);
   const double column_kg_m2 = 998 * 10 + 10 * 10 / 2 + 1008 * 2;  // of 12 m
   EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 9.80665 * column_kg_m2, 1e-6);
-  EXPECT_NEAR(truth(sensor_spec("depth")).values[0], column_kg_m2 / 998, 1e-9) << "nominal: the surface's";
+  EXPECT_NEAR(truth(sensor_spec("depth")).values[0], column_kg_m2 / 998, 1e-9)
+      << "nominal density: that of the surface";
   EXPECT_NEAR(truth(sensor_spec("temperature")).values[0], 5, 1e-12);
 }
 
-TEST_F(Sensors, AltitudeIsInvalidOutOfReachAndProximityReadsItsRange) {
+TEST_F(Sensors, BeyondTheMaximumRangeAltitudeIsInvalidAndProximityReadsThatRange) {
   EXPECT_NEAR(truth(sensor_spec("altitude")).values[0], 8, 1e-9);
   EXPECT_TRUE(truth(sensor_spec("altitude")).valid);
   const Sample far = truth(sensor_spec("altitude", {{"range_max_m", {5}}}));
@@ -47,47 +48,47 @@ TEST_F(Sensors, AltitudeIsInvalidOutOfReachAndProximityReadsItsRange) {
   EXPECT_EQ(truth(sensor_spec("proximity", {{"range_max_m", {3}}}, kPort)).values[0], 3) << "as published";
 }
 
-TEST_F(Sensors, AnImuAtRestFeelsGravityAndATurningOneItsCentripetalForce) {
+TEST_F(Sensors, AnImuMeasuresGravityAtRestAndTheCentripetalForceInATurn) {
   const auto still = truth(sensor_spec("imu")).values;
   EXPECT_NEAR(still[5], 9.80665, 1e-12);
-  moment.state.velocity_body(5) = 2;  // yaw
+  snapshot.state.velocity_body(5) = 2;  // yaw
   const Pose ahead{{0.3, 0, 0}, Eigen::Quaterniond::Identity()};
   const auto turning = truth(sensor_spec("imu", {}, ahead)).values;
   EXPECT_NEAR(turning[2], 2, 1e-12);
   EXPECT_NEAR(turning[3], -4 * 0.3, 1e-12);
   EXPECT_NEAR(truth(sensor_spec("velocity", {}, ahead)).values[1], 0.6, 1e-12);
-  moment.state.velocity_body << 1, 0, 0, 0, 0, 2;  // going round a circle at steady speed: v omega to port
+  snapshot.state.velocity_body << 1, 0, 0, 0, 0, 2;  // going round a circle at steady speed: v omega to port
   EXPECT_NEAR(truth(sensor_spec("imu")).values[4], 2, 1e-12);
   EXPECT_NEAR(truth(sensor_spec("acceleration")).values[1], 2, 1e-12);
-  EXPECT_NEAR(truth(sensor_spec("acceleration")).values[2], 0, 1e-12) << "gravity is an IMU's matter";
+  EXPECT_NEAR(truth(sensor_spec("acceleration")).values[2], 0, 1e-12) << "without gravity, unlike an IMU";
 }
 
-TEST_F(Sensors, AFallingImuFeelsNothingInAnyAttitudeAndTellsItsOrientation) {
-  moment.state.world_from_body.orientation = turn(1, 0.4, -2);
-  const Eigen::Vector3d down = moment.state.world_from_body.orientation.conjugate() * Eigen::Vector3d(0, 0, -9.80665);
-  moment.acceleration_body.head<3>() = down;
+TEST_F(Sensors, AFallingImuMeasuresNoForceInAnyAttitudeAndItsOrientation) {
+  snapshot.state.world_from_body.orientation = turn(1, 0.4, -2);
+  const Eigen::Vector3d down = snapshot.state.world_from_body.orientation.conjugate() * Eigen::Vector3d(0, 0, -9.80665);
+  snapshot.acceleration_body.head<3>() = down;
   const auto reading = truth(sensor_spec("imu", {}, {Eigen::Vector3d::Zero(), turn(0.3, 0.2)})).values;
   EXPECT_LT(Eigen::Vector3d::Map(&reading[3]).norm(), 1e-12);
-  const Eigen::Quaterniond told(Eigen::Vector4d::Map(&reading[6]));
-  EXPECT_LT(told.angularDistance(turn(1, 0.4, -2) * turn(0.3, 0.2)), 1e-7);
+  const Eigen::Quaterniond orientation(Eigen::Vector4d::Map(&reading[6]));
+  EXPECT_LT(orientation.angularDistance(turn(1, 0.4, -2) * turn(0.3, 0.2)), 1e-7);
 }
 
-TEST_F(Sensors, ADvlKnowsItsVelocityOverFlatAndSlopedBottomInAnyAttitude) {
+TEST_F(Sensors, ADvlMeasuresItsVelocityOverFlatAndSlopingBottomsInAnyAttitude) {
   World slope;
   slope.set_terrain(Heightfield(std::vector<float>{-40, 40, -60, 20}, 2, 2, 400.0, {-200, -200}));
   const RayScene over_slope(slope), &flat = *scene;
-  moment.state.velocity_body << 1.2, -0.4, 0.3, 0.1, -0.2, 0.5;
+  snapshot.state.velocity_body << 1.2, -0.4, 0.3, 0.1, -0.2, 0.5;
   const Pose mount{{0.3, -0.1, -0.2}, turn(0.7, 0.1)};
   const Eigen::Vector3d over_ground =
       mount.orientation.conjugate() *
       (Eigen::Vector3d(1.2, -0.4, 0.3) + Eigen::Vector3d(0.1, -0.2, 0.5).cross(mount.position_m));
   NoisySensor dvl = sensor(sensor_spec("dvl", {{"range_max_m", {1000}}}, mount));
-  moment.state.world_from_body.position_m = {-20, 5, -3};
+  snapshot.state.world_from_body.position_m = {-20, 5, -3};
   for (const double roll : {0.0, 0.3, -0.45}) {
     for (const double yaw : {0.0, 1.0, 4.0}) {
-      moment.state.world_from_body.orientation = turn(yaw, 0.2 * yaw - 0.3, roll);
+      snapshot.state.world_from_body.orientation = turn(yaw, 0.2 * yaw - 0.3, roll);
       for (const RayScene* bottom : {&flat, &over_slope}) {
-        const Sample sample = dvl.read_true(moment, {*bottom, world.water, station_world_m});
+        const Sample sample = dvl.read_true(snapshot, {*bottom, world.water, station_world_m});
         ASSERT_TRUE(sample.valid);
         EXPECT_LT((Eigen::Vector3d::Map(sample.values.data()) - over_ground).norm(), 1e-12);
       }
@@ -95,29 +96,29 @@ TEST_F(Sensors, ADvlKnowsItsVelocityOverFlatAndSlopedBottomInAnyAttitude) {
   }
 }
 
-TEST_F(Sensors, DvlBeamsSlantByThirtyDegreesAndLockIsLostBelowThree) {
+TEST_F(Sensors, DvlBeamsSlantByThirtyDegreesAndBottomLockNeedsThree) {
   const auto level = truth(sensor_spec("dvl")).values;
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(level[3 + static_cast<std::size_t>(k)], 8 / std::cos(kPi / 6), 1e-9);
-  moment.state.velocity_body(0) = 1;
+  snapshot.state.velocity_body(0) = 1;
   const auto ahead = truth(sensor_spec("dvl")).values;
   for (std::size_t k = 0; k < 4; ++k) {
     const double azimuth = kPi / 4 + kPi / 2 * static_cast<double>(k);
     EXPECT_NEAR(ahead[7 + k], std::sin(kPi / 6) * std::cos(azimuth), 1e-12) << "b . v";
   }
-  EXPECT_FALSE(truth(sensor_spec("dvl", {{"range_min_m", {10}}})).valid) << "too near";
+  EXPECT_FALSE(truth(sensor_spec("dvl", {{"range_min_m", {10}}})).valid) << "below the minimum range";
   const double reach = 8 / std::cos(kPi / 6);
   EXPECT_TRUE(truth(sensor_spec("dvl", {{"range_max_m", {reach + 1e-3}}})).valid);
   const Sample lost = truth(sensor_spec("dvl", {{"range_max_m", {reach - 1e-3}}}));
   EXPECT_FALSE(lost.valid);
   EXPECT_EQ(lost.values[0], 0);
   EXPECT_EQ(lost.values[11], 0) << "bottom_lock";
-  // Rolled with one beam abeam: three beams are left, and tell the velocity still.
-  moment.state.world_from_body.orientation = turn(0, 0, -65 * kPi / 180);
+  // Rolled until one beam is horizontal: the three others still determine the velocity.
+  snapshot.state.world_from_body.orientation = turn(0, 0, -65 * kPi / 180);
   const Sample three = truth(sensor_spec("dvl", {{"beam_azimuth_deg", {0}}}));
   EXPECT_TRUE(three.valid);
   EXPECT_EQ(std::count_if(&three.values[3], &three.values[7], [](double r) { return std::isfinite(r); }), 3);
   EXPECT_NEAR(three.values[0], 1, 1e-12);
-  // At an azimuth of 45 degrees two beams are abeam, and two left within 40 m.
+  // At an azimuth of 45 degrees two beams are horizontal, and two are within 40 m.
   EXPECT_FALSE(truth(sensor_spec("dvl", {{"range_max_m", {40}}})).valid);
 }
 
@@ -143,43 +144,43 @@ TEST_F(Sensors, UsblErrorsLieAlongTheLineOfSightAndAcrossIt) {
   double along = 0, sideways = 0, upwards = 0;
   constexpr int kFixes = 20'000;
   for (int k = 0; k < kFixes; ++k) {
-    usbl.keep(moment);
-    Moment later = moment;
-    later.tick += 40;  // 0.2 s: longer than the sound travels
+    usbl.record(snapshot);
+    VehicleSnapshot later = snapshot;
+    later.tick += 40;  // 0.2 s: more than the travel time
     const Sample fix = usbl.read(later, around());
-    ASSERT_EQ(fix.stamp_ns, moment.tick * kStepNs);
+    ASSERT_EQ(fix.stamp_ns, snapshot.tick * kStepNs);
     const Eigen::Vector3d error = Eigen::Vector3d::Map(fix.values.data()) - line;
     along += std::pow(error.dot(sight), 2);
     sideways += std::pow(error.dot(level), 2);
     upwards += std::pow(error.dot(sight.cross(level)), 2);
-    ++moment.tick;
+    ++snapshot.tick;
   }
   EXPECT_NEAR(std::sqrt(along / kFixes), 0.1, 0.003);
   EXPECT_NEAR(std::sqrt(sideways / kFixes), line.norm() * 0.01, line.norm() * 0.01 * 0.03);
   EXPECT_NEAR(std::sqrt(upwards / kFixes), line.norm() * 0.01, line.norm() * 0.01 * 0.03);
 }
 
-TEST_F(Sensors, ACompassTellsItsHeadingFromMagneticNorth) {
+TEST_F(Sensors, ACompassMeasuresItsHeadingFromMagneticNorth) {
   for (const double yaw : {0.0, 1.0, 2.5, -2.0}) {
-    moment.state.world_from_body.orientation = turn(yaw, 0.3, -0.6);
+    snapshot.state.world_from_body.orientation = turn(yaw, 0.3, -0.6);
     const double north = std::fmod(kPi / 2 - yaw + 4 * kPi, 2 * kPi);
     EXPECT_NEAR(truth(sensor_spec("compass")).values[0], north, 1e-12);
     const double magnetic = truth(sensor_spec("compass", {{"declination_deg", {10}}})).values[0];
     EXPECT_NEAR(std::remainder(magnetic - (north - 10 * kPi / 180), 2 * kPi), 0, 1e-12);
   }
-  // Hard iron to starboard of a level vehicle heading north: the field seems to point east of the bow.
-  moment.state.world_from_body.orientation = turn(kPi / 2);
+  // Hard iron to starboard of a level vehicle heading north turns the measured field east of the bow.
+  snapshot.state.world_from_body.orientation = turn(kPi / 2);
   const double deflected = truth(sensor_spec("compass", {{"hard_iron_ut", {0, -5, 0}}})).values[0];
   EXPECT_NEAR(std::remainder(deflected + std::atan2(5, 50 * std::cos(kPi / 3)), 2 * kPi), 0, 1e-12);
 }
 
-TEST_F(Sensors, ContactIsOneWhileTouching) {
+TEST_F(Sensors, ContactIsOneWhileInContact) {
   EXPECT_EQ(truth(sensor_spec("contact")).values[0], 0);
-  moment.touching = true;
+  snapshot.touching = true;
   EXPECT_EQ(truth(sensor_spec("contact")).values[0], 1);
 }
 
-TEST_F(Sensors, WhatDoesNotFitIsRefusedByName) {
+TEST_F(Sensors, AnInvalidSpecIsRefusedByName) {
   const auto message = [&](const SensorSpec& spec) {
     try {
       sensor(spec);

@@ -1,4 +1,4 @@
-// Laws of contact that hold for the whole simulation, whatever finds and solves the contacts.
+// Laws of contact that hold for the whole simulation, however contacts are found and solved.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kRestGap_m = 0.01;
+constexpr double kRestTolerance_m = 0.01;
 
 struct Block {
   double density_kg_m3 = 2500;
@@ -41,7 +41,7 @@ VehicleSpec block_at(const Eigen::Vector3d& position_m, const Block& block = {})
   return spec;
 }
 
-/// A flat bed at z = -10; with a slab on it, 0.5 m thick and cut into 0.5 m squares, if asked for.
+/// A flat bed at z = -10; with `slab`, a slab on it, 0.5 m thick and divided into squares of 0.5 m.
 World flat_world(bool slab = false) {
   World world;
   world.set_terrain(Heightfield(std::vector<float>(81 * 81, -10), 81, 81, 0.5, {-20, -20}));
@@ -87,7 +87,7 @@ TEST(SimulatedContact, AFrictionlessBodyKeepsItsSpeedOverAFlatBed) {
   EXPECT_NEAR(sim.telemetry(0).speed_m_s, 1, 0.01);
 }
 
-TEST(SimulatedContact, FrictionIsMuTimesTheLoadInEveryDirection) {
+TEST(SimulatedContact, FrictionIsTheCoefficientTimesTheLoadInEveryDirection) {
   const double mu = 0.5;
   const double load_n = 1.2 * 0.8 * 0.6 * (1100 - 1000) * 9.80665;
   for (const double yaw : {0.0, 0.4, 0.785}) {
@@ -109,19 +109,20 @@ TEST(SimulatedContact, FrictionIsMuTimesTheLoadInEveryDirection) {
   }
 }
 
-TEST(SimulatedContact, ABodyComesToRestWhateverTheStepAndTheShape) {
+TEST(SimulatedContact, ABodyComesToRestForEveryStepAndShape) {
   for (const double step_s : {0.005, 0.01, 0.02}) {
     for (const CollisionShape shape : {CollisionShape::kHull, CollisionShape::kBox}) {
       const Block block{.shape = shape, .mesh_shift_m = {0.1, 0, 0.25}};
       Simulation sim = simulation(flat_world(), block_at({0, 0, -9.5}, block), step_s);
       sim.step(static_cast<std::uint64_t>(15 / step_s));
       EXPECT_LT(sim.telemetry(0).speed_m_s, 1e-3) << step_s;
-      EXPECT_NEAR(sim.state(0).world_from_body.position_m.z() - 0.05, -10, kRestGap_m) << "lowest point of the mesh";
+      EXPECT_NEAR(sim.state(0).world_from_body.position_m.z() - 0.05, -10, kRestTolerance_m)
+          << "the lowest point of the mesh";
     }
   }
 }
 
-TEST(SimulatedContact, WhatFollowsAStateDependsOnTheStateAlone) {
+TEST(SimulatedContact, TheFutureDependsOnTheStateAlone) {
   BodyState start;
   start.world_from_body.position_m = {0.2, -0.1, -9.695};
   start.velocity_body << 0.3, 0, -0.2, 0, 0.1, 0;
@@ -139,7 +140,7 @@ TEST(SimulatedContact, WhatFollowsAStateDependsOnTheStateAlone) {
   EXPECT_EQ(ends[0].velocity_body, ends[1].velocity_body);
 }
 
-TEST(SimulatedContact, ThrustersPushWaterNotAir) {
+TEST(SimulatedContact, ThrustersGiveNoThrustInAir) {
   VehicleSpec block = block_at({0, 0, 20});
   Simulation sim = simulation(flat_world(), block);
   sim.actuators(0).set_effort(surge(1));
@@ -147,7 +148,7 @@ TEST(SimulatedContact, ThrustersPushWaterNotAir) {
   EXPECT_EQ(sim.state(0).velocity_body(0), 0);
 }
 
-TEST(SimulatedContact, APlaceUnderTheGroundOrBeyondTheWorldIsRefused) {
+TEST(SimulatedContact, APositionUnderTheGroundOrBeyondTheWorldIsRefused) {
   Simulation sim = simulation(flat_world(), block_at({0, 0, -5}));
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, -10.2), Eigen::Vector3d(0, 0, 2e18)}) {
     BodyState state;
@@ -157,7 +158,7 @@ TEST(SimulatedContact, APlaceUnderTheGroundOrBeyondTheWorldIsRefused) {
   EXPECT_THROW(sim.state(1), std::out_of_range);
 }
 
-TEST(SimulatedContact, MaterialsThatMakeNoSenseAreRefused) {
+TEST(SimulatedContact, InvalidMaterialsAreRefused) {
   for (const Block& bad :
        {Block{.friction = -1}, Block{.friction = NAN}, Block{.restitution = 5}, Block{.restitution = NAN}}) {
     EXPECT_THROW(simulation(flat_world(), block_at({0, 0, -5}, bad)), InvalidValue);

@@ -51,7 +51,7 @@ TEST(Simulation, ADockedVehicleStaysUntilItIsReleased) {
   EXPECT_NEAR(sim.telemetry(0).mission_time_s, 1, 1e-9);
 }
 
-TEST(Simulation, EachEffortMovesItsOwnAxisThePositiveWay) {
+TEST(Simulation, APositiveEffortMovesItsOwnAxisForwardAlone) {
   for (int axis = 0; axis < 6; ++axis) {
     Simulation sim = simulation(flat_world());
     sim.add_vehicle(neutral_vehicle(false));
@@ -66,7 +66,7 @@ TEST(Simulation, EachEffortMovesItsOwnAxisThePositiveWay) {
   }
 }
 
-TEST(Simulation, ThrustersStopWhenTheBatteryIsUsedUp) {
+TEST(Simulation, ThrustersStopWhenTheBatteryIsEmpty) {
   SimulationSpec spec;
   spec.mission_time_s = 2;
   Simulation sim = simulation(flat_world(), spec);
@@ -84,7 +84,7 @@ TEST(Simulation, ThrustersStopWhenTheBatteryIsUsedUp) {
   EXPECT_NEAR(sim.telemetry(0).speed_m_s, speed / (1 + drag * speed * coasting_s / mass_kg), 1e-6);
 }
 
-TEST(Simulation, APropellerSpinsDownWhenTheBatteryIsUsedUp) {
+TEST(Simulation, APropellerSpinsDownWhenTheBatteryIsEmpty) {
   SimulationSpec spec;
   spec.mission_time_s = 1;
   VehicleSpec vehicle = neutral_vehicle(false);
@@ -102,7 +102,7 @@ TEST(Simulation, APropellerSpinsDownWhenTheBatteryIsUsedUp) {
   EXPECT_NEAR(sim.actuators(0).thrusters()[0].thrust_n(), full * std::exp(-1), 1e-9);
 }
 
-TEST(Simulation, ThePanelAgreesWithGeometryAndWarnsAtItsThresholds) {
+TEST(Simulation, TelemetryAgreesWithGeometryAndWarnsAtItsThresholds) {
   SimulationSpec spec;
   spec.station_world_m = {0, 60, -8};
   Simulation sim = simulation(flat_world(), spec);
@@ -127,7 +127,7 @@ TEST(Simulation, ThePanelAgreesWithGeometryAndWarnsAtItsThresholds) {
   EXPECT_EQ(sim.collisions(0), 1u);
 }
 
-TEST(Simulation, NoVehicleIsPutInsideASolid) {
+TEST(Simulation, APositionInsideASolidIsRefused) {
   World world = flat_world();
   TriangleMesh rock = testing::box(4, 4, 4);
   for (Eigen::Vector3d& v : rock.vertices_m) v += Eigen::Vector3d(10, 0, -8);
@@ -142,7 +142,7 @@ TEST(Simulation, NoVehicleIsPutInsideASolid) {
   } catch (const InvalidValue& error) {
     EXPECT_STREQ(error.what(), "vehicle 'rov' position_m =  9  1 -7: must be outside 'rock'");
   }
-  EXPECT_EQ(sim.state(0).world_from_body.position_m, Eigen::Vector3d(0, 0, -8)) << "it stays where it was";
+  EXPECT_EQ(sim.state(0).world_from_body.position_m, Eigen::Vector3d(0, 0, -8)) << "it must stay where it was";
   state.world_from_body.position_m = {7.5, 1, -7};
   EXPECT_NO_THROW(sim.set_state(0, state));
   VehicleSpec second = neutral_vehicle(false);
@@ -151,7 +151,7 @@ TEST(Simulation, NoVehicleIsPutInsideASolid) {
   EXPECT_THROW(sim.add_vehicle(second), InvalidValue);
 }
 
-TEST(Simulation, EffortsBeyondOneAndWhatIsNotFiniteStayOutside) {
+TEST(Simulation, InvalidCommandsStatesAndSpecsAreRefused) {
   Simulation sim = simulation(flat_world());
   sim.add_vehicle(neutral_vehicle(false));
   EXPECT_THROW(sim.actuators(0).set_effort(Vector6d::Constant(1.01)), InvalidValue);
@@ -159,7 +159,7 @@ TEST(Simulation, EffortsBeyondOneAndWhatIsNotFiniteStayOutside) {
   BodyState state;
   state.velocity_body(3) = INFINITY;
   EXPECT_THROW(sim.set_state(0, state), InvalidValue);
-  EXPECT_THROW(sim.add_vehicle(neutral_vehicle(false)), InvalidValue) << "a name taken twice";
+  EXPECT_THROW(sim.add_vehicle(neutral_vehicle(false)), InvalidValue) << "a repeated name";
   SimulationSpec spec;
   spec.step_s = 0;
   EXPECT_THROW(simulation(flat_world(), spec), InvalidValue);

@@ -1,8 +1,5 @@
-#include "uwsim/sonar/single_beam.h"
-
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 
 #include "imaging_pool.h"
@@ -13,78 +10,77 @@ namespace {
 
 using testing::at;
 using testing::flat_bed;
+using testing::ImagingModel;
 using testing::kDegree;
 using testing::quiet_single_beam;
 
-const RandomStream kRandom(7, "profiler");
-
-/// Steps in the vertical plane: the head's x axis straight down, its y axis to port.
+/// A head that steps in the vertical plane: its x axis straight down, its y axis to port.
 Pose downwards(double z_m) { return at({0, 0, z_m}, 90 * kDegree); }
 
-SingleBeamProfiles ping(const SingleBeamModel& model, const World& world, const Pose& pose,
-                        std::span<const double> angles, int threads = 1) {
-  return single_beam(model, RayScene(world), world.water, pose, angles, kRandom, 0, threads);
+std::vector<float> ranges_m(const ImagingModel& model, const World& world, const Pose& pose,
+                            const std::vector<double>& angles, int threads = 1) {
+  return testing::values_of(model, world, {.poses = {pose}, .angles_rad = angles, .threads = threads}, "ranges_m");
 }
 
 TEST(SingleBeam, ProfilesAFlatBedAsHeightOverCosine) {
-  const SingleBeamModel model = quiet_single_beam();
-  const std::array angles{-45 * kDegree, -20 * kDegree, 0.0, 10 * kDegree, 45 * kDegree};
-  const auto profiles = ping(model, flat_bed(-20), downwards(-12), angles);
+  const ImagingModel model = quiet_single_beam();
+  const std::vector angles{-45 * kDegree, -20 * kDegree, 0.0, 10 * kDegree, 45 * kDegree};
+  const auto ranges = ranges_m(model, flat_bed(-20), downwards(-12), angles);
   for (std::size_t k = 0; k < angles.size(); ++k) {
     const double expected = 8 / std::cos(angles[k]);
-    EXPECT_NEAR(profiles.ranges_m[k], expected, 0.01 + expected * model.beam_width_rad * model.beam_width_rad) << k;
+    EXPECT_NEAR(ranges[k], expected, 0.01 + expected * model["beam_width_rad"] * model["beam_width_rad"]) << k;
   }
 }
 
 TEST(SingleBeam, TheObliqueEchoIsAsLongAsTheFootprint) {
-  const SingleBeamModel model = quiet_single_beam();
-  const std::array angles{45 * kDegree};
-  const auto levels = ping(model, flat_bed(-20), downwards(-12), angles).level_db;
+  const ImagingModel model = quiet_single_beam();
+  const testing::Pings pings{.poses = {downwards(-12)}, .angles_rad = {45 * kDegree}};
+  const auto levels = testing::values_of(model, flat_bed(-20), pings, "level_db");
   const float peak = *std::max_element(levels.begin(), levels.end());
   const auto half = std::count_if(levels.begin(), levels.end(), [&](float level) { return level > peak - 3.01f; });
   const double range = 8 * std::sqrt(2.0);
-  EXPECT_NEAR(static_cast<double>(half) * 0.01, range * std::tan(45 * kDegree) * model.beam_width_rad, 0.04);
+  EXPECT_NEAR(static_cast<double>(half) * 0.01, range * std::tan(45 * kDegree) * model["beam_width_rad"], 0.04);
 }
 
-TEST(SingleBeam, SpeckleDoesNotMoveTheRangeByMoreThanTheFootprint) {
-  SingleBeamModel model = quiet_single_beam();
-  model.acoustics.looks = 1;
-  model.acoustics.noise_level_db = 55;
-  std::vector<double> angles(200, 30 * kDegree);
-  const auto profiles = ping(model, flat_bed(-20), downwards(-12), angles);
-  const double range = 8 / std::cos(30 * kDegree), footprint = range * std::tan(30 * kDegree) * model.beam_width_rad;
+TEST(SingleBeam, SpeckleShiftsTheRangeByLessThanTheFootprint) {
+  ImagingModel model = quiet_single_beam();
+  model["looks"] = 1;
+  model["noise_level_db"] = 55;
+  const std::vector<double> angles(200, 30 * kDegree);
+  const auto ranges = ranges_m(model, flat_bed(-20), downwards(-12), angles);
+  const double range = 8 / std::cos(30 * kDegree), footprint = range * std::tan(30 * kDegree) * model["beam_width_rad"];
   double mean = 0, variance = 0;
-  for (const float found : profiles.ranges_m) {
+  for (const float found : ranges) {
     EXPECT_NEAR(found, range, footprint);
     mean += found / 200;
     variance += (found - range) * (found - range) / 200;
   }
   EXPECT_LT(std::sqrt(variance), 0.1 * footprint) << "the centroid averages over the footprint's bins";
   EXPECT_NEAR(mean, range, 0.02);
-  EXPECT_EQ(profiles.ranges_m, ping(model, flat_bed(-20), downwards(-12), angles, 3).ranges_m);
+  EXPECT_EQ(ranges, ranges_m(model, flat_bed(-20), downwards(-12), angles, 3));
 }
 
 TEST(SingleBeam, WithoutAnEchoTheRangeIsInfinite) {
-  SingleBeamModel model = quiet_single_beam();
-  model.acoustics.looks = 1;
-  model.acoustics.noise_level_db = 55;
-  const std::array angles{0.0, 80 * kDegree};
+  ImagingModel model = quiet_single_beam();
+  model["looks"] = 1;
+  model["noise_level_db"] = 55;
+  const std::vector angles{0.0, 80 * kDegree};
   for (const Pose& pose : {downwards(-12), downwards(1), downwards(-21)}) {
-    const auto ranges = ping(model, flat_bed(pose.position_m.z() == -12 ? -60 : -20), pose, angles).ranges_m;
+    const auto ranges = ranges_m(model, flat_bed(pose.position_m.z() == -12 ? -60 : -20), pose, angles);
     for (const float range : ranges) EXPECT_TRUE(std::isinf(range)) << range;
   }
 }
 
-TEST(SingleBeam, RefusesModelsThatAreNone) {
+TEST(SingleBeam, RefusesFiguresOutOfRange) {
   const auto refused = [](auto change) {
-    SingleBeamModel model = quiet_single_beam();
+    ImagingModel model = quiet_single_beam();
     change(model);
-    EXPECT_THROW(model.check(), InvalidValue);
+    EXPECT_THROW(model.make(), InvalidValue);
   };
-  EXPECT_NO_THROW(quiet_single_beam().check());
-  refused([](auto& m) { m.beam_width_rad = 0; });
-  refused([](auto& m) { m.rays_across = 1; });
-  refused([](auto& m) { m.detection_db = std::nan(""); });
+  EXPECT_NO_THROW(quiet_single_beam().make());
+  refused([](auto& m) { m["beam_width_rad"] = 0; });
+  refused([](auto& m) { m["rays_across"] = 1; });
+  refused([](auto& m) { m["detection_db"] = std::nan(""); });
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(SonarEquation, ASmoothBottomFallsBy20LogRAndARoughOneBy30) {
   EXPECT_NEAR(fall_db({-30, 2}, 1e3, 1e4), 30, 0.01);
 }
 
-TEST(SonarEquation, AbsorptionCostsTwiceItsDecibels) {
+TEST(SonarEquation, AbsorptionAppliesTwice) {
   EXPECT_NEAR(fall_db({-30, 0}, 100, 400, 0.05) - fall_db({-30, 0}, 100, 400, 0), 2 * 0.05 * 300, 1e-9);
 }
 
@@ -39,7 +39,7 @@ TEST(SonarEquation, EachTermCountsOnce) {
   EXPECT_NEAR(nadir_snr_db(sonar, {-28, 0.1}, 50, kSoundSpeed, 0.02) - before, 14 + 10, 1e-9);
 }
 
-TEST(SonarEquation, TheThresholdIsPassedHalfOfTheTimeAndFartherIsNeverLikelier) {
+TEST(SonarEquation, TheDetectionProbabilityIsOneHalfAtTheThresholdAndFallsWithRange) {
   for (const double looks : {1.0, 3.0, 30.0}) {
     EXPECT_NEAR(detection_probability(std::pow(10, 1.3), looks, 13), 0.5, 1e-12);
     double before = 1;
@@ -69,7 +69,7 @@ TEST(SonarEquation, FadingHasTheMeanAndVarianceOfItsLooks) {
   }
 }
 
-TEST(SonarEquation, RangeErrsLessWithMoreSignalMoreBandwidthAndByPhaseWhereEchoesAreLong) {
+TEST(SonarEquation, RangeErrorsFallWithSignalAndBandwidthAndByPhaseForLongEchoes) {
   EXPECT_GT(amplitude_range_std_m(1, 0.03, 2), amplitude_range_std_m(1, 0.03, 20));
   EXPECT_GT(phase_range_std_m(1, 0.03, 2), phase_range_std_m(1, 0.03, 20));
   EXPECT_GT(phase_range_std_m(1, 0.06, 20), phase_range_std_m(1, 0.03, 20));
@@ -78,7 +78,7 @@ TEST(SonarEquation, RangeErrsLessWithMoreSignalMoreBandwidthAndByPhaseWhereEchoe
   EXPECT_NEAR(phase_range_std_m(1, 0.01, 20) / phase_range_std_m(1, 0.04, 20), 0.5, 1e-12) << "four times the looks";
 }
 
-TEST(SonarEquation, FiguresThatAreNoneAreRefused) {
+TEST(SonarEquation, RefusesFiguresOutOfRange) {
   for (double SonarFigures::*field :
        {&SonarFigures::frequency_hz, &SonarFigures::beam_width_along_rad, &SonarFigures::beam_width_across_rad,
         &SonarFigures::pulse_length_s, &SonarFigures::bandwidth_hz, &SonarFigures::source_level_db,
@@ -91,12 +91,12 @@ TEST(SonarEquation, FiguresThatAreNoneAreRefused) {
   }
 }
 
-TEST(AbsorptionColumn, AMeanAlongAPathIsTheMeanOfWhatItPasses) {
+TEST(AbsorptionColumn, TheMeanAlongAPathIsTheMeanOverItsDepths) {
   const AbsorptionColumn column([](double depth) { return 50 + 0.1 * depth; }, 1000);
   EXPECT_NEAR(column.mean_db_m(100, 300), (50 + 20) / 1000.0, 1e-9);
   EXPECT_NEAR(column.mean_db_m(300, 100), (50 + 20) / 1000.0, 1e-9);
   EXPECT_NEAR(column.mean_db_m(200, 200), (50 + 20) / 1000.0, 1e-9);
-  EXPECT_NEAR(column.mean_db_m(1000, 3000), 0.15, 1e-9) << "below the bottom it is the bottom's";
+  EXPECT_NEAR(column.mean_db_m(1000, 3000), 0.15, 1e-9) << "constant below the bottom";
   EXPECT_NEAR(column.mean_db_m(0, 2000), 0.001 * (100 + 150) / 2, 1e-9);
 }
 

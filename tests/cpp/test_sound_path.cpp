@@ -17,7 +17,7 @@ SoundSpeedProfile profile_of(const std::vector<double>& depths_m, const std::vec
   return SoundSpeedProfile(depths_m, speeds_m_s);
 }
 
-/// The ray's equations, integrated by Runge and Kutta's fourth order in small steps of time.
+/// The ray equations, integrated by a fourth-order Runge-Kutta method in small time steps.
 SoundState integrated(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double time_s, int steps) {
   using State = Eigen::Vector3d;  // across, depth, dip
   const auto rate = [&](const State& s) {
@@ -34,7 +34,7 @@ SoundState integrated(const SoundSpeedProfile& profile, double depth_m, double d
   return {s.x(), s.y(), s.z(), time_s, 0};
 }
 
-TEST(SoundPath, InEvenWaterItIsAStraightLine) {
+TEST(SoundPath, InHomogeneousWaterThePathIsStraight) {
   const auto profile = SoundSpeedProfile::even(1480);
   for (const double dip : {-0.3, 0.0, 0.7, std::numbers::pi / 2}) {
     const SoundState end = travel(profile, 100, dip, 0.05);
@@ -44,25 +44,25 @@ TEST(SoundPath, InEvenWaterItIsAStraightLine) {
   }
 }
 
-TEST(SoundPath, UnderAConstantGradientItIsSnellsCircle) {
+TEST(SoundPath, UnderAConstantGradientThePathIsSnellsCircle) {
   const double c0 = 1450;
   const auto profile = profile_of({0, 1000}, {c0, c0 + 250});
   const double slope = 0.25, depth = 400, dip = 0.6;
   const double c = c0 + slope * depth;
-  // A circle of radius c / (g cos dip) about the depth at which sound would stand still.
+  // A circle of radius c / (g cos dip) about the depth at which the speed would be zero.
   const double radius = c / (slope * std::cos(dip)), still_m = -c0 / slope;
   for (const double time : {0.02, 0.1, 0.25}) {
     const SoundState end = travel(profile, depth, dip, time);
     const double centre_across = radius * std::sin(dip);
     EXPECT_NEAR(std::hypot(end.across_m - centre_across, end.depth_m - still_m), radius, 1e-8);
     EXPECT_NEAR(std::cos(end.dip_rad) / (c0 + slope * end.depth_m), std::cos(dip) / c, 1e-15) << "Snell";
-    // t = 1/g [ln tan(pi/4 + dip/2)] between the ends
+    // t = 1/g times the difference of ln tan(pi/4 + dip/2)
     const auto gd = [](double a) { return std::log(std::tan(std::numbers::pi / 4 + a / 2)); };
     EXPECT_NEAR((gd(dip) - gd(end.dip_rad)) / slope, time, 1e-12);
   }
 }
 
-TEST(SoundPath, StraightDownTheTimeIsTheLogarithmOfTheSpeeds) {
+TEST(SoundPath, StraightDownTheTimeIsTheLogarithmOfTheRatioOfSpeeds) {
   const auto profile = profile_of({0, 500}, {1500, 1450});
   const double time = std::log(1500.0 / 1450) / 0.1;
   const SoundState end = travel(profile, 0, std::numbers::pi / 2, time);
@@ -70,18 +70,19 @@ TEST(SoundPath, StraightDownTheTimeIsTheLogarithmOfTheSpeeds) {
   EXPECT_NEAR(end.across_m, 0, 1e-9);
 }
 
-TEST(SoundPath, ThroughLayersItFollowsTheRaysEquations) {
+TEST(SoundPath, ThroughLayersThePathFollowsTheRayEquations) {
   const auto profile = profile_of({0, 20, 35, 36, 80, 300}, {1490, 1488, 1462, 1461, 1466, 1470});
   for (const double dip : {-0.9, -0.25, 0.02, 0.3, 1.2}) {
     const SoundState end = travel(profile, 33, dip, 0.02);
-    const SoundState reference = integrated(profile, 33, dip, 0.02, 20000);  // a kink costs it a part of a step
+    const SoundState reference =
+        integrated(profile, 33, dip, 0.02, 20000);  // a kink costs the reference part of a step
     EXPECT_NEAR(end.across_m, reference.across_m, 2e-5);
     EXPECT_NEAR(end.depth_m, reference.depth_m, 2e-5);
     EXPECT_NEAR(end.dip_rad, reference.dip_rad, 1e-6);
   }
 }
 
-TEST(SoundPath, ItTurnsInFasterWaterAndSwingsAboutTheChannelsAxis) {
+TEST(SoundPath, ThePathTurnsInFasterWaterAndOscillatesAboutTheChannelAxis) {
   const auto profile = profile_of({0, 100, 200}, {1500, 1480, 1500});
   double deepest = 0, shallowest = 1000;
   for (int k = 1; k < 400; ++k) {
@@ -95,7 +96,7 @@ TEST(SoundPath, ItTurnsInFasterWaterAndSwingsAboutTheChannelsAxis) {
   EXPECT_NEAR(shallowest, 100 - turn_m, 0.05);
 }
 
-TEST(SoundPath, ItEndsAtTheSurface) {
+TEST(SoundPath, ThePathEndsAtTheSurface) {
   const auto profile = profile_of({0, 100}, {1500, 1490});
   const SoundState end = travel(profile, 10, -0.5, 1);
   EXPECT_NEAR(end.depth_m, 0, 1e-9);
@@ -103,7 +104,7 @@ TEST(SoundPath, ItEndsAtTheSurface) {
   EXPECT_EQ(travel(profile, 0, -0.5, 1).time_s, 0);
 }
 
-TEST(SoundSpeedProfile, WhatIsNoProfileIsRefused) {
+TEST(SoundSpeedProfile, RefusesInvalidLevels) {
   EXPECT_THROW(profile_of({}, {}), InvalidValue);
   EXPECT_THROW(profile_of({0, 10}, {1480}), InvalidValue);
   EXPECT_THROW(profile_of({0, 10, 10}, {1480, 1480, 1480}), InvalidValue);

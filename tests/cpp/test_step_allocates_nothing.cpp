@@ -1,4 +1,4 @@
-// Steps take no memory: every malloc of the process is counted, those of Bullet, Embree and Eigen too.
+// Steps allocate nothing. Every malloc of the process is counted, those of Bullet, Embree and Eigen included.
 
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@
 namespace uwsim {
 namespace {
 
-constexpr std::uint64_t kWarmUpSteps = 200;  // buffers grow to what this place needs
+constexpr std::uint64_t kWarmUpSteps = 200;  // buffers grow to the size that they need
 constexpr std::uint64_t kSteps = 1000;
 constexpr double kBed_m = -10;
 
-/// A bed of gentle waves about z = -10 m, in cells of 0.5 m; with a wall on it.
+/// An undulating bed about z = -10 m, in cells of 0.5 m, with a wall on it.
 World uneven_world() {
   std::vector<float> heights;
   for (int j = 0; j < 81; ++j) {
@@ -57,8 +57,8 @@ class Dive {
   }
   Simulation& sim() { return sim_; }
 
-  /// Allocations of the steps that follow the warm-up.
-  std::uint64_t taken() {
+  /// The number of allocations in the steps after the warm-up.
+  std::uint64_t allocations() {
     sim_.step(kWarmUpSteps);
     const std::uint64_t before = testing::allocations();
     sim_.step(kSteps);
@@ -69,7 +69,7 @@ class Dive {
   Simulation sim_;
 };
 
-TEST(StepAllocatesNothing, TheCounterSeesEachWayToTakeMemory) {
+TEST(StepAllocatesNothing, TheCounterSeesEveryKindOfAllocation) {
   std::uint64_t before = testing::allocations();
   const auto counted = [&] { return testing::allocations() - std::exchange(before, testing::allocations()); };
   void* volatile kept = std::malloc(10);
@@ -86,49 +86,49 @@ TEST(StepAllocatesNothing, TheCounterSeesEachWayToTakeMemory) {
   const auto one = std::make_unique<std::vector<double>>(7);
   EXPECT_EQ(counted(), 2u);
   const auto dynamic = std::make_unique<Eigen::VectorXd>(37);
-  EXPECT_EQ(counted(), 2u) << "Eigen's";
+  EXPECT_EQ(counted(), 2u) << "by Eigen";
   Dive dive(uneven_world());
-  EXPECT_GE(counted(), 100u) << "Bullet's and Embree's, of shared libraries";
+  EXPECT_GE(counted(), 100u) << "by Bullet and Embree, which are shared libraries";
 }
 
 TEST(StepAllocatesNothing, InOpenWater) {
   Dive dive(uneven_world());
   dive.push(dive.add("rov", {0, 0, -5}), 0.3, 0.05, 0.1);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
 }
 
 TEST(StepAllocatesNothing, CrossingTheSurface) {
   Dive dive(uneven_world());
   dive.push(dive.add("rov", {0, 0, 0}, 700), 0.2, -0.1, 0.1);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
   const double z_m = dive.sim().state(0).world_from_body.position_m.z();
-  EXPECT_LT(std::abs(z_m), 0.2) << "it must be in the surface for this to tell something";
+  EXPECT_LT(std::abs(z_m), 0.2) << "the test needs a vehicle at the surface";
 }
 
 TEST(StepAllocatesNothing, InWavesAtTheSurfaceAndBelow) {
   Dive dive(with_waves(uneven_world()));
   dive.push(dive.add("floating", {0, 0, 0}, 700), 0.2);
   dive.push(dive.add("below", {-5, 0, -2}), 0.2);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
 }
 
 TEST(StepAllocatesNothing, RestingOnTheBed) {
   Dive dive(uneven_world());
   dive.add("rov", {0, 0, kBed_m + 0.4}, 1300);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
   EXPECT_TRUE(dive.sim().telemetry(0).collision_warning);
 }
 
 TEST(StepAllocatesNothing, HalfAMetreAboveTheBed) {
   Dive dive(uneven_world());
   dive.push(dive.add("rov", {0, 0, kBed_m + 0.65}), 0.1, 0.01, 0.2);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
 }
 
 TEST(StepAllocatesNothing, DraggedOverTheBedAgainstAWall) {
   Dive dive(uneven_world());
   dive.push(dive.add("rov", {5.5, 0, kBed_m + 0.4}, 1100), 0.8, 0, 0.1);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
   EXPECT_TRUE(dive.sim().telemetry(0).collision_warning);
 }
 
@@ -137,7 +137,7 @@ TEST(StepAllocatesNothing, TwoVehiclesTouching) {
   dive.push(dive.add("one", {-0.3, 0.02, -5}), 0.5);
   const std::size_t other = dive.add("other", {0.3, -0.02, -5});
   dive.push(other, -0.5);
-  EXPECT_EQ(dive.taken(), 0u);
+  EXPECT_EQ(dive.allocations(), 0u);
   EXPECT_TRUE(dive.sim().telemetry(other).collision_warning || dive.sim().collisions(other) > 0);
 }
 

@@ -27,7 +27,7 @@ Vector6d wrench(const Thruster& thruster, const Vector6d& through_water = Vector
   return tau;
 }
 
-/// At full thrust ahead.
+/// A thruster at full thrust ahead.
 Thruster running(ThrusterParameters p) {
   p.time_constant_s = 0;
   Thruster thruster(p);
@@ -36,7 +36,7 @@ Thruster running(ThrusterParameters p) {
   return thruster;
 }
 
-TEST(ThrustCurve, GoesThroughItsPointsAndBack) {
+TEST(ThrustCurve, ItPassesThroughItsPointsAndCanBeInverted) {
   EXPECT_EQ(kDeadBand.thrust_n(-1), -40);
   EXPECT_EQ(kDeadBand.thrust_n(1), 50);
   EXPECT_EQ(kDeadBand.thrust_n(0.05), 0) << "inside the dead band";
@@ -49,17 +49,17 @@ TEST(ThrustCurve, GoesThroughItsPointsAndBack) {
   EXPECT_EQ(kDeadBand.command(-70), -1);
 }
 
-TEST(ThrustCurve, TablesThatMakeNoSenseAreRefused) {
+TEST(ThrustCurve, InvalidTablesAreRefused) {
   EXPECT_THROW(ThrustCurve({0}, {0}), InvalidValue);
   EXPECT_THROW(ThrustCurve({-1, 1}, {-1, 1, 2}), InvalidValue);
-  EXPECT_THROW(ThrustCurve({-1, 0, 0, 1}, {-1, 0, 0, 1}), InvalidValue) << "a command twice";
+  EXPECT_THROW(ThrustCurve({-1, 0, 0, 1}, {-1, 0, 0, 1}), InvalidValue) << "a repeated command";
   EXPECT_THROW(ThrustCurve({-1, 0, 1}, {1, 0, -1}), InvalidValue) << "thrust falls";
   EXPECT_THROW(ThrustCurve({-1, 1}, {-1, 2}), InvalidValue) << "thrust at command 0";
   EXPECT_THROW(ThrustCurve({-1, 0, 1.5}, {-1, 0, 1}), InvalidValue);
   EXPECT_THROW(ThrustCurve({-1, 0, 1}, {-1, 0, NAN}), InvalidValue);
 }
 
-TEST(Thruster, ReachesItsShareAfterOneTimeConstantWhateverTheStep) {
+TEST(Thruster, ItFollowsWithItsTimeConstantWhateverTheStep) {
   for (const int steps : {1, 4, 1000}) {
     Thruster thruster(pusher());
     thruster.set_command(1);
@@ -69,7 +69,7 @@ TEST(Thruster, ReachesItsShareAfterOneTimeConstantWhateverTheStep) {
       impulse += wrench(thruster)(0) * 0.2 / steps;
     }
     EXPECT_NEAR(thruster.thrust_n(), 50 * (1 - std::exp(-1)), 1e-10);
-    EXPECT_NEAR(impulse, 50 * 0.2 * std::exp(-1), 1e-10) << "the wrench of a step is its mean";
+    EXPECT_NEAR(impulse, 50 * 0.2 * std::exp(-1), 1e-10) << "the wrench is the mean over the step";
   }
 }
 
@@ -79,7 +79,7 @@ TEST(Thruster, WithoutPowerItSpinsDown) {
   EXPECT_EQ(thruster.thrust_n(), 0);
 }
 
-TEST(Thruster, PushesAtItsHubAndTurnsTheHullAgainstItsSpin) {
+TEST(Thruster, ForceActsAtTheHubAndTorqueAgainstTheSpin) {
   ThrusterParameters p = pusher();
   p.torque_per_thrust_m = 0.02;
   for (const int spin : {1, -1}) {
@@ -90,41 +90,41 @@ TEST(Thruster, PushesAtItsHubAndTurnsTheHullAgainstItsSpin) {
     EXPECT_LT((wrench(thruster) - expected).norm(), 1e-12);
     thruster.set_command(-1);
     thruster.advance(0.005, true);
-    EXPECT_LT((wrench(thruster) + 0.8 * expected).norm(), 1e-12) << "astern it turns the other way";
+    EXPECT_LT((wrench(thruster) + 0.8 * expected).norm(), 1e-12) << "astern the torque is reversed";
   }
 }
 
-TEST(Thruster, LosesItsThrustLinearlyWithInflowToNoneAtItsAdvanceRatio) {
+TEST(Thruster, ThrustFallsLinearlyWithInflowToZeroAtTheAdvanceRatio) {
   ThrusterParameters p = pusher();
   p.diameter_m = 0.076;
   p.bollard_coefficient = 0.44;
   p.zero_thrust_advance_ratio = 0.9;
   const Thruster thruster = running(p);
   const double revolutions_s = std::sqrt(50 / (1000 * 0.44 * std::pow(0.076, 4)));
-  const double lost_at_m_s = 0.9 * revolutions_s * 0.076;
+  const double zero_thrust_m_s = 0.9 * revolutions_s * 0.076;
   for (const double share : {-0.3, 0.0, 0.5, 1.0}) {
     Vector6d moving = Vector6d::Zero();
-    moving(0) = share * lost_at_m_s;
-    moving(1) = 2;  // across the axis: no matter
+    moving(0) = share * zero_thrust_m_s;
+    moving(1) = 2;  // across the axis: no effect
     EXPECT_NEAR(wrench(thruster, moving)(0), 50 * (1 - share), 1e-9);
   }
   Vector6d turning = Vector6d::Zero();
-  turning(5) = -lost_at_m_s / 0.2;  // the hub, 0.2 m to port, moves ahead
+  turning(5) = -zero_thrust_m_s / 0.2;  // the hub, 0.2 m to port, moves ahead
   EXPECT_NEAR(wrench(thruster, turning)(0), 0, 1e-9);
   EXPECT_NEAR(wrench(running(pusher()), turning)(0), 50, 1e-12) << "no loss where none is given";
 }
 
-TEST(Thruster, TheWaterCoversItsDiscContinuously) {
+TEST(Thruster, TheDiscSubmergesContinuously) {
   const Thruster thruster(pusher());  // disc of 0.1 m across a level axis
-  EXPECT_EQ(thruster.submerged_share(0.05, 0), 1);
-  EXPECT_EQ(thruster.submerged_share(-0.05, 0), 0);
-  EXPECT_NEAR(thruster.submerged_share(0, 0), 0.5, 1e-12);
+  EXPECT_EQ(thruster.submerged_fraction(0.05, 0), 1);
+  EXPECT_EQ(thruster.submerged_fraction(-0.05, 0), 0);
+  EXPECT_NEAR(thruster.submerged_fraction(0, 0), 0.5, 1e-12);
   const double segment = std::numbers::pi / 3 - std::sqrt(3) / 4;  // of a unit circle, cut at half its radius
-  EXPECT_NEAR(thruster.submerged_share(-0.025, 0), segment / std::numbers::pi, 1e-12);
-  EXPECT_EQ(thruster.submerged_share(0.001, 1), 1) << "a level disc is wet or dry";
+  EXPECT_NEAR(thruster.submerged_fraction(-0.025, 0), segment / std::numbers::pi, 1e-12);
+  EXPECT_EQ(thruster.submerged_fraction(0.001, 1), 1) << "a level disc is wet or dry";
 }
 
-TEST(Thruster, FiguresThatMakeNoSenseAreRefusedByName) {
+TEST(Thruster, InvalidParametersAreRefused) {
   const auto refused = [](auto change) {
     ThrusterParameters p = pusher();
     change(p);

@@ -1,4 +1,4 @@
-#include "uwsim/world/tiling.h"
+#include "uwsim/rays/tiling.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST(Tiling, TilesAreAtMostAKilometreWideAndHoldEveryCellOnce) {
   }
 }
 
-TEST(Tiling, EveryTriangleAndShapeIsInOneTileAlsoBesideTheTerrain) {
+TEST(Tiling, EveryTriangleAndShapeIsInOneTileEvenBesideTheTerrain) {
   World world = wide_world(100, 30);
   TriangleMesh scattered;
   for (std::uint32_t k = 0; k < 500; ++k) {

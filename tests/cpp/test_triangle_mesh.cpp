@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-TEST(TriangleMesh, BoxHasItsVolumeCentroidAndInertiaWhereverItIs) {
+TEST(TriangleMesh, ABoxHasItsVolumeCentroidAndInertiaAwayFromTheOrigin) {
   TriangleMesh mesh = testing::box(2, 3, 4);
   for (auto& v : mesh.vertices_m) v += Eigen::Vector3d(10, -20, 30);
   const SolidProperties solid = solid_properties(mesh);
@@ -18,7 +18,7 @@ TEST(TriangleMesh, BoxHasItsVolumeCentroidAndInertiaWhereverItIs) {
   EXPECT_LT((solid.inertia_per_density_m5 - Eigen::Matrix3d(expected.asDiagonal())).norm(), 1e-8);
 }
 
-TEST(TriangleMesh, AnOpenAnInvertedAndAnEmptyMeshAreRefused) {
+TEST(TriangleMesh, OpenInvertedAndEmptyMeshesAreRefused) {
   TriangleMesh open = testing::box(1, 1, 1);
   open.triangles.pop_back();
   EXPECT_THROW(require_closed(open, "hull"), InvalidValue);

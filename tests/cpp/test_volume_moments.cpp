@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-/// A lopsided egg of 2,024 triangles.
+/// An asymmetric egg of 2,024 triangles.
 TriangleMesh egg() {
   TriangleMesh mesh = testing::sphere(1, 23);
   for (Eigen::Vector3d& v : mesh.vertices_m)
@@ -18,8 +18,8 @@ TriangleMesh egg() {
   return mesh;
 }
 
-/// Moments of the mesh's wet part about the origin, triangle by triangle: each clipped corner by corner (Sutherland and
-/// Hodgman 1974), and the cut face closed from any point of the plane.
+/// Reference: moments of the mesh's wet part about the origin, triangle by triangle. Each is clipped corner by corner
+/// (Sutherland and Hodgman 1974), and the cut face is a fan from some point of the plane.
 VolumeMoments clipped(const TriangleMesh& mesh, const Eigen::Vector3d& up, double level_m) {
   VolumeMoments sum;
   const auto add = [&sum](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -33,7 +33,7 @@ VolumeMoments clipped(const TriangleMesh& mesh, const Eigen::Vector3d& up, doubl
   const Eigen::Vector3d on_plane = level_m * up + 0.1 * up.unitOrthogonal();
   for (const Triangle& t : mesh.triangles) {
     std::vector<Eigen::Vector3d> wet;
-    Eigen::Vector3d leaves = on_plane, enters = on_plane;  // where its outline goes out of the water and into it
+    Eigen::Vector3d leaves = on_plane, enters = on_plane;  // where its outline leaves the water and enters it
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d &a = mesh.vertices_m[t[k]], &b = mesh.vertices_m[t[(k + 1) % 3]];
       const double h = up.dot(a) - level_m, g = up.dot(b) - level_m;
@@ -53,12 +53,12 @@ void expect_same(const VolumeMoments& got, const VolumeMoments& expected, const 
   EXPECT_LT((got.second_m5 - expected.second_m5).norm(), 1e-12 * scale.second_m5.norm());
 }
 
-TEST(CutVolume, AtAnyTiltAndLevelIsTheSumOfClippedTriangles) {
+TEST(CutVolume, AtAnyTiltAndLevelItEqualsTheSumOfClippedTriangles) {
   const TriangleMesh mesh = egg();
   const CutVolume volume(mesh);
-  for (int turn = 0; turn < 12; ++turn) {
+  for (int tilt = 0; tilt < 12; ++tilt) {
     const Eigen::Vector3d up =
-        Eigen::AngleAxisd(0.5 * turn, Eigen::Vector3d(1, 0.4 * turn, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
+        Eigen::AngleAxisd(0.5 * tilt, Eigen::Vector3d(1, 0.4 * tilt, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
     for (const double level_m : {-0.2, -0.07, -0.001, 0.0, 0.03, 0.11, 0.4}) {
       expect_same(volume.below(up, level_m, true), clipped(mesh, up, level_m), volume.whole());
       EXPECT_EQ(volume.below(up, level_m, false).volume_m3, volume.below(up, level_m, true).volume_m3);
@@ -67,7 +67,7 @@ TEST(CutVolume, AtAnyTiltAndLevelIsTheSumOfClippedTriangles) {
   }
 }
 
-TEST(CutVolume, BothSidesOfAPlaneMakeTheWhole) {
+TEST(CutVolume, TheTwoSidesOfAPlaneAddUpToTheWhole) {
   for (const TriangleMesh& mesh : {egg(), testing::box(1, 2, 0.5)}) {
     const CutVolume volume(mesh);
     for (const Eigen::Vector3d& tilt : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(2, 1, 0), Eigen::Vector3d(1, 1, 5)}) {

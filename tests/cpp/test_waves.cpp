@@ -27,11 +27,11 @@ WaterFlow flow(const Waves& waves, const Eigen::Vector3d& p, double t) {
   return sum;
 }
 
-/// Central difference of `f` along `way`.
+/// Central difference of `f` along `direction`.
 template <typename F>
-auto slope(F f, const Eigen::Vector3d& p, const Eigen::Vector3d& way) {
+auto slope(F f, const Eigen::Vector3d& p, const Eigen::Vector3d& direction) {
   const double h = 1e-4;
-  return ((f(p + h * way) - f(p - h * way)) / (2 * h));
+  return ((f(p + h * direction) - f(p - h * direction)) / (2 * h));
 }
 
 TEST(Waves, TheDispersionRelationHoldsFromShallowToDeep) {
@@ -45,7 +45,7 @@ TEST(Waves, TheDispersionRelationHoldsFromShallowToDeep) {
   EXPECT_DOUBLE_EQ(wave_number_rad_m(2.0, kDeep, kGravity), 4 / kGravity);
 }
 
-TEST(Waves, PressureIsTheAtmospheresAtTheWavesOwnSurface) {
+TEST(Waves, TheSurfaceIsWherePressureIsAtmospheric) {
   const Waves sea = Waves::jonswap({.significant_height_m = 1, .peak_period_s = 4, .seed = 3}, 12);
   for (double t = 0; t < 30; t += 0.37) {
     const double height = sea.height_at(3, -2, t);
@@ -55,7 +55,7 @@ TEST(Waves, PressureIsTheAtmospheresAtTheWavesOwnSurface) {
   }
 }
 
-TEST(Waves, DeepPressureDecaysByAiryAndAtDepthNothingIsFelt) {
+TEST(Waves, InDeepWaterPressureDecaysExponentiallyAndVanishesAtDepth) {
   const Waves wave = airy(1e-5, 3, kDeep);
   const double k = wave_number_rad_m(2 * kPi / 3, kDeep, kGravity);
   const Eigen::Vector3d p(0, 0, -1);
@@ -65,15 +65,15 @@ TEST(Waves, DeepPressureDecaysByAiryAndAtDepthNothingIsFelt) {
   EXPECT_EQ(flow(wave, abyss, 0).velocity_m_s.norm(), 0);
 }
 
-TEST(Waves, WaterIsDrivenByItsPressureAndKeepsItsVolume) {
-  const Waves wave = airy(1e-4, 5, 8);  // so small that stretching is nothing
+TEST(Waves, FlowObeysEulersEquationAndConservesVolume) {
+  const Waves wave = airy(1e-4, 5, 8);  // so small that stretching is negligible
   const Eigen::Vector3d p(2, 5, -3);
   const double t = 1.3, k = wave_number_rad_m(2 * kPi / 5, 8, kGravity), scale = 1e-4 * kGravity * k;
   const auto head = [&](const Eigen::Vector3d& at) { return wave.head_at(at, t) + at.z(); };
-  const Eigen::Vector3d push =
+  const Eigen::Vector3d expected =
       -kGravity * Eigen::Vector3d(slope(head, p, Eigen::Vector3d::UnitX()), slope(head, p, Eigen::Vector3d::UnitY()),
                                   slope(head, p, Eigen::Vector3d::UnitZ()));
-  EXPECT_LT((flow(wave, p, t).wave_acceleration_m_s2 - push).norm(), 1e-3 * scale);
+  EXPECT_LT((flow(wave, p, t).wave_acceleration_m_s2 - expected).norm(), 1e-3 * scale);
   const Eigen::Vector3d rate = (flow(wave, p, t + 1e-4).velocity_m_s - flow(wave, p, t - 1e-4).velocity_m_s) / 2e-4;
   EXPECT_LT((flow(wave, p, t).wave_acceleration_m_s2 - rate).norm(), 1e-5 * scale);
   double divergence = 0;
@@ -82,18 +82,18 @@ TEST(Waves, WaterIsDrivenByItsPressureAndKeepsItsVolume) {
     divergence += slope(v, p, Eigen::Vector3d::Unit(axis));
   }
   EXPECT_LT(std::abs(divergence), 1e-3 * scale);
-  EXPECT_NEAR(flow(wave, {2, 5, -8}, t).velocity_m_s.z(), 0, 1e-12) << "none through the bed";
+  EXPECT_NEAR(flow(wave, {2, 5, -8}, t).velocity_m_s.z(), 0, 1e-12) << "no flow through the bed";
   const double rise = (wave.height_at(2, 5, t + 1e-4) - wave.height_at(2, 5, t - 1e-4)) / 2e-4;
   EXPECT_NEAR(flow(wave, {2, 5, wave.height_at(2, 5, t)}, t).velocity_m_s.z(), rise, 1e-8);
 }
 
-TEST(Waves, TheyRunTowardsTheirHeadingAtThePhaseSpeed) {
+TEST(Waves, AWaveRunsTowardsItsHeadingAtThePhaseSpeed) {
   const Waves wave = airy(0.1, 4, kDeep, kPi / 2);
   const double speed = kGravity * 4 / (2 * kPi);
   EXPECT_NEAR(wave.height_at(0, 0, 0), wave.height_at(7, speed * 1.7, 1.7), 1e-12);
 }
 
-TEST(Waves, AJonswapRecordHasTheHeightAndThePeakItWasAskedFor) {
+TEST(Waves, AJonswapRecordHasTheRequestedHeightAndPeak) {
   const Waves sea = Waves::jonswap(
       {.significant_height_m = 1.5, .peak_period_s = 6, .spreading_exponent = 4, .component_count = 128, .seed = 5},
       50);
@@ -107,16 +107,16 @@ TEST(Waves, AJonswapRecordHasTheHeightAndThePeakItWasAskedFor) {
     variance += height[static_cast<std::size_t>(k)] * height[static_cast<std::size_t>(k)] / kSamples;
   }
   EXPECT_NEAR(4 * std::sqrt(variance), 1.5, 0.03 * 1.5);
-  // Energy in bands of the record's own Fourier lines.
+  // Energy in bands of the record's Fourier lines.
   const double line = 2 * kPi / (kSamples * kEvery_s);
   const auto energy = [&](double low, double high) {
     double sum = 0;
     for (int m = static_cast<int>(low / line); m < static_cast<int>(high / line); ++m) {
-      std::complex<double> c = 0, turn = 1;
+      std::complex<double> c = 0, rotation = 1;
       const std::complex<double> step = std::polar(1.0, m * line * kEvery_s);
       for (const double h : height) {
-        c += h * turn;
-        turn *= step;
+        c += h * rotation;
+        rotation *= step;
       }
       sum += std::norm(c);
     }
@@ -128,7 +128,7 @@ TEST(Waves, AJonswapRecordHasTheHeightAndThePeakItWasAskedFor) {
   EXPECT_GT(at_peak, energy(1.10 * peak, 1.20 * peak));
 }
 
-TEST(Waves, ManyPointsTogetherFeelWhatEachFeelsAlone) {
+TEST(Waves, HeadsOfManyPointsEqualThoseOfEachAlone) {
   for (const double depth : {3.0, 80.0}) {
     const Waves sea = Waves::jonswap({.significant_height_m = 0.4, .peak_period_s = 3, .spreading_exponent = 2}, depth);
     for (const double reach : {0.05, 0.2, 0.6, 3.0}) {
@@ -146,16 +146,16 @@ TEST(Waves, ManyPointsTogetherFeelWhatEachFeelsAlone) {
   }
 }
 
-TEST(Waves, ASeaIsOfItsSeed) {
+TEST(Waves, ASeaDependsOnItsSeed) {
   const JonswapSea sea{.seed = 1}, other{.seed = 2};
   EXPECT_EQ(Waves::jonswap(sea, 20).height_at(1, 2, 3), Waves::jonswap(sea, 20).height_at(1, 2, 3));
   EXPECT_NE(Waves::jonswap(sea, 20).height_at(1, 2, 3), Waves::jonswap(other, 20).height_at(1, 2, 3));
 }
 
-TEST(Waves, WhatCannotBeIsRefused) {
+TEST(Waves, InvalidWavesAreRefused) {
   EXPECT_THROW(airy(-0.1, 4, 10), InvalidValue);
   EXPECT_THROW(airy(2, 2, 10), InvalidValue) << "it would break";
-  EXPECT_THROW(airy(0.4, 10, 0.5), InvalidValue) << "it would strand";
+  EXPECT_THROW(airy(0.4, 10, 0.5), InvalidValue) << "higher than the water is deep";
   EXPECT_THROW(Waves::jonswap({.peak_period_s = 0}, 10), InvalidValue);
   EXPECT_THROW(Waves::jonswap({.component_count = 1}, 10), InvalidValue);
   EXPECT_THROW(Waves::jonswap({.significant_height_m = 2, .peak_period_s = 3}, 50), InvalidValue) << "too steep";

@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-TEST(Heightfield, InterpolatesAPlaneExactlyAndEndsAtItsEdge) {
+TEST(Heightfield, APlaneIsInterpolatedExactlyAndEndsAtTheGridsEdge) {
   std::vector<float> heights;
   for (int j = 0; j < 4; ++j) {
     for (int i = 0; i < 5; ++i) heights.push_back(static_cast<float>(0.5 * i - 0.25 * j));
@@ -23,7 +23,7 @@ TEST(Heightfield, InterpolatesAPlaneExactlyAndEndsAtItsEdge) {
   EXPECT_TRUE(std::isnan(terrain.height_at(12, 26.01)));
 }
 
-TEST(Heightfield, HeightAtLiesOnItsOwnTriangles) {
+TEST(Heightfield, HeightsLieOnTheTriangles) {
   const Heightfield terrain({0, 1, 4, -2}, 2, 2, 1.0, {0, 0});
   for (std::size_t k = 0; k < terrain.triangle_count(); ++k) {
     const Triangle t = terrain.triangle(k);
@@ -34,7 +34,7 @@ TEST(Heightfield, HeightAtLiesOnItsOwnTriangles) {
   }
 }
 
-TEST(World, RefusesWhatIsNotFiniteAndNamesTakenTwice) {
+TEST(World, NonFiniteTerrainAndRepeatedNamesAreRefused) {
   EXPECT_THROW(Heightfield({0, 0, NAN, 0}, 2, 2, 1.0, {0, 0}), InvalidValue);
   EXPECT_THROW(Heightfield({0, 0}, 2, 1, 1.0, {0, 0}), InvalidValue);
   World world;
@@ -43,7 +43,7 @@ TEST(World, RefusesWhatIsNotFiniteAndNamesTakenTwice) {
   EXPECT_THROW(world.add_solid("terrain", testing::box(1, 1, 1)), InvalidValue);
 }
 
-TEST(World, KnowsWhichClosedSolidAPointIsIn) {
+TEST(World, SolidAroundFindsTheClosedSolidThatEnclosesAPoint) {
   World world;
   TriangleMesh box = testing::box(2, 2, 2), ball = testing::sphere(1, 12), bowl = ball;
   for (Eigen::Vector3d& v : ball.vertices_m) v.x() += 5;
@@ -59,13 +59,13 @@ TEST(World, KnowsWhichClosedSolidAPointIsIn) {
   EXPECT_EQ(name_at({0.99, -0.99, 0.99}), "box");
   EXPECT_EQ(name_at({1.01, 0, 0}), "");
   EXPECT_EQ(name_at({5, 0, 0}), "ball");
-  EXPECT_EQ(name_at({5.8, 0.8, 0}), "") << "in its box, not in it";
-  EXPECT_EQ(name_at({-5, 0, 0}), "") << "open: one may be in a bowl";
+  EXPECT_EQ(name_at({5.8, 0.8, 0}), "") << "inside its bounding box but outside the ball";
+  EXPECT_EQ(name_at({-5, 0, 0}), "") << "an open mesh encloses nothing";
   EXPECT_NEAR(winding_number(box, {0.3, 0.2, -0.9}), 1, 1e-12);
   EXPECT_NEAR(winding_number(box, {3, 0.2, -0.9}), 0, 1e-12);
 }
 
-TEST(Water, CurrentsTogetherAreHeldToTenMetresASecond) {
+TEST(Water, TheSumOfCurrentsIsLimitedToTenMetresPerSecond) {
   Water water;
   water.current_world_m_s = {4, 0, 0};
   water.currents.push_back(tidal_current({0, 5.9, 0}, 44712, 0));

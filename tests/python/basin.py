@@ -1,4 +1,4 @@
-"""A flat bed with boxes on it, and what an imaging sonar needs of a simulator."""
+"""A flat bed with boxes on it, with the attributes of a simulator that imaging sonars use."""
 
 from types import SimpleNamespace
 
@@ -11,12 +11,12 @@ BED_M = -20.0
 
 
 def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]], threads: int = 1) -> SimpleNamespace:
-    """A flat bed with boxes, (middle, size), on it."""
+    """Make a flat bed with boxes on it, each given by (centre, size)."""
     world = _core.World()
     world.set_terrain(np.full((2, 2), BED_M, np.float32), 600.0, (-300.0, -300.0))
-    for k, (middle_m, size_m) in enumerate(boxes):
+    for k, (centre_m, size_m) in enumerate(boxes):
         box = trimesh.creation.box(size_m)
-        world.add_solid(f"box{k}", box.vertices + np.array(middle_m), box.faces)
+        world.add_solid(f"box{k}", box.vertices + np.array(centre_m), box.faces)
     strengths_db = dict.fromkeys(world.label_names, -15.0) | {"terrain": -30.0}
     return SimpleNamespace(
         world=world, scene=_core.RayScene(world), strengths_db=strengths_db, seed=3, threads=threads, time_ns=0

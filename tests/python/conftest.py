@@ -1,4 +1,4 @@
-"""Settings that all tests share: the same examples on every run, and no window for a picture."""
+"""Settings for all tests: Hypothesis tries the same examples on every run, and figures open no window."""
 
 import os
 

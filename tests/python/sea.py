@@ -17,7 +17,7 @@ vehicles:
 
 
 def open_water(folder: Path, *models: str, density_kg_m3: float = 1000.0, apart_m: float = 5.0) -> Simulator:
-    """Free vehicles of these models, `apart_m` from each other along y, 30 m deep, at rest, heading east."""
+    """Make free vehicles of these models, 30 m deep, at rest, heading east, `apart_m` from each other along y."""
     path = folder / "sea.yaml"
     text = SCENARIO.format(density_kg_m3=density_kg_m3)
     for k, model in enumerate(models):

@@ -9,7 +9,8 @@ import pytest
 from sea import open_water
 from uwsim import Simulator, _core
 from uwsim.scenario import ScenarioError, load_vehicle
-from uwsim.scenario.actuator_spec import load_thruster
+from uwsim.scenario.build.actuator import thrust_curve
+from uwsim.scenario.spec.actuator import load_thruster
 from uwsim.vehicle import AXES, Vehicle
 
 T200_PWM_N = {1100: -39.9, 1200: -26.6, 1300: -14.1, 1400: -4.71, 1600: 5.88, 1700: 17.85, 1800: 33.5, 1900: 51.5}
@@ -20,8 +21,8 @@ def heavy(tmp_path: Path) -> Simulator:
     return open_water(tmp_path, "bluerov2_heavy")
 
 
-def test_the_t200s_curve_goes_through_the_published_points() -> None:
-    curve = load_thruster("t200_16v").curve()
+def test_the_t200_curve_passes_through_the_published_points() -> None:
+    curve = thrust_curve(load_thruster("t200_16v"))
     for pwm, thrust in T200_PWM_N.items():
         assert curve.thrust_n((pwm - 1500) / 400) == pytest.approx(thrust, abs=1e-12)
     for pwm in (1472, 1490, 1500, 1528):
@@ -37,7 +38,7 @@ def test_the_t200s_curve_goes_through_the_published_points() -> None:
         ("[[0, 0]]", "must have at least 2 items"),
     ],
 )
-def test_a_curve_that_makes_no_sense_is_refused_with_file_and_line(tmp_path: Path, thrust_n: str, message: str) -> None:
+def test_an_invalid_curve_is_refused_with_file_and_line(tmp_path: Path, thrust_n: str, message: str) -> None:
     path = tmp_path / "odd.yaml"
     path.write_text(f"name: odd\nthrust_n: {thrust_n}\ntime_constant_s: 0.1\ndiameter_m: 0.1\n")
     with pytest.raises(ScenarioError, match=rf"odd\.yaml:2: thrust_n.*{message}"):
@@ -45,7 +46,7 @@ def test_a_curve_that_makes_no_sense_is_refused_with_file_and_line(tmp_path: Pat
 
 
 def wrench_of(rov: Vehicle) -> np.ndarray:
-    """Still-water wrench of the thrusters as they stand, from where the vehicle's file has them."""
+    """Still-water wrench of the present thrusts, from the mounts in the vehicle's file."""
     mounts = load_vehicle("bluerov2_heavy").thrusters
     total = np.zeros(6)
     for name, thruster in rov.thrusters.items():
@@ -54,7 +55,7 @@ def wrench_of(rov: Vehicle) -> np.ndarray:
     return total
 
 
-def test_a_wrench_is_what_the_thrusters_then_give(heavy: Simulator) -> None:
+def test_the_thrusters_give_the_commanded_wrench(heavy: Simulator) -> None:
     wanted = np.array([20.0, -15.0, 30.0, 2.0, -1.0, 3.0])
     heavy.rov.set_wrench(wanted[:3], wanted[3:])
     heavy.advance(3.0)
@@ -68,7 +69,7 @@ def test_a_wrench_is_what_the_thrusters_then_give(heavy: Simulator) -> None:
 
 @pytest.mark.parametrize("axis", range(6))
 @pytest.mark.parametrize("sign", [1, -1])
-def test_full_effort_is_the_largest_wrench_about_one_axis(heavy: Simulator, axis: int, sign: int) -> None:
+def test_full_effort_is_the_largest_wrench_of_one_axis(heavy: Simulator, axis: int, sign: int) -> None:
     heavy.rov.set_effort(**{AXES[axis]: float(sign)})
     heavy.advance(3.0)
     expected = np.zeros(6)
@@ -79,7 +80,7 @@ def test_full_effort_is_the_largest_wrench_about_one_axis(heavy: Simulator, axis
     np.testing.assert_allclose(wrench_of(heavy.rov), 0.5 * expected, atol=1e-9)
 
 
-def test_thrust_follows_with_the_lag_of_its_file(heavy: Simulator) -> None:
+def test_thrust_follows_the_command_with_the_lag_of_its_file(heavy: Simulator) -> None:
     heavy.rov.set_thrusters({"rear_left": 0.75})
     heavy.step(1)
     first = heavy.rov.thrusters["rear_left"]
@@ -90,7 +91,7 @@ def test_thrust_follows_with_the_lag_of_its_file(heavy: Simulator) -> None:
     assert heavy.rov.thrusters["rear_left"].thrust_n == pytest.approx(33.5)
 
 
-def test_at_zero_command_it_stays_where_it_is(tmp_path: Path) -> None:
+def test_a_neutral_vehicle_without_a_command_stays_where_it_is(tmp_path: Path) -> None:
     sim = open_water(tmp_path, "bluerov2_heavy", density_kg_m3=13.5 / 0.0134)
     sim.rov.set_effort()
     sim.advance(10.0)
@@ -101,17 +102,17 @@ def test_a_propellers_torque_heels_the_hull_against_its_spin(tmp_path: Path) -> 
     sim = open_water(tmp_path, "remus100", density_kg_m3=1026.0)
     sim.rov.set_thrusters({"propeller": 1.0})
     sim.advance(2.0)
-    assert sim.rov.pose.world_from_body[2, 1] > 0.05, "it turns left-handed: heel to starboard, port side up"
+    assert sim.rov.pose.world_from_body[2, 1] > 0.05, "the propeller turns left-handed: heel to starboard, port side up"
 
 
-def test_above_the_surface_thrusters_do_nothing(heavy: Simulator) -> None:
+def test_thrusters_above_the_surface_have_no_effect(heavy: Simulator) -> None:
     heavy.rov.place((0.0, 0.0, 3.0))
     heavy.rov.set_effort(surge=1.0)
     heavy.advance(0.5)
     assert abs(heavy.rov.velocity.linear_body_m_s[0]) < 1e-9
 
 
-def test_fins_turn_at_their_rate_and_come_back(tmp_path: Path) -> None:
+def test_fins_turn_at_their_rate_and_return_to_zero(tmp_path: Path) -> None:
     sim = open_water(tmp_path, "remus100")
     assert set(sim.rov.fins) == {"port", "starboard", "top", "bottom"}
     sim.rov.set_fins({"top": 0.2})
@@ -137,7 +138,7 @@ def test_fins_turn_at_their_rate_and_come_back(tmp_path: Path) -> None:
         (lambda v: v.set_effort(yaw=-1.5), r"effort\.yaw = -1\.5: must be in \[-1, 1\]"),
     ],
 )
-def test_a_bad_command_is_one_clear_error_and_changes_nothing(
+def test_an_invalid_command_raises_one_clear_error_and_changes_nothing(
     tmp_path: Path, command: Callable[[Vehicle], None], message: str
 ) -> None:
     sim = open_water(tmp_path, "remus100")
@@ -148,7 +149,7 @@ def test_a_bad_command_is_one_clear_error_and_changes_nothing(
     assert (sim.rov.thrusters, sim.rov.effort.tolist()) == before
 
 
-def test_the_papers_rov_has_neither_thrusters_nor_fins_and_takes_wrenches(tmp_path: Path) -> None:
+def test_a_vehicle_without_thrusters_or_fins_takes_wrenches(tmp_path: Path) -> None:
     sim = open_water(tmp_path, "rov")
     assert sim.rov.thrusters == {} and sim.rov.fins == {}
     assert sim.rov.controllable == set(AXES)
@@ -163,7 +164,7 @@ def test_the_papers_rov_has_neither_thrusters_nor_fins_and_takes_wrenches(tmp_pa
     assert by_wrench == pytest.approx(other.rov.velocity.linear_body_m_s[0], rel=1e-12)
 
 
-def test_a_curve_in_python_inverts_itself() -> None:
+def test_the_command_for_a_thrust_gives_that_thrust() -> None:
     curve = _core.ThrustCurve([-1.0, -0.1, 0.1, 1.0], [-4.0, 0.0, 0.0, 5.0])
     for thrust in (-4.0, -1.0, 0.0, 2.5, 5.0):
         assert curve.thrust_n(curve.command(thrust)) == pytest.approx(thrust)

@@ -1,4 +1,4 @@
-"""The laws of light hold in pictures, and would be missed if a coefficient were off."""
+"""The laws of light hold in pictures, and the checks notice a coefficient that is five percent off."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.validate import camera
 from uwsim.validate.check import Check
 
 
-def misses(checks: list[Check]) -> list[str]:
+def failed(checks: list[Check]) -> list[str]:
     return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
 
 
@@ -27,10 +27,10 @@ def misses(checks: list[Check]) -> list[str]:
         camera.checkerboard_corners,
     ],
 )
-def test_law(law: Callable[[], list[Check]]) -> None:
+def test_the_law_holds(law: Callable[[], list[Check]]) -> None:
     checks = law()
     assert checks
-    assert misses(checks) == []
+    assert failed(checks) == []
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_law(law: Callable[[], list[Check]]) -> None:
         (camera.refraction_at_the_surface, "refractive_index"),
     ],
 )
-def test_a_coefficient_five_percent_off_is_a_miss(
+def test_a_coefficient_five_percent_off_fails_the_check(
     law: Callable[[], list[Check]], coefficient: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def off(light: camera.Light) -> _core.Optics:
@@ -56,15 +56,15 @@ def test_a_coefficient_five_percent_off_is_a_miss(
         return _core.Optics(changed, float(np.radians(light.sun_deg)), 0.7, 0.0, 0.0, 0.0)
 
     monkeypatch.setattr(camera.Light, "optics", property(off))
-    assert misses(law())
+    assert failed(law())
 
 
-def test_a_lens_a_little_off_moves_the_corners(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_distortion_five_percent_off_fails_the_check(monkeypatch: pytest.MonkeyPatch) -> None:
     lens = _core.Lens
 
-    def off(*figures: object) -> _core.Lens:
-        *rest, distortion = figures
+    def off(*arguments: object) -> _core.Lens:
+        *rest, distortion = arguments
         return lens(*rest, [1.05 * k for k in distortion])  # type: ignore[attr-defined, arg-type]
 
     monkeypatch.setattr(_core, "Lens", off)
-    assert misses(camera.checkerboard_corners())
+    assert failed(camera.checkerboard_corners())

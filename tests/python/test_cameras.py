@@ -1,4 +1,4 @@
-"""Cameras and lamps as scripts use them."""
+"""Cameras and lamps as scripts use them: frames, lamps, light, files, errors."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def pool() -> Simulator:
     return sim
 
 
-def test_a_frame_has_all_its_arrays_of_one_pass_and_time_stands(pool: Simulator) -> None:
+def test_a_capture_gives_all_arrays_and_does_not_advance_time(pool: Simulator) -> None:
     before = pool.time_ns
     frame = pool.rov.cameras["front"].capture()
     assert pool.time_ns == before == frame.time_ns
@@ -55,9 +55,9 @@ def test_the_down_camera_measures_the_height_above_a_flat_bed(pool: Simulator) -
     np.testing.assert_allclose(frame.normals_world[bed], np.broadcast_to([0, 0, 1], (bed.sum(), 3)), atol=1e-6)
 
 
-def test_depth_and_intrinsics_give_back_the_box_in_the_world(pool: Simulator) -> None:
+def test_depth_and_intrinsics_recover_the_box_in_the_world(pool: Simulator) -> None:
     pool.rov.place((-1.0, 0.0, -4.0))
-    frame = pool.rov.cameras["front"].capture(["shadows"])  # a straight lens
+    frame = pool.rov.cameras["front"].capture(["shadows"])  # without distortion or wobble
     v, u = np.nonzero(frame.labels == frame.label_names.index("box"))
     k, depth = frame.info.k, frame.depth_m[v, u].astype(np.float64)
     optical = np.column_stack([(u - k[0, 2]) / k[0, 0] * depth, (v - k[1, 2]) / k[1, 1] * depth, depth])
@@ -67,7 +67,7 @@ def test_depth_and_intrinsics_give_back_the_box_in_the_world(pool: Simulator) ->
     assert points.max(axis=0) == pytest.approx([2.5, 0.5, -4.0], abs=0.02)
 
 
-def test_one_frame_for_one_time_whatever_the_threads(pool: Simulator) -> None:
+def test_a_frame_depends_on_time_and_seed_but_not_on_threads(pool: Simulator) -> None:
     rov = pool.rov
     rov.lamps["front"].on = True
     pool.step(3)
@@ -88,15 +88,15 @@ def test_one_frame_for_one_time_whatever_the_threads(pool: Simulator) -> None:
     assert other.rov.cameras["front"].capture().rgb.tobytes() != first.rgb.tobytes()
 
 
-def test_captures_from_several_threads_are_each_the_same_frame(pool: Simulator) -> None:
+def test_captures_on_several_python_threads_equal_captures_one_by_one(pool: Simulator) -> None:
     cameras = [pool.rov.cameras["front"], pool.rov.cameras["down"], pool.cameras["station"]]
     alone = [camera.capture().rgb.tobytes() for camera in cameras]
     together: dict[int, bytes] = {}
 
-    def take(k: int, camera: Camera) -> None:
+    def capture(k: int, camera: Camera) -> None:
         together[k] = camera.capture().rgb.tobytes()
 
-    workers = [threading.Thread(target=take, args=(k, cameras[k % 3])) for k in range(6)]
+    workers = [threading.Thread(target=capture, args=(k, cameras[k % 3])) for k in range(6)]
     for worker in workers:
         worker.start()
     for worker in workers:
@@ -104,7 +104,7 @@ def test_captures_from_several_threads_are_each_the_same_frame(pool: Simulator) 
     assert [together[k] for k in range(6)] == alone * 2
 
 
-def test_others_go_on_while_a_cameras_rays_are_worked_out() -> None:
+def test_other_python_threads_run_while_a_camera_computes_its_rays() -> None:
     lens = _core.Lens(1280, 720, 900.0, 900.0, 640.0, 360.0, [-0.12, 0.02, 0.0, 0.0, 0.0])
     maker = threading.Thread(target=_core.Camera, args=("large", lens))
     turns = 0
@@ -115,7 +115,7 @@ def test_others_go_on_while_a_cameras_rays_are_worked_out() -> None:
     assert turns > 10
 
 
-def test_lamps_light_by_the_name_of_their_switch(pool: Simulator) -> None:
+def test_each_switch_lights_its_own_lamps(pool: Simulator) -> None:
     pool.set_optics(sun_elevation_deg=-6)
     rov = pool.rov
 
@@ -135,7 +135,7 @@ def test_lamps_light_by_the_name_of_their_switch(pool: Simulator) -> None:
         rov.lamps["front"].on = 3  # type: ignore[assignment]
 
 
-def test_murkier_water_is_murkier_and_the_light_can_be_changed(pool: Simulator) -> None:
+def test_turbid_water_lowers_contrast_and_unknown_optics_are_refused(pool: Simulator) -> None:
     camera = pool.rov.cameras["front"]
     contrasts = []
     for jerlov in ("I", "III", "5C", "9C"):
@@ -150,7 +150,7 @@ def test_murkier_water_is_murkier_and_the_light_can_be_changed(pool: Simulator) 
     assert pool.optics.jerlov == "9C"
 
 
-def test_the_station_sees_sky_above_and_the_vehicle_below() -> None:
+def test_the_station_sees_the_sky_and_the_vehicle() -> None:
     sim = Simulator("lake", threads=2)
     frame = sim.cameras["station"].capture()
     sky = frame.labels[:20] == 0
@@ -159,15 +159,16 @@ def test_the_station_sees_sky_above_and_the_vehicle_below() -> None:
     top = frame.rgb[:20][sky].mean(axis=0)
     assert top[2] > top[0]  # blue
     sim.rov.place((*sim.scenario.station.position_m[:2], -1.2))
-    spec = sim.cameras["station"].mount.model_copy(
+    station = sim.cameras["station"]
+    facing_back = station.mount.model_copy(
         update={"position_m": (6.0, 0.0, 1.0), "yaw_pitch_roll_deg": (180.0, 20.0, 0.0)}
     )
-    from_ahead = Camera("ahead", spec, sim.cameras["station"]._stage, sim.cameras["station"]._carrier, None)
-    seen = {from_ahead.capture().label_names[k] for k in np.unique(from_ahead.capture().labels)}
+    frame = Camera("ahead", facing_back, station._scene, station._carrier).capture()
+    seen = {frame.label_names[k] for k in np.unique(frame.labels)}
     assert {"rov", "station"} <= seen
 
 
-def test_images_as_files(pool: Simulator, tmp_path: Path) -> None:
+def test_frames_are_saved_as_png_and_jpeg(pool: Simulator, tmp_path: Path) -> None:
     frame = pool.rov.cameras["front"].capture()
     np.testing.assert_array_equal(np.asarray(Image.open(io.BytesIO(frame.png()))), frame.rgb)
     jpeg = np.asarray(Image.open(io.BytesIO(frame.jpeg(95))), np.float64)
@@ -184,14 +185,14 @@ def test_images_as_files(pool: Simulator, tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.jpg"}
 
 
-def test_camera_info_is_sensor_msgs(pool: Simulator) -> None:
+def test_camera_info_has_the_shapes_of_sensor_msgs(pool: Simulator) -> None:
     info = pool.rov.cameras["front"].info
     assert (info.width, info.height, info.distortion_model) == (640, 360, "plumb_bob")
     assert info.k.shape == (3, 3) and info.r.shape == (3, 3) and info.p.shape == (3, 4) and info.d.shape == (5,)
     np.testing.assert_allclose(np.degrees(2 * np.arctan(320 / info.k[0, 0])), 84)
 
 
-def test_effects_are_named_and_unknown_ones_refused(pool: Simulator) -> None:
+def test_effects_are_chosen_by_name_and_unknown_names_are_refused(pool: Simulator) -> None:
     camera = pool.rov.cameras["front"]
     assert camera.capture(EFFECTS).rgb.tobytes() == camera.capture("on").rgb.tobytes()
     assert camera.capture([]).rgb.tobytes() == camera.capture("off").rgb.tobytes()
@@ -203,7 +204,7 @@ def test_effects_are_named_and_unknown_ones_refused(pool: Simulator) -> None:
         camera.capture(threads=0)
 
 
-def test_a_camera_below_the_ground_is_an_error_and_inside_a_solid_sees_its_inside(pool: Simulator) -> None:
+def test_a_camera_below_ground_is_refused_and_one_in_a_solid_sees_its_inner_side(pool: Simulator) -> None:
     pool.rov.place((0.0, 0.0, -4.8))
     with pytest.raises(ValueError, match=r"camera 'rov/down' position_m = .*: must be above the ground"):
         pool.rov.cameras["down"].capture()
@@ -214,7 +215,7 @@ def test_a_camera_below_the_ground_is_an_error_and_inside_a_solid_sees_its_insid
 
 
 @pytest.mark.parametrize(
-    ("figures", "message"),
+    ("parameters", "message"),
     [
         ("width: 0", "must be in [1, 8192] pixels"),
         ("height: 100000", "must be in [1, 8192] pixels"),
@@ -224,13 +225,13 @@ def test_a_camera_below_the_ground_is_an_error_and_inside_a_solid_sees_its_insid
         ("distortion: [-2, 0, 0, 0, 0]", "folds"),
     ],
 )
-def test_impossible_cameras_are_refused(tmp_path: Path, figures: str, message: str) -> None:
+def test_impossible_cameras_are_refused(tmp_path: Path, parameters: str, message: str) -> None:
     text = POOL.read_text()
     path = tmp_path / "pool.yaml"
     path.write_text(
         text.replace(
             "  dock_m: [0, 0, -2]",
-            f"  dock_m: [0, 0, -2]\n  cameras: {{odd: {{position_m: [0, 0, 3], {figures}}}}}",
+            f"  dock_m: [0, 0, -2]\n  cameras: {{odd: {{position_m: [0, 0, 3], {parameters}}}}}",
         )
     )
     with pytest.raises(ValueError) as error:
@@ -239,7 +240,7 @@ def test_impossible_cameras_are_refused(tmp_path: Path, figures: str, message: s
     assert "camera" in str(error.value)
 
 
-def test_unknown_water_and_material_name_the_nearest(tmp_path: Path) -> None:
+def test_an_unknown_water_or_material_is_refused_with_a_suggestion(tmp_path: Path) -> None:
     for old, new, message in (
         ("station:", "optics: {jerlov: IIII}\nstation:", "optics.jerlov"),
         ("    size_m: [1, 1, 1]", "    size_m: [1, 1, 1]\n    material: stel", "did you mean 'steel'?"),
@@ -252,7 +253,7 @@ def test_unknown_water_and_material_name_the_nearest(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".glb"])
-def test_a_mesh_shows_the_image_that_it_carries(tmp_path: Path, suffix: str) -> None:
+def test_a_textured_mesh_shows_its_image(tmp_path: Path, suffix: str) -> None:
     image = Image.new("RGB", (64, 64), (200, 30, 30))
     image.paste((30, 30, 200), (32, 0, 64, 64))
     uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float64)
@@ -273,7 +274,7 @@ def test_a_mesh_shows_the_image_that_it_carries(tmp_path: Path, suffix: str) -> 
     assert right[:, 2].mean() > 2 * right[:, 0].mean()
 
 
-def test_seen_from_below_the_sky_is_within_snells_window() -> None:
+def test_from_below_the_sky_is_seen_within_snells_window_only() -> None:
     world = _core.World()
     scene = _core.CameraScene(world, _core.RayScene(world), 0)
     lens = _core.Lens(201, 201, 70.0, 70.0, 100, 100)

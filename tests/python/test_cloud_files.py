@@ -1,4 +1,4 @@
-"""Clouds in files: what goes in comes out, PCL's own files are read, broken ones are refused."""
+"""Point clouds in files: they are read as written, PCL's own files are read, damaged ones are refused."""
 
 from pathlib import Path
 
@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plyfile import PlyData
 
-from uwsim.cloud_files import FORMATS, read_cloud, write_cloud
+from uwsim.mapping.files import CLOUD_FORMATS, read_cloud, write_cloud
 
 DATA = Path(__file__).with_name("data")
-SUFFIXES = sorted(FORMATS)
+SUFFIXES = sorted(CLOUD_FORMATS)
 finite = st.floats(-1e5, 1e5, width=32)
 
 
@@ -20,7 +20,7 @@ def some_points(n: int, scale: float = 100.0) -> np.ndarray:
     return np.random.default_rng(n).normal(0.0, scale, (n, 3)).astype(np.float32)
 
 
-def pcls_points() -> np.ndarray:
+def pcl_points() -> np.ndarray:
     i = np.arange(60)
     f = np.float32
     return np.stack([f(0.1) * (i % 10).astype(f), f(-1) - (i // 10).astype(f), f(-20) + f(0.3) * ((7 * i) % 5)], axis=1)
@@ -29,7 +29,7 @@ def pcls_points() -> np.ndarray:
 @pytest.mark.parametrize("suffix", [".pcd", ".ply", ".xyz"])
 @settings(max_examples=20)
 @given(rows=st.lists(st.tuples(finite, finite, finite), min_size=1, max_size=30))
-def test_float32_points_come_back_bit_for_bit(suffix, rows, tmp_path_factory):
+def test_float32_points_are_preserved_bit_for_bit(suffix, rows, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / f"cloud{suffix}"
     points = np.array(rows, np.float32)
     write_cloud(path, points)
@@ -38,13 +38,13 @@ def test_float32_points_come_back_bit_for_bit(suffix, rows, tmp_path_factory):
     assert back.astype(np.float32).tobytes() == points.tobytes()
 
 
-def test_xyz_keeps_float64_too(tmp_path):
+def test_xyz_preserves_float64_too(tmp_path):
     points = np.random.default_rng(1).normal(0.0, 5e6, (500, 3))
     write_cloud(tmp_path / "cloud.xyz", points)
     assert np.array_equal(read_cloud(tmp_path / "cloud.xyz"), points)
 
 
-def test_las_keeps_millimetres_far_from_zero(tmp_path):
+def test_las_preserves_millimetres_far_from_zero(tmp_path):
     points = np.random.default_rng(2).normal([456_789.0, 5_432_100.0, -60.0], 500.0, (500, 3))
     write_cloud(tmp_path / "cloud.las", points)
     assert np.abs(read_cloud(tmp_path / "cloud.las") - points).max() <= 0.0005 + 1e-8
@@ -57,8 +57,8 @@ def test_las_keeps_millimetres_far_from_zero(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["pcl_ascii.pcd", "pcl_binary.pcd", "pcl_compressed.pcd"])
-def test_pcls_own_pcd_files_are_read_without_the_point_that_is_nan(name):
-    assert read_cloud(DATA / name) == pytest.approx(np.delete(pcls_points(), 7, axis=0), abs=2e-6)
+def test_pcls_own_pcd_files_are_read_without_the_nan_point(name):
+    assert read_cloud(DATA / name) == pytest.approx(np.delete(pcl_points(), 7, axis=0), abs=2e-6)
 
 
 def test_the_three_encodings_of_a_pcd_hold_the_same_numbers():
@@ -69,10 +69,10 @@ def test_the_three_encodings_of_a_pcd_hold_the_same_numbers():
 
 @pytest.mark.parametrize("name", ["pcl_ascii.ply", "pcl_binary.ply"])
 def test_pcls_own_ply_files_are_read(name):
-    assert read_cloud(DATA / name) == pytest.approx(pcls_points(), abs=2e-6)
+    assert read_cloud(DATA / name) == pytest.approx(pcl_points(), abs=2e-6)
 
 
-def test_fields_before_and_between_and_padding_are_passed_over(tmp_path):
+def test_other_fields_and_padding_are_skipped(tmp_path):
     layout = [("ring", "<u2"), ("_", "u1", (3,)), ("z", "<f8"), ("x", "<f4"), ("rgb", "<u4"), ("y", "<i2")]
     rows = np.zeros(2, layout)
     rows["x"], rows["y"], rows["z"] = [1.5, -2.5], [3, -4], [0.1, 1e6]
@@ -84,14 +84,14 @@ def test_fields_before_and_between_and_padding_are_passed_over(tmp_path):
         assert read_cloud(tmp_path / name).tolist() == [[1.5, 3.0, 0.1], [-2.5, -4.0, 1e6]]
 
 
-def test_other_programs_find_the_points_in_a_ply(tmp_path):
+def test_plyfile_reads_the_points_of_a_ply(tmp_path):
     write_cloud(tmp_path / "cloud.ply", some_points(17))
     vertex = PlyData.read(tmp_path / "cloud.ply")["vertex"]
     assert vertex.count == 17
     assert np.array_equal(vertex["y"], some_points(17)[:, 1])
 
 
-def test_text_with_commas_comments_and_more_columns(tmp_path):
+def test_text_may_have_commas_comments_and_more_columns(tmp_path):
     (tmp_path / "cloud.xyz").write_text("# x y z intensity\n1,2,3,99\n4\t5 6 98\n\n")
     assert read_cloud(tmp_path / "cloud.xyz").tolist() == [[1, 2, 3], [4, 5, 6]]
     (tmp_path / "cloud.xyz").write_text("")
@@ -99,7 +99,7 @@ def test_text_with_commas_comments_and_more_columns(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_the_same_points_give_the_same_bytes_and_a_sequence_will_do(suffix, tmp_path):
+def test_the_same_points_give_the_same_bytes_and_sequences_are_accepted(suffix, tmp_path):
     for name in ("a", "b"):
         write_cloud(tmp_path / f"{name}{suffix}", [[1, 2, 3], [4.5, 5, 6]])
     assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
@@ -107,7 +107,7 @@ def test_the_same_points_give_the_same_bytes_and_a_sequence_will_do(suffix, tmp_
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_a_broken_file_is_a_valueerror_that_names_it_or_another_cloud(suffix, tmp_path):
+def test_a_damaged_file_gives_a_valueerror_that_names_it_or_another_cloud(suffix, tmp_path):
     path = tmp_path / f"cloud{suffix}"
     write_cloud(path, some_points(40))
     sources = [path.read_bytes(), *(f.read_bytes() for f in sorted(DATA.glob(f"*{suffix}")))]
@@ -125,7 +125,7 @@ def test_a_broken_file_is_a_valueerror_that_names_it_or_another_cloud(suffix, tm
         try:
             points = read_cloud(path)
         except ValueError as error:
-            assert str(error).startswith(f"'{path}': not a sound {suffix[1:].upper()} file: ")
+            assert str(error).startswith(f"'{path}': not a valid {suffix[1:].upper()} file: ")
             assert "\n" not in str(error)
             refused += 1
         else:
@@ -142,7 +142,7 @@ def test_a_truncated_file_is_refused(suffix, tmp_path):
     whole = path.read_bytes()
     for keep in (0, 10, len(whole) // 2, len(whole) - 1):
         path.write_bytes(whole[:keep])
-        with pytest.raises(ValueError, match="not a sound"):
+        with pytest.raises(ValueError, match="not a valid"):
             read_cloud(path)
 
 
@@ -159,10 +159,10 @@ def test_a_truncated_file_is_refused(suffix, tmp_path):
         (".xyz", "1 2\n"),
     ],
 )
-def test_a_header_that_promises_what_is_not_there_is_refused(suffix, text, tmp_path):
+def test_a_header_that_does_not_match_its_data_is_refused(suffix, text, tmp_path):
     path = tmp_path / f"cloud{suffix}"
     path.write_text(text)
-    with pytest.raises(ValueError, match="not a sound"):
+    with pytest.raises(ValueError, match="not a valid"):
         read_cloud(path)
 
 
@@ -178,13 +178,13 @@ def test_a_header_that_promises_what_is_not_there_is_refused(suffix, text, tmp_p
     ],
 )
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_what_is_no_cloud_is_not_written(suffix, points, message, tmp_path):
+def test_an_invalid_cloud_is_not_written(suffix, points, message, tmp_path):
     with pytest.raises(ValueError, match=message):
         write_cloud(tmp_path / f"cloud{suffix}", points)
     assert not any(tmp_path.iterdir())
 
 
-def test_paths_that_do_not_work_are_named(tmp_path):
+def test_errors_name_the_path(tmp_path):
     with pytest.raises(ValueError, match=r"must end in \.las, \.pcd|must end in \.pcd"):
         write_cloud(tmp_path / "cloud.e57", some_points(3))
     with pytest.raises(ValueError, match="must fit a float32"):

@@ -1,4 +1,4 @@
-"""Laws of the filters and fits: centroids, planes and motions that are known come back."""
+"""Laws of the filters and fits: known centroids, planes and motions are recovered."""
 
 import math
 
@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from uwsim import clouds
-from uwsim.mapping import OccupancyMap
+from uwsim.mapping import OccupancyMap, clouds
 
 FAR = np.array([4321.0, -1234.0, -87.0])
 
@@ -42,11 +41,11 @@ def moved(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     voxel_m=st.sampled_from([0.1, 0.5, 1.0, 3.0]),
     far=st.booleans(),
 )
-def test_the_voxel_grid_gives_each_cubes_centroid(n, seed, voxel_m, far):
+def test_the_voxel_grid_gives_the_centroid_of_each_cube(n, seed, voxel_m, far):
     points = (some_points(n, seed) + far * FAR).astype(np.float32)
     wide = points.astype(np.float64)
     edge_m = np.abs(wide / voxel_m - np.round(wide / voxel_m)).min(axis=1) * voxel_m
-    points, wide = points[edge_m > 1e-3], wide[edge_m > 1e-3]  # float32 may take what lies on a face to either side
+    points, wide = points[edge_m > 1e-3], wide[edge_m > 1e-3]  # rounding to float32 may move a point across a face
     keys, cube, count = np.unique(np.floor(wide / voxel_m), axis=0, return_inverse=True, return_counts=True)
     expected = np.zeros((len(keys), 3))
     np.add.at(expected, cube, wide)
@@ -57,24 +56,24 @@ def test_the_voxel_grid_gives_each_cubes_centroid(n, seed, voxel_m, far):
     assert np.abs(got - (expected / count[:, None])[order]).max(initial=0.0) < (3e-4 if far else 3e-6)
 
 
-def test_a_voxel_that_is_too_small_for_the_cloud_is_refused():
+def test_a_voxel_too_small_for_the_cloud_is_refused():
     with pytest.raises(ValueError, match=r"voxel_m = 1e-05: too small for the cloud's box"):
         clouds.voxel_grid([[0, 0, 0], [100, 100, 100]], 1e-5)
-    assert len(clouds.voxel_grid([[1e30, 0, 0]], 0.1)) == 1, "one cube is no matter of where it is"
+    assert len(clouds.voxel_grid([[1e30, 0, 0]], 0.1)) == 1, "one cube is possible anywhere"
 
 
-def test_pass_through_keeps_the_slab_with_its_faces():
+def test_pass_through_keeps_the_slab_including_its_faces():
     points = np.array([[1, 2, 3], [4, 5, 6], [7, 8, 9], [np.nan, 5, 5], [0, math.inf, 0]], np.float32)
     assert clouds.pass_through(points, "y", 2, 5).tolist() == [[1, 2, 3], [4, 5, 6]]
     assert clouds.pass_through(points, "z", min_m=6).tolist() == [[4, 5, 6], [7, 8, 9]]
     assert clouds.pass_through(points, "x", max_m=0.5).tolist() == []
 
 
-def test_lonely_points_are_outliers_and_the_rest_stays_in_its_order():
+def test_isolated_points_are_outliers_and_the_others_keep_their_order():
     crowd = (some_points(2000, half_m=1.0) + FAR).astype(np.float32)
-    lonely = (FAR + np.diag([9.0, -9.0, 9.0])).astype(np.float32)
-    kept = clouds.remove_outliers(np.concatenate([lonely, crowd, [[np.nan] * 3]]).astype(np.float32), 8, 3.0)
-    assert not (kept[:, None] == lonely).all(axis=2).any()
+    isolated = (FAR + np.diag([9.0, -9.0, 9.0])).astype(np.float32)
+    kept = clouds.remove_outliers(np.concatenate([isolated, crowd, [[np.nan] * 3]]).astype(np.float32), 8, 3.0)
+    assert not (kept[:, None] == isolated).all(axis=2).any()
     at = [int(np.flatnonzero((crowd == p).all(axis=1))[0]) for p in kept[::50]]
     assert at == sorted(at)
     assert len(kept) > 1800
@@ -99,7 +98,7 @@ def test_a_plane_in_clutter_is_recovered(slope_deg, azimuth, height_m, far):
     assert np.abs(plane.height_of(on_plane + shift)).max() < 0.06
 
 
-def test_a_wall_is_no_ground():
+def test_a_wall_is_not_ground():
     random = np.random.default_rng(2)
     wall = np.column_stack([np.zeros(500), random.uniform(-5, 5, (500, 2))])
     ground = np.column_stack([random.uniform(-5, 5, (100, 2)), np.full(100, -5.0)])
@@ -111,7 +110,7 @@ def test_a_wall_is_no_ground():
 
 
 @given(turn=st.tuples(*[st.floats(-0.06, 0.06)] * 3), shift=st.tuples(*[st.floats(-0.3, 0.3)] * 3), far=st.booleans())
-def test_icp_recovers_how_a_cloud_was_moved(turn, shift, far):
+def test_icp_recovers_the_motion_of_a_cloud(turn, shift, far):
     there = bumpy_bed(1500)
     known = motion(turn, shift)
     here = moved(np.linalg.inv(known), there)
@@ -127,7 +126,7 @@ def test_icp_recovers_how_a_cloud_was_moved(turn, shift, far):
     assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-9)
 
 
-def test_a_guess_carries_the_cloud_to_where_icp_finds_it():
+def test_a_guess_brings_the_cloud_within_reach_of_icp():
     there = bumpy_bed(1500)
     known = motion([0.02, -0.03, 2.0], [150.0, -80.0, 12.0])
     here = moved(np.linalg.inv(known), there)
@@ -151,7 +150,7 @@ def test_a_scan_finds_its_place_in_a_map():
     assert off_m.max() < 0.1, "half a voxel"
 
 
-def test_too_few_iterations_are_told():
+def test_too_few_iterations_are_reported():
     there = bumpy_bed(800)
     found = clouds.register(there + np.array([0.3, 0.2, 0.1]), there, max_distance_m=2.0, max_iterations=2)
     assert not found.converged
@@ -186,9 +185,9 @@ def test_a_mistake_is_named(call, message):
         call(some_points(20))
 
 
-def test_nothing_in_nothing_out():
-    nothing = np.empty((0, 3), np.float32)
-    for got in (clouds.voxel_grid(nothing, 1.0), clouds.pass_through(nothing, "z"), clouds.remove_outliers(nothing)):
+def test_an_empty_cloud_gives_an_empty_cloud():
+    empty = np.empty((0, 3), np.float32)
+    for got in (clouds.voxel_grid(empty, 1.0), clouds.pass_through(empty, "z"), clouds.remove_outliers(empty)):
         assert got.shape == (0, 3)
 
 
@@ -206,7 +205,7 @@ def test_the_same_points_give_the_same_bytes():
     assert first == second
 
 
-def test_what_pcl_would_say_on_stderr_is_an_exception_only(capfd):
+def test_pcl_prints_nothing_on_stderr(capfd):
     far = clouds.register(some_points(20), some_points(20) + 1e5, max_distance_m=0.5)
     assert not far.converged
     assert far.overlap == 0.0

@@ -1,4 +1,4 @@
-"""Contact as a user meets it: shapes by choice, from files, and through the simulator."""
+"""Collision shapes: chosen in the vehicle's model, read from files, and in contact in the simulator."""
 
 from pathlib import Path
 
@@ -7,18 +7,18 @@ import pytest
 import trimesh
 
 from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load_vehicle, vehicle_hull
-from uwsim.scenario.collision_shapes import load_pieces, vehicle_pieces, write_pieces
+from uwsim.scenario.build.collision_pieces import load_pieces, vehicle_pieces, write_pieces
 from uwsim.simulator import Simulator
 
 
 def portal_pieces() -> list[np.ndarray]:
-    """Three boxes that stand like a gate, open below and along x."""
+    """Three boxes that form a gate, open below and along x."""
     boxes = [((0.4, 0.1, 0.6), (0, 0.35, 0)), ((0.4, 0.1, 0.6), (0, -0.35, 0)), ((0.4, 0.8, 0.1), (0, 0, 0.25))]
-    return [trimesh.creation.box(size).vertices + np.array(middle) for size, middle in boxes]
+    return [trimesh.creation.box(size).vertices + np.array(centre) for size, centre in boxes]
 
 
 def portal(folder: Path, collision: str) -> VehicleModel:
-    """A neutral body that displaces as the box round it, and collides as `collision` says."""
+    """A neutral body that displaces the volume of its bounding box and collides as `collision` says."""
     trimesh.creation.box((0.4, 0.8, 0.6)).export(folder / "hull.stl")
     write_pieces(portal_pieces(), folder / "hull.pieces.obj", made_from="hull.stl")
     figures = {
@@ -53,7 +53,7 @@ def simulator(model: VehicleModel, obstacles: list[dict] | None = None) -> Simul
 
 
 @pytest.mark.parametrize(("collision", "passes"), [("pieces", True), ("hull", False), ("box", False)])
-def test_pieces_leave_the_hollows_open(tmp_path: Path, collision: str, passes: bool) -> None:
+def test_pieces_leave_the_hollows_of_a_hull_open(tmp_path: Path, collision: str, passes: bool) -> None:
     pipe = {"kind": "pipeline", "name": "pipe", "points_m": [[3, 0], [6, 0]], "radius_m": 0.15}
     sim = simulator(portal(tmp_path, collision), [pipe])
     sim.rov.place((0, 0, -19.6), velocity_body=(1, 0, 0, 0, 0, 0))  # astride the pipe that lies on the bed
@@ -62,7 +62,7 @@ def test_pieces_leave_the_hollows_open(tmp_path: Path, collision: str, passes: b
     assert (sim.rov.collisions == 0) == passes
 
 
-def test_pieces_come_back_from_their_file(tmp_path: Path) -> None:
+def test_pieces_survive_writing_and_reading(tmp_path: Path) -> None:
     write_pieces(portal_pieces(), tmp_path / "p.obj", made_from="here")
     pieces = load_pieces(tmp_path / "p.obj")
     assert [len(piece) for piece in pieces] == [8, 8, 8]
@@ -77,7 +77,7 @@ def test_a_flat_piece_is_refused(tmp_path: Path) -> None:
         load_pieces(path)
 
 
-def test_the_shape_and_its_file_belong_together(tmp_path: Path) -> None:
+def test_a_piece_file_is_required_for_pieces_and_refused_without(tmp_path: Path) -> None:
     model = portal(tmp_path, "pieces")
     figures = {key: getattr(model, key) for key in model.model_fields_set}
     with pytest.raises(ValueError, match="uwsim decompose"):
@@ -97,9 +97,9 @@ def test_the_packaged_pieces_fit_their_hull() -> None:
     assert hull.volume < filled < 0.7 * hull.convex_hull.volume
 
 
-def test_decomposing_gives_the_same_pieces_again() -> None:
+def test_decomposing_twice_gives_the_same_pieces() -> None:
     pytest.importorskip("coacd")
-    from uwsim.scenario.collision_shapes import decompose
+    from uwsim.scenario.build.collision_pieces import decompose
 
     shape = trimesh.creation.annulus(0.2, 0.5, 0.3, sections=12)
     first, second = (decompose(shape.vertices, shape.faces, max_pieces=6) for _ in range(2))
@@ -107,7 +107,7 @@ def test_decomposing_gives_the_same_pieces_again() -> None:
     assert all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
 
 
-def test_a_vehicle_dropped_on_the_bed_rests_there(tmp_path: Path) -> None:
+def test_a_vehicle_dropped_on_the_bed_comes_to_rest(tmp_path: Path) -> None:
     model = portal(tmp_path, "pieces")
     heavy = VehicleModel.model_validate(
         {
@@ -126,8 +126,8 @@ def test_a_vehicle_dropped_on_the_bed_rests_there(tmp_path: Path) -> None:
     assert sim.rov.telemetry().collision_warning
 
 
-def test_a_diverging_run_says_when_who_and_from_where(tmp_path: Path) -> None:
-    stiff = portal(tmp_path, "hull").model_copy(update={"linear_damping": (1e6,) * 6})  # 5 ms is far too long for it
+def test_a_diverging_run_names_vehicle_step_and_last_state(tmp_path: Path) -> None:
+    stiff = portal(tmp_path, "hull").model_copy(update={"linear_damping": (1e6,) * 6})  # too stiff for steps of 5 ms
     sim = simulator(stiff)
     sim.rov.place((0, 0, -10), velocity_body=(1, 0, 0, 0, 0, 0))
     with pytest.raises(ValueError, match=r"vehicle 'body', step \d+: last finite state = \[.*the motion diverged"):

@@ -1,4 +1,4 @@
-"""The depth-map method beside one ray a beam: how its error falls, and what it refuses."""
+"""The depth-map method against one ray for each beam: its errors, and the figures that it refuses."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from basin import BED_M, basin
-from uwsim import _core, depth_map, imaging
-from uwsim.depth_map import DepthMap, difference, ranges_m
+from uwsim import _core
+from uwsim.sonars import depth_map, imaging
+from uwsim.sonars.depth_map import DepthMap, difference, ranges_m
 
 SONAR = _core.multibeam_model(2)
 ANGLES = SONAR.angle_min_rad + SONAR.angle_increment_rad * np.arange(SONAR.beams)
@@ -17,7 +18,7 @@ HEAD = imaging.pose_matrix((0.0, 1.0, BED_M + 3.0), yaw_rad=0.3, pitch_rad=0.2, 
 
 @pytest.fixture(scope="module")
 def sim() -> SimpleNamespace:
-    """A basin between four walls, with a box before the head; so heeled, the head sees no two columns alike."""
+    """A basin with four walls and a box ahead; the head is rolled so that all columns differ."""
     walls = [((x, y, -15.0), size) for x, y, size in ((21, 0, (2, 44, 12)), (-21, 0, (2, 44, 12)),
                                                        (0, 21, (44, 2, 12)), (0, -21, (44, 2, 12)))]  # fmt: skip
     return basin(*walls, ((9.0, 3.0, BED_M + 1.0), (1.0, 1.0, 3.0)))
@@ -25,7 +26,7 @@ def sim() -> SimpleNamespace:
 
 @pytest.fixture(scope="module")
 def exact(sim: SimpleNamespace) -> np.ndarray:
-    """(beams,) one ray a beam."""
+    """(beams,) ranges of one ray for each beam."""
     flat = np.stack([np.cos(ANGLES), np.sin(ANGLES), np.zeros(SONAR.beams)], axis=1)
     ranges: np.ndarray = sim.scene.cast(HEAD[None, :3, 3], flat @ HEAD[:3, :3].T, SONAR.range_max_m).ranges_m
     assert np.isfinite(ranges).all()
@@ -36,17 +37,17 @@ def method(**changes: object) -> DepthMap:
     return replace(DepthMap(field_of_view_rad=SONAR.field_of_view_rad, range_max_m=SONAR.range_max_m), **changes)
 
 
-def test_its_mean_error_falls_with_the_pixels_width(sim: SimpleNamespace, exact: np.ndarray) -> None:
+def test_the_mean_error_falls_with_the_width_of_a_pixel(sim: SimpleNamespace, exact: np.ndarray) -> None:
     found = [ranges_m(sim, HEAD, ANGLES, method(width=width)) for width in (256, 1024, 4096)]
     coarse, middle, fine = (difference(ranges, exact) for ranges in found)
     assert coarse.beams == np.isfinite(exact).sum() == 513
     assert coarse.mean_m > 2.5 * middle.mean_m > 6.0 * fine.mean_m > 0.0
-    half_pixel_rad = np.tan(SONAR.field_of_view_rad / 2) / 4096  # in the middle, where pixels are widest
-    steepest_m_rad = np.percentile(np.abs(np.gradient(exact, ANGLES)), 98)  # but for the edges
+    half_pixel_rad = np.tan(SONAR.field_of_view_rad / 2) / 4096  # at the centre, where pixels are widest
+    steepest_m_rad = np.percentile(np.abs(np.gradient(exact, ANGLES)), 98)  # except at edges
     assert fine.percentile_95_m < half_pixel_rad * steepest_m_rad
 
 
-def test_interpolation_leaves_only_the_edges_wrong(sim: SimpleNamespace, exact: np.ndarray) -> None:
+def test_interpolation_leaves_errors_only_at_edges(sim: SimpleNamespace, exact: np.ndarray) -> None:
     plain, smooth = (
         np.abs(ranges_m(sim, HEAD, ANGLES, method(width=1024, interpolate=between)) - exact)
         for between in (False, True)
@@ -55,7 +56,7 @@ def test_interpolation_leaves_only_the_edges_wrong(sim: SimpleNamespace, exact: 
     assert smooth.max() > 0.01, "across the box's edge there is no plane to interpolate on"
 
 
-def test_several_cameras_see_what_one_sees_and_more(sim: SimpleNamespace, exact: np.ndarray) -> None:
+def test_several_cameras_give_the_ranges_of_one_and_more(sim: SimpleNamespace, exact: np.ndarray) -> None:
     four = difference(ranges_m(sim, HEAD, ANGLES, method(width=1024, cameras=4)), exact)
     assert (four.missed, four.invented) == (0, 0)
     assert four.mean_m < 0.01
@@ -68,7 +69,7 @@ def test_several_cameras_see_what_one_sees_and_more(sim: SimpleNamespace, exact:
         ranges_m(sim, inside, around, replace(all_around, cameras=1))
 
 
-def test_a_tall_image_reduced_to_its_nearest_row_hears_the_first_echo(sim: SimpleNamespace, exact: np.ndarray) -> None:
+def test_a_tall_image_reduced_to_its_nearest_row_gives_the_first_echo(sim: SimpleNamespace, exact: np.ndarray) -> None:
     tall = method(width=512, height=33, vertical_fov_rad=np.radians(20.0))
     middle, nearest = (ranges_m(sim, HEAD, ANGLES, replace(tall, reduction=how)) for how in ("middle", "nearest"))
     assert (nearest <= middle).all()
@@ -76,7 +77,7 @@ def test_a_tall_image_reduced_to_its_nearest_row_hears_the_first_echo(sim: Simpl
     assert depth_map.depth_images(sim, HEAD, tall).shape == (1, 33, 512)
 
 
-def test_a_texture_of_eight_bits_is_off_by_up_to_half_a_step(sim: SimpleNamespace, exact: np.ndarray) -> None:
+def test_depths_of_eight_bits_err_by_up_to_half_a_step(sim: SimpleNamespace, exact: np.ndarray) -> None:
     fine = ranges_m(sim, HEAD, ANGLES, method(width=4096))
     stored = ranges_m(sim, HEAD, ANGLES, method(width=4096, depth_bits=8))
     half_step = 0.5 * 55.0 / 255.0
@@ -84,7 +85,7 @@ def test_a_texture_of_eight_bits_is_off_by_up_to_half_a_step(sim: SimpleNamespac
     assert np.abs(stored - fine).mean() > 0.3 * half_step
 
 
-def test_differences_are_of_beams_that_echo_in_both() -> None:
+def test_differences_are_taken_over_beams_with_both_echoes() -> None:
     off = difference([1.0, np.inf, 3.0, 5.0], [1.5, 2.0, np.inf, 5.0])
     assert (off.beams, off.missed, off.invented) == (2, 1, 1)
     assert (off.mean_m, off.max_m) == (0.25, 0.5)

@@ -1,4 +1,4 @@
-"""Every example runs and says something."""
+"""Every example runs and prints something."""
 
 import importlib
 import pkgutil
@@ -9,6 +9,6 @@ import uwsim.examples
 
 
 @pytest.mark.parametrize("name", [module.name for module in pkgutil.iter_modules(uwsim.examples.__path__)])
-def test_it_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_example_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     importlib.import_module(f"uwsim.examples.{name}").main()
     assert capsys.readouterr().out.strip()

@@ -1,4 +1,4 @@
-"""Imaging sonars through their Python face: arrays, poses, refusals. Their laws are tests/cpp's."""
+"""The Python interface of imaging sonars: arrays, poses, errors. The acoustics are tested in tests/cpp."""
 
 from dataclasses import replace
 
@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from basin import BED_M, basin
-from uwsim import Simulator, imaging
-from uwsim.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim import Simulator
 from uwsim.scenario import load
+from uwsim.sonars import imaging
+from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 
 HEIGHT_M = 8.0
 HEAD = imaging.pose_matrix((0.0, 0.0, BED_M + HEIGHT_M))
@@ -16,20 +17,20 @@ LOOK = ForwardLooking(beams=64, range_bins=200, rays_per_column=100)
 SIDE = SideScan(range_bins=500)
 
 
-def test_surfaces_scatter_as_their_materials_unless_the_model_says_otherwise() -> None:
+def test_surfaces_scatter_as_their_materials_unless_the_model_gives_a_strength() -> None:
     sim = basin(((10.0, 0.0, BED_M + 4.0), (1.0, 4.0, 8.0)))
     even = replace(LOOK, looks=0, noise_level_db=-200.0)
     usual_db = imaging.look_ahead(sim, HEAD, even).level_db
     sim.strengths_db = {"terrain": -40.0, "box0": -12.0}
     softer_db = imaging.look_ahead(sim, HEAD, even).level_db - usual_db
-    wall = (slice(47, 48), slice(31, 33))  # the box's face, 9.5 m ahead; beyond the bins about it lies bed alone
+    wall = (slice(47, 48), slice(31, 33))  # the box's face, 9.5 m ahead; other bins contain only the bed
     assert softer_db[wall] == pytest.approx(3.0, abs=0.5)
     assert softer_db[100:150, :10] == pytest.approx(-10.0, abs=1e-3)
-    told = replace(even, bottom_strength_db=-30.0, strengths_db={"box0": -15.0})
-    assert imaging.look_ahead(sim, HEAD, told).level_db == pytest.approx(usual_db)
+    given = replace(even, bottom_strength_db=-30.0, strengths_db={"box0": -15.0})
+    assert imaging.look_ahead(sim, HEAD, given).level_db == pytest.approx(usual_db)
 
 
-def test_a_simulators_surfaces_have_their_materials_strengths() -> None:
+def test_a_simulator_gives_surfaces_the_strengths_of_their_materials() -> None:
     strengths_db = Simulator("pool").strengths_db
     assert list(strengths_db) == Simulator("pool").world.label_names
     scenario = load("pool")
@@ -47,7 +48,7 @@ def test_a_picture_has_a_level_for_each_range_and_bearing() -> None:
     assert np.degrees(image.bearings_rad[[0, -1]]) == pytest.approx([-65.0, 65.0])
 
 
-def test_a_target_to_port_has_a_positive_bearing_and_one_behind_is_not_seen() -> None:
+def test_a_target_to_port_has_a_positive_bearing_and_one_behind_is_invisible() -> None:
     model = replace(LOOK, looks=0, beams=131, range_bins=400)
     for bearing_deg in (40.0, -25.0):
         bearing = np.radians(bearing_deg)
@@ -59,7 +60,7 @@ def test_a_target_to_port_has_a_positive_bearing_and_one_behind_is_not_seen() ->
         assert np.degrees(image.bearings_rad[column]) == pytest.approx(bearing_deg, abs=1.0)
 
 
-def test_a_things_own_strength_goes_before_the_general_one() -> None:
+def test_the_strength_of_a_single_solid_takes_precedence() -> None:
     boxes = [((15.0, y, -12.0), (1.0, 1.0, 1.0)) for y in (-6.0, 6.0)]
     soft = replace(LOOK, looks=0, beams=131, noise_level_db=-100.0, strengths_db={"box1": -45.0})
     image = imaging.look_ahead(basin(*boxes), HEAD, soft)
@@ -71,14 +72,14 @@ def test_a_things_own_strength_goes_before_the_general_one() -> None:
         imaging.look_ahead(basin(*boxes), HEAD, replace(LOOK, strengths_db={"box0": float("nan")}))
 
 
-def test_where_nothing_echoes_the_mean_power_is_the_noise() -> None:
+def test_without_echoes_the_mean_power_is_the_noise() -> None:
     image = imaging.look_ahead(basin(), imaging.pose_matrix((0.0, 0.0, -1.0), pitch_rad=-1.0), LOOK)
     power = 10.0 ** ((image.level_db - image.noise_db[:, None]) / 10.0)
     assert power.mean() == pytest.approx(1.0, abs=0.03)  # 12,800 cells
     assert power.std() == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_picture_is_the_same_again_and_on_more_threads_and_another_later() -> None:
+def test_a_picture_is_repeatable_on_any_number_of_threads_and_changes_with_time() -> None:
     sims = [basin(), basin(threads=3)]
     first, again = (imaging.look_ahead(sim, HEAD, LOOK).level_db for sim in sims)
     assert np.array_equal(first, again)
@@ -99,7 +100,7 @@ def test_a_waterfall_is_the_same_in_one_call_or_in_many() -> None:
     assert imaging.look_aside(sim, [], SIDE).picture_db().shape == (0, 1000)
 
 
-def test_port_is_left_in_the_picture_and_over_ground_a_target_is_where_it_stands() -> None:
+def test_port_is_left_in_the_picture_and_over_ground_a_target_is_at_its_distance() -> None:
     sim = basin(((0.0, 25.0, BED_M + 0.25), (4.0, 0.5, 0.5)))
     waterfall = imaging.look_aside(sim, [HEAD], replace(SIDE, looks=0, solid_strength_db=0.0))
     ground = waterfall.over_ground()
@@ -112,7 +113,7 @@ def test_port_is_left_in_the_picture_and_over_ground_a_target_is_where_it_stands
     assert np.isfinite(ground.starboard_db[0, waterfall.ranges_m < beyond - 0.2]).all()
 
 
-def test_without_a_bottom_nothing_lies_over_ground() -> None:
+def test_without_a_bottom_the_picture_over_ground_is_empty() -> None:
     waterfall = imaging.look_aside(basin(), [imaging.pose_matrix((0.0, 0.0, 1.0))], SIDE)
     assert np.isinf(waterfall.altitude_m).all()
     assert np.isnan(waterfall.over_ground().picture_db()).all()
@@ -129,7 +130,7 @@ def test_a_single_beam_profiles_the_bed_below() -> None:
     assert np.isnan(nothing.points_world_m).all()
 
 
-def test_an_imaging_sonar_rides_on_a_vehicle() -> None:
+def test_an_imaging_sonar_works_from_a_vehicles_pose() -> None:
     sim = Simulator("pool", seed=4)
     sim.rov.place((0.0, 0.0, -3.0))
     head = sim.rov.pose.world_from_body @ imaging.pose_matrix((0.5, 0.0, -0.2), pitch_rad=0.3)
@@ -154,7 +155,7 @@ BAD_POSES = {
 
 
 @pytest.mark.parametrize("pose", BAD_POSES.values(), ids=BAD_POSES.keys())
-def test_what_is_no_pose_is_refused(pose: np.ndarray) -> None:
+def test_an_invalid_pose_is_refused(pose: np.ndarray) -> None:
     with pytest.raises(ValueError, match="world_from_sonar"):
         imaging.look_ahead(basin(), pose, LOOK)
     with pytest.raises(ValueError, match=r"worlds_from_sonar\[1\]"):
@@ -182,7 +183,7 @@ def test_a_bad_figure_is_named(field: str, value: object) -> None:
         imaging.look_ahead(basin(), HEAD, replace(LOOK, **{field: value}))
 
 
-def test_each_looks_with_its_own_kind_of_model() -> None:
+def test_each_call_needs_its_own_kind_of_model() -> None:
     with pytest.raises(ValueError, match="ForwardLooking: must be a SideScan"):
         imaging.look_aside(basin(), [HEAD], LOOK)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="SideScan: must be a ForwardLooking"):

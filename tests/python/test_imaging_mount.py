@@ -1,13 +1,14 @@
-"""Imaging sonars in a vehicle's YAML: they ride along, and mistakes name the key."""
+"""Imaging sonars in a vehicle's YAML file: they move with the vehicle, and errors name the key."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from uwsim import Simulator, imaging
+from uwsim import Simulator
 from uwsim.scenario import ScenarioError
-from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.sonars import imaging
 
 SONARS = """
 imaging_sonars:
@@ -19,7 +20,7 @@ imaging_sonars:
 
 
 def pool_with(tmp_path: Path, sonars: str) -> Path:
-    """The pool's scenario with a vehicle that carries them."""
+    """The pool with a vehicle that carries these sonars."""
     (tmp_path / "diver.yaml").write_text((assets_folder() / "vehicles" / "rov.yaml").read_text() + sonars)
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     path = tmp_path / "scenario.yaml"
@@ -27,7 +28,7 @@ def pool_with(tmp_path: Path, sonars: str) -> Path:
     return path
 
 
-def test_they_hear_from_where_the_vehicle_is(tmp_path: Path) -> None:
+def test_they_ping_from_the_vehicles_pose(tmp_path: Path) -> None:
     sim = Simulator(pool_with(tmp_path, SONARS), seed=2)
     turned = (0.0, 0.0, np.sin(0.4), np.cos(0.4))
     sim.rov.place((-2.0, 1.0, -2.0), turned)
@@ -49,7 +50,7 @@ def test_they_hear_from_where_the_vehicle_is(tmp_path: Path) -> None:
     assert not np.array_equal(image.level_db, sonars["ahead"].look().level_db)
 
 
-def test_what_one_kind_gives_another_refuses(tmp_path: Path) -> None:
+def test_a_method_of_another_kind_is_refused(tmp_path: Path) -> None:
     sonars = Simulator(pool_with(tmp_path, SONARS)).rov.imaging_sonars
     with pytest.raises(ValueError, match=r"imaging_sonars\['ahead'\] is ForwardLooking: must be SideScan"):
         sonars["ahead"].line()
@@ -66,12 +67,15 @@ def test_what_one_kind_gives_another_refuses(tmp_path: Path) -> None:
         ("kind: side_scn", "did you mean 'side_scan'"),
         ("kind: side_scan, beams: 12", "beams: unknown key"),
         ("kind: forward_looking, beams: 0", r"beams = 0: must be in \[1, 4096\]"),
-        ("kind: forward_looking, beams: many", "beams"),
-        ("kind: forward_looking, field_of_view_deg: 400", r"field_of_view_deg = 400.* deg: must be in \(0, 2 pi\] rad"),
+        ("kind: forward_looking, beams: many", "beams = 'many': must be a number"),
+        ("kind: forward_looking, beams: 12.5", "beams = 12.5: must be a whole number"),
+        ("kind: forward_looking, time_varied_gain: 3", "time_varied_gain = 3: must be true or false"),
+        ("kind: forward_looking, field_of_view_deg: 400", r"field_of_view_deg = 400 deg: must be in \(0, 360\] deg"),
         ("kind: forward_looking, field_of_view_deg: wide", "field_of_view_deg = 'wide': must be a number"),
         ("kind: forward_looking, frequency_hz: -5", r"frequency_hz = -5.*: must be in"),
-        ("kind: single_beam, strengths_db: 3", "strengths_db"),
-        ("kind: single_beam, figures: {wings: 2}", "wings"),
+        ("kind: single_beam, strengths_db: 3", "strengths_db = 3: must be a strength in dB for each surface"),
+        ("kind: single_beam, figures: {wings: 2}", "figures.wings: unknown figure of a single_beam"),
+        ("kind: single_beam, figures: {looks: 17}", r"looks = 17: must be in \[0, 16\]"),
         ("kind: single_beam, position_m: [0, 0]", "position_m"),
     ],
 )
@@ -81,6 +85,6 @@ def test_a_mistake_names_the_key(tmp_path: Path, figures: str, words: str) -> No
     assert "imaging_sonars" in str(caught.value)
 
 
-def test_a_strength_of_what_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_the_strength_of_an_unknown_surface_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="wreck"):
         Simulator(pool_with(tmp_path, "\nimaging_sonars:\n  eye: {kind: side_scan, strengths_db: {wreck: -5}}\n"))

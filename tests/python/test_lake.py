@@ -1,12 +1,12 @@
-"""The headline: the default survey, whole."""
+"""The whole default survey meets the figures that are promised for it."""
 
 from uwsim import Simulator
 from uwsim.missions import COVERED
+from uwsim.scoring.map_score import score_map
 from uwsim.survey.fly import fly_survey
-from uwsim.survey.score import score_map
 
 
-def test_the_lake_is_surveyed_as_promised() -> None:
+def test_the_lake_survey_meets_its_promises() -> None:
     sim = Simulator("lake")
     occupancy, record = fly_survey(sim)
     assert record.stopped_because == COVERED

@@ -1,4 +1,4 @@
-"""The two engines of a map from Python: the same bytes from the same scans, however they are handed over."""
+"""Both engines of a map give the same bytes from the same scans, in batches of any size."""
 
 import importlib.util
 import sys
@@ -14,7 +14,7 @@ RANGE_M = 25.0
 
 
 def pings(count=12, seed=5):
-    """Scans of a wavy floor, some beams without an end: points (n, 3) float32, counts (m,), origins (m, 3)."""
+    """Scans of a wavy floor, some beams without an echo: points (n, 3) float32, counts (m,), origins (m, 3)."""
     random = np.random.default_rng(seed)
     clouds, origins = [], []
     for ping in range(count):
@@ -44,7 +44,7 @@ def reference():
 
 @pytest.mark.parametrize("instruction_set", ["best", "portable"])
 @pytest.mark.parametrize(("batch", "threads"), [(1, 1), (5, 2), (12, 1), (12, 3)])
-def test_bricks_are_the_reference_to_the_byte(reference, instruction_set, batch, threads):
+def test_bricks_give_the_bytes_of_the_reference(reference, instruction_set, batch, threads):
     points, counts, origins = pings()
     ends = np.cumsum(counts)
     occupancy_map = OccupancyMap(0.2, instruction_set=instruction_set)
@@ -59,7 +59,7 @@ def test_bricks_are_the_reference_to_the_byte(reference, instruction_set, batch,
     np.testing.assert_array_equal(occupancy_map.state_at(where), reference.state_at(where))
 
 
-def test_one_more_miss_shows(reference):
+def test_one_more_miss_changes_the_bytes(reference):
     points, counts, origins = pings()
     occupancy_map = OccupancyMap(0.2)
     occupancy_map.insert_scans(points, counts, origins, RANGE_M)
@@ -69,7 +69,7 @@ def test_one_more_miss_shows(reference):
 
 @pytest.mark.parametrize(("engine", "other"), [("bricks", "octomap"), ("octomap", "bricks")])
 @pytest.mark.parametrize("suffix", ["ot", "bt"])
-def test_files_go_from_one_engine_to_the_other(reference, engine, other, suffix, tmp_path, capfd):
+def test_files_of_one_engine_are_read_by_the_other(reference, engine, other, suffix, tmp_path, capfd):
     points, counts, origins = pings()
     first = OccupancyMap(0.2, engine=engine)
     first.insert_scans(points, counts, origins, RANGE_M)
@@ -79,10 +79,10 @@ def test_files_go_from_one_engine_to_the_other(reference, engine, other, suffix,
     for occupancy_map in maps:
         occupancy_map.insert_scans(*pings(seed=6), RANGE_M)
     assert both(maps[0]) == both(maps[1])
-    assert capfd.readouterr() == ("", "")  # OctoMap tells stderr what it writes
+    assert capfd.readouterr() == ("", "")  # OctoMap itself prints to stderr
 
 
-def test_probabilities_are_the_maps_own():
+def test_each_map_has_its_own_probabilities():
     wanted = {"hit": 0.9, "miss": 0.45, "clamping": (0.3, 0.8)}
     maps = [OccupancyMap(0.2, engine=engine, **wanted) for engine in ("octomap", "bricks")]
     for occupancy_map in maps:
@@ -103,7 +103,7 @@ def test_probabilities_are_the_maps_own():
         ({"clamping": (0.9, 0.1)}, "must be greater than map.clamping_min"),
     ],
 )
-def test_options_that_cannot_be_are_refused(options, rule):
+def test_invalid_options_are_refused(options, rule):
     with pytest.raises(ValueError, match=rule):
         OccupancyMap(0.5, **options)
 
@@ -132,16 +132,16 @@ def test_batch_is_inserted_whole_or_not_at_all(points, counts, origins, rule):
     assert occupancy_map.statistics().nodes == 0
 
 
-def test_the_bench_measures_every_way_in(tmp_path):
+def test_the_bench_measures_every_case(tmp_path):
     spec = importlib.util.spec_from_file_location("bench_mapping", BENCH)
     bench = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = bench  # dataclasses look their module up
+    sys.modules[spec.name] = bench  # dataclasses look up their module there
     spec.loader.exec_module(bench)
     scans = bench.Seabed().scans(bench.Workload(65, 120, 40, 30, {}), 4)
     assert scans.points_m.shape == (4 * 65, 3)
     figures = bench.measure("small", bench.make_cases(scans, 0.5, tmp_path), rounds=1)
-    for way in ("bricks_1", "bricks_2", "one_by_one", "portable", "stock_lazy"):
-        assert figures[f"{way}_ms"] > 0
-        assert figures[f"{way}_ratio"] > 0
+    for case in ("bricks_1", "bricks_2", "one_by_one", "portable", "stock_lazy"):
+        assert figures[f"{case}_ms"] > 0
+        assert figures[f"{case}_ratio"] > 0
     memory = bench.peak_memory(scans, 0.5)
     assert memory["octomap_mb"] > 0

@@ -1,4 +1,4 @@
-"""A mesh is the same solid in the same place whatever file it comes from; hulls are closed or refused."""
+"""A mesh is the same solid in the same place in every file format; hulls are closed or refused."""
 
 import sys
 import warnings
@@ -18,7 +18,7 @@ def solid() -> trimesh.Trimesh:
 
 
 def write_fbx(path: Path, up: str = "z", unit_cm: float = 100.0) -> Path:
-    """The same box as Blender would write it: a mesh at its own origin, placed by its node."""
+    """Write the box as Blender does: a mesh at its own origin, placed by its node."""
     size, place = HIGH - LOW, LOW
     if up == "y":
         size, place = size[[0, 2, 1]], np.array([LOW[0], LOW[2], -HIGH[1]])
@@ -98,28 +98,28 @@ def test_every_format_gives_the_same_solid_in_the_same_place(
     assert capfd.readouterr() == ("", "")
 
 
-def test_an_fbx_says_its_own_axes_and_unit(tmp_path: Path) -> None:
+def test_an_fbx_file_declares_its_axes_and_its_unit(tmp_path: Path) -> None:
     for up in ("y", "z"):
         for unit_cm in (1.0, 100.0):
             vertices, _ = load_mesh(write_fbx(tmp_path / "a.fbx", up, unit_cm))
             np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], [LOW, HIGH], atol=1e-4)
 
 
-def test_scale_and_up_are_for_files_that_do_not_say(tmp_path: Path) -> None:
+def test_scale_and_up_override_the_defaults_of_a_format(tmp_path: Path) -> None:
     path = write(tmp_path, "obj")
     vertices, _ = load_mesh(path, scale=0.001, up="y")  # (x, y, z) of the file becomes (x, -z, y)
     np.testing.assert_allclose(vertices.min(axis=0), [0.009, -0.030, 0.018])
     np.testing.assert_allclose(load_mesh(write(tmp_path, "glb"), up="z")[0].min(axis=0), [9, 27, -20], atol=1e-5)
 
 
-def test_comments_in_any_encoding_do_not_matter(tmp_path: Path) -> None:
+def test_comments_may_be_in_any_encoding(tmp_path: Path) -> None:
     path = write(tmp_path, "obj")
     path.write_bytes(b"# caf\xe9\n" + path.read_bytes())
     assert len(load_mesh(path)[1]) == 12
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-8"])
-def test_an_ascii_stl_may_have_any_name(encoding: str, tmp_path: Path) -> None:
+def test_the_name_in_an_ascii_stl_may_be_any_text(encoding: str, tmp_path: Path) -> None:
     text = trimesh.exchange.stl.export_stl_ascii(solid()).replace("solid", "solid Körper", 1)
     path = tmp_path / "a.stl"
     path.write_bytes(text.encode(encoding))
@@ -129,14 +129,14 @@ def test_an_ascii_stl_may_have_any_name(encoding: str, tmp_path: Path) -> None:
         load_mesh(path)
 
 
-def test_a_corrupt_stl_says_what_is_wrong_with_it(tmp_path: Path) -> None:
+def test_the_error_about_a_corrupt_stl_says_what_is_wrong(tmp_path: Path) -> None:
     path = write(tmp_path, "stl")
     path.write_bytes(path.read_bytes()[:-50])
     with pytest.raises(ScenarioError, match="its 634 bytes are not the 684 of the 12 triangles it announces"):
         load_mesh(path)
 
 
-def test_a_reader_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_names_a_reader_that_is_not_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "assimp_py", None)
     with pytest.raises(ScenarioError, match="needs the Python package 'assimp_py', which cannot be imported"):
         load_mesh(write(tmp_path, "fbx"))
@@ -190,7 +190,7 @@ def test_truncated_files_are_refused(kind: str, tmp_path: Path) -> None:
         load_mesh(path)
 
 
-def test_what_is_missing_not_finite_or_no_surface_is_refused(tmp_path: Path) -> None:
+def test_missing_files_and_meshes_without_a_finite_surface_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match="no such file"):
         load_mesh(tmp_path / "none.stl")
     with pytest.raises(ScenarioError, match="not a regular file"):
@@ -211,7 +211,7 @@ def volume(vertices: np.ndarray, triangles: np.ndarray) -> float:
     return float(trimesh.Trimesh(vertices, triangles, process=False).volume)
 
 
-def test_holes_and_winding_are_mended_with_a_warning() -> None:
+def test_holes_and_winding_are_repaired_with_a_warning() -> None:
     box = solid()
     with pytest.warns(RepairWarning, match="repaired: filled holes with 1 triangles"):
         assert volume(*closed_mesh(box.vertices, box.faces[1:])) == pytest.approx(6.0)
@@ -235,7 +235,7 @@ def test_a_cavity_stays_a_cavity_and_an_inverted_neighbour_does_not() -> None:
         assert volume(*closed_mesh(pair.vertices, pair.faces)) == pytest.approx(8 + 0.125)
 
 
-def test_what_cannot_be_closed_is_refused() -> None:
+def test_a_mesh_that_cannot_be_closed_is_refused() -> None:
     box = solid()
     fin = np.vstack([box.faces, [[0, 7, 5]]])
     with pytest.raises(ScenarioError, match=r"mesh 'fin': is not closed \(.*edge"):
@@ -255,7 +255,7 @@ def test_parts_that_overlap_are_united_with_a_warning() -> None:
         assert volume(*closed_mesh(hull.vertices, hull.faces)) == pytest.approx(8 + 1)
 
 
-def test_parts_that_only_touch_or_stand_apart_stay_as_they_are() -> None:
+def test_parts_that_touch_or_stand_apart_are_not_united() -> None:
     box, neighbour = trimesh.creation.box((2, 2, 2)), trimesh.creation.box((1, 1, 1))
     for shift in (1.5, 4.0):
         pair = trimesh.util.concatenate([box, neighbour.copy().apply_translation([shift, 0, 0])])
@@ -269,7 +269,7 @@ def test_a_skin_that_crosses_itself_is_refused() -> None:
     sphere = trimesh.creation.icosphere(3)
     closed_mesh(sphere.vertices, sphere.faces)
     vertices = sphere.vertices.copy()
-    vertices[vertices[:, 2] > 0.95] += [0.05, 0.02, -2.5]  # the pole is pushed in and out through the bottom
+    vertices[vertices[:, 2] > 0.95] += [0.05, 0.02, -2.5]  # push the pole in and out through the bottom
     with pytest.raises(ScenarioError, match=r"mesh 'hull': crosses itself \(\d+ edges"):
         closed_mesh(vertices, sphere.faces, name="hull")
 

@@ -1,4 +1,4 @@
-"""Lanes, lookout, autopilot, and the adaptive lawn-mower's rules."""
+"""Lanes, obstacle memory, autopilot, and the rules of the adaptive lawn-mower."""
 
 import itertools
 import tempfile
@@ -13,13 +13,13 @@ from uwsim import Simulator
 from uwsim.control.autopilot import Autopilot, wrap_angle
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lanes import lawn_mower_lanes
-from uwsim.missions.lookout import Lookout
-from uwsim.scenario.paths import assets_folder
+from uwsim.missions.obstacle_memory import ObstacleMemory
+from uwsim.scenario.read.assets import assets_folder
 
 SQUARE = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]]
 
 
-def test_lanes_cover_the_polygon_and_join_end_to_start() -> None:
+def test_lanes_cover_the_polygon_and_each_starts_where_the_last_one_ended() -> None:
     area = np.array([[0, 0], [100, 20], [90, 80], [-10, 60]], float)
     lanes = lawn_mower_lanes(area, spacing_m=10.0, run_out_m=5.0, near_m=np.array([200.0, 100.0]))
     assert np.linalg.norm(lanes[0].start_m - [200, 100]) == min(
@@ -28,7 +28,7 @@ def test_lanes_cover_the_polygon_and_join_end_to_start() -> None:
     for lane, following in itertools.pairwise(lanes):
         along, across = lane.locate(following.start_m)
         assert 0 < abs(across) <= 10.0 + 1e-9
-        assert along > lane.length_m / 2, "each starts where the last one ended"
+        assert along > lane.length_m / 2, "the next lane starts at this one's end"
         assert lane.direction @ following.direction == pytest.approx(-1.0)
     # Every point of the polygon is within half a spacing of some lane.
     points = np.random.default_rng(0).dirichlet(np.ones(4), 500) @ area
@@ -50,17 +50,17 @@ def _ping(points_world_m: list[list[float]]) -> SimpleNamespace:
     return SimpleNamespace(ranges_m=np.linalg.norm(points, axis=1), points_sonar_m=points, world_from_sonar=np.eye(4))
 
 
-def test_the_lookout_remembers_what_is_in_the_way_until_it_is_passed() -> None:
-    lookout = Lookout(half_width_m=3.0, ahead_m=20.0)
-    lookout.see(_ping([[10, 0, -5], [10, 1, -6], [10, 8, 3]]), np.zeros(3), 0.0)
-    assert lookout.highest_m(np.zeros(3), 0.0) == -5.0
-    assert lookout.highest_m(np.array([8.0, 0, 0]), 0.0) == -5.0
-    assert lookout.highest_m(np.array([14.0, 0, 0]), 0.0) == -np.inf, "behind"
-    assert lookout.highest_m(np.zeros(3), np.pi / 2) == -np.inf, "not where it is heading"
+def test_obstacles_ahead_are_remembered_until_they_are_passed() -> None:
+    memory = ObstacleMemory(half_width_m=3.0, ahead_m=20.0)
+    memory.add(_ping([[10, 0, -5], [10, 1, -6], [10, 8, 3]]), np.zeros(3), 0.0)
+    assert memory.highest_m(np.zeros(3), 0.0) == -5.0
+    assert memory.highest_m(np.array([8.0, 0, 0]), 0.0) == -5.0
+    assert memory.highest_m(np.array([14.0, 0, 0]), 0.0) == -np.inf, "passed"
+    assert memory.highest_m(np.zeros(3), np.pi / 2) == -np.inf, "not along the heading"
 
 
 @pytest.mark.parametrize("angle", [0.0, 3.0, -3.0, 7.0, 100.0])
-def test_wrapped_angles_are_the_same_angle(angle: float) -> None:
+def test_a_wrapped_angle_is_the_same_angle(angle: float) -> None:
     assert -np.pi <= wrap_angle(angle) < np.pi
     assert np.exp(1j * wrap_angle(angle)) == pytest.approx(np.exp(1j * angle))
 
@@ -98,7 +98,7 @@ def test_the_autopilot_holds_every_packaged_vehicle_still(model: str, tmp_path: 
     assert sim.rov.pose.yaw_rad == pytest.approx(0.5, abs=0.1)
 
 
-def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over() -> None:
+def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over_without_it() -> None:
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     wide = text.replace("size_m: [20, 20]", "size_m: [100, 100]").replace("model: rov", "model: bluerov2_heavy")
     with tempfile.TemporaryDirectory() as folder:
@@ -119,7 +119,7 @@ def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over() -> None:
 
 @dataclass
 class ScriptedVehicle:
-    """A remote vehicle's stand-in: goes where it is told at once; its beams and proximity sensor read as scripted."""
+    """Stands in for a remote vehicle: obeys at once; its beams and its proximity sensor read the given values."""
 
     beams_m: float = 50.0
     port_m: float = 10.0
@@ -176,15 +176,15 @@ class ScriptedVehicle:
 PLAN = LawnMowerPlan(area_m=SQUARE, altitude_m=2.0, line_spacing_m=2.0, speed_m_s=0.5)
 
 
-def test_a_mission_flies_a_vehicle_that_only_has_the_public_names_and_ends_by_itself() -> None:
+def test_a_mission_needs_only_the_public_names_of_a_vehicle_and_ends_by_itself() -> None:
     vehicle = ScriptedVehicle()
     mission = AdaptiveLawnMower(vehicle, vehicle, PLAN)
     assert mission.run() == COVERED
     assert mission.progress == pytest.approx(1.0)
-    assert vehicle.effort == {}, "efforts are let go at the end"
+    assert vehicle.effort == {}, "efforts are zero at the end"
 
 
-def test_a_lane_ends_where_all_of_three_beams_read_seven_metres_or_less() -> None:
+def test_a_lane_ends_where_all_three_beams_read_seven_metres_or_less() -> None:
     free, walled = ScriptedVehicle(), ScriptedVehicle(beams_m=6.9)
     for vehicle in (free, walled):
         AdaptiveLawnMower(vehicle, vehicle, PLAN).run()
@@ -213,7 +213,7 @@ def test_a_vehicle_that_does_not_turn_ends_the_mission() -> None:
     assert "stuck" in AdaptiveLawnMower(vehicle, vehicle, PLAN).run()
 
 
-def test_a_vehicle_without_the_sensors_it_steers_by_is_refused() -> None:
+def test_a_vehicle_without_the_sensors_that_the_mission_needs_is_refused() -> None:
     class Blind(ScriptedVehicle):
         sensors = {}  # noqa: RUF012
 
@@ -222,11 +222,11 @@ def test_a_vehicle_without_the_sensors_it_steers_by_is_refused() -> None:
         AdaptiveLawnMower(vehicle, vehicle, PLAN)
 
 
-def test_the_first_lane_is_mown_when_the_head_has_turned() -> None:
+def test_the_first_lane_begins_after_the_head_has_turned() -> None:
     class SlowHead(ScriptedVehicle):
         @property
         def sonar(self) -> SimpleNamespace:
-            elevation_rad = -min(np.radians(30.0), 0.02 * self.time_s)  # there after 26 s
+            elevation_rad = -min(np.radians(30.0), 0.02 * self.time_s)  # reached after 26 s
             return SimpleNamespace(**vars(super().sonar), elevation_rad=elevation_rad)
 
     vehicle = SlowHead()

@@ -1,4 +1,4 @@
-"""The head of the multibeam: where it points, how often it may ping, and pings from many places at once."""
+"""The head of the multibeam: its elevation, its ping rate, and batches of pings."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def poses_in(pool: Simulator, count: int) -> np.ndarray:
     return poses
 
 
-def test_the_head_starts_where_the_scenario_says_and_turns_at_five_degrees_a_second(pool: Simulator) -> None:
+def test_the_head_starts_at_the_scenarios_tilt_and_turns_at_five_degrees_per_second(pool: Simulator) -> None:
     sonar = pool.rov.sonar
     assert sonar.elevation_rad == pytest.approx(-np.radians(30))
     sonar.aim(np.radians(-60))
@@ -34,7 +34,7 @@ def test_the_head_starts_where_the_scenario_says_and_turns_at_five_degrees_a_sec
     assert sonar.elevation_rad == pytest.approx(-np.radians(40), abs=1e-5)
     forward = sonar.ping().world_from_sonar[:3, 0]
     assert forward[2] == pytest.approx(-np.sin(np.radians(40)), abs=1e-5), (
-        "a ping is taken from where the head is, not where it will be"
+        "a ping uses the present elevation, not the one at which the head is aimed"
     )
     assert before.world_from_sonar[2, 0] == pytest.approx(-0.5)
     pool.advance(10.0)
@@ -42,17 +42,17 @@ def test_the_head_starts_where_the_scenario_says_and_turns_at_five_degrees_a_sec
     with pytest.raises(ValueError, match=r"elevation_rad = 1\.6: must be in"):
         sonar.aim(1.6)
     pool.advance(1.0)
-    assert sonar.elevation_rad == np.radians(-60), "an aim that is refused changes nothing"
+    assert sonar.elevation_rad == np.radians(-60), "a refused aim changes nothing"
 
 
-def test_travel_time_bounds_the_ping_rate() -> None:
+def test_the_two_way_travel_time_limits_the_ping_rate() -> None:
     deep, near = Simulator("pool", sonar_model=1).rov.sonar, Simulator("pool", sonar_model=2).rov.sonar
     assert deep.ping_rate_max_hz == pytest.approx(7.7, abs=0.15)  # 1,440 to 1,490 m/s in fresh water, over 190 m
     assert near.ping_rate_max_hz / deep.ping_rate_max_hz == pytest.approx(95 / 55)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3, None])
-def test_a_batch_is_the_pings_one_by_one(pool: Simulator, threads: int | None) -> None:
+def test_a_batch_equals_single_pings(pool: Simulator, threads: int | None) -> None:
     poses = poses_in(pool, 60)
     batch = pool.rov.sonar.ping_batch(poses, threads=threads)
     assert batch.ranges_m.shape == (60, 1025)
@@ -71,7 +71,7 @@ def test_a_batch_is_the_pings_one_by_one(pool: Simulator, threads: int | None) -
         np.testing.assert_array_equal(batch.labels[k], ping.labels)
 
 
-def test_a_batch_is_the_same_whatever_the_threads(pool: Simulator) -> None:
+def test_a_batch_is_the_same_for_any_number_of_threads(pool: Simulator) -> None:
     poses = poses_in(pool, 200)
     one, two = (pool.rov.sonar.ping_batch(poses, threads=n) for n in (1, 2))
     for name in ARRAYS:
@@ -96,17 +96,17 @@ def test_a_batch_moves_nothing_and_may_be_empty(pool: Simulator) -> None:
         (lambda p: "poses", "poses"),
     ],
 )
-def test_poses_that_are_none_are_refused(pool: Simulator, change: object, rule: str) -> None:
+def test_invalid_poses_are_refused(pool: Simulator, change: object, rule: str) -> None:
     with pytest.raises(ValueError, match=rule):
         pool.rov.sonar.ping_batch(change(poses_in(pool, 4)))  # type: ignore[operator]
 
 
-def test_threads_are_a_sensible_number(pool: Simulator) -> None:
+def test_an_invalid_number_of_threads_is_refused(pool: Simulator) -> None:
     with pytest.raises(ValueError, match=r"threads = 0: must be in \[1, 1024\]"):
         pool.rov.sonar.ping_batch(poses_in(pool, 1), threads=0)
 
 
-def test_a_head_out_of_the_water_or_under_the_ground_hears_nothing(pool: Simulator) -> None:
+def test_a_head_above_the_water_or_under_the_ground_receives_no_echo(pool: Simulator) -> None:
     poses = poses_in(pool, 3)
     poses[0, 2, 3], poses[1, 2, 3] = 2.0, -50.0
     batch = pool.rov.sonar.ping_batch(poses)
@@ -116,13 +116,13 @@ def test_a_head_out_of_the_water_or_under_the_ground_hears_nothing(pool: Simulat
     assert not np.isnan(batch.ranges_m).any()
 
 
-def test_arrays_cannot_be_written_and_outlive_the_simulator() -> None:
+def test_arrays_are_read_only_and_outlive_the_simulator() -> None:
     sim = Simulator("pool")
     ping, batch = sim.rov.sonar.ping(), sim.rov.sonar.ping_batch(poses_in(sim, 2))
     kept = ping.ranges_m.copy()
     del sim
     np.testing.assert_array_equal(ping.ranges_m, kept)
     for name in ARRAYS:
-        for taken in (ping, batch):
+        for result in (ping, batch):
             with pytest.raises(ValueError, match="read-only"):
-                getattr(taken, name)[...] = 0
+                getattr(result, name)[...] = 0

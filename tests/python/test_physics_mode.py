@@ -1,4 +1,4 @@
-"""Physics mode through the simulator: repeatable, honest about time and motion; soundings in right and wrong water."""
+"""Physics mode in the simulator: repeatable, with time and motion; soundings with true and wrong profiles."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core
-from uwsim.scenario.paths import assets_folder
-from uwsim.sounding import SoundSpeedProfile, sound_points, sound_speed_profile
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.sonars.soundings import SoundSpeedProfile, sound_points, sound_speed_profile
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
 ARRAYS = ("ranges_m", "points_sonar_m", "incidence_rad", "intensity_db", "snr_db", "travel_time_s", "labels")
@@ -64,7 +64,7 @@ def test_a_ping_agrees_with_geometry_within_its_errors_and_its_arrays_with_each_
     assert not ping.ranges_m.flags.writeable
 
 
-def test_a_head_that_closes_in_hears_the_echo_sooner(tmp_path: Path) -> None:
+def test_an_approaching_head_receives_the_echo_sooner(tmp_path: Path) -> None:
     sim = pool(tmp_path)
     sim.rov.release()
 
@@ -77,7 +77,7 @@ def test_a_head_that_closes_in_hears_the_echo_sooner(tmp_path: Path) -> None:
     assert nearest(50.0) - still == pytest.approx(-still * 50.0 / speed_m_s * np.cos(np.radians(30)), rel=0.1)
 
 
-def test_the_wrong_profile_smiles_and_the_right_one_does_not(tmp_path: Path) -> None:
+def test_soundings_with_the_wrong_profile_bend_up_and_with_the_true_one_do_not(tmp_path: Path) -> None:
     path = tmp_path / "basin.yaml"
     path.write_text(BASIN)
     sim = Simulator(path)
@@ -91,11 +91,11 @@ def test_the_wrong_profile_smiles_and_the_right_one_does_not(tmp_path: Path) -> 
     outer, inner = slice(0, 20), slice(180, 220)
     assert np.median(right_m[outer]) == pytest.approx(-40, abs=0.15)
     assert np.median(right_m[inner]) == pytest.approx(-40, abs=0.05)
-    assert np.median(wrong_m[inner]) < -40.2  # too fast a speed: too deep
-    assert np.median(wrong_m[outer]) - np.median(wrong_m[inner]) > 0.8  # and up at the ends
+    assert np.median(wrong_m[inner]) < -40.2  # the assumed speed is too high: too deep
+    assert np.median(wrong_m[outer]) - np.median(wrong_m[inner]) > 0.8  # bent up at the ends
 
 
-def test_what_cannot_be_sounded_is_refused(tmp_path: Path) -> None:
+def test_invalid_soundings_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"sound_speed_profile.depths_m\[2\] = 5: m: must be deeper than the level"):
         SoundSpeedProfile([0, 10, 5], [1480, 1480, 1480])
     with pytest.raises(ValueError, match="ping is a Ping: must be of `mode: physics`"):
@@ -108,7 +108,7 @@ def test_what_cannot_be_sounded_is_refused(tmp_path: Path) -> None:
         Simulator("pool")._core.acoustic_ping(0, 0)
 
 
-def test_a_sonar_out_of_the_water_hears_nothing_and_one_on_the_bed_gives_no_nan_range(tmp_path: Path) -> None:
+def test_a_head_above_the_water_detects_nothing_and_one_under_the_bed_gives_no_nan_range(tmp_path: Path) -> None:
     sim = pool(tmp_path)
     sim.rov.release()
     sim.rov.place((0.0, 5.0, 3.0))

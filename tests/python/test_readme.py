@@ -1,4 +1,4 @@
-"""The README's Python is run as it stands."""
+"""The README's Python program runs as printed."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""A mission taken up from what it saved flies on as if nothing had happened."""
+"""A mission restored from a saved state flies on as if nothing had happened."""
 
 import copy
 import json
@@ -8,11 +8,11 @@ import pytest
 
 from test_missions import PLAN, ScriptedVehicle
 from uwsim import Simulator
-from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, Lookout, Mission, ResumableMission
+from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, Mission, ObstacleMemory, ResumableMission
 
 
 class SavingClock:
-    """Keeps what the mission would save, and the vehicle as it is then, at the end of every wait."""
+    """Keeps, at the end of every wait, the state that the mission would save and a copy of the vehicle."""
 
     def __init__(self, vehicle: ScriptedVehicle) -> None:
         self.vehicle = vehicle
@@ -31,7 +31,7 @@ class SavingClock:
 @pytest.mark.parametrize(
     ("beams_m", "legs"), [(50.0, {"approach", "turn", "abreast", "mow"}), (6.9, {"approach", "turn", "abreast"})]
 )
-def test_from_any_moment_on_the_way_is_the_same(beams_m: float, legs: set[str]) -> None:
+def test_a_mission_resumed_at_any_moment_flies_the_same_path(beams_m: float, legs: set[str]) -> None:
     vehicle = ScriptedVehicle(beams_m=beams_m)
     clock = SavingClock(vehicle)
     clock.mission = AdaptiveLawnMower(vehicle, clock, PLAN)
@@ -48,8 +48,8 @@ def test_from_any_moment_on_the_way_is_the_same(beams_m: float, legs: set[str]) 
     assert seen == legs
 
 
-def test_a_docked_simulated_vehicle_is_taken_up_to_the_last_bit() -> None:
-    """Lookout, autopilot and sensors' noise included, on the way out of the dock and after."""
+def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
+    """Obstacle memory, autopilot and sensor noise included, during undocking and after it."""
     plan = LawnMowerPlan(area_m=[[-104, -80], [56, -80], [56, 24], [-104, 24]])
     sim = Simulator("lake", mission_time_s=120.0)
     saved: list[tuple[str, bytes]] = []
@@ -64,7 +64,7 @@ def test_a_docked_simulated_vehicle_is_taken_up_to_the_last_bit() -> None:
     mission = AdaptiveLawnMower(sim.rov, Clock(), plan)
     assert mission.run() == "the battery is used up"
     expected = sim.save_state()
-    assert len(mission.lookout.peaks_world_m) > 10
+    assert len(mission.obstacles_ahead.peaks_world_m) > 10
     for k in (20, 500, 1180):
         fresh = Simulator("lake", mission_time_s=120.0)
         again = AdaptiveLawnMower(fresh.rov, fresh, plan)
@@ -74,18 +74,18 @@ def test_a_docked_simulated_vehicle_is_taken_up_to_the_last_bit() -> None:
         assert fresh.save_state() == expected, k
 
 
-def test_the_lookouts_memory_is_saved_the_oldest_first() -> None:
-    lookout = Lookout(pings=3)
+def test_remembered_obstacles_are_saved_the_oldest_first() -> None:
+    memory = ObstacleMemory(pings=3)
     for height in range(5):
-        lookout._ring[lookout._seen % 3] = height
-        lookout._seen += 1
-    np.testing.assert_array_equal(lookout.peaks_world_m[:, 2], [2, 3, 4])
-    other = Lookout(pings=3)
-    other.remember(lookout.peaks_world_m)
-    np.testing.assert_array_equal(other.peaks_world_m, lookout.peaks_world_m)
+        memory._ring[memory._seen % 3] = height
+        memory._seen += 1
+    np.testing.assert_array_equal(memory.peaks_world_m[:, 2], [2, 3, 4])
+    other = ObstacleMemory(pings=3)
+    other.restore(memory.peaks_world_m)
+    np.testing.assert_array_equal(other.peaks_world_m, memory.peaks_world_m)
 
 
-def test_a_mission_without_save_is_a_mission_but_none_to_resume() -> None:
+def test_a_mission_without_save_is_not_resumable() -> None:
     class Plain:
         progress = 0.0
 
@@ -107,7 +107,7 @@ def test_a_mission_without_save_is_a_mission_but_none_to_resume() -> None:
         ("unknown", 1, "mower.unknown"),
     ],
 )
-def test_a_state_that_is_none_is_refused(field: str, value: object, complaint: str) -> None:
+def test_an_invalid_state_is_refused(field: str, value: object, complaint: str) -> None:
     mission = AdaptiveLawnMower(ScriptedVehicle(), ScriptedVehicle(), PLAN)
     state = mission.save()
     state["mower"][field] = value

@@ -1,4 +1,4 @@
-"""A simulator that goes on from a saved state is the one that was saved."""
+"""A simulator that continues from a saved state behaves like the one that was saved."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwsim import Simulator
-from uwsim.fingerprint import scenario_fingerprint
 from uwsim.scenario import load
-from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.assets import assets_folder
 
 
 def flown(scenario: str = "pool") -> Simulator:
@@ -23,8 +23,8 @@ def flown(scenario: str = "pool") -> Simulator:
     return sim
 
 
-def seen(sim: Simulator, seconds: float = 1.0) -> Iterator[np.ndarray]:
-    """All that can be seen of every vehicle, every tenth of a second."""
+def observed(sim: Simulator, seconds: float = 1.0) -> Iterator[np.ndarray]:
+    """Everything that can be observed of every vehicle, every tenth of a second."""
     for _ in range(round(seconds / 0.1)):
         sim.advance(0.1)
         for vehicle in sim.vehicles.values():
@@ -42,7 +42,7 @@ def seen(sim: Simulator, seconds: float = 1.0) -> Iterator[np.ndarray]:
 
 
 @pytest.mark.parametrize("scenario", ["pool", "lake", "pair"])
-def test_a_fresh_simulator_goes_on_to_the_last_bit(scenario: str) -> None:
+def test_a_fresh_simulator_continues_to_the_last_bit(scenario: str) -> None:
     sim = flown(scenario)
     state = sim.save_state()
     fresh = Simulator(scenario, seed=5)
@@ -50,11 +50,11 @@ def test_a_fresh_simulator_goes_on_to_the_last_bit(scenario: str) -> None:
     assert fresh.time_ns == sim.time_ns
     assert fresh.rov.released
     np.testing.assert_array_equal(fresh.rov.effort, sim.rov.effort)
-    for expected, got in zip(seen(sim), seen(fresh), strict=True):
+    for expected, got in zip(observed(sim), observed(fresh), strict=True):
         np.testing.assert_array_equal(got, expected)
 
 
-def test_lamps_stay_lit() -> None:
+def test_lamps_that_are_on_stay_on() -> None:
     sim = flown("lake")
     lamp = next(iter(sim.rov.lamps))
     sim.rov.lamps[lamp].on = True
@@ -77,7 +77,7 @@ def test_lamps_stay_lit() -> None:
         },
     ],
 )
-def test_the_light_stays_as_it_was_set(light: dict[str, object]) -> None:
+def test_the_light_is_restored(light: dict[str, object]) -> None:
     sim = flown()
     sim.set_optics(**light)
     fresh = Simulator("pool", seed=5)
@@ -87,12 +87,12 @@ def test_the_light_stays_as_it_was_set(light: dict[str, object]) -> None:
     np.testing.assert_array_equal(fresh.rov.cameras["front"].capture().rgb, sim.rov.cameras["front"].capture().rgb)
 
 
-def test_the_same_simulator_may_go_back_in_time() -> None:
+def test_a_simulator_may_go_back_to_its_own_past() -> None:
     sim = flown()
     state = sim.save_state()
-    first = [values.copy() for values in seen(sim)]
+    first = [values.copy() for values in observed(sim)]
     sim.restore_state(state)
-    for expected, got in zip(first, seen(sim), strict=True):
+    for expected, got in zip(first, observed(sim), strict=True):
         np.testing.assert_array_equal(got, expected)
 
 
@@ -103,7 +103,7 @@ def test_a_state_of_another_scenario_or_seed_is_refused() -> None:
             other.restore_state(state)
 
 
-def test_a_file_that_the_scenario_names_counts_by_its_content(tmp_path: Path) -> None:
+def test_the_fingerprint_depends_on_the_content_of_files_that_the_scenario_names(tmp_path: Path) -> None:
     heights = assets_folder() / "terrains" / "jacksboro_srtm.asc"
     text = (assets_folder() / "scenarios" / "valley.yaml").read_text().replace("terrains/jacksboro_srtm.asc", "bed.asc")
     assert "bed.asc" in text
@@ -135,6 +135,6 @@ def test_a_truncated_state_is_refused(size: int) -> None:
 
 
 @pytest.mark.parametrize("state", [None, "text", b"", b"uwsim state\n", bytearray(STATE)])
-def test_what_is_no_state_is_refused(state: object) -> None:
+def test_anything_but_a_state_is_refused(state: object) -> None:
     with pytest.raises(ValueError, match="state"):
         SIM.restore_state(state)

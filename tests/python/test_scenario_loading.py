@@ -1,4 +1,4 @@
-"""A scenario file says what it means or is refused in one line that says where and why."""
+"""A scenario file is loaded as it says, or refused in one line that says where and why."""
 
 import pickle
 import re
@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uwsim.scenario import Scenario, ScenarioError, load, load_vehicle, packaged_scenarios
-from uwsim.scenario.paths import assets_folder
-from uwsim.scenario.polygon import area, narrowest_width
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.polygon import area, narrowest_width
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
 ROV = (assets_folder() / "vehicles" / "rov.yaml").read_text()
@@ -48,7 +48,7 @@ def test_files_are_sought_beside_the_yaml_that_names_them(tmp_path: Path) -> Non
     assert load_vehicle("mine.yaml", folder=tmp_path).name == "mine"
 
 
-def test_unknown_names_list_what_there_is() -> None:
+def test_the_error_about_an_unknown_name_lists_the_known_ones() -> None:
     with pytest.raises(
         ScenarioError, match=r"unknown scenario 'laek': .*lake, pair, pool, reservoir, valley.*did you mean 'lake'\?$"
     ):
@@ -97,37 +97,37 @@ def test_unknown_names_list_what_there_is() -> None:
         ),
     ],
 )
-def test_a_mistake_is_told_with_line_key_value_unit_and_rule(
+def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(
     given: str, instead: str, message: str, tmp_path: Path
 ) -> None:
     text = POOL.replace(given, instead, 1)
-    told = refusal(tmp_path / "pool.yaml", text)
-    number, told = told.split(": ", 1)
-    assert told.startswith(message)
-    assert len(told) < 200
+    got = refusal(tmp_path / "pool.yaml", text)
+    number, got = got.split(": ", 1)
+    assert got.startswith(message)
+    assert len(got) < 200
     culprit = message.split(" ")[0].strip(":").split(".")[-1].split("[")[0]
     if culprit.endswith("_m") or culprit in ("sonr", "kind", "model", "start"):
         assert culprit in text.splitlines()[int(number) - 1]
 
 
 def test_a_missing_key_is_named(tmp_path: Path) -> None:
-    told = refusal(tmp_path / "pool.yaml", POOL.replace("  bed_depth_m: 5\n", ""))
-    assert told == f"{line_of(POOL, 'terrain:')}: terrain.bed_depth_m: missing"
+    got = refusal(tmp_path / "pool.yaml", POOL.replace("  bed_depth_m: 5\n", ""))
+    assert got == f"{line_of(POOL, 'terrain:')}: terrain.bed_depth_m: missing"
 
 
-def test_a_missing_terrain_file_is_told_with_its_line(tmp_path: Path) -> None:
+def test_a_missing_terrain_file_is_reported_with_its_line(tmp_path: Path) -> None:
     text = POOL.replace("source: noise", "source: raster\n  water_level_m: 3\n  file: no.tif")
     text = text.replace("  bed_depth_m: 5\n", "")
-    told = refusal(tmp_path / "pool.yaml", text)
-    assert told.startswith(f"{line_of(text, 'file: no.tif')}: terrain.file = 'no.tif': no such file in ")
+    got = refusal(tmp_path / "pool.yaml", text)
+    assert got.startswith(f"{line_of(text, 'file: no.tif')}: terrain.file = 'no.tif': no such file in ")
 
 
 def test_an_error_in_a_vehicle_file_names_both_places(tmp_path: Path) -> None:
     vehicle = tmp_path / "mine.yaml"
     vehicle.write_text(ROV.replace("buoyancy: neutral", "buoyancy: neutral\nmass_kg: 3"))
-    told = refusal(tmp_path / "pool.yaml", POOL.replace("model: rov", "model: mine.yaml"))
-    assert told.startswith(f"{line_of(POOL, 'model: rov')}: vehicles[0].model: {vehicle}:")
-    assert "exactly one of mass_kg, density_kg_m3 and buoyancy" in told
+    got = refusal(tmp_path / "pool.yaml", POOL.replace("model: rov", "model: mine.yaml"))
+    assert got.startswith(f"{line_of(POOL, 'model: rov')}: vehicles[0].model: {vehicle}:")
+    assert "exactly one of mass_kg, density_kg_m3 and buoyancy" in got
     vehicle.write_text(ROV.replace("kind: proximity", "kind: proxmity"))
     with pytest.raises(ScenarioError, match=r"sensors\.proximity_port\.kind = 'proxmity': .*did you mean 'proximity'"):
         load_vehicle(vehicle)
@@ -152,11 +152,11 @@ def test_an_error_in_a_vehicle_file_names_both_places(tmp_path: Path) -> None:
     ],
     ids=lambda content: content[:12].decode("latin-1"),
 )
-def test_what_is_no_scenario_at_all_is_refused_quickly(content: bytes, tmp_path: Path) -> None:
+def test_a_file_that_holds_no_scenario_is_refused_quickly(content: bytes, tmp_path: Path) -> None:
     refusal(tmp_path / "x.yaml", content)
 
 
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+def test_anything_but_a_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match="is a folder"):
         load(tmp_path)
     with pytest.raises(ScenarioError, match="not a regular file"):
@@ -176,19 +176,19 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
         ([[5, 5], [6.5, 5], [6.5, 6.5], [5, 6.5]], r"covers 2\.25 m2: must be at least 10 voxels, 2\.5 m2"),
     ],
 )
-def test_a_survey_without_extent_is_refused(area_m: list[list[float]], rule: str, tmp_path: Path) -> None:
+def test_a_survey_of_too_small_an_area_is_refused(area_m: list[list[float]], rule: str, tmp_path: Path) -> None:
     start = POOL.index("area_m: ")
     end = POOL.index("\n", start)
-    told = refusal(tmp_path / "pool.yaml", f"{POOL[:start]}area_m: {area_m}{POOL[end:]}")
-    assert re.fullmatch(rf"\d+: survey\.area_m: {rule}.*", told)
+    got = refusal(tmp_path / "pool.yaml", f"{POOL[:start]}area_m: {area_m}{POOL[end:]}")
+    assert re.fullmatch(rf"\d+: survey\.area_m: {rule}.*", got)
 
 
 @given(turn_deg=st.floats(-180, 180), length=st.floats(1, 100), width=st.floats(0.01, 1), far=st.floats(-1e4, 1e4))
-def test_area_and_width_do_not_depend_on_where_a_polygon_lies(
+def test_a_polygons_area_and_width_do_not_depend_on_its_place(
     turn_deg: float, length: float, width: float, far: float
 ) -> None:
     c, s = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
-    corners = np.array([[0, 0], [length, 0], [length, width], [length / 2, width / 2], [0, width]])  # a notch within
+    corners = np.array([[0, 0], [length, 0], [length, width], [length / 2, width / 2], [0, width]])  # with a notch
     moved = [(float(x), float(y)) for x, y in corners @ [[c, s], [-s, c]] + far]
     assert narrowest_width(moved) == pytest.approx(width, abs=1e-9)
     assert area(moved) == pytest.approx(0.75 * length * width, abs=1e-7)
@@ -199,8 +199,8 @@ def test_area_and_width_do_not_depend_on_where_a_polygon_lies(
     line=st.integers(0, len(POOL.splitlines()) - 1),
     edit=st.sampled_from(["drop", "double", "null", "list", "text", "huge", "typo", "indent"]),
 )
-def test_any_line_may_be_spoilt(line: int, edit: str, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Whatever is done to a line, the file loads or is refused in one line; nothing else is ever raised."""
+def test_a_spoilt_line_is_loaded_or_refused(line: int, edit: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """However a line is changed, the file loads or is refused in one line; no other error is raised."""
     lines = POOL.splitlines()
     key, colon, value = lines[line].partition(": ")
     lines[line] = {
@@ -222,7 +222,7 @@ def test_any_line_may_be_spoilt(line: int, edit: str, tmp_path_factory: pytest.T
         assert "\n" not in str(error)
 
 
-def test_changes_are_checked_and_leave_the_original() -> None:
+def test_changes_are_checked_and_do_not_touch_the_original() -> None:
     pool = load("pool")
     changed = pool.with_changes(seed=5, mission_time_s=60.0, sonar_model=3)
     assert (changed.seed, changed.mission_time_s, changed.vehicles[0].sonar.model) == (5, 60.0, 3)
@@ -235,7 +235,7 @@ def test_changes_are_checked_and_leave_the_original() -> None:
         pool.with_changes(mission_time_s=0)
 
 
-def test_numbers_from_numpy_are_taken_and_booleans_are_not() -> None:
+def test_numbers_from_numpy_are_accepted_and_booleans_are_not() -> None:
     pool = load("pool")
     changed = pool.with_changes(seed=np.int64(5), mission_time_s=np.float32(60), sonar_model=np.int64(3))  # type: ignore[arg-type]
     assert changed == pool.with_changes(seed=5, mission_time_s=60.0, sonar_model=3)
@@ -250,11 +250,11 @@ def test_numbers_from_numpy_are_taken_and_booleans_are_not() -> None:
         pool.with_changes(seed=10**5000)
 
 
-def test_a_scenario_knows_its_file_as_long_as_it_is_what_the_file_says() -> None:
+def test_a_scenario_refers_to_its_file_until_it_is_changed() -> None:
     pool = load("pool")
     line = f"pool.yaml:{line_of(POOL, 'station:')}: "
-    assert pool.origin.where("station", "nothing") == line
-    assert pool.with_changes(seed=3).origin.where("station") == line
-    assert pickle.loads(pickle.dumps(pool)).origin.where("station") == line
-    assert pool.model_copy(update={"seed": 3}).origin.where("station") == ""
+    assert pool.source_file.line_prefix("station", "nothing") == line
+    assert pool.with_changes(seed=3).source_file.line_prefix("station") == line
+    assert pickle.loads(pickle.dumps(pool)).source_file.line_prefix("station") == line
+    assert pool.model_copy(update={"seed": 3}).source_file.line_prefix("station") == ""
     assert Scenario.model_validate(dict(pool)) == pool

@@ -1,4 +1,4 @@
-"""Obstacles are closed solids of the size that was asked for, standing where they should."""
+"""Obstacles are closed solids with the requested size and place."""
 
 import numpy as np
 import pytest
@@ -9,22 +9,22 @@ from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.scenario import ScenarioError, Terrain
-from uwsim.scenario.obstacle_spec import ObstacleSpec
-from uwsim.scenario.obstacles import AROUND, Body, obstacle_body, swept_tube
+from uwsim.scenario.build.obstacles import SIDES, Solid, obstacle_solid, swept_tube
+from uwsim.scenario.spec.obstacle import ObstacleSpec
 
 SLOPE = 0.2
 X, Y = np.meshgrid(np.linspace(-50, 50, 101), np.linspace(-50, 50, 101))
 BED = Terrain((SLOPE * X - 30).astype(np.float32), 1.0, (-50.0, -50.0))
-POLYGON_AREA = AROUND / 2 * np.sin(2 * np.pi / AROUND)
-"""Of the regular polygon that stands for a unit circle."""
+POLYGON_AREA = SIDES / 2 * np.sin(2 * np.pi / SIDES)
+"""Area of the regular polygon that approximates a unit circle."""
 
 
-def body(**settings: object) -> Body:
-    return obstacle_body(TypeAdapter(ObstacleSpec).validate_python({"name": "it", **settings}), BED)
+def solid(**settings: object) -> Solid:
+    return obstacle_solid(TypeAdapter(ObstacleSpec).validate_python({"name": "it", **settings}), BED)
 
 
 def build(**settings: object) -> trimesh.Trimesh:
-    vertices, triangles, _ = body(**settings)
+    vertices, triangles, _ = solid(**settings)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
@@ -33,7 +33,7 @@ def build(**settings: object) -> trimesh.Trimesh:
 
 
 def is_hit(mesh: trimesh.Trimesh, origin_m: list[float]) -> bool:
-    """Whether a ray to the north meets it."""
+    """Whether a ray to the north meets the mesh."""
     world = _core.World()
     world.add_solid("it", mesh.vertices, mesh.faces)
     return bool(np.isfinite(_core.RayScene(world).cast([origin_m], [[0, 1, 0]], 100.0).ranges_m[0]))
@@ -65,15 +65,15 @@ def test_a_mitred_tube_keeps_its_cross_section(bend_deg: float, climb: float, ra
 
 
 @pytest.mark.parametrize("buried", [0.0, 0.25, 0.5])
-def test_a_pipeline_lies_on_the_bed_and_as_deep_in_it_as_asked(buried: float) -> None:
+def test_a_pipeline_lies_on_the_bed_buried_by_its_fraction(buried: float) -> None:
     pipe = build(kind="pipeline", points_m=[[-30, 5], [0, 5], [20, -10]], radius_m=0.5, buried_fraction=buried)
     top = pipe.vertices[:, 2] - BED.height_at(pipe.vertices[:, :2])
-    level = np.hypot(1, SLOPE)  # the pipe climbs with the bed: its section leans
+    level = np.hypot(1, SLOPE)  # the pipe climbs with the bed, so its cross-section leans
     assert top.max() == pytest.approx(0.5 * (1 - 2 * buried) + 0.5 * level, abs=0.02)
     assert top.min() == pytest.approx(0.5 * (1 - 2 * buried) - 0.5 * level, abs=0.02)
 
 
-def test_a_gate_stands_on_the_bed_and_is_open() -> None:
+def test_a_gate_stands_on_the_bed_with_an_open_passage() -> None:
     gate = build(kind="gate", position_m=[10, 0], yaw_deg=90, width_m=6, height_m=5, bar_radius_m=0.1)
     bed = SLOPE * 10 - 30
     low, high = gate.bounds
@@ -87,7 +87,7 @@ def test_a_gate_stands_on_the_bed_and_is_open() -> None:
     assert is_hit(barred, [10, -3, bed + 2.5])
 
 
-def test_what_stands_beside_the_terrain_is_refused() -> None:
+def test_an_obstacle_outside_the_terrain_is_refused() -> None:
     with pytest.raises(
         ScenarioError, match=r"obstacle 'it': \(5\d, 0\) m lies outside the terrain, which reaches from"
     ):
@@ -103,7 +103,7 @@ def test_what_stands_beside_the_terrain_is_refused() -> None:
         ({"kind": "gate", "position_m": [0, 0], "width_m": 2, "height_m": 1, "lower_bar_m": 1}, "below height_m"),
     ],
 )
-def test_shapes_that_make_no_sense_are_refused(settings: dict[str, object], rule: str) -> None:
+def test_impossible_shapes_are_refused(settings: dict[str, object], rule: str) -> None:
     with pytest.raises(ValidationError, match=rule):
         build(**settings)
 
@@ -117,9 +117,11 @@ ROUND = [
 
 
 @pytest.mark.parametrize("settings", ROUND, ids=[str(s["kind"]) for s in ROUND])
-def test_rays_meet_the_round_shape_and_the_mesh_follows_it_within_half_a_percent(settings: dict[str, object]) -> None:
-    """From every facet's middle, straight out of it: the shape lies on or a little outside the facet."""
-    vertices, triangles, shapes = body(**settings)
+def test_a_round_obstacles_mesh_is_half_a_percent_inside_its_shape_at_most(
+    settings: dict[str, object],
+) -> None:
+    """Rays against every facet's normal: the shape lies on or a little outside the facet's middle."""
+    vertices, triangles, shapes = solid(**settings)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     world = _core.World()
     world.add_solid("it", vertices, triangles, shapes)
@@ -128,25 +130,26 @@ def test_rays_meet_the_round_shape_and_the_mesh_follows_it_within_half_a_percent
     middles, normals = mesh.triangles_center[faces], mesh.face_normals[faces]
     hits = scene.cast(middles + 2 * radius_m * normals, -normals, 3 * radius_m)
     outside = 2 * radius_m - hits.ranges_m
-    alone = settings["kind"] in ("sphere", "cylinder")  # else another bar, or the pipe beyond a bend, may be nearer
+    # Beside a gate's bar another one may be nearer, and beside a pipe its piece beyond a bend.
+    alone = settings["kind"] in ("sphere", "cylinder")
     assert (outside > -1e-5).all()
     near = outside < 0.0051 * radius_m + 1e-5
     assert near.all() if alone else near.mean() > 0.5
 
 
-def test_a_pipelines_shape_bends_where_its_mesh_does() -> None:
-    """Rays that pass the mesh by more than half a percent of the radius pass the shape too, and the other way round."""
-    vertices, triangles, shapes = body(kind="pipeline", points_m=[[-30, 5], [0, 5], [5, -15]], radius_m=0.5)
+def test_a_pipelines_exact_shape_bends_where_its_mesh_does() -> None:
+    """Rays hit both or miss both, except those that pass within half a percent of the radius of the surface."""
+    vertices, triangles, shapes = solid(kind="pipeline", points_m=[[-30, 5], [0, 5], [5, -15]], radius_m=0.5)
     round_world, faceted = _core.World(), _core.World()
     round_world.add_solid("it", vertices, triangles, shapes)
     faceted.add_solid("it", vertices, triangles)
     random = np.random.default_rng(0)
     aims = vertices[random.integers(len(vertices), size=4000)]
     origins = aims + random.normal(size=aims.shape) * 3
-    ways = aims + random.normal(scale=0.3, size=aims.shape) - origins
-    exact, flat = (_core.RayScene(w).cast(origins, ways, 50.0).ranges_m for w in (round_world, faceted))
+    directions = aims + random.normal(scale=0.3, size=aims.shape) - origins
+    exact, flat = (_core.RayScene(w).cast(origins, directions, 50.0).ranges_m for w in (round_world, faceted))
     both = np.isfinite(exact) & np.isfinite(flat)
     assert both.mean() > 0.3
     assert (np.isfinite(exact) != np.isfinite(flat)).mean() < 0.02
-    assert np.median(np.abs(exact[both] - flat[both])) < 0.01 * 0.5, "along the ray, which meets it at a slant"
+    assert np.median(np.abs(exact[both] - flat[both])) < 0.01 * 0.5, "along the ray, which meets the surface at a slant"
     assert (exact[both] < flat[both] + 1e-5).mean() > 0.95, "the mesh lies inside, but a few rays start in the bore"

@@ -1,4 +1,4 @@
-"""The packaged places hold what they promise, and the world that is built is theirs."""
+"""The packaged scenarios have the promised features, and the worlds built from scenarios match them."""
 
 import os
 import warnings
@@ -21,10 +21,10 @@ from uwsim.scenario import (
     rigid_body,
 )
 from uwsim.scenario import start_pose as start
-from uwsim.scenario.meshes import load_mesh
-from uwsim.scenario.obstacles import obstacle_body
-from uwsim.scenario.paths import assets_folder
-from uwsim.scenario.vehicles import vehicle_hull
+from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.mesh_file import load_mesh
 
 
 @cache
@@ -33,7 +33,7 @@ def terrain_of(name: str) -> Terrain:
 
 
 def points_within(terrain: Terrain, area_m: tuple[tuple[float, float], ...], margin_m: float = 0) -> np.ndarray:
-    """Every node of the terrain inside the polygon or, with a margin, in the band outside it: (n, 3)."""
+    """Terrain nodes (n, 3) inside the polygon or, with a margin, in the band of that width outside it."""
     ny, nx = terrain.heights_m.shape
     x, y = np.meshgrid(np.arange(nx), np.arange(ny))
     xy = np.column_stack([x.ravel(), y.ravel()]) * terrain.spacing_m + terrain.origin_m
@@ -50,7 +50,7 @@ def test_the_lake_is_40_m_deep_and_ringed_by_hills() -> None:
 
 
 @pytest.mark.parametrize("name", ["lake", "valley"])
-def test_the_survey_holds_hills_a_pipeline_and_a_gate_that_can_be_flown_over(name: str) -> None:
+def test_the_survey_area_has_hills_a_pipeline_and_a_gate_below_the_flying_height(name: str) -> None:
     scenario, terrain = load(name), terrain_of(name)
     survey = scenario.survey
     assert survey is not None
@@ -60,23 +60,23 @@ def test_the_survey_holds_hills_a_pipeline_and_a_gate_that_can_be_flown_over(nam
     assert np.ptp(bed[:, 2]) > 5
     assert bed[:, 2].max() < -12
     beside = points_within(terrain, survey.area_m, margin_m=15)
-    # Where the vehicle turns, at its height above the bed, nothing may come near its side.
+    # The vehicle turns here, at its height above the bed: nothing may come near its side.
     assert beside[:, 2].max() < -12
     for kind in ("pipeline", "gate"):
         inside = [
-            Polygon(survey.area_m).contains_points(obstacle_body(o, terrain).vertices[:, :2]).any()
+            Polygon(survey.area_m).contains_points(obstacle_solid(o, terrain).vertices[:, :2]).any()
             for o in scenario.obstacles
             if o.kind == kind
         ]
         assert any(inside)
     for obstacle in scenario.obstacles:
-        vertices = obstacle_body(obstacle, terrain).vertices
+        vertices = obstacle_solid(obstacle, terrain).vertices
         assert (vertices[:, 2] - terrain.height_at(vertices[:, :2])).max() < survey.altitude_m - 1
 
 
 @pytest.mark.parametrize("name", ["lake", "valley"])
 def test_the_docked_vehicle_can_leave_forward(name: str) -> None:
-    """The hull, swept 5 m ahead from the dock, touches neither the station nor the bed."""
+    """The hull's box, swept 5 m ahead from the dock, touches neither the station nor the bed."""
     scenario = load(name)
     (x, y, z), yaw_rad = start(scenario, scenario.vehicles[0])
     assert z == pytest.approx(-5)
@@ -91,7 +91,7 @@ def test_the_docked_vehicle_can_leave_forward(name: str) -> None:
     assert z - terrain_of(name).height_at([[x, y]])[0] > 10
 
 
-def test_the_world_has_the_terrain_the_solids_and_the_water() -> None:
+def test_the_world_has_the_scenarios_terrain_solids_and_water() -> None:
     world = build_world(load("valley"))
     terrain = terrain_of("valley")
     assert world.label_names == ["nothing", "terrain", "pipeline_main", "gate_main", "gate_west", "station"]
@@ -103,7 +103,7 @@ def test_the_world_has_the_terrain_the_solids_and_the_water() -> None:
     assert water.temperature_deg_c(terrain.lowest_m) == pytest.approx(8)
 
 
-def test_starts_below_the_bed_or_beside_the_terrain_are_refused() -> None:
+def test_a_start_below_the_bed_or_outside_the_terrain_is_refused() -> None:
     pool = load("pool")
 
     def moved(position_m: tuple[float, float, float]) -> None:
@@ -138,7 +138,7 @@ FAR_GATE = "{kind: gate, name: far, position_m: [0, 50], width_m: 2, height_m: 1
         ("bed_depth_m: 5", "bed_depth_m: 0", "terrain:", "terrain: its lowest point is at z = "),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_the_world_is_told_with_file_and_line(
+def test_a_value_that_does_not_fit_the_world_is_reported_with_file_and_line(
     given: str, instead: str, culprit: str, message: str, tmp_path: Path
 ) -> None:
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace(given, instead, 1)
@@ -180,7 +180,7 @@ def test_a_hull_is_read_once_until_its_file_changes(tmp_path: Path) -> None:
         vehicle_hull(model)
 
 
-def test_the_rov_is_neutral_upright_and_as_fast_as_it_says() -> None:
+def test_the_rov_is_neutral_upright_and_reaches_its_stated_speeds() -> None:
     model = load_vehicle("rov")
     vertices, triangles = vehicle_hull(model)
     assert len(triangles) <= 2000
@@ -194,7 +194,7 @@ def test_the_rov_is_neutral_upright_and_as_fast_as_it_says() -> None:
     np.testing.assert_allclose(speed[[0, 1, 2, 5]], [1.6, 0.8, 0.8, 0.7], rtol=0.02)
 
 
-def test_what_a_model_leaves_out_comes_from_its_hull() -> None:
+def test_mass_properties_that_a_model_leaves_out_come_from_its_hull() -> None:
     model = load_vehicle("rov").model_copy(update={"buoyancy": None, "density_kg_m3": 500.0, "inertia_kg_m2": None})
     body = rigid_body(model, 1000.0)
     assert body.mass_kg == pytest.approx(500 * body.volume_m3)

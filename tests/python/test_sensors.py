@@ -1,4 +1,4 @@
-"""Sensors as Python sees them: readings, samples, units, and what a vehicle's YAML may say of them."""
+"""Sensors in Python: readings, samples, units, and their figures in a vehicle's YAML file."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,9 +9,10 @@ import pytest
 
 from uwsim import Simulator, _core
 from uwsim.scenario import ScenarioError, load, load_vehicle
-from uwsim.scenario.paths import assets_folder
-from uwsim.scenario.schema import Scenario
-from uwsim.scenario.sensor_spec import Noise, SensorMount
+from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.sensor import Noise, SensorMount
 
 SENSORS = [
     *("imu", "velocity", "acceleration", "depth", "pressure", "temperature", "altitude", "dvl", "usbl", "compass"),
@@ -24,7 +25,7 @@ def mount(**keys: Any) -> SensorMount:
 
 
 def pool_with(sensors: dict[str, SensorMount], *, kept: bool = False, seed: int = 0) -> Simulator:
-    """The pool, whose vehicle carries these sensors, besides its own if kept."""
+    """The pool with a vehicle that carries these sensors, and its own if kept."""
     scenario = load("pool")
     vehicle = scenario.vehicles[0]
     carried = {**(vehicle.model.sensors if kept else {}), **sensors}
@@ -45,7 +46,7 @@ def flat(value: float | SimpleNamespace) -> list[float]:
 
 
 def log(sim: Simulator, names: list[str], every: int, steps: int) -> list[list[float]]:
-    """What the sensors read at the end, and every so often on the way."""
+    """The readings of the sensors at regular intervals."""
     sim.rov.release()
     sim.rov.set_effort(surge=0.4, yaw=0.1)
     rows = []
@@ -60,7 +61,7 @@ def test_every_packaged_vehicle_carries_the_sensors(path: Path) -> None:
     sensors = load_vehicle(str(path)).sensors
     assert set(SENSORS) <= set(sensors)
     for name, sensor in sensors.items():
-        sensor.core_spec(name)
+        sensor_spec(name, sensor)
 
 
 def test_readings_have_values_units_and_meanings() -> None:
@@ -87,7 +88,7 @@ def test_readings_have_values_units_and_meanings() -> None:
     assert sensors["dvl"].unit["velocity_m_s"] == "m/s"
 
 
-def test_neither_reading_nor_other_sensors_change_what_a_sensor_reads() -> None:
+def test_neither_reads_nor_other_sensors_change_a_sensors_samples() -> None:
     own = load("pool").vehicles[0].model.sensors
     few = {name: own[name] for name in ("dvl", "depth")}
     names = ["dvl", "depth"]
@@ -99,14 +100,14 @@ def test_neither_reading_nor_other_sensors_change_what_a_sensor_reads() -> None:
     assert log(pool_with(few, seed=1), names, every=400, steps=1200) != alone
 
 
-def test_threads_do_not_change_what_is_read() -> None:
+def test_readings_do_not_depend_on_the_number_of_threads() -> None:
     def run(threads: int) -> list[list[float]]:
         return log(Simulator("pool", threads=threads), list(SENSORS), every=200, steps=600)
 
     assert run(1) == run(2)
 
 
-def test_a_rate_holds_and_a_latency_delays() -> None:
+def test_samples_are_held_at_a_rate_and_delayed_by_a_latency() -> None:
     sensors = {
         "held": mount(kind="velocity", rate_hz=10),
         "late": mount(kind="velocity", latency_s=0.25),
@@ -127,11 +128,11 @@ def test_a_rate_holds_and_a_latency_delays() -> None:
     assert surge[-1] > surge[100] > surge[50] > 0
 
 
-def test_a_usbl_fix_comes_back_after_the_sound() -> None:
+def test_a_usbl_fix_arrives_after_the_two_way_travel_time() -> None:
     sim = pool_with({"usbl": mount(kind="usbl", rate_hz=10)})
     sim.rov.release()
     sample = sim.rov.sensors["usbl"].sample()
-    assert not sample.valid, "the sound is still on its way"
+    assert not sample.valid, "the fix has not arrived yet"
     sim.advance(1.0)
     sample = sim.rov.sensors["usbl"].sample()
     assert sample.valid
@@ -139,7 +140,7 @@ def test_a_usbl_fix_comes_back_after_the_sound() -> None:
     assert sample.value.range_m == pytest.approx(np.linalg.norm(sample.value.position_m))
 
 
-def test_contact_and_proximity_tell_of_the_pools_bed() -> None:
+def test_contact_and_proximity_detect_the_pools_bed() -> None:
     sim = Simulator("pool")
     rov = sim.rov
     rov.release()
@@ -172,7 +173,7 @@ def test_contact_and_proximity_tell_of_the_pools_bed() -> None:
         ({"kind": "depth", "noise": {}, "noise_std": 1.0}, r"noise_std = 1: give either noise or noise_std"),
     ],
 )
-def test_what_a_sensor_cannot_be_is_refused_by_name(keys: dict[str, object], message: str, tmp_path: Path) -> None:
+def test_an_error_in_a_sensor_names_the_key(keys: dict[str, object], message: str, tmp_path: Path) -> None:
     text = (assets_folder() / "vehicles" / "rov.yaml").read_text()
     head, _ = text.split("\nsensors:\n")
     path = tmp_path / "odd.yaml"
@@ -193,7 +194,7 @@ def test_noise_std_is_short_for_white_noise_on_every_channel() -> None:
     assert short == long
 
 
-def test_the_kinds_tell_what_they_take() -> None:
+def test_kinds_list_their_fields_and_parameters() -> None:
     for name in _core.sensor_kinds():
         kind = _core.sensor_kind(name)
         assert kind.name == name
@@ -202,11 +203,11 @@ def test_the_kinds_tell_what_they_take() -> None:
         _core.sensor_kind("sonnar")
 
 
-def test_a_scenario_is_a_scenario_still() -> None:
-    assert isinstance(load("pool").with_changes(seed=3), Scenario), "its vehicles' sensors are checked once more"
+def test_a_changed_scenario_is_validated_again() -> None:
+    assert isinstance(load("pool").with_changes(seed=3), Scenario), "its vehicles' sensors are validated again"
 
 
-def test_a_set_of_sensors_is_named_or_lies_beside_the_vehicle(tmp_path: Path) -> None:
+def test_a_set_of_sensors_is_packaged_or_beside_the_vehicles_file(tmp_path: Path) -> None:
     head, _ = (assets_folder() / "vehicles" / "rov.yaml").read_text().split("\nsensors:\n")
     vehicle = tmp_path / "lean.yaml"
     (tmp_path / "lean_sensors.yaml").write_text("name: lean\nsensors: {depth: {kind: depth}}\n")
@@ -217,7 +218,7 @@ def test_a_set_of_sensors_is_named_or_lies_beside_the_vehicle(tmp_path: Path) ->
         load_vehicle(str(vehicle))
 
 
-def test_limits_of_the_noise_do_not_turn_nothing_into_something() -> None:
+def test_the_limits_of_noise_do_not_apply_to_missing_measurements() -> None:
     sim = pool_with({"altitude": mount(kind="altitude", range_max_m=2.0, noise={"limits": [0.0, 100.0]})})
     sample = sim.rov.sensors["altitude"].sample()  # 3 m above the bed
     assert sample.value == np.inf

@@ -9,7 +9,7 @@ import pytest
 from sea import open_water
 from uwsim import Simulator
 from uwsim.scenario import ScenarioError
-from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.read.assets import assets_folder
 
 
 @pytest.fixture
@@ -17,7 +17,7 @@ def pair() -> Simulator:
     return Simulator("pair", seed=3)
 
 
-def test_each_takes_its_own_commands_and_the_first_is_rov(pair: Simulator) -> None:
+def test_each_vehicle_takes_its_own_commands_and_the_first_is_rov(pair: Simulator) -> None:
     rov, scout = pair.vehicles["rov"], pair.vehicles["scout"]
     assert pair.rov is rov
     assert not rov.released and scout.released
@@ -33,7 +33,7 @@ def test_each_takes_its_own_commands_and_the_first_is_rov(pair: Simulator) -> No
     np.testing.assert_array_equal(scout.effort, [0, 0, 0, 0, 0, 0.2])
 
 
-def test_they_hit_each_other_and_both_know(tmp_path: Path) -> None:
+def test_vehicles_collide_with_each_other_and_both_report_it(tmp_path: Path) -> None:
     sim = open_water(tmp_path, "rov", "bluerov2_heavy", density_kg_m3=13.5 / 0.0134, apart_m=3.0)
     large, small = sim.vehicles.values()
     large.set_effort(sway=0.5)
@@ -43,12 +43,12 @@ def test_they_hit_each_other_and_both_know(tmp_path: Path) -> None:
         touched |= {vehicle.name for vehicle in (large, small) if vehicle.telemetry().collision_warning}
     assert touched == {large.name, small.name}
     assert large.collisions >= 1 and small.collisions >= 1
-    assert small.pose.position_world_m[1] > 3.1, "pushed along"
+    assert small.pose.position_world_m[1] > 3.1, "the large one pushes it along"
     gap_m = small.pose.position_world_m[1] - large.pose.position_world_m[1]
     assert gap_m > 0.4, "neither went through the other"
 
 
-def test_a_docked_vehicle_is_not_in_the_way(pair: Simulator) -> None:
+def test_a_docked_vehicle_does_not_collide(pair: Simulator) -> None:
     before = pair.rov.pose.position_world_m.copy()
     pair.vehicles["scout"].place(before)
     pair.advance(1.0)
@@ -56,7 +56,7 @@ def test_a_docked_vehicle_is_not_in_the_way(pair: Simulator) -> None:
     assert pair.rov.collisions == 0
 
 
-def test_alike_vehicles_have_noise_of_their_own(tmp_path: Path) -> None:
+def test_identical_vehicles_have_independent_noise(tmp_path: Path) -> None:
     sim = open_water(tmp_path, "rov", "rov")
     first, second = sim.vehicles.values()
     sim.advance(1.0)
@@ -64,7 +64,7 @@ def test_alike_vehicles_have_noise_of_their_own(tmp_path: Path) -> None:
     assert first.sensors["depth"].read() != second.sensors["depth"].read()
 
 
-def test_another_far_away_changes_not_a_bit(tmp_path: Path) -> None:
+def test_a_second_vehicle_far_away_does_not_change_a_bit(tmp_path: Path) -> None:
     alone, together = open_water(tmp_path, "bluerov2_heavy"), open_water(tmp_path, "bluerov2_heavy", "remus100")
     for sim in (alone, together):
         sim.rov.set_effort(surge=0.4, yaw=0.3)
@@ -72,8 +72,8 @@ def test_another_far_away_changes_not_a_bit(tmp_path: Path) -> None:
     np.testing.assert_array_equal(alone.rov.pose.world_from_body, together.rov.pose.world_from_body)
 
 
-def test_cost_is_linear_in_their_number(tmp_path: Path) -> None:
-    """Far below quadratic: eight times the vehicles cost less than 24 times the time."""
+def test_the_cost_of_a_step_is_linear_in_the_number_of_vehicles(tmp_path: Path) -> None:
+    """Eight times the vehicles take less than 24 times as long: far below quadratic."""
 
     def seconds(count: int) -> float:
         sim = open_water(tmp_path, *["bluerov2_heavy"] * count)
@@ -90,7 +90,7 @@ def test_cost_is_linear_in_their_number(tmp_path: Path) -> None:
     assert seconds(16) < 24 * seconds(2)
 
 
-def test_the_dock_holds_one(tmp_path: Path) -> None:
+def test_the_dock_holds_one_vehicle(tmp_path: Path) -> None:
     text = (assets_folder() / "scenarios" / "pair.yaml").read_text()
     path = tmp_path / "crowd.yaml"
     path.write_text(text.replace("start: {position_m: [0, 0, -5], yaw_deg: 180}", "start: station"))

@@ -1,4 +1,4 @@
-"""The public surface: what scripts and notebooks build on."""
+"""The public surface of the simulator and its vehicles, which scripts and notebooks build on."""
 
 import signal
 import threading
@@ -10,7 +10,7 @@ import trimesh
 
 import uwsim
 from uwsim import Simulator
-from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.read.assets import assets_folder
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def test_time_is_a_whole_number_of_fixed_steps(pool: Simulator) -> None:
         pool.step(-1)
 
 
-def test_efforts_move_the_vehicle_the_way_of_rep_103(pool: Simulator) -> None:
+def test_efforts_follow_the_axes_of_rep_103(pool: Simulator) -> None:
     fly_ahead(pool, 2.0)
     velocity = pool.rov.velocity
     assert velocity.linear_body_m_s[0] > 0.1
@@ -44,14 +44,14 @@ def test_efforts_move_the_vehicle_the_way_of_rep_103(pool: Simulator) -> None:
 
 
 @pytest.mark.parametrize("effort", [1.01, -2.0, float("nan"), float("inf")])
-def test_an_effort_beyond_one_is_refused_and_changes_nothing(pool: Simulator, effort: float) -> None:
+def test_an_effort_outside_its_range_is_refused_and_changes_nothing(pool: Simulator, effort: float) -> None:
     pool.rov.set_effort(sway=0.5)
     with pytest.raises(ValueError, match=r"effort\.heave = .*: must be in \[-1, 1\]"):
         pool.rov.set_effort(heave=effort)
     assert pool.rov.effort[1] == 0.5
 
 
-def test_reading_and_pinging_do_not_advance_time_and_repeat(pool: Simulator) -> None:
+def test_reading_and_pinging_do_not_advance_time_and_give_the_same_again(pool: Simulator) -> None:
     fly_ahead(pool, 1.0)
     rov, before = pool.rov, pool.time_ns
     first, second = rov.sonar.ping(), rov.sonar.ping()
@@ -62,7 +62,7 @@ def test_reading_and_pinging_do_not_advance_time_and_repeat(pool: Simulator) -> 
     assert pool.time_ns == before == first.time_ns
 
 
-def test_same_scenario_and_seed_same_bits_and_another_seed_other_noise() -> None:
+def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise() -> None:
     def run(seed: int) -> tuple[bytes, float]:
         sim = Simulator("pool", seed=seed)
         fly_ahead(sim, 3.0)
@@ -101,7 +101,7 @@ def test_the_sonar_model_is_chosen_by_argument(model: int, beams: int, range_m: 
     assert len(sim.rov.sonar.ping().ranges_m) == beams
 
 
-def test_the_panel_and_the_sensors_tell_the_same_truth(pool: Simulator) -> None:
+def test_panel_and_sensors_agree(pool: Simulator) -> None:
     panel, sensors = pool.rov.telemetry(), pool.rov.sensors
     assert panel.depth_m == pytest.approx(2.0)
     assert sensors["depth"].read(noise=False) == panel.depth_m
@@ -113,10 +113,10 @@ def test_the_panel_and_the_sensors_tell_the_same_truth(pool: Simulator) -> None:
     np.testing.assert_allclose(imu.linear_acceleration_m_s2, [0, 0, 9.80665], atol=1e-12)
 
 
-def test_the_battery_is_the_mission_time() -> None:
+def test_the_battery_lasts_for_the_mission_time_and_then_the_thrusters_stop() -> None:
     sim = Simulator("pool", mission_time_s=2.0)
     sim.advance(5.0)
-    assert sim.rov.telemetry().battery_percent == 100.0, "docked, nothing is used up"
+    assert sim.rov.telemetry().battery_percent == 100.0, "a docked vehicle uses nothing up"
     fly_ahead(sim, 1.0)
     assert sim.rov.telemetry().battery_percent == pytest.approx(50.0)
     sim.advance(1.0)
@@ -137,8 +137,8 @@ def pool_with_a_mesh_for_a_box(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("kind", ["box", "mesh"])
-def test_what_the_vehicle_hits_is_what_the_sonar_sees(kind: str, tmp_path: Path) -> None:
-    """Driven at the box, it stops where its own sonar's middle beam says that the box is."""
+def test_the_vehicle_collides_where_its_sonar_sees_the_obstacle(kind: str, tmp_path: Path) -> None:
+    """Driven at the box, the vehicle stops at the range that its sonar's middle beam measured."""
     pool = Simulator("pool" if kind == "box" else pool_with_a_mesh_for_a_box(tmp_path))
     rov = pool.rov
     rov.sonar.aim(0.0)
@@ -156,7 +156,7 @@ def test_what_the_vehicle_hits_is_what_the_sonar_sees(kind: str, tmp_path: Path)
     assert bow_m == pytest.approx(ping.world_from_sonar[0, 3] + ahead_m, abs=0.05)
 
 
-def test_placing_a_vehicle_takes_finite_numbers_only(pool: Simulator) -> None:
+def test_a_vehicle_can_be_placed_at_finite_poses_only(pool: Simulator) -> None:
     pool.rov.place([1.0, 2.0, -1.5], velocity_body=[0.1, 0, 0, 0, 0, 0])
     np.testing.assert_array_equal(pool.rov.pose.position_world_m, [1.0, 2.0, -1.5])
     with pytest.raises(ValueError, match="finite"):
@@ -165,7 +165,7 @@ def test_placing_a_vehicle_takes_finite_numbers_only(pool: Simulator) -> None:
         pool.rov.place([0.0, 0.0])
 
 
-def test_a_signal_handler_may_look_while_steps_run(pool: Simulator) -> None:
+def test_a_signal_handler_may_read_while_steps_run(pool: Simulator) -> None:
     seen: list[int] = []
     before = signal.signal(signal.SIGALRM, lambda *_: seen.append(pool.time_ns))
     try:
@@ -181,7 +181,7 @@ def test_a_signal_handler_may_look_while_steps_run(pool: Simulator) -> None:
     assert seen
 
 
-def test_a_step_that_diverges_moves_nobody_and_names_the_culprit(tmp_path: Path) -> None:
+def test_a_step_that_diverges_moves_no_vehicle_and_names_the_one_at_fault(tmp_path: Path) -> None:
     vehicle = (assets_folder() / "vehicles" / "rov.yaml").read_text().splitlines()
     stiff = ["linear_damping: [1e6, 1e6, 1e6, 1e6, 1e6, 1e6]" if x.startswith("linear_damping") else x for x in vehicle]
     (tmp_path / "stiff.yaml").write_text("\n".join(stiff))
@@ -201,7 +201,7 @@ def test_a_step_that_diverges_moves_nobody_and_names_the_culprit(tmp_path: Path)
 
 
 @pytest.mark.parametrize("steps", [-1, 1.5, True, 2**70])
-def test_steps_are_whole_and_not_negative(pool: Simulator, steps: object) -> None:
+def test_the_number_of_steps_is_whole_and_not_negative(pool: Simulator, steps: object) -> None:
     with pytest.raises(ValueError, match="steps: must be"):
         pool.step(steps)  # type: ignore[arg-type]
 
@@ -223,7 +223,7 @@ def test_the_number_of_threads_is_checked(threads: int) -> None:
         Simulator("pool", threads=threads)
 
 
-def test_it_is_a_context_manager_and_has_a_version() -> None:
+def test_the_simulator_is_a_context_manager_and_the_package_has_a_version() -> None:
     with Simulator("pool") as sim:
         assert sim.vehicles["rov"] is sim.rov
     assert uwsim.__version__[0].isdigit()

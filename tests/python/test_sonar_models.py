@@ -1,4 +1,4 @@
-"""Sonar models: what YAML files may say, which frequency and mode a scenario chooses, and what is refused."""
+"""Sonar models: their YAML files, the scenario's choice of frequency and mode, and errors."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core, ranging
-from uwsim.fingerprint import scenario_fingerprint
 from uwsim.scenario import ScenarioError, load
-from uwsim.scenario.build import backscatter_by_label, build_world, label_names
-from uwsim.scenario.material_spec import BACKSCATTER
-from uwsim.scenario.paths import assets_folder
-from uwsim.scenario.sonar_spec import load_sonar
+from uwsim.scenario.build.labels import backscatter_by_label, label_names
+from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
+from uwsim.scenario.build.world import build_world
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.material import BACKSCATTER
+from uwsim.scenario.spec.sonar import load_sonar
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
 MODEL = """
@@ -41,8 +43,8 @@ def pool(folder: Path, sonar: str, *, more: str = "") -> Path:
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
-def test_the_wires_four_are_files_that_say_what_the_core_says(number: int) -> None:
-    file, core = load_sonar(number).core_model(), _core.multibeam_model(number)
+def test_the_files_of_the_four_models_on_the_wire_agree_with_the_core(number: int) -> None:
+    file, core = multibeam_model(load_sonar(number)), _core.multibeam_model(number)
     for field in ("number", "beams", "range_max_m", "range_limit_m", "frequency_hz", "dual_swath"):
         assert getattr(file, field) == getattr(core, field)
     assert file.field_of_view_rad == pytest.approx(core.field_of_view_rad, rel=1e-12)
@@ -50,14 +52,14 @@ def test_the_wires_four_are_files_that_say_what_the_core_says(number: int) -> No
 
 
 @pytest.mark.parametrize("name", ["em2040-04", "em2040-07"])
-def test_the_physical_instruments_have_five_frequencies_and_figures_at_each(name: str) -> None:
+def test_the_physical_instruments_have_acoustic_figures_at_five_frequencies(name: str) -> None:
     model = load_sonar(name)
     assert [band.frequency_khz for band in model.frequencies] == [200, 300, 400, 600, 700]
     for band in model.frequencies:
-        assert model.core_acoustics(band.frequency_khz).figures.frequency_hz == 1e3 * band.frequency_khz
-        assert model.core_model(band.frequency_khz).number == 0
+        assert acoustic_spec(model, band.frequency_khz).figures.frequency_hz == 1e3 * band.frequency_khz
+        assert multibeam_model(model, band.frequency_khz).number == 0
     with pytest.raises(ValueError, match=r"frequency_khz: missing: em2040-0. works at 200, 300, 400, 600, 700 kHz"):
-        model.core_model()
+        multibeam_model(model)
 
 
 def test_a_scenario_chooses_model_frequency_and_mode(tmp_path: Path) -> None:
@@ -69,7 +71,7 @@ def test_a_scenario_chooses_model_frequency_and_mode(tmp_path: Path) -> None:
     assert Simulator("pool").rov.sonar.mode == "geometry"
 
 
-def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_it_says(tmp_path: Path) -> None:
+def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_given(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(
         MODEL + "mounting: {position_m: [0, 0, -0.5], yaw_pitch_roll_deg: [90, 0, 0]}\n"
     )
@@ -84,7 +86,7 @@ def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_it_says(t
 
 
 @pytest.mark.parametrize(
-    ("given", "instead", "told"),
+    ("given", "instead", "message"),
     [
         ("beams: 101", "beams: 0", "mine.yaml:3: beams = 0: must be in [2, 8192]"),
         ("field_of_view_deg: 120", "field_of_view_deg: 361", ":7: frequencies[0].field_of_view_deg = 361 deg: must be"),
@@ -110,20 +112,20 @@ def test_a_users_own_model_is_found_beside_the_scenario_and_mounted_as_it_says(t
         ("frequencies:", "frequencis:", "frequencis: unknown key; did you mean 'frequencies'?"),
     ],
 )
-def test_a_models_mistake_is_told_with_file_line_value_unit_and_rule(
-    given: str, instead: str, told: str, tmp_path: Path
+def test_an_error_in_a_model_names_file_line_value_unit_and_rule(
+    given: str, instead: str, message: str, tmp_path: Path
 ) -> None:
     assert given in MODEL
     path = tmp_path / "mine.yaml"
     path.write_text(MODEL.replace(given, instead, 1))
     with pytest.raises(ScenarioError) as error:
         load_sonar(path)
-    assert told in str(error.value)
+    assert message in str(error.value)
     assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("sonar", "told"),
+    ("sonar", "message"),
     [
         ("{model: em2040-05}", "unknown sonar 'em2040-05': expected one of"),
         ("{model: nowhere/mine.yaml}", "nowhere/mine.yaml: no such file"),
@@ -135,20 +137,20 @@ def test_a_models_mistake_is_told_with_file_line_value_unit_and_rule(
         ("{model: 2, mode: physics, rays_per_beam: 2}", "rays_per_beam = 2: must be in [4, 64]"),
     ],
 )
-def test_a_scenarios_mistake_about_its_sonar_is_told(sonar: str, told: str, tmp_path: Path) -> None:
+def test_an_error_in_a_scenarios_sonar_is_named(sonar: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(ScenarioError) as error:
         load(pool(tmp_path, sonar))
-    assert told in str(error.value) and "pool.yaml:" in str(error.value)
+    assert message in str(error.value) and "pool.yaml:" in str(error.value)
 
 
-def test_a_model_without_acoustics_is_for_geometry_mode_alone(tmp_path: Path) -> None:
+def test_a_model_without_acoustics_is_for_geometry_mode_only(tmp_path: Path) -> None:
     (tmp_path / "fan.yaml").write_text(MODEL[: MODEL.index("    beam_width_along_deg")])
     assert Simulator(pool(tmp_path, "{model: fan.yaml}")).rov.sonar.model.beams == 101
     with pytest.raises(ScenarioError, match="mine at 450 kHz: beam_width_along_deg: missing: physics mode needs it"):
         load(pool(tmp_path, "{model: fan.yaml, mode: physics}"))
 
 
-def test_sound_hears_what_surfaces_are_made_of(tmp_path: Path) -> None:
+def test_echo_levels_follow_the_materials_of_surfaces(tmp_path: Path) -> None:
     physics = "{model: 2, mode: physics, tilt_deg: 90}"
 
     def levels(ground: str) -> float:
@@ -159,13 +161,13 @@ def test_sound_hears_what_surfaces_are_made_of(tmp_path: Path) -> None:
 
     assert levels("{bed: rock}") - levels("{bed: mud}") == pytest.approx(14.0, abs=1.5)
     assert levels("{bed: sand, strength_db: -20, relief: 0.1}") - levels("{bed: rock}") == pytest.approx(10.0, abs=0.5)
-    for ground, told in (
+    for ground, message in (
         ("{bed: sandd}", "ground.bed = 'sandd': must be one of plain, sand"),
         ("{strength_db: 50}", "ground.strength_db = 50 dB: must be in [-100, 30] dB"),
     ):
         with pytest.raises(ScenarioError) as error:
             load(pool(tmp_path, physics, more=f"ground: {ground}\n"))
-        assert told in str(error.value)
+        assert message in str(error.value)
 
 
 def test_each_label_scatters_as_its_material() -> None:
@@ -177,7 +179,7 @@ def test_each_label_scatters_as_its_material() -> None:
 
 
 @pytest.mark.parametrize("name", ["pool", "lake"])
-def test_labels_are_told_before_the_world_is_built(name: str) -> None:
+def test_labels_are_known_before_the_world_is_built(name: str) -> None:
     scenario = load(name)
     assert label_names(scenario) == build_world(scenario).label_names
 
@@ -192,13 +194,13 @@ def test_labels_are_told_before_the_world_is_built(name: str) -> None:
         ("ping_rate_max_hz", 0.0),
     ],
 )
-def test_the_core_refuses_a_fan_that_is_none(field: str, value: float) -> None:
+def test_the_core_refuses_an_invalid_fan(field: str, value: float) -> None:
     figures = {"name": "x", "beams": 3, "field_of_view_rad": 1.0, "range_max_m": 50.0, "frequency_hz": 4e5}
     with pytest.raises(ValueError, match=f"sonar.{field} = "):
         _core.MultibeamModel(**{**figures, field: value})  # type: ignore[arg-type]
 
 
-def test_a_sonar_that_is_not_of_the_wire_goes_through_the_same_chain(tmp_path: Path) -> None:
+def test_a_sonar_that_is_not_on_the_wire_works_through_the_same_chain(tmp_path: Path) -> None:
     sim = Simulator(pool(tmp_path, "{model: em2040-07, frequency_khz: 700, mode: physics, tilt_deg: 40}"))
     model, ping = sim.rov.sonar.model, sim.rov.sonar.ping()
     decoded = ranging.decode_depth_string(ranging.encode_depth_string(ping.ranges_m, model), model)
@@ -210,7 +212,7 @@ def test_a_sonar_that_is_not_of_the_wire_goes_through_the_same_chain(tmp_path: P
         ranging.encode_depth_string(ping.ranges_m[:5], model)
 
 
-def test_a_range_that_the_operator_sets_lets_pings_follow_faster_and_ends_the_echoes(tmp_path: Path) -> None:
+def test_a_smaller_range_set_by_the_operator_raises_the_ping_rate_and_limits_the_echoes(tmp_path: Path) -> None:
     whole = Simulator(pool(tmp_path, "{model: em2040-07, frequency_khz: 700, tilt_deg: 40}")).rov.sonar
     far = whole.ping().ranges_m
     reach = round(float(np.median(far)), 2)
@@ -225,7 +227,7 @@ def test_a_range_that_the_operator_sets_lets_pings_follow_faster_and_ends_the_ec
         load(pool(tmp_path, "{model: 2, range_m: 4}"))
 
 
-def test_a_scenario_with_its_own_sonar_has_a_fingerprint_that_its_figures_change(tmp_path: Path) -> None:
+def test_the_figures_of_a_scenarios_own_sonar_change_its_fingerprint(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(MODEL)
     before = scenario_fingerprint(load(pool(tmp_path, "{model: mine.yaml}")))
     (tmp_path / "mine.yaml").write_text(MODEL.replace("beams: 101", "beams: 102"))

@@ -1,4 +1,4 @@
-"""`uwsim sonar` and its pictures: what is drawn is where it is heard, and mistakes are one line."""
+"""`uwsim sonar` and its figures: echoes are drawn at their place, and errors are one line."""
 
 import re
 from dataclasses import replace
@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from test_cli import refused, uwsim
-from uwsim.imaging import ForwardLooking, SonarImage
-from uwsim.pose_text import parsed_pose
-from uwsim.sonar_view.command import KINDS, Request, run_sonar
-from uwsim.sonar_view.warp import fan_pixels, shown_range, write_grey_png
+from command_line import error_line, uwsim
+from uwsim.cli.draw_sonar import KINDS, Request, run_sonar
+from uwsim.cli.pose_option import parsed_pose
+from uwsim.figures.sonar_image import fan_pixels, shown_range, write_grey_png
+from uwsim.sonars.imaging import ForwardLooking, SonarImage
 
 
 def image_of(row: int, column: int, *, beams: int = 91, bins: int = 200, field_of_view_deg: float = 90.0) -> SonarImage:
-    """One bright cell in the dark."""
+    """A dark picture with one bright cell."""
     model = ForwardLooking(beams=beams, range_bins=bins, field_of_view_rad=np.radians(field_of_view_deg))
     level_db = np.full((bins, beams), 20.0, np.float32)
     level_db[row, column] = 80.0
@@ -27,7 +27,7 @@ def image_of(row: int, column: int, *, beams: int = 91, bins: int = 200, field_o
 
 @pytest.mark.parametrize(("row", "column"), [(100, 45), (150, 75), (60, 10)])
 @pytest.mark.parametrize("field_of_view_deg", [90.0, 220.0])
-def test_a_cell_is_drawn_where_its_range_and_bearing_say(row: int, column: int, field_of_view_deg: float) -> None:
+def test_a_cell_is_drawn_at_its_range_and_bearing(row: int, column: int, field_of_view_deg: float) -> None:
     image = image_of(row, column, field_of_view_deg=field_of_view_deg)
     pixels = fan_pixels(image, height=400)
     left, right, bottom, top = pixels.extent_m
@@ -41,7 +41,7 @@ def test_a_cell_is_drawn_where_its_range_and_bearing_say(row: int, column: int, 
     assert starboard == pytest.approx(-range_m * np.sin(bearing), abs=0.3 + cell_m), "port is to the left"
 
 
-def test_outside_the_fan_there_is_nothing() -> None:
+def test_pixels_outside_the_fan_are_empty() -> None:
     pixels = fan_pixels(image_of(1, 1), height=100)
     assert np.isnan(pixels.level_db[-1, 0])
     assert np.isnan(pixels.level_db[0, 0])
@@ -60,7 +60,7 @@ def test_shown_levels_follow_the_echoes_and_not_the_noise() -> None:
     assert 20.0 < low < 60.0 < high
 
 
-def test_a_grey_png_is_a_pixel_a_cell(tmp_path: Path) -> None:
+def test_a_grey_png_has_one_pixel_for_each_cell(tmp_path: Path) -> None:
     levels = np.array([[0.0, 10.0, 20.0], [-5.0, 25.0, np.nan]], np.float32)
     write_grey_png(tmp_path / "a.png", levels, (0.0, 20.0))
     assert np.asarray(Image.open(tmp_path / "a.png")).tolist() == [[0, 128, 255], [0, 255, 0]]
@@ -78,23 +78,23 @@ def test_a_pose_is_read_in_degrees_nose_down() -> None:
     assert parsed_pose("1,2,-3")[1].tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
-def test_each_kind_is_drawn_and_the_same_again(tmp_path: Path) -> None:
+def test_each_kind_is_drawn_and_repeatable(tmp_path: Path) -> None:
     def draw(name: str, kind: str, seed: int = 0) -> tuple[Path, list[str]]:
         out = tmp_path / f"{name}.png"
         return out, run_sonar(Request("pool", out, "-3,0.5,-2.5,0,0,0", kind, track_m=3.0, seed=seed))
 
     for kind in KINDS:
-        out, said = draw(kind, kind)
+        out, summary = draw(kind, kind)
         pixels = np.asarray(Image.open(out).convert("L"))
         assert min(pixels.shape) > 400
         assert pixels.std() > 20.0
         for part in ("fan", "image", "side-scan", "profile") if kind == "all" else (kind,):
-            assert any(line.startswith(f"{part}: ") for line in said)
+            assert any(line.startswith(f"{part}: ") for line in summary)
     assert draw("again", "image")[0].read_bytes() == (tmp_path / "image.png").read_bytes()
     assert draw("other", "image", seed=1)[0].read_bytes() != (tmp_path / "image.png").read_bytes()
 
 
-def test_the_command_takes_a_pose_that_begins_with_a_minus(tmp_path: Path) -> None:
+def test_the_command_accepts_a_pose_that_begins_with_a_minus(tmp_path: Path) -> None:
     out = tmp_path / "fan.png"
     result = uwsim("sonar", "pool", "--pose", "-3,0.5,-2.5", "--kind", "fan", "--out", str(out))
     assert (result.returncode, result.stderr) == (0, "")
@@ -118,16 +118,16 @@ def test_the_command_takes_a_pose_that_begins_with_a_minus(tmp_path: Path) -> No
         ({"sonar_model": 9}, "sonar"),
     ],
 )
-def test_a_mistake_is_named_and_leaves_nothing(tmp_path: Path, changes: dict[str, object], words: str) -> None:
+def test_an_error_is_named_and_leaves_no_file(tmp_path: Path, changes: dict[str, object], words: str) -> None:
     with pytest.raises(ValueError, match=re.escape(words)):
         run_sonar(replace(Request("pool", tmp_path / "a.png", kind="fan"), **changes))
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_picture_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
+def test_an_unwritable_picture_gives_an_error_of_one_line(tmp_path: Path) -> None:
     (tmp_path / "taken.png").mkdir()
     with pytest.raises(OSError, match="is a folder"):
         run_sonar(Request("pool", tmp_path / "taken.png"))
     with pytest.raises(ValueError, match=r"must end in \.png"):
         run_sonar(Request("pool", tmp_path / "picture.jpg"))
-    assert "there is no folder" in refused(uwsim("sonar", "pool", "--out", "there/is/none.png", cwd=tmp_path))
+    assert "there is no folder" in error_line(uwsim("sonar", "pool", "--out", "there/is/none.png", cwd=tmp_path))

@@ -1,29 +1,29 @@
-"""Every figure of a packaged vehicle, thruster, sensor and sonar says where it is from, or that it is assumed."""
+"""Every figure of a packaged vehicle, thruster, sensor and sonar names its source or says that it is assumed."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from uwsim.scenario.paths import assets_folder
+from uwsim.scenario.read.assets import assets_folder
 
 KINDS = ("vehicles", "thrusters", "sensors", "sonars")
 FILES = sorted(p for kind in KINDS for p in (assets_folder() / kind).glob("*.yaml"))
 TAG = re.compile(r"\[([A-Za-z]+)\]")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.])")
-LISTS = ("thrusters:", "fins:", "sensors:")  # whose members are figures' owners, each by itself
+LISTS = ("thrusters:", "fins:", "sensors:")  # each member of these needs its own source
 
 
 def defined_tags(text: str) -> set[str]:
-    """Sources that the file's comments list, one a line: `#   [Wu] Wu 2018, ...`."""
+    """The sources that the file's comments list, one on each line: `#   [Wu] Wu 2018, ...`."""
     return set(re.findall(r"^#   \[([A-Za-z]+)\] \S", text, re.MULTILINE))
 
 
 def entries(text: str) -> list[tuple[str, str, str]]:
     """Name, values and comments of each top-level key, and of each member of a list of thrusters, fins or sensors.
 
-    Comments are those on the entry's lines and those straight above it; above a list or its first member, they count
-    for all members, and above a member for those that follow it in one block, without a comment of their own.
+    Comments are those on the entry's lines and directly above it. Those above a list or its first member count for all
+    members; those above another member also for the members that follow it in one block without comments.
     """
     found: list[tuple[str, str, str]] = []
     above, shared, depth = "", "", 0
@@ -69,7 +69,7 @@ def test_each_figure_names_its_source_or_is_assumed(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: f"{p.parent.name}/{p.stem}")
-def test_each_source_that_is_named_is_listed_and_used(path: Path) -> None:
+def test_the_listed_sources_are_those_that_are_used(path: Path) -> None:
     text = path.read_text()
     used = set(TAG.findall(re.sub(r"^#   \[\w+\]", "", text, flags=re.MULTILINE)))
     units = {"m", "kg", "s", "N"}
@@ -77,8 +77,8 @@ def test_each_source_that_is_named_is_listed_and_used(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["mass_kg", "added_mass", "friction", "port", "propeller"])
-def test_a_figure_without_its_source_is_found(name: str) -> None:
-    """Once its comments are gone, the entry is named."""
+def test_a_figure_without_a_source_is_found(name: str) -> None:
+    """An entry is reported once its comments are removed."""
     vehicle = "remus100" if name in ("port", "propeller") else "bluerov2_wu"
     lines = (assets_folder() / "vehicles" / f"{vehicle}.yaml").read_text().splitlines()
     at = next(k for k, line in enumerate(lines) if line.strip().startswith(name + ":"))

@@ -1,4 +1,4 @@
-"""Terrain goes through the points of its source, in metres, and is complete."""
+"""Terrain passes through the points of its source, in metres, without gaps."""
 
 from pathlib import Path
 
@@ -9,8 +9,8 @@ from PIL import Image
 from rasterio.transform import from_origin
 
 from uwsim.scenario import ScenarioError, build_terrain
-from uwsim.scenario.terrain import Terrain
-from uwsim.scenario.terrain_spec import ImageTerrain, NoiseTerrain, RasterTerrain, Rim
+from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrain, Rim
 
 RNG = np.random.default_rng(3)
 GRID = RNG.integers(200, 300, (12, 15)).astype(np.float64)  # rows from north to south
@@ -42,26 +42,26 @@ def raster(file: Path, **settings: object) -> RasterTerrain:
 
 
 @pytest.mark.parametrize("interpolation", ["cubic", "linear"])
-def test_a_raster_in_metres_is_met_at_its_cells_centres(interpolation: str, tmp_path: Path) -> None:
+def test_heights_equal_a_metric_raster_at_its_cell_centres(interpolation: str, tmp_path: Path) -> None:
     for file in (write_asc(tmp_path / "a.asc", GRID), write_tif(tmp_path / "b.tif", GRID, "EPSG:32616")):
         terrain = build_terrain(raster(file, interpolation=interpolation, vertical_scale=0.5))
         assert terrain.origin_m == (-70.0, -55.0)
         np.testing.assert_allclose(terrain.heights_m, (GRID[::-1] - 250) / 2, atol=1e-5)
 
 
-def test_a_finer_grid_still_meets_the_cells_and_scale_shrinks_it(tmp_path: Path) -> None:
+def test_a_finer_grid_passes_through_the_cells_of_a_scaled_raster(tmp_path: Path) -> None:
     file = write_asc(tmp_path / "a.asc", GRID)
     terrain = build_terrain(raster(file, horizontal_scale=0.1, spacing_m=0.25, size_m=[14, 11]))
     assert terrain.extent_m == (-7.0, -5.5, 7.0, 5.5)
     np.testing.assert_allclose(terrain.heights_m[::4, ::4], GRID[::-1] - 250, atol=1e-4)
 
 
-def test_without_a_size_the_largest_grid_that_fits_is_taken(tmp_path: Path) -> None:
+def test_the_default_size_is_that_of_the_largest_grid_that_fits(tmp_path: Path) -> None:
     terrain = build_terrain(raster(write_asc(tmp_path / "a.asc", GRID), size_m=None))
     np.testing.assert_allclose(terrain.heights_m, GRID[::-1] - 250, atol=1e-4)
 
 
-def test_feet_become_metres(tmp_path: Path) -> None:
+def test_feet_are_converted_to_metres(tmp_path: Path) -> None:
     file = write_tif(tmp_path / "feet.tif", GRID, "EPSG:2274")  # Tennessee, US survey feet
     terrain = build_terrain(raster(file, size_m=None, spacing_m=1.0))
     width_m = terrain.extent_m[2] - terrain.extent_m[0]
@@ -97,7 +97,7 @@ def test_gaps_are_refused_or_filled(tmp_path: Path) -> None:
         build_terrain(raster(nan))
 
 
-def test_one_band_is_expected_or_chosen(tmp_path: Path) -> None:
+def test_a_file_of_several_bands_needs_a_choice(tmp_path: Path) -> None:
     file = write_tif(tmp_path / "b.tif", np.stack([GRID, GRID + 5, GRID]), "EPSG:32616")
     with pytest.raises(ScenarioError, match=r"'b\.tif': 3 bands, expected 1 \(choose one with band\)"):
         build_terrain(raster(file))
@@ -141,7 +141,7 @@ def write_degrees(path: Path, south: float) -> Path:
         ({"crs": "EPSG:4978"}, "crs", r"terrain\.crs: that of 'a\.asc' is neither geographic nor projected"),
     ],
 )  # fmt: skip
-def test_a_wrong_setting_is_told_by_its_own_name(
+def test_an_error_names_the_setting_at_fault(
     settings: dict[str, object], key: str, message: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(ScenarioError, match=message) as caught:
@@ -151,7 +151,7 @@ def test_a_wrong_setting_is_told_by_its_own_name(
 
 
 @pytest.mark.parametrize("size_m", [[140, 110], None])
-def test_no_place_has_a_latitude_of_500(size_m: object, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_latitude_of_500_is_refused(size_m: object, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ScenarioError, match=r"terrain\.centre = \(-83\.9, 500\): outside 'a\.asc'"):
         build_terrain(raster(write_degrees(tmp_path / "a.asc", 36.0), centre=[-83.9, 500], size_m=size_m))
     with pytest.raises(ScenarioError, match=r"latitude of its middle is 500\.06: must be between -90 and 90"):
@@ -160,7 +160,7 @@ def test_no_place_has_a_latitude_of_500(size_m: object, tmp_path: Path, capfd: p
 
 
 @pytest.mark.parametrize("kind", ["complex64", "complex_int16"])
-def test_complex_numbers_are_no_elevations(kind: str, tmp_path: Path) -> None:
+def test_complex_numbers_are_refused_as_elevations(kind: str, tmp_path: Path) -> None:
     with rasterio.open(
         tmp_path / "c.tif", "w", driver="GTiff", count=1, height=12, width=15, dtype=kind,
         crs="EPSG:32616", transform=from_origin(500_000, 4_000_000, 10, 10),
@@ -181,7 +181,7 @@ def test_a_raster_must_be_placed_and_large_enough(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("dtype", "white"), [(np.uint8, 255), (np.uint16, 65535)])
-def test_an_image_is_met_at_its_pixels(dtype: type, white: int, tmp_path: Path) -> None:
+def test_heights_equal_an_image_at_its_pixels(dtype: type, white: int, tmp_path: Path) -> None:
     levels = RNG.integers(0, white + 1, (9, 11)).astype(dtype)
     levels[0, 0], levels[0, 1] = 0, white
     Image.fromarray(levels).save(tmp_path / "i.png")
@@ -216,7 +216,7 @@ def lake(**settings: object) -> NoiseTerrain:
     return NoiseTerrain.model_validate({**given, "hill_wavelength_m": 60, **settings})
 
 
-def test_noise_is_the_same_for_one_seed_and_within_its_hills() -> None:
+def test_noise_repeats_for_one_seed_and_stays_within_its_hills() -> None:
     first, again, other = (build_terrain(lake(seed=seed)).heights_m for seed in (4, 4, 5))
     assert first.tobytes() == again.tobytes()
     assert (first != other).any()
@@ -224,7 +224,7 @@ def test_noise_is_the_same_for_one_seed_and_within_its_hills() -> None:
     assert -28 < first.max() <= -21
 
 
-def test_a_finer_noise_grid_is_the_same_place() -> None:
+def test_a_finer_noise_grid_has_the_same_heights() -> None:
     coarse, fine = build_terrain(lake()).heights_m, build_terrain(lake(spacing_m=1)).heights_m
     np.testing.assert_allclose(fine[::2, ::2], coarse, atol=1e-4)
 
@@ -236,10 +236,10 @@ def test_the_rim_stands_out_of_the_water_on_all_sides(seed: int) -> None:
     assert z[len(z) // 2, z.shape[1] // 2] < -20
 
 
-def test_height_between_nodes_is_that_of_the_triangles() -> None:
+def test_heights_between_nodes_are_those_of_the_triangles() -> None:
     terrain = Terrain(np.array([[0, 1, 0], [2, 5, 0]], np.float32), 2.0, (10.0, 20.0))
     corners = [[10, 20], [12, 20], [10, 22], [12, 22], [14, 22]]
     np.testing.assert_allclose(terrain.height_at(corners), [0, 1, 2, 5, 0])
-    # The cut runs from the cell's lower right to its upper left corner: 1.5 half-way, not the bilinear 2.
+    # The diagonal runs from the cell's lower right to its upper left corner: 1.5 at the middle, not the bilinear 2.
     np.testing.assert_allclose(terrain.height_at([[11, 21], [10.5, 20.5], [11.5, 21.5]]), [1.5, 0.75, 3.25])
     assert np.isnan(terrain.height_at([[9.99, 20], [10, 22.01], [np.nan, 21]])).all()

@@ -1,4 +1,4 @@
-"""The true surface's samples leave no gap, and keys are OctoMap's."""
+"""Samples of the true surface leave no gap, and come in tiles."""
 
 import tracemalloc
 
@@ -7,8 +7,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from uwsim import _core
-from uwsim.survey import true_surface
-from uwsim.survey.true_surface import inside_polygon, packed, sample_surface, surface_tiles, unpacked, voxel_keys
+from uwsim.mapping.voxel_keys import pack_keys, voxel_keys
+from uwsim.scoring import sampled_triangles, true_surface
+from uwsim.scoring.true_surface import sample_surface, surface_tiles
 
 SQUARE = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
 
@@ -27,25 +28,18 @@ def test_every_point_of_a_triangle_is_near_a_sample(corners):
     samples = sample_surface(world, 0.5, SQUARE)
     weights = np.random.default_rng(1).dirichlet([1.0, 1.0, 1.0], 2000)
     distances, _ = cKDTree(samples.points_world_m).query(weights @ np.array(corners))
-    # Half the diagonal of the sampling grid; one more, since only one sample is kept in each cell of it.
+    # Half the diagonal of the sampling grid, plus a diagonal, since only one sample is kept in each of its cells.
     assert distances.max() <= 0.25 * (np.sqrt(0.5) + np.sqrt(3.0))
     inside = {tuple(key) for key in samples.voxel_keys}
     assert {tuple(key) for key in voxel_keys(samples.points_world_m, 0.5)} == inside
 
 
-def test_what_lies_under_the_terrain_is_no_surface():
+def test_parts_of_solids_under_the_terrain_are_not_surface():
     world = _core.World()
     world.set_terrain(np.zeros((41, 41), np.float32), 1.0, (-20.0, -20.0))
     alone = len(sample_surface(world, 0.5, SQUARE).points_world_m)
     world.add_solid("buried", np.array([[0.0, 0.0, -3.0], [5.0, 0.0, -3.0], [0.0, 5.0, -2.0]]), np.array([[0, 1, 2]]))
     assert len(sample_surface(world, 0.5, SQUARE).points_world_m) == alone
-
-
-def test_keys_are_floors_and_pack_without_collisions_in_order():
-    assert voxel_keys(np.array([[-0.01, 0.0, 0.5]]), 0.5).tolist() == [[-1, 0, 1]]
-    keys = np.array([[i, j, k] for i in (-32768, -1, 0, 32767) for j in (-32768, 0, 7) for k in (-2, 3)])
-    assert np.all(np.diff(packed(keys)) > 0)
-    assert np.array_equal(unpacked(packed(keys)), keys)
 
 
 def vast_floor(half_m=5000.0):
@@ -55,12 +49,12 @@ def vast_floor(half_m=5000.0):
     return world
 
 
-def test_what_triangles_do_outside_the_polygon_costs_nothing():
+def test_the_parts_of_triangles_outside_the_polygon_cost_no_memory():
     tracemalloc.start()
     samples = sample_surface(vast_floor(), 0.5, SQUARE)
     _, peak_bytes = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert peak_bytes < 30e6, "whole, the floor has 1.6 billion samples"
+    assert peak_bytes < 30e6, "the whole floor would have 1.6 billion samples"
     assert len(samples.voxel_keys) == 40 * 40 / 0.5**2
     assert np.abs(samples.points_world_m[:, :2]).max() <= 20.0
 
@@ -72,12 +66,13 @@ def test_tiles_share_no_voxel_and_together_are_the_whole(monkeypatch):
     world.add_solid("wall", np.array([[-90.0, -70, -30], [90, 80, -30], [3, 2, 40]]), np.array([[0, 1, 2]]))
     whole = sample_surface(world, 0.3, SQUARE)
     monkeypatch.setattr(true_surface, "TILE_VOXELS", 17)
-    monkeypatch.setattr(true_surface, "ROWS_AT_ONCE", 100)
-    monkeypatch.setattr(true_surface, "POINTS_AT_ONCE", 100)
+    for module in (true_surface, sampled_triangles):
+        monkeypatch.setattr(module, "ROWS_AT_ONCE", 100)
+    monkeypatch.setattr(sampled_triangles, "POINTS_AT_ONCE", 100)
     tiles = list(surface_tiles(world, 0.3, SQUARE))
     assert len(tiles) > 50
     assert np.array_equal(
-        np.sort(np.concatenate([packed(tile.voxel_keys) for tile in tiles])), packed(whole.voxel_keys)
+        np.sort(np.concatenate([pack_keys(tile.voxel_keys) for tile in tiles])), pack_keys(whole.voxel_keys)
     )
     assert np.array_equal(sample_surface(world, 0.3, SQUARE).points_world_m, whole.points_world_m)
 
@@ -91,15 +86,8 @@ def test_a_box_bounds_the_samples():
     assert not list(surface_tiles(vast_floor(), 0.5, SQUARE, above))
 
 
-def test_more_voxels_than_can_be_scored_are_refused_before_any_is_made():
+def test_too_many_voxels_are_refused_before_the_first_tile():
     with pytest.raises(ValueError, match=r"true surface = about 64 million: must be at most 50 million"):
         sample_surface(vast_floor(), 0.005, SQUARE)
     triangle = SQUARE[:3]
-    assert next(surface_tiles(vast_floor(), 0.005, triangle)), "half of it is not too much"
-
-
-def test_a_polygon_and_its_mirror_winding_hold_the_same_points():
-    corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]])  # a notch from above
-    points = np.array([[1.0, 1.0], [2.0, 3.0], [3.5, 2.0], [5.0, 1.0], [-1.0, 1.0]])
-    assert inside_polygon(points, corners).tolist() == [True, False, True, False, False]
-    assert inside_polygon(points, corners[::-1]).tolist() == [True, False, True, False, False]
+    assert next(surface_tiles(vast_floor(), 0.005, triangle)), "half of them are not too many"

@@ -1,4 +1,4 @@
-"""The imaging suite passes, and would not if a figure of a model were off."""
+"""The imaging suite passes, and fails if a figure of a model is wrong."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim import imaging
-from uwsim.imaging import ForwardLooking, SideScan
+from uwsim.sonars import imaging
+from uwsim.sonars.imaging import ForwardLooking, SideScan
 from uwsim.validate import imaging as suite
 from uwsim.validate import run_suite
 
@@ -34,10 +34,10 @@ def test_the_suite_passes_and_draws(tmp_path: Path) -> None:
         {"beam_width_rad": np.radians(1.1)},
     ],
 )
-def test_a_forward_looking_figure_that_is_off_is_a_miss(change: dict[str, float]) -> None:
+def test_a_wrong_figure_of_a_forward_looking_sonar_fails(change: dict[str, float]) -> None:
     model = ForwardLooking(rays_per_column=1000, columns_per_beam=3, beams=21, field_of_view_rad=np.radians(5.0))
-    assert worst_db(suite.bed_seen_ahead(model)) < suite.AHEAD_TOLERANCE_DB
-    assert worst_db(suite.bed_seen_ahead(model, replace(model, **change))) > suite.AHEAD_TOLERANCE_DB
+    assert worst_db(suite.bed_level_ahead(model)) < suite.AHEAD_TOLERANCE_DB
+    assert worst_db(suite.bed_level_ahead(model, replace(model, **change))) > suite.AHEAD_TOLERANCE_DB
 
 
 @pytest.mark.parametrize(
@@ -50,12 +50,12 @@ def test_a_forward_looking_figure_that_is_off_is_a_miss(change: dict[str, float]
         {"depression_rad": np.radians(31.5)},
     ],
 )
-def test_a_side_scan_figure_that_is_off_is_a_miss(change: dict[str, float]) -> None:
-    assert worst_db(suite.bed_seen_aside(SideScan(), replace(SideScan(), **change))) > suite.ASIDE_TOLERANCE_DB
+def test_a_wrong_figure_of_a_side_scan_sonar_fails(change: dict[str, float]) -> None:
+    assert worst_db(suite.bed_level_aside(SideScan(), replace(SideScan(), **change))) > suite.ASIDE_TOLERANCE_DB
 
 
 @pytest.mark.parametrize("law", [suite.gain_checks, suite.geometry_checks, suite.profile_checks])
-def test_a_head_that_is_not_where_it_says_is_a_miss(law: Callable[[], list[suite.Check]], monkeypatch) -> None:
+def test_a_head_at_a_wrong_pose_fails(law: Callable[[], list[suite.Check]], monkeypatch) -> None:
     honest = imaging.pose_matrix
     monkeypatch.setattr(
         imaging, "pose_matrix", lambda place, **turns: honest((place[0], place[1], place[2] + 0.5), **turns)

@@ -1,4 +1,4 @@
-"""The packaged vehicles: what their files say, and how they move."""
+"""The packaged vehicles have the published figures and move as these predict."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from sea import open_water
 from uwsim.scenario import ScenarioError, load_vehicle, rigid_body, vehicle_hull
-from uwsim.scenario.paths import assets_folder, packaged_names
+from uwsim.scenario.read.assets import assets_folder, packaged_names
 
 BLUEROVS = ("bluerov2_heavy", "bluerov2_wu", "bluerov2_tank")
 T200 = {"diameter_m": 0.076, "kt": 0.445, "j0": 0.976}
@@ -20,7 +20,7 @@ def hull(name: str) -> trimesh.Trimesh:
 
 
 @pytest.mark.parametrize("name", packaged_names("vehicles"))
-def test_its_hull_is_closed_one_piece_and_displaces_what_is_published(name: str) -> None:
+def test_a_hull_is_closed_in_one_piece_and_has_the_published_volume(name: str) -> None:
     model, mesh = load_vehicle(name), hull(name)
     assert mesh.is_watertight
     assert len(mesh.split()) == 1
@@ -40,13 +40,13 @@ def test_its_hull_is_closed_one_piece_and_displaces_what_is_published(name: str)
         ("remus100", (1.6, None, None)),
     ],
 )
-def test_its_mesh_is_as_large_as_the_vehicle(name: str, size_m: tuple[float | None, ...]) -> None:
+def test_a_mesh_has_the_published_size(name: str, size_m: tuple[float | None, ...]) -> None:
     for extent, published in zip(hull(name).extents, size_m, strict=True):
         if published is not None:
             assert extent == pytest.approx(published, rel=0.07)
 
 
-def test_the_torpedos_figures_are_those_of_its_spheroid() -> None:
+def test_remus_has_the_mass_properties_of_its_spheroid() -> None:
     a, b = 0.8, 0.095
     body = rigid_body(load_vehicle("remus100"), 1026.0)
     assert body.volume_m3 == pytest.approx(4 / 3 * np.pi * a * b**2, rel=1e-4)
@@ -54,8 +54,8 @@ def test_the_torpedos_figures_are_those_of_its_spheroid() -> None:
     np.testing.assert_allclose(body.inertia_kg_m2[1], body.mass_kg / 5 * (a**2 + b**2), rtol=1e-3)
 
 
-def test_submerged_it_weighs_what_is_published(tmp_path: Path) -> None:
-    """Released at rest, a BlueROV2 Heavy sinks in fresh water as its mass, volume and added mass say."""
+def test_a_submerged_vehicle_has_its_published_weight(tmp_path: Path) -> None:
+    """Released at rest, a BlueROV2 Heavy sinks in fresh water as its mass, volume and added mass predict."""
     sim = open_water(tmp_path, "bluerov2_heavy", density_kg_m3=1000.0)
     sim.step(2)
     acceleration = sim.rov.velocity.linear_body_m_s[2] / (2 * sim.step_s)
@@ -63,7 +63,7 @@ def test_submerged_it_weighs_what_is_published(tmp_path: Path) -> None:
 
 
 def bollard(name: str, axis: int) -> list[tuple[float, float, float]]:
-    """(thrust, its part along the axis, times it occurs) of full effort ahead, after the frame's geometry."""
+    """(thrust, its share along the axis, number of such thrusters) at full effort ahead, from the frame's geometry."""
     cos45 = np.sqrt(0.5)
     if axis == 0:
         return [(51.5, cos45, 2), (39.9, cos45, 2)]
@@ -71,18 +71,18 @@ def bollard(name: str, axis: int) -> list[tuple[float, float, float]]:
 
 
 def thrust_n(name: str, axis: int, speed_m_s: float, density_kg_m3: float) -> float:
-    """All thrusters' push along the axis at this speed: the bilinear model, written out."""
+    """Thrust of all thrusters along the axis at this speed, by the bilinear model."""
     total = 0.0
-    for full_n, part, count in bollard(name, axis):
+    for full_n, share, count in bollard(name, axis):
         turns_s = np.sqrt(full_n / (density_kg_m3 * T200["kt"] * T200["diameter_m"] ** 4))
-        lost = full_n * part * speed_m_s / (T200["j0"] * turns_s * T200["diameter_m"])
-        total += count * part * (full_n - lost)
+        lost = full_n * share * speed_m_s / (T200["j0"] * turns_s * T200["diameter_m"])
+        total += count * share * (full_n - lost)
     return total
 
 
 @pytest.mark.parametrize("name", BLUEROVS)
 @pytest.mark.parametrize(("effort", "axis"), [("surge", 0), ("heave", 2)])
-def test_its_terminal_speed_follows_from_drag_and_thrust(tmp_path: Path, name: str, effort: str, axis: int) -> None:
+def test_the_terminal_speed_follows_from_drag_and_thrust(tmp_path: Path, name: str, effort: str, axis: int) -> None:
     model = load_vehicle(name)
     assert model.linear_damping is not None and model.quadratic_damping is not None
     linear, quadratic = model.linear_damping[axis], model.quadratic_damping[axis]
@@ -95,7 +95,7 @@ def test_its_terminal_speed_follows_from_drag_and_thrust(tmp_path: Path, name: s
     assert sim.rov.velocity.linear_body_m_s[axis] == pytest.approx(expected, rel=2e-3)
 
 
-def test_the_standard_frame_knows_that_it_cannot_pitch(tmp_path: Path) -> None:
+def test_the_standard_frame_cannot_pitch(tmp_path: Path) -> None:
     rov = open_water(tmp_path, "bluerov2_wu").rov
     assert rov.controllable == {"surge", "sway", "heave", "roll", "yaw"}
     rov.set_effort(pitch=1.0)
@@ -103,7 +103,7 @@ def test_the_standard_frame_knows_that_it_cannot_pitch(tmp_path: Path) -> None:
 
 
 def steady_turn(folder: Path, rudder_deg: float) -> tuple[float, float]:
-    """(speed, yaw rate) of REMUS at full revolutions."""
+    """(speed, yaw rate) of REMUS in a steady turn at full revolutions."""
     sim = open_water(folder, "remus100", density_kg_m3=1026.0)
     sim.rov.set_effort(surge=1.0)
     sim.advance(10.0)
@@ -113,13 +113,13 @@ def steady_turn(folder: Path, rudder_deg: float) -> tuple[float, float]:
 
 
 def test_remus_runs_at_its_published_speed_and_turns_with_its_rudder(tmp_path: Path) -> None:
-    """2.5 m/s at 1525 rpm (PythonVehicleSimulator); a steady, tighter turn with more rudder, alike to both sides."""
+    """2.5 m/s at 1525 rpm (PythonVehicleSimulator); a tighter turn with more rudder, the same to both sides."""
     straight_m_s, straight_rad_s = steady_turn(tmp_path, 0)
     assert straight_m_s == pytest.approx(2.5, rel=0.03)
-    assert abs(straight_rad_s) < 1e-4, "it holds its course"
+    assert abs(straight_rad_s) < 1e-4, "the vehicle holds its course"
     slight, hard = steady_turn(tmp_path, 5), steady_turn(tmp_path, 10)
     assert slight[1] < -0.1 and hard[1] < 1.5 * slight[1]
-    assert 5 < slight[0] / -slight[1] < 15, "some lengths across"
+    assert 5 < slight[0] / -slight[1] < 15, "the turn's radius is some lengths"
     assert hard[0] < slight[0] < straight_m_s
     other = steady_turn(tmp_path, -5)
     assert other[1] == pytest.approx(-slight[1], rel=0.02)
@@ -140,7 +140,7 @@ def test_a_mesh_far_from_the_published_volume_is_refused(tmp_path: Path) -> None
         ("centre_of_buoyancy_m: [0.0, 0.0, 0.01]", "centre_of_buoyancy_m: [0.0, 3.0, 0.0]"),
     ],
 )
-def test_a_centre_of_mass_or_buoyancy_beside_the_hull_is_refused(tmp_path: Path, old: str, new: str) -> None:
+def test_a_centre_of_mass_or_buoyancy_outside_the_hull_is_refused(tmp_path: Path, old: str, new: str) -> None:
     text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
     assert old in text
     path = tmp_path / "odd.yaml"
@@ -156,7 +156,7 @@ def test_a_centre_of_mass_or_buoyancy_beside_the_hull_is_refused(tmp_path: Path,
     ("old", "new", "message"),
     [
         ("mass_kg: 13.5", "mass_kg: -13.5", r"mass_kg = -13\.5 kg: must be in"),
-        ("axis: [-1, 1, 0]", "axis: [0, 0, 0]", r"thrusters\.front_left\.axis = \[.*\]: must point somewhere"),
+        ("axis: [-1, 1, 0]", "axis: [0, 0, 0]", r"thrusters\.front_left\.axis = \[.*\]: must not have zero length"),
         ("model: t200_16v", "model: t200_61v", r"unknown thruster 't200_61v'.*did you mean 't200_16v'"),
         ("mass_kg: 13.5", "mass_kg: 13.5\nmax_force_n: [1, 1, 1]", r"max_force_n: must not be given"),
         ("linear_damping: [13.7, 0.0, 33.0, 0.0, 0.8, 0.0]", "# none", r"linear_damping: missing"),
@@ -168,7 +168,7 @@ def test_a_centre_of_mass_or_buoyancy_beside_the_hull_is_refused(tmp_path: Path,
         ),
     ],
 )
-def test_bad_figures_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+def test_invalid_figures_are_refused_in_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
     text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
     assert old in text
     path = tmp_path / "bad.yaml"
@@ -178,7 +178,7 @@ def test_bad_figures_are_refused_in_one_line(tmp_path: Path, old: str, new: str,
     assert "\n" not in str(raised.value)
 
 
-def test_a_full_matrix_stands_for_a_diagonal(tmp_path: Path) -> None:
+def test_a_full_matrix_may_replace_a_diagonal(tmp_path: Path) -> None:
     text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
     matrix = np.diag([6.3567, 7.1206, 18.6863, 0.1858, 0.1348, 0.2215])
     matrix[0, 4] = matrix[4, 0] = 0.3
@@ -190,10 +190,10 @@ def test_a_full_matrix_stands_for_a_diagonal(tmp_path: Path) -> None:
     sim = open_water(tmp_path, str(path), density_kg_m3=13.5 / 0.0134)
     sim.rov.set_wrench([10.0, 0.0, 0.0])
     sim.advance(0.1)
-    assert sim.rov.velocity.angular_body_rad_s[1] < -1e-4, "coupled to pitch"
+    assert sim.rov.velocity.angular_body_rad_s[1] < -1e-4, "surge is coupled to pitch"
 
 
-def test_a_matrix_that_is_not_positive_definite_is_refused_at_the_door(tmp_path: Path) -> None:
+def test_a_matrix_that_is_not_positive_semi_definite_is_refused_when_the_vehicle_is_built(tmp_path: Path) -> None:
     text = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
     matrix = np.diag([6.3567, 7.1206, -18.6863, 0.1858, 0.1348, 0.2215])
     line = next(line for line in text.splitlines() if line.startswith("added_mass:"))

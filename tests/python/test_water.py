@@ -1,4 +1,4 @@
-"""A scenario's water: what it says is what the native world has; what makes no sense is refused by its key."""
+"""The native water has the values of the scenario; invalid ones are refused by their key."""
 
 import re
 from pathlib import Path
@@ -9,9 +9,9 @@ import pytest
 
 from uwsim import _core
 from uwsim.scenario import ScenarioError
-from uwsim.scenario.messages import validated
-from uwsim.scenario.water import build_water, read_current_grid, surface_density_kg_m3
-from uwsim.scenario.water_spec import Water
+from uwsim.scenario.build.water import build_water, read_current_grid, surface_density_kg_m3
+from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.spec.water import Water
 
 BOTTOM_M = 30.0
 
@@ -26,7 +26,7 @@ def refusal(values: dict[str, Any], folder: Path | None = None) -> str:
     return str(caught.value)
 
 
-def test_the_old_keys_are_still_even_water() -> None:
+def test_water_without_surface_current_and_profile_is_still_and_uniform() -> None:
     water = built({"density_kg_m3": 1010.0, "current_world_m_s": [0.1, 0.0, 0.0], "surface_temperature_deg_c": 12.0})
     assert water.waves is None
     assert water.profile is None
@@ -34,14 +34,14 @@ def test_the_old_keys_are_still_even_water() -> None:
     np.testing.assert_allclose(water.velocity_m_s([[0, 0, -3]]), [[0.1, 0, 0]])
 
 
-def test_an_airy_wave_passes_at_its_phase_speed() -> None:
+def test_an_airy_wave_travels_at_its_phase_speed() -> None:
     water = built({"surface": {"kind": "airy", "amplitude_m": 0.2, "period_s": 3.0, "heading_deg": 90.0}})
     there = [[0.0, 1.5 * 9.80665 * 3 / (2 * np.pi)]]
     assert water.surface_height_m([[0, 0]]) == pytest.approx(0.2)
     assert water.surface_height_m(there, 1.5) == pytest.approx(0.2, abs=1e-6)
 
 
-def test_a_jonswap_sea_is_of_the_scenarios_seed() -> None:
+def test_a_jonswap_sea_depends_on_the_scenarios_seed() -> None:
     surface = {"kind": "jonswap", "significant_height_m": 0.8, "peak_period_s": 4.0, "spreading_exponent": 4.0}
     first, same, other = (built({"surface": surface}, seed) for seed in (1, 1, 2))
     assert first.waves is not None
@@ -51,7 +51,7 @@ def test_a_jonswap_sea_is_of_the_scenarios_seed() -> None:
     assert not np.allclose(first.surface_height_m(xy, 7.0), other.surface_height_m(xy, 7.0))
 
 
-def test_currents_add() -> None:
+def test_currents_add_up() -> None:
     levels = [{"depth_m": 0.0, "velocity_m_s": [0.4, 0.0, 0.0]}, {"depth_m": 20.0, "velocity_m_s": [0.0, 0.0, 0.0]}]
     water = built(
         {
@@ -66,7 +66,7 @@ def test_currents_add() -> None:
     np.testing.assert_allclose(water.velocity_m_s([[3, 4, -5]], 250.0), [[0.3 + 0.5, 0.1, 0.01]])
 
 
-def test_gusts_blow_about_their_mean_and_of_the_seed() -> None:
+def test_gusts_vary_about_their_mean_and_depend_on_the_seed() -> None:
     current = {
         "kind": "gusts",
         "mean_m_s": [0.3, 0.0, 0.0],
@@ -119,7 +119,7 @@ def test_a_table_gives_density_pressure_and_sound_speed(tmp_path: Path) -> None:
     assert built({"profile": {"kind": "table", "levels": given}}).sound_speed_m_s(-20.0) == pytest.approx(1480)
 
 
-def test_a_linear_profile_reaches_the_bottom_by_formula() -> None:
+def test_the_density_of_a_linear_profile_follows_eos_80_to_the_bottom() -> None:
     ends = {"surface": {"temperature_deg_c": 20.0}, "bottom": {"temperature_deg_c": 6.0, "salinity_psu": 10.0}}
     water = built({"profile": {"kind": "linear", **ends}})
     assert water.temperature_deg_c(-BOTTOM_M / 2) == pytest.approx(13)
@@ -130,12 +130,12 @@ def test_a_linear_profile_reaches_the_bottom_by_formula() -> None:
     assert surface_density_kg_m3(spec) == pytest.approx(water.density_at_kg_m3(0.0))
 
 
-def test_what_makes_no_sense_is_refused_by_its_key(tmp_path: Path) -> None:
+def test_invalid_water_is_refused_by_its_key(tmp_path: Path) -> None:
     assert "surface.period_s = 0 s: must be in" in refusal(
         {"surface": {"kind": "airy", "amplitude_m": 1, "period_s": 0}}
     )
     assert "'airy'" in refusal({"surface": {"kind": "air", "amplitude_m": 1.0}})
-    assert "steeper" in refusal({"surface": {"kind": "airy", "amplitude_m": 3.0, "period_s": 2.0}})
+    assert "the wave would break" in refusal({"surface": {"kind": "airy", "amplitude_m": 3.0, "period_s": 2.0}})
     assert "current[0].sigma_m_s[1] = -1 m/s" in refusal(
         {"current": [{"kind": "gusts", "sigma_m_s": [0.1, -1.0, 0.0], "correlation_time_s": 3.0}]}
     )
@@ -143,13 +143,14 @@ def test_what_makes_no_sense_is_refused_by_its_key(tmp_path: Path) -> None:
         {"surface": {"kind": "airy", "amplitude_m": 0.1, "period_s": 3.0, "depth_m": 100.0}}
     )
     levels = [{"depth_m": 3.0, "temperature_deg_c": 9.0}, {"depth_m": 3.0, "temperature_deg_c": 8.0}]
-    told = refusal({"profile": {"kind": "table", "levels": levels}})
-    assert "profile.levels[1].depth_m = 3 m: must be deeper than the level before" in told
+    got = refusal({"profile": {"kind": "table", "levels": levels}})
+    assert "profile.levels[1].depth_m = 3 m: must be deeper than the level before" in got
     assert "density_kg_m3 = 1020: must not be given beside profile" in refusal(
         {"density_kg_m3": 1020.0, "profile": {"kind": "table", "levels": levels[:1]}}
     )
     (tmp_path / "bad.csv").write_text("x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,0,1,0,0\n1,1,0,1,0,0\n")
-    assert "2 rows for 2 x 2 x 1 places" in refusal({"current": {"kind": "grid", "file": "bad.csv"}}, tmp_path)
+    got = refusal({"current": {"kind": "grid", "file": "bad.csv"}}, tmp_path)
+    assert "2 rows for 2 x 2 x 1 points" in got and got.count("bad.csv") == 1
     (tmp_path / "bad.npz").write_bytes(b"no")
     assert "not a .npz file" in refusal({"current": {"kind": "grid", "file": "bad.npz"}}, tmp_path)
 
@@ -170,11 +171,11 @@ TIDE = {"kind": "tidal", "amplitude_m_s": [4.0, 0.0, 0.0]}
     ],
     ids=lambda more: more["kind"],
 )
-def test_currents_that_vary_are_bounded_together_with_the_steady_ones(more: dict[str, Any]) -> None:
+def test_varying_and_steady_currents_are_bounded_together(more: dict[str, Any]) -> None:
     built({"current": [STEADY, TIDE]})
     built({"current": [STEADY, more]})
-    told = refusal({"current": [STEADY, TIDE, more]})
-    assert re.match(r"water\.current = 1[12](\.\d+)?: .*must be at most 10 m/s", told)
+    got = refusal({"current": [STEADY, TIDE, more]})
+    assert re.match(r"water\.current = 1[12](\.\d+)?: .*must be at most 10 m/s", got)
 
 
 @pytest.mark.parametrize(
@@ -184,7 +185,7 @@ def test_currents_that_vary_are_bounded_together_with_the_steady_ones(more: dict
         ("twice.csv", b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s,u_m_s\n0,0,0,1,0,0,2\n", "a column is named twice"),
     ],
 )
-def test_a_current_file_that_is_none_is_refused_in_one_line(
+def test_a_malformed_current_file_is_refused_in_one_line(
     name: str, content: bytes, message: str, tmp_path: Path
 ) -> None:
     (tmp_path / name).write_bytes(content)

@@ -1,7 +1,7 @@
-"""Makes assets/meshes/bluerov2.obj and bluerov2_heavy.obj, Blue Robotics' ROV: needs numpy and manifold3d.
+"""Makes assets/meshes/bluerov2.obj and bluerov2_heavy.obj, Blue Robotics' ROV; needs numpy and manifold3d.
 
 Metres; x forward, y left, z up; 0.457 x 0.338 x 0.254 m, heavy 0.575 m across. The hull is what displaces water:
-tubes, foam, thrusters, side plates and ballast, united and closed. Thrusters are where the vehicles' files have them.
+tubes, foam, thrusters, side plates and ballast, united and closed. Thrusters have the positions of the vehicles' files.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ LOW_M, HIGH_M = -0.127, 0.127
 
 def thruster(at: Point, axis: Point) -> Manifold:
     """Make a T200: nozzle, motor pod and the bar that holds it, 0.1 m across and 0.09 m long."""
-    way = np.asarray(axis, np.float64) / np.linalg.norm(axis)
-    across = np.cross(way, (0.0, 0.0, 1.0) if abs(way[2]) < 0.5 else (1.0, 0.0, 0.0))
+    direction = np.asarray(axis, np.float64) / np.linalg.norm(axis)
+    across = np.cross(direction, (0.0, 0.0, 1.0) if abs(direction[2]) < 0.5 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)
 
     def along(low: float, high: float, radius: float, sides: int) -> Manifold:
-        return rod(tuple(at + low * way), tuple(at + high * way), radius, sides)
+        return rod(tuple(at + low * direction), tuple(at + high * direction), radius, sides)
 
     nozzle = along(-0.025, 0.025, 0.05, 8) - along(-0.05, 0.05, 0.041, 8)
     pod = along(-0.045, 0.045, 0.019, 6)
     ring = 0.046 * across
-    bar = rod(tuple(at + 0.012 * way - ring), tuple(at + 0.012 * way + ring), 0.006, 4)
+    bar = rod(tuple(at + 0.012 * direction - ring), tuple(at + 0.012 * direction + ring), 0.006, 4)
     return united([nozzle, pod, bar])
 
 
 def plate(outline: list[tuple[float, float]], y: float, thickness: float) -> Manifold:
-    """Make a plate across y, of a convex outline in x and z."""
+    """Make a plate across y with a convex outline in x and z."""
     return hull([(x, side, z) for side in (y - thickness / 2, y + thickness / 2) for x, z in outline])
 
 
@@ -53,7 +53,7 @@ def side_panel(y: float) -> Manifold:
 
 
 def tubes() -> list[Manifold]:
-    """Electronics with its dome in front, the battery below, and the cradles that hold them."""
+    """Make the electronics tube with its dome in front, the battery below, and the cradles that hold them."""
     return [
         rod((-0.16, 0, 0.03), (0.15, 0, 0.03), 0.057, 10),
         ball((0.15, 0, 0.03), 0.052, 8),
@@ -77,24 +77,24 @@ def fairing(x: float, y: float) -> Manifold:
 
 
 def horizontal_thrusters() -> list[Manifold]:
-    """Four of them, turned outward by 45 degrees."""
+    """Make four thrusters, turned outward by 45 degrees."""
     return [thruster((x, y * 0.092, 0.0), (1 if x < 0 else -1, y, 0)) for x in (0.14, -0.15) for y in SIDES]
 
 
 def frame() -> list[Manifold]:
-    """Both side panels, fairings, tubes and horizontal thrusters."""
+    """Make side panels, fairings, tubes and horizontal thrusters."""
     panels = [side_panel(y * 0.163) for y in SIDES]
     return [*panels, *tubes(), *(fairing(x, y) for x in SIDES for y in SIDES), *horizontal_thrusters()]
 
 
 def verticals() -> list[Manifold]:
-    """Two vertical thrusters in the gap between the fairings, with their brackets."""
+    """Make two vertical thrusters in the gap between the fairings, with their brackets."""
     parts = [thruster((0, y * 0.111, 0.07), (0, 0, 1)) for y in SIDES]
     return [*parts, *(box((-0.05, y * 0.111 - 0.006, 0.052), (0.05, y * 0.111 + 0.006, 0.064)) for y in SIDES)]
 
 
 def heavy_sides() -> list[Manifold]:
-    """Two vertical thrusters each side, in a deck outside the panels with foam between them."""
+    """Make two vertical thrusters on each side, in a deck outside the panels, with foam between them."""
     parts = []
     for y in SIDES:
         inner, outer = y * 0.165, y * 0.2865

@@ -1,7 +1,7 @@
-"""Makes assets/meshes/rov.obj, an open-frame ROV: needs numpy and manifold3d.
+"""Makes assets/meshes/rov.obj, an open-frame ROV; needs numpy and manifold3d.
 
 Metres; x forward, y left, z up; 1.2 x 0.8 x 0.7 m. The hull is what displaces water: foam block, pods, thrusters and
-the frame's bars, united and closed. The origin is meant for the centre of mass: 0.10 m below the centre of buoyancy.
+the frame's bars, united and closed. The origin is the intended centre of mass, 0.10 m below the centre of buoyancy.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ BUOYANCY_ARM_M = 0.10
 
 
 def foam_block() -> Manifold:
-    """Buoyancy on top, its edges bevelled, with the wells of two vertical thrusters."""
+    """Make the buoyancy foam on top, with bevelled edges and the wells of two vertical thrusters."""
     bevel = 0.06
     points = []
     for x in SIDES:
@@ -33,17 +33,17 @@ def foam_block() -> Manifold:
 
 
 def vertical_thruster(y: float) -> Manifold:
-    """Hub and guard bar in a well of the foam block."""
+    """Make the hub and the guard bar in a well of the foam block."""
     return rod((0, y, 0.19), (0, y, 0.29), 0.035, sides=6) + box((-0.12, y - 0.015, 0.22), (0.12, y + 0.015, 0.25))
 
 
 def horizontal_thruster(x: float, y: float) -> Manifold:
     """Make a duct turned by 45 degrees towards the middle, its hub and the strut that carries both."""
-    way = np.array([np.sign(x), -np.sign(y), 0.0]) / np.sqrt(2)
+    axis = np.array([np.sign(x), -np.sign(y), 0.0]) / np.sqrt(2)
     centre = np.array([x, y, -0.13])
 
     def along(low: float, high: float, radius: float, sides: int) -> Manifold:
-        return rod(tuple(centre + low * way), tuple(centre + high * way), radius, sides)
+        return rod(tuple(centre + low * axis), tuple(centre + high * axis), radius, sides)
 
     duct = along(-0.06, 0.06, 0.095, 10) - along(-0.1, 0.1, 0.08, 10)
     strut = box((x - 0.012, y - 0.012, -0.22), (x + 0.012, y + 0.012, 0.17))
@@ -51,7 +51,7 @@ def horizontal_thruster(x: float, y: float) -> Manifold:
 
 
 def skid(y: float) -> Manifold:
-    """Make a runner with its toe turned up."""
+    """Make a skid with an upturned toe."""
     inner, outer = y * 0.34, y * 0.40
     low, high = min(inner, outer), max(inner, outer)
     toe = [(x, side, z) for side in (low, high) for x, z in ((0.5, -0.35), (0.5, -0.29), (0.6, -0.27), (0.6, -0.21))]
@@ -59,7 +59,7 @@ def skid(y: float) -> Manifold:
 
 
 def frame() -> list[Manifold]:
-    """Uprights, side rails and cross bars between skids and foam."""
+    """Make uprights, side rails and cross bars between the skids and the foam."""
     parts = []
     for y in SIDES:
         side = y * 0.37
@@ -71,7 +71,7 @@ def frame() -> list[Manifold]:
 
 
 def pods() -> list[Manifold]:
-    """Electronics and battery in two pressure cylinders, hung from the foam by straps."""
+    """Make two pressure cylinders for electronics and battery, hung from the foam by straps."""
     parts = []
     for y in SIDES:
         parts.append(rod((-0.38, y * 0.13, 0.03), (0.34, y * 0.13, 0.03), 0.105, sides=10))
@@ -81,7 +81,7 @@ def pods() -> list[Manifold]:
 
 
 def sonar_head() -> list[Manifold]:
-    """Make the multibeam's head, a drum across the bow on an arm from the frame."""
+    """Make the multibeam's head: a drum across the bow, on an arm from the frame."""
     return [
         rod((0.53, -0.12, -0.18), (0.53, 0.12, -0.18), 0.07),
         box((0.33, -0.03, -0.24), (0.50, 0.03, -0.18)),

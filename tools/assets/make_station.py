@@ -1,4 +1,4 @@
-"""Makes assets/meshes/station.obj, a moored pontoon with a dock beneath: needs numpy and manifold3d.
+"""Makes assets/meshes/station.obj, a moored pontoon with a dock beneath; needs numpy and manifold3d.
 
 Metres; x forward, z up, z = 0 the water line. The dock's middle is at (0, 0, -5); a vehicle of 1.2 x 0.8 x 0.7 m
 leaves it along +x, where the cage is open.
@@ -24,7 +24,7 @@ def pontoon(y: float) -> Manifold:
 
 
 def platform() -> list[Manifold]:
-    """Two floats, a deck, a hut, and a mast with its lamp and antenna bar."""
+    """Make two floats, a deck, a hut, and a mast with its lamp and antenna bar."""
     return [
         pontoon(-1.9),
         pontoon(1.9),
@@ -45,7 +45,7 @@ def bar(start: tuple[float, float, float], end: tuple[float, float, float]) -> M
 
 
 def cage() -> list[Manifold]:
-    """Make the dock: 2 x 1.8 x 1.6 m, open in front, crossed behind, hung from the deck on four legs."""
+    """Make the dock: 2 x 1.8 x 1.6 m, open in front, with a cross behind, hung from the deck on four legs."""
     x, y, low, high = 1.0, 0.9, DOCK_Z - 0.8, DOCK_Z + 0.8
     parts = [bar((-x, side * y, z), (x, side * y, z)) for side in SIDES for z in (low, DOCK_Z, high)]
     parts += [bar((end * x, -y, z), (end * x, y, z)) for end in SIDES for z in (low, high)]

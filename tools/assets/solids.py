@@ -1,4 +1,4 @@
-"""Solids for the generators: made with manifold3d, united without overlaps, written as OBJ."""
+"""Solids for the mesh generators: made with manifold3d, united without overlaps, written as OBJ."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def hull(points: list[Point]) -> Manifold:
 
 
 def united(parts: list[Manifold]) -> Manifold:
-    """One solid of many; slivers thinner than 0.1 mm are gone."""
+    """Unite solids into one, without slivers thinner than 0.1 mm."""
     total = Manifold()
     for part in parts:
         total += part
@@ -44,7 +44,7 @@ def united(parts: list[Manifold]) -> Manifold:
 
 
 def centroid(solid: Manifold) -> Point:
-    """Centre of volume, from the tetrahedra that the triangles make with the origin."""
+    """Centre of volume, from the tetrahedra that the triangles form with the origin."""
     mesh = solid.to_mesh()
     corners = np.asarray(mesh.vert_properties, np.float64)[:, :3][np.asarray(mesh.tri_verts)]
     volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
@@ -52,7 +52,7 @@ def centroid(solid: Manifold) -> Point:
 
 
 def write_obj(solid: Manifold, path: Path, comment: str) -> None:
-    """Write vertices to 0.01 mm, and say what came out."""
+    """Write the solid with vertices rounded to 0.01 mm, and print its size."""
     mesh = solid.to_mesh()
     vertices = np.round(np.asarray(mesh.vert_properties, np.float64)[:, :3], 5) + 0.0
     lines = [f"# {comment}", *("v {:.5f} {:.5f} {:.5f}".format(*vertex) for vertex in vertices)]

@@ -1,10 +1,10 @@
-"""Pictures per second of the ROV's front camera on the lake, against Embree alone casting the same rays.
+"""Frames per second of the ROV's front camera on the lake, against Embree alone casting the same rays.
 
-All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds,
-and ratios taken round by round. Frames are of different times, so that waves, ripples and noise are made anew for each.
-The native peer builds its tree of the same triangles, gets the very packets of sixteen rays that the pictures cast
-(primary, shadow and shaft rays) and casts them on as many threads. Given the terrain as quads, as our own tree has it,
-the peer is faster; that is shown beside.
+All cases alternate within one run, so that other load on the machine affects them alike; medians over the rounds, and
+ratios round by round. Each frame is of another time, so that waves, ripples and noise are computed anew. The native
+peer builds its tree from the same triangles, receives the same packets of sixteen rays that the pictures cast (primary,
+shadow and shaft rays) and casts them on as many threads. With the terrain as quads, as in our own tree, the peer is
+faster; that is shown, too.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from uwsim.cameras import Camera, Frame
 
 console = Console()
 
-PLACE_M = (-67.0, -52.0, -26.0)  # two metres above the bed, before a gate
+PLACE_M = (-67.0, -52.0, -26.0)  # two metres above the bed, in front of a gate
 GOALS = {"frames_per_s": 30.0, "against_bare": 3.0, "geometry_against_bare": 1.3}
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
-    threads: Annotated[int, typer.Option(min=1, help="Threads of every case.")] = 2,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    rounds: Annotated[int, typer.Option(min=1, help="How often to measure each case; medians are reported.")] = 15,
+    threads: Annotated[int, typer.Option(min=1, help="Threads for every case.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases in turn and print medians."""
     sim = Simulator("lake", threads=threads)
     sim.rov.release()
     sim.rov.place(PLACE_M)
@@ -59,35 +59,33 @@ def main(
                     peers.append(peer)
                     cases["_".join(("bare", name, *faces))] = peer
         else:
-            console.print(
-                "bare Embree left out: embree_bare_rays is not installed beside the package (run tools/setup)"
-            )
+            console.print("skipping Embree alone: embree_bare_rays is not installed with the package (run tools/setup)")
         seconds: dict[str, list[float]] = {name: [] for name in cases}
-        for turn in range(rounds + 1):
-            with console.status(f"round {turn} of {rounds}"):
+        for k in range(rounds + 1):
+            with console.status(f"round {k} of {rounds}"):
                 for name, measure in cases.items():
-                    taken = measure()
-                    if turn > 0:  # the first warms up
-                        seconds[name].append(taken)
+                    elapsed = measure()
+                    if k > 0:  # the first round warms up
+                        seconds[name].append(elapsed)
         for peer in peers:
             peer.close()
     frame = capture(sim, camera, geometry_only=False, measure=True)
     figures = summarise(seconds, frame)
     console.print(_table(figures, frame, threads))
-    console.print(_stages(frame))
+    console.print(_tasks(frame))
     if json_file is not None:
         json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
 
 
 def capture(sim: Simulator, camera: Camera, *, geometry_only: bool, measure: bool = False) -> Frame:
-    """Take a picture of the next step, from the same place."""
+    """Capture a frame one step later, from the same place."""
     sim.step()
     sim.rov.place(PLACE_M)
     return camera.capture(geometry_only=geometry_only, measure=measure)
 
 
 def timed(sim: Simulator, camera: Camera, *, geometry_only: bool) -> float:
-    """Seconds that a picture takes, the simulation's step left out."""
+    """Return the seconds that one frame takes, without the simulation's step."""
     sim.step()
     sim.rov.place(PLACE_M)
     begun = time.perf_counter()
@@ -96,7 +94,7 @@ def timed(sim: Simulator, camera: Camera, *, geometry_only: bool) -> float:
 
 
 def summarise(seconds: dict[str, list[float]], frame: Frame) -> dict[str, float]:
-    """Medians, and ratios taken round by round."""
+    """Return medians, and the medians of the ratios of each round."""
 
     def ratio(name: str, peer: str) -> float:
         return statistics.median(a / b for a, b in zip(seconds[name], seconds[peer], strict=True))
@@ -117,13 +115,13 @@ def summarise(seconds: dict[str, list[float]], frame: Frame) -> dict[str, float]
 
 
 def bare_rays_program() -> Path | None:
-    """The native peer, installed with the compiled module."""
+    """Return the path of the native peer, which is installed with the compiled module; None if it is not."""
     program = Path(_core.__file__).parent / "bench" / "native" / "embree_bare_rays"
     return program if program.is_file() else None
 
 
 def write_rays(file: Path, sim: Simulator, camera: Camera, *, geometry_only: bool) -> None:
-    """Write the surface and the packets of rays of one picture, for the peer."""
+    """Write the world's surface and the packets of rays of one picture, for the peer."""
     packets, eye = camera.record_rays(geometry_only=geometry_only)
     vertices, triangles, _ = sim.world.surface_mesh()
     count = np.frombuffer(packets, np.uint8).size // 580
@@ -135,13 +133,13 @@ def write_rays(file: Path, sim: Simulator, camera: Camera, *, geometry_only: boo
 
 
 class BareEmbree:
-    """The peer's process; called, it gives the seconds that all rays of one picture take."""
+    """The peer's process; a call returns the seconds that it takes for all rays of one picture."""
 
     def __init__(self, command: list[str]) -> None:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def __call__(self) -> float:
-        """Seconds."""
+        """Cast all rays and return the seconds."""
         assert self._process.stdin is not None and self._process.stdout is not None
         self._process.stdin.write("\n")
         self._process.stdin.flush()
@@ -168,8 +166,8 @@ def _table(figures: dict[str, float], frame: Frame, threads: int) -> Table:
             goal[0] = f"{value:.2f}"
         if value is not None and ratio in GOALS:
             goal[1:] = [f"{GOALS[ratio]:g}", "[green]yes[/]" if value <= GOALS[ratio] else "[red]no[/]"]
-        taken_s = figures[f"{key}_s"]
-        table.add_row(label, f"{1e3 * taken_s:.1f}", f"{1e-6 * rays / taken_s:.1f}", *goal)
+        elapsed_s = figures[f"{key}_s"]
+        table.add_row(label, f"{1e3 * elapsed_s:.1f}", f"{1e-6 * rays / elapsed_s:.1f}", *goal)
 
     every, primary = sum(frame.rays.values()), frame.rays["primary"]
     row("every effect, two front and two down lamps", "all", every)
@@ -181,16 +179,16 @@ def _table(figures: dict[str, float], frame: Frame, threads: int) -> Table:
     fps = figures["frames_per_s"]
     met = "[green]yes[/]" if fps >= GOALS["frames_per_s"] else "[red]no[/]"
     table.add_section()
-    table.add_row("frames a second, every effect", "", "", f"{fps:.1f}", f"{GOALS['frames_per_s']:g}", met)
+    table.add_row("frames per second, every effect", "", "", f"{fps:.1f}", f"{GOALS['frames_per_s']:g}", met)
     return table
 
 
-def _stages(frame: Frame) -> Table:
-    table = Table(title="where the time of one picture goes, all threads together", title_justify="left")
-    table.add_column("stage")
+def _tasks(frame: Frame) -> Table:
+    table = Table(title="where the time of one picture goes, summed over threads", title_justify="left")
+    table.add_column("task")
     table.add_column("ms", justify="right")
-    for name, taken_s in sorted(frame.stage_s.items(), key=lambda item: -item[1]):
-        table.add_row(name, f"{1e3 * taken_s:.1f}")
+    for name, elapsed_s in sorted(frame.task_s.items(), key=lambda item: -item[1]):
+        table.add_row(name, f"{1e3 * elapsed_s:.1f}")
     table.add_section()
     for kind, count in frame.rays.items():
         table.add_row(f"{kind} rays", f"{count:,}")

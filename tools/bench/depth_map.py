@@ -1,7 +1,7 @@
-"""The depth-map method against one ray a beam: how far its ranges are off, and what it costs, at several resolutions.
+"""The depth-map method against one ray for each beam: range errors and cost at several resolutions.
 
-All ways take turns within one run, at the same places over the lake, so that what else the machine does falls on each
-alike; medians over the rounds. The exact ranges are the multibeam's own, one ray a beam.
+All methods take turns within one run, at the same places over the lake, so that other load on the machine affects all
+of them equally; medians over the rounds. The exact ranges are the multibeam's own, one ray for each beam.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator, _core
-from uwsim.depth_map import DepthMap, Difference, difference, ranges_m
+from uwsim.sonars.depth_map import DepthMap, Difference, difference, ranges_m
 
 console = Console()
 
-TILT_RAD = np.radians(30.0)  # as the lake's survey flies
+TILT_RAD = np.radians(30.0)  # as in the lake's survey
 ALTITUDE_M = 8.0
-AREA_M = ((-100.0, -76.0), (50.0, 20.0))  # of the survey; pipeline and gate are in it
-# Pixels across all cameras, rows, cameras, whether interpolated, bits of a stored depth. Of 64 rows none lies in the
+AREA_M = ((-100.0, -76.0), (50.0, 20.0))  # of the survey, with pipeline and gate
+# Columns of all cameras, rows, cameras, whether interpolated, bits of a quantised depth. Of 64 rows none lies in the
 # fan's plane, of 65 the middle one does.
-WAYS = (
+METHODS = (
     (256, 1, 1, False, 0), (512, 1, 1, False, 0), (1024, 1, 1, False, 0), (2048, 1, 1, False, 0),
     (8192, 1, 1, False, 0), (1024, 1, 1, True, 0), (1024, 1, 1, False, 16), (1024, 1, 1, False, 8),
     (1024, 64, 1, False, 0), (1024, 65, 1, False, 0), (1024, 1, 4, False, 0),
@@ -38,8 +38,8 @@ WAYS = (
 
 
 @dataclass
-class Way:
-    """One way to make a ping's ranges, what it costs, and how it differs from the exact ones."""
+class Method:
+    """A method to compute the ranges of a ping, its cost, and its difference from the exact ranges."""
 
     name: str
     rays: int
@@ -51,30 +51,30 @@ class Way:
 def main(
     model: Annotated[int, typer.Option(min=1, max=4, help="EM 2040 variant.")] = 2,
     places: Annotated[int, typer.Option(min=1, help="Pings, spread over the survey's area.")] = 40,
-    rounds: Annotated[int, typer.Option(min=1, help="How often each way is measured; medians are reported.")] = 5,
+    rounds: Annotated[int, typer.Option(min=1, help="How often each method is measured; medians are reported.")] = 5,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
     """Compare ranges and cost."""
     sim = Simulator("lake", sonar_model=model, threads=1)
     poses = _poses(sim, places)
-    ways = [_rays(sim, poses), *(_depth_map(sim, poses, way) for way in WAYS)]
-    exact = [np.asarray(ways[0].run(k)) for k in range(places)]
-    for way in ways[1:]:
-        way.off = difference(np.concatenate([way.run(k) for k in range(places)]), np.concatenate(exact))
+    methods = [_rays(sim, poses), *(_depth_map(sim, poses, setting) for setting in METHODS)]
+    exact = [np.asarray(methods[0].run(k)) for k in range(places)]
+    for method in methods[1:]:
+        method.off = difference(np.concatenate([method.run(k) for k in range(places)]), np.concatenate(exact))
     for turn in range(rounds):
         with console.status(f"round {turn + 1} of {rounds}"):
-            for way in ways:
+            for method in methods:
                 begun = time.thread_time()
                 for k in range(places):
-                    way.run(k)
-                way.seconds.append((time.thread_time() - begun) / places)
-    console.print(_table(ways, sim.rov.sonar.model, places))
+                    method.run(k)
+                method.seconds.append((time.thread_time() - begun) / places)
+    console.print(_table(methods, sim.rov.sonar.model, places))
     if json_file is not None:
-        json_file.write_text(json.dumps(_figures(ways), indent=2) + "\n", encoding="utf-8")
+        json_file.write_text(json.dumps(_figures(methods), indent=2) + "\n", encoding="utf-8")
 
 
 def _poses(sim: Simulator, count: int) -> list[np.ndarray]:
-    """Of the sonar, on a low-discrepancy set (Roberts' R2) over the area, headings all around."""
+    """Return poses of the sonar on a low-discrepancy set (Roberts' R2) over the area, with all headings."""
     (x0, y0), (x1, y1) = AREA_M
     poses = []
     for k in range(count):
@@ -91,8 +91,8 @@ def _angles_rad(model: _core.MultibeamModel) -> np.ndarray:
     return model.angle_min_rad + model.angle_increment_rad * np.arange(model.beams)
 
 
-def _rays(sim: Simulator, poses: list[np.ndarray]) -> Way:
-    """One ray a beam, from Python as the others are."""
+def _rays(sim: Simulator, poses: list[np.ndarray]) -> Method:
+    """One ray for each beam, called from Python like the others."""
     model = sim.rov.sonar.model
     angles = _angles_rad(model)
     flat = np.stack([np.cos(angles), np.sin(angles), np.zeros(model.beams)], axis=1)
@@ -101,11 +101,11 @@ def _rays(sim: Simulator, poses: list[np.ndarray]) -> Way:
         found = sim.scene.cast(poses[k][None, :3, 3], flat @ poses[k][:3, :3].T, model.range_max_m).ranges_m
         return np.where(found < model.range_max_m, found, np.inf)
 
-    return Way("a ray for each beam", model.beams, run, [])
+    return Method("a ray for each beam", model.beams, run, [])
 
 
-def _depth_map(sim: Simulator, poses: list[np.ndarray], way: tuple[int, int, int, bool, int]) -> Way:
-    width, height, cameras, interpolate, bits = way
+def _depth_map(sim: Simulator, poses: list[np.ndarray], setting: tuple[int, int, int, bool, int]) -> Method:
+    width, height, cameras, interpolate, bits = setting
     sonar = sim.rov.sonar.model
     model = DepthMap(
         field_of_view_rad=sonar.field_of_view_rad, range_max_m=sonar.range_max_m, width=width // cameras,
@@ -115,26 +115,30 @@ def _depth_map(sim: Simulator, poses: list[np.ndarray], way: tuple[int, int, int
     angles = _angles_rad(sonar)
     notes = [f"{cameras} cameras"] * (cameras > 1) + ["interpolated"] * interpolate + [f"{bits} bits"] * (bits > 0)
     name = ", ".join([f"{width} x {height}", *notes])
-    return Way(name, model.rays, lambda k: ranges_m(sim, poses[k], angles, model), [])
+    return Method(name, model.rays, lambda k: ranges_m(sim, poses[k], angles, model), [])
 
 
-def _figures(ways: list[Way]) -> dict[str, dict[str, float]]:
-    """Of each way: seconds a ping, its ratio to rays taken round by round, and how it differs."""
+def _figures(methods: list[Method]) -> dict[str, dict[str, float]]:
+    """Return for each method: seconds per ping, the cost ratio to rays round by round, and the range errors."""
     figures = {}
-    for way in ways:
-        ratio = statistics.median(mine / rays for mine, rays in zip(way.seconds, ways[0].seconds, strict=True))
-        figure: dict[str, float] = {"rays": way.rays, "ping_s": statistics.median(way.seconds), "cost_ratio": ratio}
-        figures[way.name] = figure | ({} if way.off is None else vars(way.off))
+    for method in methods:
+        ratio = statistics.median(own / rays for own, rays in zip(method.seconds, methods[0].seconds, strict=True))
+        figure: dict[str, float] = {
+            "rays": method.rays,
+            "ping_s": statistics.median(method.seconds),
+            "cost_ratio": ratio,
+        }
+        figures[method.name] = figure | ({} if method.off is None else vars(method.off))
     return figures
 
 
-def _table(ways: list[Way], model: _core.MultibeamModel, places: int) -> Table:
-    """Cost relative to rays; errors where both echo; beams that lost their echo, and echoes that are not there."""
+def _table(methods: list[Method], model: _core.MultibeamModel, places: int) -> Table:
+    """Return the cost relative to rays, errors of beams with both echoes, lost echoes and false echoes."""
     table = Table(title=f"{model.name}: {places} pings over the lake", title_justify="left", pad_edge=False, box=None)
     table.add_column("depth image", no_wrap=True)
-    for column in ("rays", "us", "cost", "mean mm", "95 % mm", "max m", "lost", "made up"):
+    for column in ("rays", "us", "cost", "mean mm", "95 % mm", "max m", "lost", "false"):
         table.add_column(column, justify="right")
-    for name, figure in _figures(ways).items():
+    for name, figure in _figures(methods).items():
         row = [f"{figure['rays']:,.0f}", f"{1e6 * figure['ping_s']:.0f}", f"{figure['cost_ratio']:.2f}"]
         if "mean_m" in figure:
             row += [f"{1e3 * figure['mean_m']:.1f}", f"{1e3 * figure['percentile_95_m']:.1f}", f"{figure['max_m']:.2f}"]

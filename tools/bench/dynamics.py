@@ -1,7 +1,7 @@
 """Steps per second of a vehicle with all its forces, against Bullet's bare step and pybullet with NumPy forces.
 
-All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds.
-Each runs on one thread and is measured in that thread's processor time.
+All cases take turns within one run, so that other load on the machine affects them alike; medians over the rounds are
+reported. Each case runs on one thread and is measured in the processor time of that thread.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator, _core
-from uwsim.scenario import load
-from uwsim.scenario.schema import Vehicle
+from uwsim.scenario import VehicleEntry, load
 
 console = Console()
 
@@ -34,11 +33,11 @@ GOALS = {"against_bare_bullet": 0.35, "against_pybullet": 6.0, "real_time_factor
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
-    plot: Annotated[Path, typer.Option(help="Where the cost against the number of vehicles is drawn.")] = Path(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured. Medians are reported.")] = 15,
+    plot: Annotated[Path, typer.Option(help="The file for the plot of cost against the number of vehicles.")] = Path(
         "dynamics_vehicles.png"
     ),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the results to this JSON file, too.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
     cases: dict[str, Callable[[], float]] = {
@@ -50,14 +49,14 @@ def main(
     if (bare := bare_step_program()) is not None:
         cases["bare_bullet"] = lambda: bare_bullet(bare)
     else:
-        console.print("bare Bullet left out: bullet_bare_step is not installed beside the package (run tools/setup)")
+        console.print("without bare Bullet: bullet_bare_step is not installed beside the package (run tools/setup)")
     if (peer := pybullet_peer()) is not None:
         cases["pybullet"] = peer
     else:
-        console.print("pybullet left out: pip install pybullet")
+        console.print("without pybullet: not installed (pip install pybullet)")
     rates: dict[str, list[float]] = {name: [] for name in cases}
-    for turn in range(rounds):
-        with console.status(f"round {turn + 1} of {rounds}"):
+    for round_index in range(rounds):
+        with console.status(f"round {round_index + 1} of {rounds}"):
             for name, measure in cases.items():
                 rates[name].append(measure())
     figures = summarise(rates)
@@ -69,7 +68,7 @@ def main(
 
 
 def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
-    """Median steps per second of each case, and their ratios, taken round by round."""
+    """Return the median steps per second of each case, and the medians of ratios within rounds."""
 
     def ratio(name: str, peer: str) -> float:
         return statistics.median(a / b for a, b in zip(rates[name], rates[peer], strict=True))
@@ -85,9 +84,9 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
 
 
 class Flight:
-    """Vehicles under way over the lake; called, it gives steps per second.
+    """Vehicles that move over the lake; calling it returns steps per second.
 
-    They are put back to their starts between pieces of `steps` steps, which are timed, so that all pieces are alike.
+    Runs of `steps` steps are timed. The vehicles are put back to their starts before each, so that all runs are alike.
     """
 
     def __init__(
@@ -97,7 +96,7 @@ class Flight:
         scenario = load("lake")
         self._starts = [(MIDDLE_M[0] + 5.0 * (k % 8), MIDDLE_M[1] + 5.0 * (k // 8), -depth_m) for k in range(count)]
         vehicles = tuple(
-            Vehicle.model_validate({"name": f"body{k}", "model": VEHICLE, "start": {"position_m": start}})
+            VehicleEntry.model_validate({"name": f"body{k}", "model": VEHICLE, "start": {"position_m": start}})
             for k, start in enumerate(self._starts)
         )
         self._sim = Simulator(scenario.model_copy(update={"vehicles": vehicles, "step_s": STEP_S}))
@@ -109,38 +108,38 @@ class Flight:
             vehicle.set_effort(surge=0.3, sway=0.05, heave=0.05, yaw=0.1)
 
     def __call__(self) -> float:
-        """Steps per second."""
-        taken_s = 0.0
+        """Return steps per second."""
+        elapsed_s = 0.0
         for _ in range(self._repeats):
             for vehicle, start in zip(self._sim.vehicles.values(), self._starts, strict=True):
                 vehicle.place(start)
-            begun = time.thread_time()
+            started_s = time.thread_time()
             self._sim.step(self._steps)
-            taken_s += time.thread_time() - begun
-        return self._steps * self._repeats / taken_s
+            elapsed_s += time.thread_time() - started_s
+        return self._steps * self._repeats / elapsed_s
 
 
-def _lowest_m(vehicle: Vehicle) -> float:
+def _lowest_m(vehicle: VehicleEntry) -> float:
     from uwsim.scenario import vehicle_hull
 
     return float(vehicle_hull(vehicle.model)[0][:, 2].min())
 
 
 def bare_step_program() -> Path | None:
-    """The native peer, installed with the compiled module."""
+    """Return the native peer's program, which is installed beside the compiled module, if it is there."""
     program = Path(_core.__file__).parent / "bench" / "native" / "bullet_bare_step"
     return program if program.is_file() else None
 
 
 def bare_bullet(program: Path) -> float:
-    """Steps per second of Bullet's stepSimulation with one free body, in a process of its own."""
+    """Return steps per second of Bullet's stepSimulation with one free body, run in its own process."""
     steps = 100_000
     output = subprocess.run([program, str(steps)], check=True, capture_output=True, text=True).stdout
     return steps / float(output)
 
 
 def pybullet_peer() -> Callable[[], float] | None:
-    """The same body stepped by pybullet, drag and thrust computed in NumPy: what people do today."""
+    """Return the same body stepped by pybullet, with drag and thrust computed in NumPy; None without pybullet."""
     try:
         import pybullet
     except ImportError:
@@ -149,7 +148,7 @@ def pybullet_peer() -> Callable[[], float] | None:
 
 
 class PybulletPeer:
-    """BlueROV2 Heavy as scripts on pybullet have it: no added mass, drag and thrust applied from outside every step."""
+    """A BlueROV2 Heavy in pybullet: no added mass; drag and thrust are computed in Python and applied at every step."""
 
     def __init__(self, pybullet: Any) -> None:
         self._p = p = pybullet
@@ -168,24 +167,24 @@ class PybulletPeer:
         p, body = self._p, self._body
         position, orientation = p.getBasePositionAndOrientation(body)
         linear, angular = p.getBaseVelocity(body)
-        turn = np.array(p.getMatrixFromQuaternion(orientation)).reshape(3, 3)
-        nu = np.concatenate([turn.T @ linear, turn.T @ angular])
+        rotation = np.array(p.getMatrixFromQuaternion(orientation)).reshape(3, 3)
+        nu = np.concatenate([rotation.T @ linear, rotation.T @ angular])
         wrench = self._wrench_from_thrusters @ self._thrusts - self._linear * nu - self._quadratic * np.abs(nu) * nu
-        force = turn @ wrench[:3] + self._lift
-        torque = turn @ (wrench[3:] + np.cross([0.0, 0.0, 0.01], turn.T @ self._lift))
+        force = rotation @ wrench[:3] + self._lift
+        torque = rotation @ (wrench[3:] + np.cross([0.0, 0.0, 0.01], rotation.T @ self._lift))
         p.applyExternalForce(body, -1, force.tolist(), position, p.WORLD_FRAME)
         p.applyExternalTorque(body, -1, torque.tolist(), p.WORLD_FRAME)
         p.stepSimulation()
 
     def __call__(self) -> float:
-        """Steps per second."""
+        """Return steps per second."""
         steps = 1000
         self._p.resetBasePositionAndOrientation(self._body, [0, 0, -10], [0, 0, 0, 1])
         self._p.resetBaseVelocity(self._body, [0, 0, 0], [0, 0, 0])
-        begun = time.thread_time()
+        started_s = time.thread_time()
         for _ in range(steps):
             self._step()
-        return steps / (time.thread_time() - begun)
+        return steps / (time.thread_time() - started_s)
 
 
 def _table(figures: dict[str, float]) -> Table:
@@ -198,7 +197,7 @@ def _table(figures: dict[str, float]) -> Table:
     ]
     table = Table(title=f"{VEHICLE} over the lake, step {1e3 * STEP_S:g} ms, one core: medians", title_justify="left")
     table.add_column("case")
-    for column in ("steps/s", "us a step", "goal", "met"):
+    for column in ("steps/s", "us per step", "goal", "met"):
         table.add_column(column, justify="right")
     for label, key, goal in rows:
         if key in figures:

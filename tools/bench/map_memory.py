@@ -1,7 +1,7 @@
-"""Ten kilometres of track in bounded memory: time and memory against distance, with a limit of memory and without.
+"""Time and memory of a map against distance over ten kilometres of track, with a limit of memory and without.
 
-A multibeam of the widest kind is towed to and fro, 8 m above hills of noise; each ping goes from the rays to the map.
-Each case runs in a process of its own, whose memory is what the system says. The maps' files must be the same bytes.
+A multibeam sonar with the widest fan is towed to and fro, 8 m above hills of noise; its pings are cast and inserted.
+Each case runs in a process of its own, whose memory is the system's figure. Both maps must write the same bytes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import _core
-from uwsim.figure_style import ACCENT, INK, add_legend, dress, new_figure, save_figure
+from uwsim.figures.style import ACCENT, INK, add_legend, label_axes, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
 
 console = Console()
@@ -38,14 +38,14 @@ SAMPLE_M = 100.0
 def main(
     track_km: Annotated[float, typer.Option(min=0.1, help="Length of the track.")] = 10.0,
     resolution: Annotated[float, typer.Option(help="Edge of a voxel [m].")] = 0.2,
-    step: Annotated[float, typer.Option(help="Between two pings [m].")] = 0.5,
-    limit_mb: Annotated[float, typer.Option(help="The limit of memory of one of the two maps.")] = 200.0,
+    step: Annotated[float, typer.Option(help="Distance between two pings [m].")] = 0.5,
+    limit_mb: Annotated[float, typer.Option(help="Limit of memory of the second map [MB].")] = 200.0,
     threads: Annotated[int, typer.Option(min=1)] = 2,
-    plot: Annotated[Path, typer.Option(help="Where time and memory against distance are drawn.")] = Path(
+    plot: Annotated[Path, typer.Option(help="File for the plot of time and memory against distance.")] = Path(
         "map_memory.png"
     ),
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
-    one: Annotated[bool, typer.Option(hidden=True, help="Run one case here; 0 MB is no limit.")] = False,
+    one: Annotated[bool, typer.Option(hidden=True, help="Run one case in this process; 0 MB is no limit.")] = False,
 ) -> None:
     """Fly the track twice, compare the maps, print and draw."""
     if one:
@@ -71,7 +71,7 @@ def main(
 
 
 def hills(width_m: float, height_m: float, rng: np.random.Generator) -> _core.World:
-    """Return a bed of smooth noise about 30 m deep, hills of some metres every few tens of metres."""
+    """Return a bed of smooth noise about 30 m deep, with hills some metres high every few tens of metres."""
     x, y = np.arange(-150.0, width_m + 150.0), np.arange(-150.0, height_m + 150.0)
     heights = np.full((len(y), len(x)), -30.0)
     for wave_m, size_m in ((160.0, 3.0), (60.0, 1.2), (23.0, 0.4)):
@@ -84,7 +84,7 @@ def hills(width_m: float, height_m: float, rng: np.random.Generator) -> _core.Wo
 
 
 def track(track_m: float, step_m: float) -> NDArray[np.float64]:
-    """Return (n, 3): x, y and heading +1 or -1 along x, of a lawn-mower's legs."""
+    """Return the pings of a lawn-mower track, (n, 3): x, y and the heading along x, +1 or -1."""
     along = np.arange(0.0, track_m, step_m)
     leg, within = np.divmod(along, LEG_M)
     forth = leg % 2 == 0
@@ -92,14 +92,14 @@ def track(track_m: float, step_m: float) -> NDArray[np.float64]:
 
 
 def fan() -> NDArray[np.float64]:
-    """Return (beams, 3): directions of a fan across x, tilted down and forward."""
+    """Return the directions of a fan across x that is tilted forward, (beams, 3)."""
     angles, tilt = np.radians(np.linspace(-FAN_DEG / 2.0, FAN_DEG / 2.0, BEAMS)), np.radians(TILT_DEG)
     down = np.cos(angles)
     return np.column_stack([down * np.sin(tilt), np.sin(angles), -down * np.cos(tilt)])
 
 
 def fly(track_km: float, resolution_m: float, step_m: float, limit_mb: float | None, threads: int) -> dict[str, Any]:
-    """Fly the track with one map and return what it took."""
+    """Fly the track with one map; return its time and memory."""
     pings = track(1000.0 * track_km, step_m)
     legs = 1 + int(pings[-1, 1] // LEG_SPACING_M)
     world = hills(LEG_M, legs * LEG_SPACING_M, np.random.default_rng(7))
@@ -144,7 +144,7 @@ def fly(track_km: float, resolution_m: float, step_m: float, limit_mb: float | N
 
 
 def write(occupancy: OccupancyMap) -> dict[str, Any]:
-    """Write the files and return their digests, and what it took."""
+    """Write the files; return their digests, and their time and memory."""
     found: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         for suffix in ("ot", "bt"):
@@ -159,12 +159,12 @@ def write(occupancy: OccupancyMap) -> dict[str, Any]:
 
 
 def rss_mb() -> float:
-    """Return what this process holds in memory now."""
+    """Return the memory that this process takes now."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
 
 
 def peak_mb() -> float:
-    """Return the most it ever held."""
+    """Return the most memory that this process took so far."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6
 
 
@@ -176,10 +176,10 @@ def _table(cases: dict[str, dict[str, Any]]) -> Table:
         table.add_column(column, justify="left" if column == "" else "right")
     rows = (
         ("map, s", "map_s", ".1f"), ("rays, s", "rays_s", ".1f"), ("peak of the process, MB", "peak_mb", ",.0f"),
-        ("of it by flying, MB", "map_peak_mb", ",.0f"), ("peak after the .ot, MB", "peak_after_ot_mb", ",.0f"),
+        ("of it while flying, MB", "map_peak_mb", ",.0f"), ("peak after the .ot, MB", "peak_after_ot_mb", ",.0f"),
         ("peak after the .bt, MB", "peak_after_bt_mb", ",.0f"), ("writing the .ot, s", "ot_s", ".1f"),
         ("writing the .bt, s", "bt_s", ".1f"), (".ot, MB", "ot_mb", ",.1f"), (".bt, MB", "bt_mb", ",.1f"),
-        ("chunks that left memory", "evictions", ",d"), ("occupied voxels", "occupied", ",d"),
+        ("evicted chunks", "evictions", ",d"), ("occupied voxels", "occupied", ",d"),
         ("free voxels", "free", ",d"),
     )  # fmt: skip
     for name, key, form in rows:
@@ -192,8 +192,8 @@ def draw(path: Path, cases: dict[str, dict[str, Any]]) -> None:
     figure = new_figure(10.0, 4.6)
     figure.subplots_adjust(left=0.08, right=0.98, top=0.9, bottom=0.27, wspace=0.22)
     per_100_m, memory = figure.subplots(1, 2)
-    dress(per_100_m, "time of the map", "distance [km]", "seconds in 100 m of track")
-    dress(memory, "memory of the process", "distance [km]", "resident [MB]")
+    label_axes(per_100_m, "time of the map", "distance [km]", "seconds in 100 m of track")
+    label_axes(memory, "memory of the process", "distance [km]", "resident [MB]")
     for (name, case), colour in zip(cases.items(), (INK, ACCENT), strict=True):
         samples = np.array(case["samples"])
         rates = [(b[2] - a[2]) / (b[0] - a[0]) * 100.0 for a, b in pairwise(case["samples"])]

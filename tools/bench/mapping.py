@@ -1,11 +1,11 @@
-"""Milliseconds a ping takes to go into a map, bricks against stock OctoMap, and the memory of both.
+"""Milliseconds that the insertion of a ping takes, bricks against stock OctoMap, and the memory of both.
 
-The workload is a seabed survey over the packaged lake: 8 m above its hills, a ping each 10 cm, ranges from the true
-surfaces; a beam that meets nothing frees its way up to the sonar's range. All cases take turns within one run, each on
-a map of its own and with the same pings, so that what else the machine does falls on each alike; medians over the
-rounds. One core is measured in processor time, two cores in wall time, stock in both. Stock takes seconds, bricks
-milliseconds, in which a core that has been idle has not come to speed: theirs is the median of a few in a row, each
-into a new map.
+The workload is a seabed survey over the packaged lake: 8 m above its hills, a ping every 10 cm, ranges from the true
+surfaces; a beam that meets nothing makes voxels free up to the sonar's range. The cases take turns within one run, each
+on a map of its own and with the same pings, so that other load on the machine affects all alike; figures are medians
+over the rounds. One core is measured in processor time, two cores in wall time, stock OctoMap in both. Stock takes
+seconds, but bricks take milliseconds, too short for an idle core to reach its full clock rate: each round takes the
+median of a few insertions in a row, each into a new map.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from uwsim.scenario import build_world, load
 console = Console()
 
 ALTITUDE_M, SPACING_M, START_M = 8.0, 0.1, (-60.0, 0.0)
-NO_ECHO_M = 5.0  # past the range: how far out a point stands for a beam without an echo
+NO_ECHO_M = 5.0  # a beam without an echo gets a point so far beyond the range
 BATCH = 32  # scans a call
-REPEATS = 9  # new maps that bricks fill while stock fills one
+REPEATS = 9  # insertions by bricks for one by stock OctoMap
 MEMORY_PINGS = 600
 MEMORY_GOAL = 1 / 3
 
 
 @dataclass(frozen=True)
 class Workload:
-    """A sonar and the number of pings that stock OctoMap can be given in a few seconds, by resolution [m]."""
+    """A sonar, and for each resolution [m] the number of pings that stock OctoMap inserts in a few seconds."""
 
     beams: int
     fov_deg: float
@@ -57,7 +57,7 @@ WORKLOADS = {
     "B": Workload(513, 85, 55, 10, {0.2: 100, 0.5: 200}),
     "D": Workload(1025, 170, 95, 45, {0.2: 60, 0.5: 200}),
 }
-# Times faster than stock eager: one core, two cores. 0.8 of what the first prototype reached.
+# Ratios to the time of stock OctoMap, eager: one core, two cores. 0.8 of what the first prototype reached.
 GOALS = {
     "A 0.2": (256, 402),
     "A 0.5": (50, 75),
@@ -71,7 +71,7 @@ PORTABLE_GOAL = 7.0
 
 @dataclass(frozen=True)
 class Scans:
-    """Pings in a row: points_m (n, 3) float32, counts (m,), origins_m (m, 3)."""
+    """Successive pings: points_m (n, 3) float32, counts (m,), origins_m (m, 3)."""
 
     points_m: NDArray[np.float32]
     counts: NDArray[np.int64]
@@ -79,7 +79,7 @@ class Scans:
     range_m: float
 
     def batches(self, size: int) -> list[tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float64]]]:
-        """Cut into calls of so many scans, without copies."""
+        """Return the scans in batches of `size`, without copies."""
         ends = np.cumsum(self.counts)
         starts = ends - self.counts
         cuts = [slice(first, min(first + size, len(ends))) for first in range(0, len(ends), size)]
@@ -89,7 +89,7 @@ class Scans:
         ]
 
     def write(self, path: Path) -> None:
-        """In the form that the native peer reads."""
+        """Write the scans in the form that octomap_insert reads."""
         ends = np.cumsum(self.counts)
         with path.open("wb") as file:
             for count, end, origin in zip(self.counts, ends, self.origins_m, strict=True):
@@ -100,7 +100,7 @@ class Scans:
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 5,
     memory: Annotated[bool, typer.Option(help="Measure peak memory too: minutes of stock OctoMap.")] = True,
-    only: Annotated[str, typer.Option(help="One workload alone: A, B or D.")] = "",
+    only: Annotated[str, typer.Option(help="Only this workload: A, B or D.")] = "",
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
@@ -124,14 +124,14 @@ def main(
 
 
 class Seabed:
-    """What a multibeam measures over the lake's hills."""
+    """Scans of a multibeam sonar over the lake's hills."""
 
     def __init__(self) -> None:
         self._world = build_world(load("lake"))
         self._scene = _core.RayScene(self._world)
 
     def scans(self, work: Workload, pings: int) -> Scans:
-        """The first pings of the track."""
+        """Return the first pings of the track."""
         angles = np.radians(np.linspace(-work.fov_deg / 2, work.fov_deg / 2, work.beams))
         tilt = np.radians(work.tilt_deg)
         directions = np.column_stack([np.cos(angles) * np.cos(tilt), np.sin(angles), -np.cos(angles) * np.sin(tilt)])
@@ -148,7 +148,7 @@ class Seabed:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one ping [ms]."""
+    """Time of one ping [ms]."""
 
     processor_ms: float
     wall_ms: float
@@ -158,7 +158,7 @@ Case = Callable[[], Cost]
 
 
 def make_cases(scans: Scans, resolution_m: float, folder: Path) -> dict[str, Case]:
-    """Every way of inserting these scans that this machine has."""
+    """Return the cases that this machine can run, by name."""
 
     def bricks(instruction_set: str = "best", threads: int = 1, batch: int = BATCH) -> Case:
         return lambda: median([insert(scans, resolution_m, batch, threads, instruction_set) for _ in range(REPEATS)])
@@ -167,8 +167,8 @@ def make_cases(scans: Scans, resolution_m: float, folder: Path) -> dict[str, Cas
     if (program := octomap_program()) is not None:
         path = folder / "scans.bin"
         scans.write(path)
-        for way in ("eager", "lazy"):
-            cases[f"stock_{way}"] = lambda way=way: native(program, path, resolution_m, scans.range_m, way)
+        for mode in ("eager", "lazy"):
+            cases[f"stock_{mode}"] = lambda mode=mode: native(program, path, resolution_m, scans.range_m, mode)
     else:
         console.print("stock OctoMap left out: octomap_insert is not installed beside the package (run tools/setup)")
     if (peer := pyoctomap_peer(scans, resolution_m)) is not None:
@@ -181,7 +181,7 @@ def make_cases(scans: Scans, resolution_m: float, folder: Path) -> dict[str, Cas
 
 
 def measure(name: str, cases: dict[str, Case], rounds: int) -> dict[str, float]:
-    """Medians, and ratios to stock eager taken round by round."""
+    """Return medians of the times, and of their ratios to stock eager in the same round."""
     costs: dict[str, list[Cost]] = {case: [] for case in cases}
     for turn in range(rounds):
         with console.status(f"{name} m: round {turn + 1} of {rounds}"):
@@ -200,12 +200,12 @@ def measure(name: str, cases: dict[str, Case], rounds: int) -> dict[str, float]:
 
 
 def median(costs: list[Cost]) -> Cost:
-    """Of processor and wall time each."""
+    """Return the medians of processor and wall time."""
     return Cost(statistics.median(c.processor_ms for c in costs), statistics.median(c.wall_ms for c in costs))
 
 
 def insert(scans: Scans, resolution_m: float, batch: int, threads: int, instruction_set: Any) -> Cost:
-    """Bricks, by batches."""
+    """Insert in batches with the brick engine."""
     batches = scans.batches(batch)
     occupancy = OccupancyMap(resolution_m, instruction_set=instruction_set)
     with Stopwatch(len(scans.counts)) as watch:
@@ -215,7 +215,7 @@ def insert(scans: Scans, resolution_m: float, batch: int, threads: int, instruct
 
 
 def insert_one_by_one(scans: Scans, resolution_m: float) -> Cost:
-    """Bricks, a call a ping."""
+    """Insert with the brick engine, one call for each ping."""
     batches = scans.batches(1)
     occupancy = OccupancyMap(resolution_m)
     with Stopwatch(len(scans.counts)) as watch:
@@ -225,7 +225,7 @@ def insert_one_by_one(scans: Scans, resolution_m: float) -> Cost:
 
 
 class Stopwatch:
-    """Processor and wall time of a block, by pings."""
+    """Measures processor and wall time of a block, for one ping."""
 
     def __init__(self, pings: int) -> None:
         self._pings = pings
@@ -241,20 +241,20 @@ class Stopwatch:
 
 
 def octomap_program() -> Path | None:
-    """The native peer, installed with the compiled module."""
+    """Return the path of octomap_insert, which is installed with the compiled module."""
     program = Path(_core.__file__).parent / "bench" / "native" / "octomap_insert"
     return program if program.is_file() else None
 
 
-def native(program: Path, path: Path, resolution_m: float, range_m: float, way: str) -> Cost:
-    """Stock OctoMap in a process of its own."""
-    command = [program, path, str(resolution_m), str(range_m), way]
+def native(program: Path, path: Path, resolution_m: float, range_m: float, mode: str) -> Cost:
+    """Insert with stock OctoMap in a process of its own."""
+    command = [program, path, str(resolution_m), str(range_m), mode]
     processor_s, wall_s = map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
     return Cost(1e3 * processor_s, 1e3 * wall_s)
 
 
 def pyoctomap_peer(scans: Scans, resolution_m: float) -> Case | None:
-    """OctoMap through its best-known Python wheel, if it is installed."""
+    """Return a case for OctoMap through pyoctomap, its best-known Python wheel, if that is installed."""
     try:
         import pyoctomap  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
@@ -283,7 +283,7 @@ def peak_kb():
     return int(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 
 occupancy = OccupancyMap(resolution_m, engine=engine)
-open("/proc/self/clear_refs", "w").write("5")  # the peak starts anew
+open("/proc/self/clear_refs", "w").write("5")  # resets the peak
 before = peak_kb()
 ends = np.cumsum(counts)
 for first in range(0, len(counts), int(batch)):
@@ -295,7 +295,7 @@ print(peak_kb() - before)
 
 
 def peak_memory(scans: Scans, resolution_m: float) -> dict[str, float]:
-    """By how much a process grows, at its peak, while all scans go into a map [MB]."""
+    """Return by how much a process grows at its peak while all scans are inserted [MB]."""
     figures = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("points", scans.points_m), ("counts", scans.counts), ("origins", scans.origins_m)):
@@ -323,7 +323,7 @@ def _table(figures: dict[str, dict[str, float]]) -> Table:
         "bricks_1": f"bricks, one core, {BATCH} a call",
         "bricks_2": f"bricks, two cores, {BATCH} a call",
         "one_by_one": "bricks, one core, one a call",
-        "portable": "bricks, portable form",
+        "portable": "bricks, portable kernels",
     }
     for name, row in figures.items():
         goals = {"bricks_1": GOALS[name][0], "bricks_2": GOALS[name][1], "portable": PORTABLE_GOAL}

@@ -1,12 +1,11 @@
 """Pings per second on the lake, against the rays alone (the limit), Bullet, pybullet and trimesh with embreex.
 
-All cases take turns within one run, so that what else the machine does falls on each alike; medians over the rounds,
-and of ratios taken round by round. One thread and its processor time, but for the batch's threads, which are timed by
-the clock on the wall.
+All cases take turns within one run, so that other load affects all of them equally; medians over the rounds, and
+medians of ratios round by round. One thread and its processor time; wall time for the threads of ping_batch.
 
-All cases ping from the same places: along the survey's lines, each a short way from the last, as a sonar does. From
-places scattered over the area each ping waits for another part of the ray tree to come from memory; that is reported
-beside. The limit is the fastest that Embree's packets are here, given triangles or, as we give it the terrain, quads.
+All cases ping from the same places: along the survey's lines, each close to the last, as a sonar does. From scattered
+places each ping waits for another part of the ray tree to be loaded from memory; this is reported separately. The limit
+is the best rate of Embree's packets here, with triangles or, as for our terrain, quads.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator, _core
-from uwsim.figure_style import new_figure, save_figure
+from uwsim.figures.style import new_figure, save_figure
 from uwsim.scenario import load
 
 console = Console()
@@ -56,7 +55,7 @@ GOALS = {
 
 @dataclass(frozen=True)
 class Heads:
-    """Where the sonar pings from: the vehicle's poses, and the head's (n, 4, 4), with the fan's angles (beams,)."""
+    """The poses of the pings: of the vehicle, and of the head (n, 4, 4), with the fan's angles (beams,)."""
 
     positions_world_m: NDArray[np.float64]
     orientations_xyzw: NDArray[np.float64]
@@ -69,11 +68,11 @@ class Heads:
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origins and directions (n, beams, 3), world."""
         table = np.column_stack([np.cos(self.angles_rad), np.sin(self.angles_rad)])
-        ways = np.einsum("nij,bj->nbi", self.world_from_sonar[:, :3, :2], table)
-        return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], ways.shape), ways
+        directions = np.einsum("nij,bj->nbi", self.world_from_sonar[:, :3, :2], table)
+        return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], directions.shape), directions
 
     def first_again(self) -> Heads:
-        """As many pings, all from the first place: what they meet stays in the processor's caches."""
+        """Return as many pings, all from the first place: the terrain there stays in the processor's caches."""
         poses = ("positions_world_m", "orientations_xyzw", "world_from_body", "world_from_sonar")
         return replace(
             self, **{name: np.repeat(getattr(self, name)[:1], len(self.positions_world_m), 0) for name in poses}
@@ -82,9 +81,9 @@ class Heads:
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
-    pings: Annotated[int, typer.Option(min=1, help="How many, from different places, make a measurement.")] = 200,
+    pings: Annotated[int, typer.Option(min=1, help="Number of pings, from different places, in a measurement.")] = 200,
     growth: Annotated[bool, typer.Option(help="Measure the cost against the number of triangles too.")] = True,
-    plot: Annotated[Path, typer.Option(help="Where that cost is drawn.")] = Path("sonar_triangles.png"),
+    plot: Annotated[Path, typer.Option(help="Output file for the figure of that cost.")] = Path("sonar_triangles.png"),
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
@@ -110,7 +109,7 @@ def main(
 
 
 def measure(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, list[float]]:
-    """Pings per second of each case, round by round."""
+    """Return the pings per second of each case, round by round."""
     rates: dict[str, list[float]] = {name: [] for name in cases}
     for turn in range(-1, rounds):
         with console.status(f"round {turn + 1} of {rounds}"):
@@ -122,7 +121,7 @@ def measure(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, lis
 
 
 def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
-    """Median pings per second of each case, and of the ratios that the goals name."""
+    """Return the median pings per second of each case, and the medians of the goals' ratios."""
     figures = {name: statistics.median(values) for name, values in rates.items()}
     for places in ("", "_scattered"):
         limits = [f"limit_{kind}{places}" for kind in LIMITS]
@@ -137,7 +136,7 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
 
 
 def lake(triangles: int | None = None) -> Simulator:
-    """The lake, its terrain of about so many triangles."""
+    """Return the lake, with a terrain of about that many triangles."""
     scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
     if triangles is not None:
         spacing_m = scenario.terrain.size_m[0] / round(np.sqrt(triangles / 2))
@@ -149,7 +148,7 @@ def lake(triangles: int | None = None) -> Simulator:
 
 
 def along_lines(count: int) -> tuple[NDArray[np.float64], Rotation]:
-    """Places (count, 2) one after another along lines to and fro over the survey's area; the attitude wobbles."""
+    """Return places (count, 2) along parallel lines over the survey's area, with small random rotations."""
     (west, east), (south, north) = AREA_M
     line, along = np.divmod(np.arange(count) * PINGS_APART_M, east - west)
     back = line % 2 == 1
@@ -160,14 +159,14 @@ def along_lines(count: int) -> tuple[NDArray[np.float64], Rotation]:
 
 
 def scattered_over_area(count: int) -> tuple[NDArray[np.float64], Rotation]:
-    """Places (count, 2) anywhere over the survey's area, with any heading and some pitch and roll."""
+    """Return random places (count, 2) in the survey's area, with any heading and some pitch and roll."""
     random = np.random.default_rng(1)
     xy = np.column_stack([random.uniform(low, high, count) for low, high in AREA_M])
     return xy, Rotation.from_euler("ZYX", random.normal(0, [180, 5, 5], (count, 3)), degrees=True)
 
 
 def heads_at(sim: Simulator, places: tuple[NDArray[np.float64], Rotation]) -> Heads:
-    """At the survey's altitude over the bed."""
+    """Return the places at the survey's altitude above the bed."""
     xy, turns = places
     z = np.minimum(sim.world.height_at(xy) + ALTITUDE_M, -1.0)
     positions = np.column_stack([xy, z])
@@ -186,28 +185,28 @@ def heads_at(sim: Simulator, places: tuple[NDArray[np.float64], Rotation]) -> He
 
 
 class Pings:
-    """One ping at a time from Python, each from a new place; called, it gives pings per second of one thread."""
+    """One ping at a time from Python, each from a new place; a call returns the pings per second of one thread."""
 
     def __init__(self, sim: Simulator, heads: Heads) -> None:
         self._rov = sim.rov
         positions = heads.positions_world_m.copy()
-        # Coarser terrain may lie a little higher.
+        # Coarser terrain may be a little higher.
         positions[:, 2] = np.maximum(positions[:, 2], sim.world.height_at(positions[:, :2]) + 1.0)
         self._places = list(zip(positions, heads.orientations_xyzw, strict=True))
 
     def __call__(self) -> float:
-        """Pings per second; putting the vehicle there is not counted."""
-        taken_s, rov, sonar = 0.0, self._rov, self._rov.sonar
+        """Return pings per second, without the time to place the vehicle."""
+        elapsed_s, rov, sonar = 0.0, self._rov, self._rov.sonar
         for position, orientation in self._places:
             rov.place(position, orientation)
             begun = time.thread_time()
             sonar.ping()
-            taken_s += time.thread_time() - begun
-        return len(self._places) / taken_s
+            elapsed_s += time.thread_time() - begun
+        return len(self._places) / elapsed_s
 
 
 def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
-    """One ping at a time; batches, of more, on one thread and two; physics mode, with straight rays and bent ones."""
+    """Return our cases: single pings; batches on one thread and on two; physics mode with straight and bent rays."""
     poses = heads_at(sim, along_lines(5 * len(heads.world_from_body))).world_from_body
 
     def batch(threads: int) -> Callable[[], float]:
@@ -232,7 +231,7 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
 def peer_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], folder: Path
 ) -> dict[str, Callable[[], float]]:
-    """The limit and the peers that are installed, all with the same surface and rays."""
+    """Return the limit and the installed peers, all with the same surface and rays."""
     case = folder / "case.bin"
     cases = limit_cases(heads, vertices_m, triangles, case)
     add_native(cases, "bullet", ["bullet_fan", case], heads)
@@ -247,7 +246,7 @@ def peer_cases(
 def limit_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], case: Path, suffix: str = ""
 ) -> dict[str, Callable[[], float]]:
-    """Embree's packets and nothing else, in every way that may be the fastest."""
+    """Return Embree's packets alone, in every variant that may be the fastest."""
     write_case(heads, vertices_m, triangles, case)
     cases: dict[str, Callable[[], float]] = {}
     for name, options in LIMITS.items():
@@ -256,16 +255,16 @@ def limit_cases(
 
 
 def add_native(cases: dict[str, Callable[[], float]], name: str, command: list[Path | str], heads: Heads) -> None:
-    """Adds a peer that is a program installed beside the package."""
+    """Add a peer that is a program installed with the package."""
     program = Path(_core.__file__).parent / "bench" / "native" / command[0]
     if program.is_file():
         cases[name] = NativePeer([program, *command[1:]], len(heads.world_from_sonar))
     else:
-        console.print(f"{name} left out: {command[0]} is not installed beside the package (run tools/setup)")
+        console.print(f"{name} left out: {command[0]} is not installed with the package (run tools/setup)")
 
 
 def write_case(heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], path: Path) -> None:
-    """What the native peers read; see native/ray_case.h."""
+    """Write the input of the native peers; see native/ray_case.h."""
     turns, positions = heads.world_from_sonar[:, :3, :3], heads.world_from_sonar[:, :3, 3]
     counts = len(vertices_m), len(triangles), len(heads.angles_rad), len(positions)
     with path.open("wb") as file:
@@ -277,29 +276,29 @@ def write_case(heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray
 
 
 class NativePeer:
-    """A program that holds the surface and casts all fans each time it is asked."""
+    """A program that loads the surface once and casts all fans on each request."""
 
     def __init__(self, command: list[Path | str], pings: int) -> None:
         self._pings = pings
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._ask, self._answers = self._process.stdin, self._process.stdout
+        self._requests, self._answers = self._process.stdin, self._process.stdout
         self._answers.readline()
 
     def __call__(self) -> float:
-        """Pings per second, of the program's processor time."""
-        self._ask.write("run\n")
-        self._ask.flush()
+        """Return pings per second of the program's processor time."""
+        self._requests.write("run\n")
+        self._requests.flush()
         return self._pings / float(self._answers.readline().split()[0])
 
     def __del__(self) -> None:
-        self._ask.close()
+        self._requests.close()
         self._process.wait()
 
 
 def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
-    """The same mesh and rays through pybullet's rayTestBatch, from arrays to ranges, on one thread."""
+    """Cast the same rays by pybullet's rayTestBatch, from arrays to ranges, on one thread."""
     import pybullet as p
 
     mesh = folder / "surface.obj"
@@ -309,13 +308,13 @@ def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -
     p.connect(p.DIRECT)
     shape = p.createCollisionShape(p.GEOM_MESH, fileName=str(mesh), flags=p.GEOM_FORCE_CONCAVE_TRIMESH)
     p.createMultiBody(0, shape)
-    origins, ways = heads.rays
+    origins, directions = heads.rays
     few = min(10, len(origins))  # it is slow
 
     def run() -> float:
         begun = time.thread_time()
-        for start, way in zip(origins[:few], ways[:few], strict=True):
-            hits = p.rayTestBatch(start.tolist(), (start + heads.range_m * way).tolist(), numThreads=1)
+        for start, direction in zip(origins[:few], directions[:few], strict=True):
+            hits = p.rayTestBatch(start.tolist(), (start + heads.range_m * direction).tolist(), numThreads=1)
             np.array([hit[2] for hit in hits]) * heads.range_m
         return few / (time.thread_time() - begun)
 
@@ -323,19 +322,19 @@ def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -
 
 
 def trimesh_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
-    """The same mesh and rays through trimesh with embreex, from arrays to points of first hits."""
+    """Cast the same rays by trimesh with embreex, from arrays to points of first hits."""
     import embreex  # noqa: F401
     import trimesh
     from trimesh.ray.ray_pyembree import RayMeshIntersector
 
     mesh = RayMeshIntersector(trimesh.Trimesh(vertices_m, triangles, process=False))
-    origins, ways = heads.rays
+    origins, directions = heads.rays
     few = min(50, len(origins))
 
     def run() -> float:
         begun = time.thread_time()
-        for start, way in zip(origins[:few], ways[:few], strict=True):
-            mesh.intersects_id(start, way, multiple_hits=False, return_locations=True)
+        for start, direction in zip(origins[:few], directions[:few], strict=True):
+            mesh.intersects_id(start, direction, multiple_hits=False, return_locations=True)
         return few / (time.thread_time() - begun)
 
     return run
@@ -346,8 +345,8 @@ def _table(figures: dict[str, float]) -> Table:
         "ping": "a ping from Python, all outputs",
         "batch_1": "ping_batch, one thread",
         "batch_2": "ping_batch, two threads",
-        "physics": "a ping in physics mode, 8 rays a beam",
-        "physics_bent": "the same, its rays bent",
+        "physics": "a ping in physics mode, 8 rays per beam",
+        "physics_bent": "the same with bent rays",
         "limit_quads": "bare Embree packets, quads",
         "limit_triangles": "bare Embree packets, triangles",
         "limit_incoherent": "bare Embree packets, incoherent",
@@ -359,7 +358,7 @@ def _table(figures: dict[str, float]) -> Table:
     }
     table = Table(title="Pings of 1,025 beams to 95 m over the lake: medians", title_justify="left")
     table.add_column("case")
-    for column in ("pings/s", "us a ping", "goal", "met"):
+    for column in ("pings/s", "us per ping", "goal", "met"):
         table.add_column(column, justify="right")
     for key, label in labels.items():
         if key in figures:
@@ -375,7 +374,7 @@ def _table(figures: dict[str, float]) -> Table:
 
 
 def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
-    """Draws the cost against the number of triangles, with the straight line in log n that fits it best."""
+    """Draw the cost over the number of triangles, with the best straight line in log n."""
     sizes, slopes, figure = np.array(SIZES), {}, new_figure(7.0, 4.5)
     panel = figure.subplots()
     for suffix, label in GROWTH.items():
@@ -383,11 +382,13 @@ def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
         slope, offset = np.polyfit(np.log10(sizes), cost_us, 1)
         (line,) = panel.semilogx(sizes, cost_us, "o-", label=label)
         fitted = offset + slope * np.log10(sizes)
-        panel.semilogx(sizes, fitted, "--", color=line.get_color(), alpha=0.6, label=f"{slope:.1f} us a decade")
+        panel.semilogx(sizes, fitted, "--", color=line.get_color(), alpha=0.6, label=f"{slope:.1f} us per decade")
         rows = ", ".join(f"{size:,}: {cost:.0f}" for size, cost in zip(SIZES, cost_us, strict=True))
-        console.print(f"us a ping {label}, by triangles: {rows}; {slope:.1f} us a decade; drawn in {path}")
+        console.print(f"us per ping {label}, by triangles: {rows}; {slope:.1f} us per decade; drawn in {path}")
         slopes[f"us_a_decade{suffix}"] = float(slope)
-    panel.set(xlabel="triangles", ylabel="a ping of 1,025 beams [us]", ylim=(0, None), title="Cost against triangles")
+    panel.set(
+        xlabel="triangles", ylabel="us per ping of 1,025 beams", ylim=(0, None), title="Cost over number of triangles"
+    )
     panel.legend()
     save_figure(figure, path)
     return slopes

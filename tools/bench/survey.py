@@ -1,6 +1,6 @@
-"""Where a survey's time goes: real-time factor and the share of each stage, medians of several runs in one process.
+"""Measures where a survey's time goes: real-time factor and share of each stage, medians of runs in one process.
 
-With several engines the runs take turns, so that a busy machine is as unfair to one as to the other.
+With several engines the runs alternate, so that a busy machine slows all of them alike.
 """
 
 from __future__ import annotations
@@ -18,25 +18,26 @@ from uwsim import Simulator
 from uwsim.mapping import ENGINES, OccupancyMap
 from uwsim.survey.fly import fly_survey, required_survey
 from uwsim.survey.record import SurveyRecord
-from uwsim.survey.stages import MAP_THREAD, STAGES, WAITING
+from uwsim.survey.wall_time import MAP_THREAD_STAGES, STAGES, WAITING
 
 console = Console()
 
 
 def main(
-    scenario: Annotated[str, typer.Argument(help="A packaged scenario's name or the path of a YAML file.")] = "lake",
-    runs: Annotated[int, typer.Option(min=1, help="How many surveys with each engine; medians are reported.")] = 3,
+    scenario: Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")] = "lake",
+    runs: Annotated[int, typer.Option(min=1, help="Number of surveys with each engine; medians are reported.")] = 3,
     mission_time: Annotated[
-        float | None, typer.Option(help="Simulated seconds of each; 0 for the whole survey.")
+        float | None, typer.Option(help="Simulated time of each survey [s]; 0 for the whole survey.")
     ] = 300.0,
-    voxel: Annotated[float | None, typer.Option(help="Edge of a voxel [m]; the scenario's without.")] = None,
+    voxel: Annotated[float | None, typer.Option(help="Edge of a voxel [m]. Default: the scenario's.")] = None,
     engine: Annotated[
-        list[str] | None, typer.Option(help=f"Of the map: {', '.join(ENGINES)}; may be repeated. bricks without.")
+        list[str] | None,
+        typer.Option(help=f"Engine of the map: {', '.join(ENGINES)}; may be repeated. Default: bricks."),
     ] = None,
-    threads: Annotated[int | None, typer.Option(help="Threads to use; all by default.")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Number of threads. Default: one per core.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="A JSON file to write the results to.")] = None,
 ) -> None:
-    """Fly a survey several times and print medians."""
+    """Fly a survey several times, and print medians."""
     engines = engine or ["bricks"]
     records: dict[str, list[SurveyRecord]] = {name: [] for name in engines}
     for run in range(runs):
@@ -57,7 +58,7 @@ def main(
 
 
 def summarise(records: list[SurveyRecord]) -> dict[str, float]:
-    """Medians over the runs: real-time factor, wall time, and each stage's wall seconds."""
+    """Return medians over the runs: real-time factor, wall time, and each stage's wall seconds."""
 
     def median(values: list[float]) -> float:
         return statistics.median(values)
@@ -82,11 +83,11 @@ def _table(engine: str, figures: dict[str, float], record: SurveyRecord) -> Tabl
         title_justify="left",
     )
     table.add_column("stage")
-    for column in ("wall s", "share of wall", "us a ping"):
+    for column in ("wall s", "share of wall", "us per ping"):
         table.add_column(column, justify="right")
     for stage in (*STAGES, WAITING, "mission"):
         seconds = figures[f"{stage}_s"]
-        name = f"{stage} (beside the rest)" if stage in MAP_THREAD and record.threads > 1 else stage
+        name = f"{stage} (in parallel)" if stage in MAP_THREAD_STAGES and record.threads > 1 else stage
         share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)
         table.add_row(name, f"{seconds:.2f}", f"{share:.0%}", f"{ping_us:.0f}")
     table.add_row(

@@ -5,20 +5,21 @@
 
 namespace uwsim {
 
-/// Absorption of one frequency down a column of water, integrated once, so that a path's mean costs two look-ups.
+/// Absorption at one frequency in a column of water, integrated once over depth: the mean along a path costs two
+/// look-ups.
 class AbsorptionColumn {
  public:
-  /// absorption_db_km(depth_m): at a depth. Between `knots` depths, evenly from 0 to bottom_m, it is linear; below it
-  /// is that of the bottom.
+  /// Samples absorption_db_km(depth_m) at `knots` evenly spaced depths from 0 to bottom_m [m], linear in between;
+  /// below bottom_m it is constant. Throws InvalidValue.
   AbsorptionColumn(const std::function<double(double)>& absorption_db_km, double bottom_m, int knots = 512);
 
+  double at_db_m(double depth_m) const;
   /// Mean along a straight path between two depths [dB/m].
   double mean_db_m(double from_depth_m, double to_depth_m) const;
-  double at_db_m(double depth_m) const;
-  /// The same from one depth to several, of which the integral down to the first is known.
+  /// The same, given down_to_db(from_depth_m): saves a look-up for several paths from one depth.
   double mean_db_m(double from_depth_m, double down_to_from_db, double to_depth_m) const;
 
-  /// Integral from the surface [dB].
+  /// Integral from the surface down to a depth [dB].
   double down_to_db(double depth_m) const;
 
  private:

@@ -3,7 +3,7 @@
 namespace uwsim {
 
 /// Speed of sound [m/s] (Mackenzie 1981, J. Acoust. Soc. Am. 70:807). Valid for 2..30 deg C, 25..40 psu, 0..8000 m;
-/// within about 1 m/s of Del Grosso there. Used below 25 psu too, where its error grows to a few m/s.
+/// within about 1 m/s of Del Grosso there. It is also used below 25 psu, where its error grows to a few m/s.
 double sound_speed_m_s(double temperature_deg_c, double salinity_psu, double depth_m);
 
 /// Absorption [dB/km] (Francois and Garrison 1982, J. Acoust. Soc. Am. 72:1879): boric acid, magnesium sulphate, pure

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Below these, series to the last digit: steps are short, and this is where a bent cast spends its time.
+/// For smaller arguments, a series that is exact to the last digit: a bent cast spends most of its time here.
 constexpr double kSmall = 0.02;
 
 double sinc(double x) {
@@ -36,7 +36,7 @@ SoundPath::SoundPath(const SoundSpeedProfile& profile, double depth_m, double di
   state_.dip_rad = dip_rad;
   snell_s_m_ = cosine_ / profile.at(depth_m);
   const std::size_t layer = profile.layer_at(depth_m);
-  // On a boundary, what lies ahead counts.
+  // On a boundary, the layer ahead counts.
   enter(dip_rad < 0 && layer > 0 && depth_m == profile.layers()[layer].top_m ? layer - 1 : layer);
 }
 
@@ -45,8 +45,8 @@ void SoundPath::enter(std::size_t layer) {
   curvature_1_m_ = -snell_s_m_ * profile_->layers()[layer].gradient_1_s;
 }
 
-/// With the half turn q = curvature s / 2 and the mean dip m: x = s cos m sinc q, z = s sin m sinc q, and, from
-/// ln tan(dip/2 + pi/4) taken between the ends, t = 2/g atanh(g s sinc(2q) / (c1 + c2)).
+/// With half the turn, q = curvature s / 2, and the mean dip m: x = s cos m sinc q, z = s sin m sinc q, and, from the
+/// difference of ln tan(dip/2 + pi/4) between the ends, t = 2/g atanh(g s sinc(2q) / (c1 + c2)).
 SoundState SoundPath::ahead(double length_m) const {
   const SoundLayer& here = layer();
   const double half_turn = 0.5 * curvature_1_m_ * length_m;
@@ -66,13 +66,13 @@ double SoundPath::to_boundary_m() const {
   const SoundLayer& in = layer();
   const double top_m = std::max(in.top_m, 0.0);
   const double here = speed_m_s();
-  // To the arc's crossing of a depth, leaving it downward (+1) or upward (-1).
-  const auto crossing = [&](double depth_m, int way) {
+  // The length to the arc's crossing of a depth, downwards (+1) or upwards (-1).
+  const auto crossing = [&](double depth_m, int sense) {
     const double down_m = depth_m - state_.depth_m;
     const double faster = in.gradient_1_s * down_m;
     const double sine_2 = sine_ * sine_ - cosine_ * cosine_ * faster * (2 * here + faster) / (here * here);
     if (sine_2 < 0) return kInfinity;  // turns before
-    const double dip = way * std::atan2(std::sqrt(sine_2), snell_s_m_ * (here + faster));
+    const double dip = sense * std::atan2(std::sqrt(sine_2), snell_s_m_ * (here + faster));
     const double half_turn = 0.5 * (dip - state_.dip_rad);
     const double rise = std::sin(state_.dip_rad + half_turn);
     const double turned = curvature_1_m_ == 0 ? kInfinity : 2 * half_turn / curvature_1_m_;
@@ -88,7 +88,7 @@ double SoundPath::to_boundary_m() const {
 
 SoundPath::Step SoundPath::step(double length_max_m) const {
   const SoundLayer& in = layer();
-  // No arc of this length goes up or down farther; most steps end well within their layer.
+  // A bound on the change of depth over this length: most steps end well within their layer.
   const double farthest_m = length_max_m * (std::abs(sine_) + 0.5 * std::abs(curvature_1_m_) * length_max_m);
   if (state_.depth_m - farthest_m > std::max(in.top_m, 0.0) && state_.depth_m + farthest_m < in.bottom_m) {
     return {ahead(length_max_m), false};
@@ -100,7 +100,7 @@ SoundPath::Step SoundPath::step(double length_max_m) const {
   return step;
 }
 
-bool SoundPath::take(const Step& step) {
+bool SoundPath::advance(const Step& step) {
   state_ = step.end;
   cosine_ = snell_s_m_ * speed_m_s();
   sine_ = std::copysign(std::sqrt(std::max(0.0, 1 - cosine_ * cosine_)), state_.dip_rad);
@@ -113,7 +113,7 @@ bool SoundPath::take(const Step& step) {
 
 double SoundPath::length_after(double time_s) const {
   double length_m = speed_m_s() * time_s;
-  // Newton: the path is ridden at the speed of sound there.
+  // Newton's method: dt/ds is the slowness at the end.
   for (int k = 0; k < 8; ++k) {
     const SoundState there = ahead(length_m);
     const double left_s = time_s - (there.time_s - state_.time_s);
@@ -127,10 +127,10 @@ SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_r
   SoundPath path(profile, depth_m, dip_rad);
   if (depth_m <= 0 && dip_rad <= 0) return path.state();
   for (;;) {
-    // As far as the layer goes, but not for ever where it does not end.
+    // To the end of the layer; a bound on the length for layers that do not end.
     const SoundPath::Step whole = path.step(2000 * (time_s - path.state().time_s) + 1);
     if (whole.end.time_s >= time_s || !whole.leaves) return path.ahead(path.length_after(time_s - path.state().time_s));
-    if (path.take(whole)) return path.state();
+    if (path.advance(whole)) return path.state();
   }
 }
 

@@ -15,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 void check(std::span<const double> depths_m, std::span<const double> speeds_m_s) {
   require(!depths_m.empty(), "sound_speed_profile.depths_m", "none", "must have at least one level");
   require(speeds_m_s.size() == depths_m.size(), "sound_speed_profile.speeds_m_s.size", speeds_m_s.size(),
-          "must be one a depth, " + std::to_string(depths_m.size()));
+          "must be one for each depth, " + std::to_string(depths_m.size()));
   for (std::size_t k = 0; k < depths_m.size(); ++k) {
     const auto path = [k](const char* field) {
       return std::string("sound_speed_profile.") + field + "[" + std::to_string(k) + "]";

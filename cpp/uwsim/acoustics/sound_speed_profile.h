@@ -8,8 +8,8 @@ namespace uwsim {
 
 /// A layer in which the speed of sound is linear in depth: c(d) = speed_m_s + gradient_1_s (d - reference_m).
 struct SoundLayer {
-  double top_m;     ///< -infinity of the first
-  double bottom_m;  ///< +infinity of the last
+  double top_m;     ///< -infinity for the first layer
+  double bottom_m;  ///< +infinity for the last layer
   double reference_m;
   double speed_m_s;  ///< at reference_m
   double gradient_1_s;
@@ -20,18 +20,18 @@ struct SoundLayer {
 /// Speed of sound, linear in depth between levels, constant above the first and below the last.
 class SoundSpeedProfile {
  public:
-  /// Throws InvalidValue, naming sound_speed_profile, unless depths [m] rise, are in [0, 12000], and speeds [m/s] are
-  /// in [1300, 1700], one a depth.
+  /// Throws InvalidValue, naming sound_speed_profile, unless depths [m] increase and are in [0, 12000], and speeds
+  /// [m/s], one for each depth, are in [1300, 1700].
   SoundSpeedProfile(std::span<const double> depths_m, std::span<const double> speeds_m_s);
 
-  /// One speed everywhere.
+  /// The same speed at all depths.
   static SoundSpeedProfile even(double speed_m_s);
 
   const std::vector<SoundLayer>& layers() const { return layers_; }
-  /// Index of the layer of a depth; at a boundary the lower one.
+  /// Index of the layer that contains a depth; at a boundary the lower layer.
   std::size_t layer_at(double depth_m) const;
   double at(double depth_m) const { return layers_[layer_at(depth_m)].at(depth_m); }
-  /// Largest |dc/dz| [1/s]: 0 where rays are straight.
+  /// Largest |dc/dz| [1/s]; 0 if all rays are straight.
   double steepest_1_s() const { return steepest_1_s_; }
 
  private:

@@ -18,63 +18,65 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
   textures_.resize(classes_.size());
 }
 
-void CameraScene::set_look(Label label, const SurfaceLook& look) {
+void CameraScene::set_appearance(Label label, const SurfaceAppearance& appearance) {
   require(label > kTerrain && label < world_.solids().size() + kTerrain + 1, "label", label, "must be a solid's label");
-  if (look.texture) {
-    look.texture->check();
+  if (appearance.texture) {
+    appearance.texture->check();
     const std::size_t triangles = world_.solids()[label - kTerrain - 1]->mesh_world.triangles.size();
-    require(look.texture->corners.size() == 6 * triangles, "texture.corners", look.texture->corners.size(),
-            "must be six a triangle");
+    require(appearance.texture->corners.size() == 6 * triangles, "texture.corners", appearance.texture->corners.size(),
+            "must be six for each triangle");
   }
-  materials_[static_cast<std::size_t>(material_of(label))] = look.material;
-  classes_[label] = static_cast<std::uint8_t>(look.kind);
-  textures_[label] = look.texture;
-  has_textures_ = has_textures_ || look.texture;
+  materials_[static_cast<std::size_t>(material_of(label))] = appearance.material;
+  classes_[label] = static_cast<std::uint8_t>(appearance.kind);
+  textures_[label] = appearance.texture;
+  has_textures_ = has_textures_ || appearance.texture;
 }
 
-void CameraScene::set_ground(const camera::MaterialRow& bed, const camera::MaterialRow& steep,
-                             const camera::MaterialRow& land) {
+void CameraScene::set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land) {
   materials_[0] = bed;
   materials_[1] = steep;
   materials_[2] = land;
 }
 
-std::size_t CameraScene::add_body(std::string name, const TriangleMesh& hull_body_m, const SurfaceLook& look) {
-  World own;
-  own.add_solid(name, hull_body_m);
+std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_body_m,
+                                     const SurfaceAppearance& appearance) {
+  World alone;
+  alone.add_solid(name, hull_body_m);
   Eigen::Vector3d low = hull_body_m.vertices_m.front(), high = low;
   for (const Eigen::Vector3d& v : hull_body_m.vertices_m) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  Body body{std::move(name), std::make_shared<const RayScene>(own), 0.5 * (low + high), 0.5 * (high - low).norm(),
-            look};
-  materials_.push_back(look.material);
-  classes_.push_back(static_cast<std::uint8_t>(look.kind));
+  vehicles_.push_back(
+      {std::move(name), std::make_shared<const RayScene>(alone), 0.5 * (low + high), 0.5 * (high - low).norm()});
+  materials_.push_back(appearance.material);
+  classes_.push_back(static_cast<std::uint8_t>(appearance.kind));
   textures_.push_back(nullptr);
-  bodies_.push_back(std::move(body));
-  return bodies_.size() - 1;
+  return vehicles_.size() - 1;
 }
 
 std::vector<std::string> CameraScene::label_names() const {
   std::vector<std::string> names = world_.label_names();
-  for (const Body& body : bodies_) names.push_back(body.name);
+  for (const VehicleHull& vehicle : vehicles_) names.push_back(vehicle.name);
   return names;
 }
 
 std::vector<std::uint8_t> CameraScene::classes_by_label() const { return classes_; }
 
-std::shared_ptr<const Ripples::Moment> CameraScene::ripples(double wind_m_s, double towards_rad, double time_s,
-                                                            double index, int threads) const {
-  const std::lock_guard alone(mutex_);
-  const bool same_wind = kept_ && kept_->wind_m_s == wind_m_s && kept_->towards_rad == towards_rad;
-  if (same_wind && kept_->time_s == time_s && kept_->index == index) return kept_->moment;
-  Kept now{wind_m_s,
-           towards_rad,
-           time_s,
-           index,
-           same_wind ? kept_->ripples : std::make_shared<const Ripples>(wind_m_s, towards_rad, seed_),
-           nullptr};
-  now.moment = std::make_shared<const Ripples::Moment>(now.ripples->at(time_s, index, threads));
-  kept_ = std::move(now);
-  return kept_->moment;
+std::shared_ptr<const Ripples::Snapshot> CameraScene::ripples(double wind_m_s, double towards_rad, double time_s,
+                                                              double index, int threads) const {
+  const std::lock_guard lock(mutex_);
+  const bool same_wind =
+      cached_ripples_ && cached_ripples_->wind_m_s == wind_m_s && cached_ripples_->towards_rad == towards_rad;
+  if (same_wind && cached_ripples_->time_s == time_s && cached_ripples_->index == index)
+    return cached_ripples_->snapshot;
+  CachedRipples now{
+      wind_m_s,
+      towards_rad,
+      time_s,
+      index,
+      same_wind ? cached_ripples_->ripples : std::make_shared<const Ripples>(wind_m_s, towards_rad, seed_),
+      nullptr};
+  now.snapshot = std::make_shared<const Ripples::Snapshot>(now.ripples->at(time_s, index, threads));
+  cached_ripples_ = std::move(now);
+  return cached_ripples_->snapshot;
 }
 
 }  // namespace uwsim

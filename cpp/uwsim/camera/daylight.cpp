@@ -34,10 +34,10 @@ Daylight daylight(const Sun& sun) {
   Daylight light;
   light.to_sun_world = {std::cos(h) * std::cos(sun.azimuth_rad), std::cos(h) * std::sin(sun.azimuth_rad), std::sin(h)};
   const double up = std::max(h, 0.0);
-  const Bands through = (-optical_depth() * air_mass(up)).exp();
-  light.beam = h > 0 ? through : Bands::Zero().eval();
+  const Bands transmitted = (-optical_depth() * air_mass(up)).exp();
+  light.beam = h > 0 ? transmitted : Bands::Zero().eval();
   const double twilight = 0.004 * std::clamp(std::sin(h + 6 * kDegree) / std::sin(6 * kDegree), 0.0, 1.0);
-  light.sky = 0.5 * std::sin(up) * (1 - through) + twilight * Bands(0.8, 0.9, 1.2);
+  light.sky = 0.5 * std::sin(up) * (1 - transmitted) + twilight * Bands(0.8, 0.9, 1.2);
   return light;
 }
 

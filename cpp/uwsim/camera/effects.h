@@ -6,22 +6,22 @@
 
 namespace uwsim {
 
-/// What may be switched in a picture; all off is the plain scene under the open sky.
+/// The effects of a picture, which can be switched; all off is the plain, dry scene under the open sky.
 enum class Effect : std::uint8_t {
-  kAttenuation,  ///< beam attenuation along the camera's path and the lamps'
-  kBackscatter,  ///< the veil of daylight and of lamps
-  kSunlight,     ///< daylight dimmed by depth (Kd) and bent at the surface
-  kSurface,      ///< the water's surface: refraction, reflection
+  kAttenuation,  ///< beam attenuation between scene and camera, and between lamps and scene
+  kBackscatter,  ///< light of the sky, the sun and lamps that water scatters into the camera (veiling light)
+  kSunlight,     ///< daylight attenuated with depth (Kd) and refracted at the surface
+  kSurface,      ///< the water's surface seen by the camera: refraction, reflection
   kShadows,
   kLamps,
-  kCaustics,
-  kShafts,
-  kParticles,
-  kWobble,
+  kCaustics,   ///< sunlight on surfaces, focused by ripples
+  kShafts,     ///< sunlight in the water, focused by ripples and shadowed
+  kParticles,  ///< single particles near the camera
+  kWobble,     ///< rays bent by turbulence
   kDistortion,
   kVignetting,
-  kExposure,  ///< automatic; a fixed one of 1 otherwise
-  kNoise,
+  kExposure,  ///< automatic exposure; fixed at 1 without
+  kNoise,     ///< photon and read noise
 };
 
 inline constexpr std::array<std::string_view, 14> kEffectNames = {

@@ -9,11 +9,11 @@
 namespace uwsim {
 namespace {
 
-constexpr long kMostPixels = 1 << 24;  // 4096 x 4096: some 1 GB while a picture is made
+constexpr long kMostPixels = 1 << 24;  // 4096 x 4096: needs about 1 GB while it is rendered
 
 struct Distorted {
   Eigen::Vector2d point;
-  Eigen::Matrix2d slope;
+  Eigen::Matrix2d jacobian;
 };
 
 Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
@@ -24,7 +24,7 @@ Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
   d.point = {x * radial + 2 * l.p1 * x * y + l.p2 * (r2 + 2 * x * x),
              y * radial + l.p1 * (r2 + 2 * y * y) + 2 * l.p2 * x * y};
   const double across = growth * x * y + 2 * l.p1 * x + 2 * l.p2 * y;
-  d.slope << radial + growth * x * x + 2 * l.p1 * y + 6 * l.p2 * x, across, across,
+  d.jacobian << radial + growth * x * x + 2 * l.p1 * y + 6 * l.p2 * x, across, across,
       radial + growth * y * y + 6 * l.p1 * y + 2 * l.p2 * x;
   return d;
 }
@@ -32,12 +32,12 @@ Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
 }  // namespace
 
 void Lens::check() const {
-  const auto side = [](const char* name, int pixels) {
+  const auto check_side = [](const char* name, int pixels) {
     require(pixels >= 1 && pixels <= kLargestSide, std::string("camera.") + name, pixels,
             "must be in [1, 8192] pixels");
   };
-  side("width", width);
-  side("height", height);
+  check_side("width", width);
+  check_side("height", height);
   require(static_cast<long>(width) * height <= kMostPixels, "camera.width", width,
           "times its height must be at most 16.8 million pixels");
   for (const double f : {fx, fy}) {
@@ -48,7 +48,7 @@ void Lens::check() const {
   for (const double k : {k1, k2, p1, p2, k3}) {
     require(std::isfinite(k) && std::abs(k) <= 100, "camera.distortion", k, "must be in [-100, 100]");
   }
-  // Along the border, where distortion is strongest, and on rings within.
+  // unproject() must converge along the border, where distortion is strongest, and on rings within.
   for (const double part : {0.25, 0.5, 0.75, 1.0}) {
     for (int k = 0; k < 64; ++k) {
       const double s = k % 16 / 8.0 - 1;
@@ -73,14 +73,14 @@ Eigen::Vector2d unproject(const Lens& lens, const Eigen::Vector2d& pixel, bool d
   Eigen::Vector2d ray = bent;
   for (int k = 0; k < 50; ++k) {
     const Distorted d = distorted(lens, ray);
-    const double bend = d.slope.determinant();
-    if (!(bend > 1e-3)) break;  // beyond the fold
-    const Eigen::Vector2d step = d.slope.inverse() * (bent - d.point);
+    const double area = d.jacobian.determinant();
+    if (!(area > 1e-3)) break;  // beyond the fold
+    const Eigen::Vector2d step = d.jacobian.inverse() * (bent - d.point);
     ray += step;
     if (step.norm() < 1e-13 * (1 + ray.norm())) return ray;
   }
   const double error = (distorted(lens, ray).point - bent).norm();
-  require(error < 1e-10 && distorted(lens, ray).slope.determinant() > 1e-3, "camera.distortion", pixel.transpose(),
+  require(error < 1e-10 && distorted(lens, ray).jacobian.determinant() > 1e-3, "camera.distortion", pixel.transpose(),
           "is a pixel that no ray meets: the distortion folds the image over; make it smaller");
   return ray;
 }

@@ -4,16 +4,17 @@
 #include <array>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/names.h"
 
 namespace uwsim {
 namespace {
 
-struct Named {
+struct NamedMaterial {
   const char* name;
-  camera::MaterialRow row;  // base, other, contrast, fine a metre, bump, ripple length and slope
+  camera::Material material;  // base, other, contrast, fine_per_m, bump, ripple_m, ripple_tilt
 };
 
-constexpr std::array<Named, 9> kMaterials = {{
+constexpr std::array<NamedMaterial, 9> kMaterials = {{
     {"plain", {{.50f, .50f, .50f}, {.50f, .50f, .50f}, 0, 1, 0, 0, 0}},
     {"sand", {{.40f, .35f, .25f}, {.22f, .18f, .12f}, 1.1f, 7, .35f, .28f, .45f}},
     {"gravel", {{.30f, .29f, .27f}, {.14f, .13f, .12f}, 1.6f, 12, .9f, 0, 0}},
@@ -27,30 +28,24 @@ constexpr std::array<Named, 9> kMaterials = {{
 
 }  // namespace
 
-camera::MaterialRow material(std::string_view name, const std::optional<Bands>& colour) {
-  const auto found = std::find_if(kMaterials.begin(), kMaterials.end(), [&](const Named& m) { return name == m.name; });
-  if (found == kMaterials.end()) {
-    std::string names;
-    for (const Named& known : kMaterials) names += (names.empty() ? "" : ", ") + std::string(known.name);
-    require(false, "material", name, "must be one of " + names);
-  }
-  camera::MaterialRow row = found->row;
+camera::Material material(std::string_view name, const std::optional<Bands>& colour) {
+  camera::Material material = kMaterials[index_of("material", name, material_names())].material;
   if (colour) {
     require((*colour >= 0).all() && (*colour <= 1).all(), "material.colour", colour->transpose(),
             "must be in [0, 1] in each band");
     for (int band = 0; band < 3; ++band) {
       const auto own = static_cast<float>((*colour)(band));
-      row.other[band] = std::min(1.0f, own * row.other[band] / row.base[band]);
-      row.base[band] = own;
+      material.other[band] = std::min(1.0f, own * material.other[band] / material.base[band]);
+      material.base[band] = own;
     }
   }
-  return row;
+  return material;
 }
 
 const std::vector<std::string>& material_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (const Named& known : kMaterials) all.emplace_back(known.name);
+    for (const NamedMaterial& known : kMaterials) all.emplace_back(known.name);
     return all;
   }();
   return names;

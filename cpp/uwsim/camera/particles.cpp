@@ -11,8 +11,8 @@ namespace {
 constexpr double kCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kAlbedo = 0.5;
-constexpr double kAperture_rad_m = 0.0015;  // blur of what is near, radians times metres
-constexpr double kGeneration_s = 4;         // specks are seen for two of these, brightest halfway
+constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, radians times metres
+constexpr double kGeneration_s = 4;         // particles are seen for two of these, brightest halfway
 
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 2014)
   x += 0x9e3779b97f4a7c15ull;
@@ -22,32 +22,32 @@ std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 201
 }
 double unit_of(std::uint64_t bits, int part) { return static_cast<double>((bits >> (16 * part)) & 0xffff) / 65536; }
 
-/// Radiance of a speck: daylight from all round and each lamp that shines on it, dimmed on the way to the eye.
-std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::Shot& shot) {
+/// Radiance of a particle: daylight from all around and each lamp, attenuated on its path to the eye.
+std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::View& view) {
   std::array<float, 3> light;
-  const float depth = std::max(0.0f, shot.surface_z - (at.z() + shot.camera_z)), range = at.norm();
+  const float depth = std::max(0.0f, view.surface_z - (at.z() + view.camera_z)), range = at.norm();
   for (int band = 0; band < 3; ++band) {
-    light[band] = 0.5f * shot.total_level[band] * std::exp(-shot.kd[band] * depth);
+    light[band] = 0.5f * view.total_level[band] * std::exp(-view.kd[band] * depth);
   }
-  for (int k = 0; k < shot.lamp_count; ++k) {
-    const camera::LampLight& lamp = shot.lamps[k];
+  for (int k = 0; k < view.lamp_count; ++k) {
+    const camera::SpotLight& lamp = view.lamps[k];
     const Eigen::Vector3f from = at - Eigen::Map<const Eigen::Vector3f>(lamp.position);
     const float distance = std::max(from.norm(), 0.05f);
     const float cone = from.dot(Eigen::Map<const Eigen::Vector3f>(lamp.axis)) / distance;
     const float edge = std::clamp((cone - lamp.cos_outer) / (lamp.cos_inner - lamp.cos_outer), 0.0f, 1.0f);
     const float spot = edge * edge * (3 - 2 * edge) / (distance * distance);
     for (int band = 0; band < 3; ++band)
-      light[band] += lamp.intensity[band] * spot * std::exp(-shot.c[band] * distance);
+      light[band] += lamp.intensity[band] * spot * std::exp(-view.c[band] * distance);
   }
   for (int band = 0; band < 3; ++band) {
-    const float through = shot.has_attenuation ? std::exp(-shot.c[band] * range) : 1.0f;
-    light[band] *= static_cast<float>(kAlbedo / std::numbers::pi) * through;
+    const float transmitted = view.has_attenuation ? std::exp(-view.c[band] * range) : 1.0f;
+    light[band] *= static_cast<float>(kAlbedo / std::numbers::pi) * transmitted;
   }
   return light;
 }
 
-/// How far the water at the eye has gone since a time a few seconds ago: by the flow's integral, since the flow now
-/// times an age is no path where the flow changes.
+/// How far the water at the eye has moved since a time a few seconds ago: the integral of the flow, which may have
+/// changed since.
 Eigen::Vector3d drift_since(double begun_s, const Water& water, const Eigen::Vector3d& eye, double time_s) {
   constexpr int kSteps = 16;
   const double step_s = (time_s - begun_s) / kSteps;
@@ -56,11 +56,11 @@ Eigen::Vector3d drift_since(double begun_s, const Water& water, const Eigen::Vec
   return drift;
 }
 
-/// Specks that drift together since they began: one in a cell of a lattice that goes with the water, by chance.
+/// Particles that appear together and drift together.
 struct Generation {
   std::int64_t number;
   double begun_s;
-  double strength;  ///< fades in and out; those of two generations add up to 1
+  double strength;  ///< fades in and out; two generations add up to 1
 };
 
 std::array<Generation, 2> generations_at(double time_s) {
@@ -70,18 +70,18 @@ std::array<Generation, 2> generations_at(double time_s) {
 }
 
 void add_generation(const Generation& generation, const CameraScene& scene, const Camera& camera, const Optics& optics,
-                    const Exposure& exposure, const camera::Shot& shot, std::vector<Speck>& found) {
-  const Eigen::Vector3d eye = exposure.world_from_camera.position_m;
-  const Eigen::Vector3d drift = drift_since(generation.begun_s, scene.world().water, eye, exposure.time_s);
+                    const PictureRequest& request, const camera::View& view, std::vector<Particle>& found) {
+  const Eigen::Vector3d eye = request.world_from_camera.position_m;
+  const Eigen::Vector3d drift = drift_since(generation.begun_s, scene.world().water, eye, request.time_s);
   const Eigen::Vector3d lattice_eye = eye - drift;
   const Eigen::Matrix3d optical_from_world = [&] {
-    const Eigen::Matrix3d turn = exposure.world_from_camera.rotation();
+    const Eigen::Matrix3d turn = request.world_from_camera.rotation();
     Eigen::Matrix3d rows;
     rows << -turn.col(1).transpose(), -turn.col(2).transpose(), turn.col(0).transpose();
     return rows;
   }();
   const Lens& lens = camera.lens();
-  const bool distort = exposure.effects.has(Effect::kDistortion);
+  const bool distort = request.effects.has(Effect::kDistortion);
   const double chance = optics.particles_per_m3 * kCell_m * kCell_m * kCell_m;
   const std::uint64_t key = mixed(mixed(scene.seed() ^ 0x5eedca11) ^ static_cast<std::uint64_t>(generation.number));
   const auto first = ((lattice_eye.array() - kReach_m) / kCell_m).floor().cast<std::int64_t>().eval();
@@ -94,12 +94,12 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
               static_cast<std::uint64_t>(cell.z()));
     const std::uint64_t more = mixed(bits);
     if (unit_of(bits, 3) >= chance) continue;
-    const Eigen::Vector3d own(unit_of(bits, 0), unit_of(bits, 1), unit_of(bits, 2));
-    const double turn = exposure.time_s * (0.3 + 0.4 * unit_of(more, 0)) + 2 * std::numbers::pi * unit_of(more, 1);
+    const Eigen::Vector3d in_cell(unit_of(bits, 0), unit_of(bits, 1), unit_of(bits, 2));
+    const double turn = request.time_s * (0.3 + 0.4 * unit_of(more, 0)) + 2 * std::numbers::pi * unit_of(more, 1);
     const Eigen::Vector3d swirl = 0.02 * Eigen::Vector3d(std::sin(turn), std::cos(turn), std::sin(1.3 * turn));
-    const Eigen::Vector3d at = (cell.cast<double>().matrix() + own) * kCell_m + swirl - lattice_eye;
+    const Eigen::Vector3d at = (cell.cast<double>().matrix() + in_cell) * kCell_m + swirl - lattice_eye;
     const Eigen::Vector3d seen = optical_from_world * at;
-    if (seen.z() < kNearest_m || at.norm() > kReach_m || at.z() + eye.z() > shot.surface_z) continue;
+    if (seen.z() < kNearest_m || at.norm() > kReach_m || at.z() + eye.z() > view.surface_z) continue;
     const Eigen::Vector2d ray(seen.x() / seen.z(), seen.y() / seen.z());
     if (ray.norm() > 3) continue;
     const Eigen::Vector2d pixel = project(lens, ray, distort);
@@ -110,10 +110,10 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
           pixel.y() < lens.height + radius)) {
       continue;
     }
-    // Far specks fade, so that none appears at once.
+    // Distant particles fade, so that none appears suddenly.
     const double fade = std::clamp(3 * (1 - at.norm() / kReach_m), 0.0, 1.0);
     const auto share = static_cast<float>(3 * generation.strength * fade * sharp * sharp / (radius * radius));
-    const std::array<float, 3> light = light_on(at.cast<float>(), shot);
+    const std::array<float, 3> light = light_on(at.cast<float>(), view);
     found.push_back({static_cast<float>(pixel.x()),
                      static_cast<float>(pixel.y()),
                      static_cast<float>(seen.z()),
@@ -124,33 +124,33 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
 
 }  // namespace
 
-std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const Optics& optics,
-                          const Exposure& exposure, const camera::Shot& shot) {
-  std::vector<Speck> found;
-  if (!shot.camera_wet || !exposure.effects.has(Effect::kParticles)) return found;
-  for (const Generation& generation : generations_at(exposure.time_s)) {
-    add_generation(generation, scene, camera, optics, exposure, shot, found);
+std::vector<Particle> visible_particles(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                                        const PictureRequest& request, const camera::View& view) {
+  std::vector<Particle> found;
+  if (!view.camera_in_water || !request.effects.has(Effect::kParticles)) return found;
+  for (const Generation& generation : generations_at(request.time_s)) {
+    add_generation(generation, scene, camera, optics, request, view, found);
   }
   return found;
 }
 
-void add_specks(const std::vector<Speck>& specks, std::span<const float> depth_m, const camera::Shot& shot, int first,
-                int last, const camera::Film& film) {
-  for (const Speck& speck : specks) {
-    const int top = std::max(first, static_cast<int>(std::ceil(speck.v - speck.radius)));
-    const int bottom = std::min(last - 1, static_cast<int>(std::floor(speck.v + speck.radius)));
-    const int left = std::max(0, static_cast<int>(std::ceil(speck.u - speck.radius)));
-    const int right = std::min(shot.width - 1, static_cast<int>(std::floor(speck.u + speck.radius)));
+void draw_particles(const std::vector<Particle>& particles, std::span<const float> depth_m, const camera::View& view,
+                    int first, int last, const camera::RadiancePlanes& radiance) {
+  for (const Particle& particle : particles) {
+    const int top = std::max(first, static_cast<int>(std::ceil(particle.v - particle.radius)));
+    const int bottom = std::min(last - 1, static_cast<int>(std::floor(particle.v + particle.radius)));
+    const int left = std::max(0, static_cast<int>(std::ceil(particle.u - particle.radius)));
+    const int right = std::min(view.width - 1, static_cast<int>(std::floor(particle.u + particle.radius)));
     for (int v = top; v <= bottom; ++v) {
       for (int u = left; u <= right; ++u) {
-        const int at = v * shot.width + u;
-        if (depth_m[static_cast<std::size_t>(at)] < speck.depth_m) continue;
-        const float du = static_cast<float>(u) - speck.u, dv = static_cast<float>(v) - speck.v;
-        const float in = 1 - (du * du + dv * dv) / (speck.radius * speck.radius);
-        if (in <= 0) continue;
-        film.red[at] += speck.light[0] * in * in;
-        film.green[at] += speck.light[1] * in * in;
-        film.blue[at] += speck.light[2] * in * in;
+        const int at = v * view.width + u;
+        if (depth_m[static_cast<std::size_t>(at)] < particle.depth_m) continue;
+        const float du = static_cast<float>(u) - particle.u, dv = static_cast<float>(v) - particle.v;
+        const float inside = 1 - (du * du + dv * dv) / (particle.radius * particle.radius);
+        if (inside <= 0) continue;
+        radiance.red[at] += particle.light[0] * inside * inside;
+        radiance.green[at] += particle.light[1] * inside * inside;
+        radiance.blue[at] += particle.light[2] * inside * inside;
       }
     }
   }

@@ -3,26 +3,31 @@
 #include <span>
 #include <vector>
 
-#include "uwsim/camera/kernel.h"
-#include "uwsim/camera/renderer.h"
+#include "uwsim/camera/camera.h"
+#include "uwsim/camera/camera_scene.h"
+#include "uwsim/camera/kernels/kernels.h"
+#include "uwsim/camera/optics.h"
+#include "uwsim/camera/picture_request.h"
 
 namespace uwsim {
 
-/// What drifts in the water near the camera: one speck at most in each cell of a lattice that moves with the flow at
-/// the camera, placed by a hash of seed and cell, lit by daylight and lamps, blurred by nearness. Every four seconds
-/// others come and fade in while the last fade out, so that a picture follows from its time alone in any flow. Sizes,
-/// brightness and that time: assumed.
-struct Speck {
+/// A particle that drifts in the water near the camera. Each cell of a lattice that moves with the flow at the camera
+/// holds one at most, placed by a hash of seed and cell, lit by daylight and lamps, out of focus when near. Every four
+/// seconds a new generation fades in and the last fades out, so that a picture depends on its time alone, in any flow.
+/// Sizes, brightness and that interval are assumed.
+struct Particle {
   float u, v;      ///< pixel
   float depth_m;   ///< along the optical axis
-  float radius;    ///< of its blurred image [pixels]
-  float light[3];  ///< radiance at its middle
+  float radius;    ///< of its defocused image [pixels]
+  float light[3];  ///< radiance at the centre of its image
 };
-std::vector<Speck> specks(const CameraScene& scene, const Camera& camera, const Optics& optics,
-                          const Exposure& exposure, const camera::Shot& shot);
 
-/// Adds the specks that lie before the scene to rows [first, last) of the film.
-void add_specks(const std::vector<Speck>& specks, std::span<const float> depth_m, const camera::Shot& shot, int first,
-                int last, const camera::Film& film);
+/// The particles that the camera can see, none if it is in air.
+std::vector<Particle> visible_particles(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                                        const PictureRequest& request, const camera::View& view);
+
+/// Adds the particles in front of the scene to rows [first, last) of the radiance.
+void draw_particles(const std::vector<Particle>& particles, std::span<const float> depth_m, const camera::View& view,
+                    int first, int last, const camera::RadiancePlanes& radiance);
 
 }  // namespace uwsim

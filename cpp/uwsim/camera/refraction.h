@@ -6,8 +6,8 @@
 
 namespace uwsim {
 
-/// Snell's law: the way on of a ray along unit `direction` through a surface of unit `normal` (towards where the ray
-/// comes from), from index n_from into n_to. None: totally reflected.
+/// Snell's law: the direction of a ray along unit `direction` after a surface of unit `normal` (towards the side that
+/// the ray comes from), from refractive index n_from into n_to. None if it is totally reflected.
 inline std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal,
                                                 double n_from, double n_to) {
   const double ratio = n_from / n_to, cosine = -direction.dot(normal);
@@ -16,8 +16,8 @@ inline std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction
   return ratio * direction + (ratio * cosine - std::sqrt(1 - sine2)) * normal;
 }
 
-/// Fresnel's reflectance of unpolarised light that meets the surface at this cosine of incidence; 1 beyond the critical
-/// angle (Hecht, "Optics", ch. 4).
+/// Fresnel's reflectance for unpolarised light, by the cosine of the angle of incidence; 1 beyond the critical angle
+/// (Hecht, "Optics", ch. 4).
 inline double fresnel_reflectance(double cosine, double n_from, double n_to) {
   const double sine2 = (n_from / n_to) * (n_from / n_to) * (1 - cosine * cosine);
   if (sine2 >= 1) return 1;

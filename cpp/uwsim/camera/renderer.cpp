@@ -1,273 +1,244 @@
 #include "uwsim/camera/renderer.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
+#include "uwsim/camera/block_mask.h"
+#include "uwsim/camera/development.h"
+#include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particles.h"
-#include "uwsim/camera/parts.h"
+#include "uwsim/camera/prepared_view.h"
 #include "uwsim/camera/shafts.h"
-#include "uwsim/camera/shot.h"
 #include "uwsim/camera/tracer.h"
 #include "uwsim/core/check.h"
-#include "uwsim/core/random.h"
 
 namespace uwsim {
 namespace {
 
 using camera::Block;
+using camera::BlockMask;
 using camera::kBlockPixels;
 using camera::kBlockSide;
-using camera::Mask;
 
 constexpr double kWorldEnd_m = 1e6;
-constexpr double kMiddleGrey = 0.18;
-// Of the fixed exposure, at which white in full sun (radiance 1 / pi) comes out at 0.8.
-constexpr double kSunnyGain = 0.8 * 3.14159265358979;
-constexpr double kLeastGain = 0.25 * kSunnyGain, kMostGain = 2e4 * kSunnyGain;
-constexpr double kMostShutter =
-    30 * kSunnyGain;  // a gain that a longer shutter time gives; more is amplified, with noise
 
+/// One picture in the making. Rows of blocks are rendered in parallel, then rows of pixels are developed.
 class Rendering {
  public:
-  Rendering(const CameraScene& scene, const Camera& camera, const Optics& optics, const Exposure& exposure)
+  Rendering(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request)
       : scene_(scene),
         camera_(camera),
         optics_(optics),
-        exposure_(exposure),
-        threads_(std::clamp(exposure.threads, 1, 256)),
+        request_(request),
+        threads_(std::clamp(request.threads, 1, 256)),
         costs_(static_cast<std::size_t>(threads_)),
-        begun_(std::chrono::steady_clock::now()),
-        prepared_(scene, camera, optics, exposure),
-        shot_(prepared_.shot),
-        tracer_(scene, prepared_, exposure),
-        kernels_(exposure.kernels != nullptr ? *exposure.kernels : camera::kernels()),
+        timer_(request.measure, costs_[0]),
+        prepared_(scene, camera, optics, request),
+        view_(prepared_.view),
+        tracer_(scene, prepared_.anchor_world_m, request),
+        kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()) {
-    costs_[0].seconds[kPrepare] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+    timer_.add(kPrepare);
   }
 
-  Picture take(PictureCost* cost) {
-    const auto pixels = static_cast<std::size_t>(shot_.width) * static_cast<std::size_t>(shot_.height);
-    picture_.width = shot_.width;
-    picture_.height = shot_.height;
-    picture_.depth_m.resize(pixels);
-    picture_.normals_world.resize(3 * pixels);
-    picture_.labels.resize(pixels);
-    picture_.classes.resize(pixels);
-    if (!exposure_.geometry_only) {
-      for (Plane<float>& plane : planes_) plane.resize(pixels);
-      film_ = {planes_[0].data(), planes_[1].data(), planes_[2].data()};
-      if (on(Effect::kShafts) && shot_.camera_wet && shot_.has_backscatter && shot_.beam_level[1] > 0) {
-        shafts_ = cast_shafts(shot_, tracer_, kernels_, exposure_, costs_);
-        shot_.shafts = shafts_.data();
-        shot_.shaft_width = (shot_.width + kBlockSide - 1) / kBlockSide;
-      }
+  Picture render(RenderCost* cost) {
+    allocate();
+    if (!request_.geometry_only && on(Effect::kShafts) && view_.camera_in_water && view_.has_backscatter &&
+        view_.beam_level[1] > 0) {
+      shafts_ = cast_shafts(view_, tracer_, kernels_, request_, costs_);
+      view_.shafts = shafts_.data();
+      view_.shaft_width = (view_.width + kBlockSide - 1) / kBlockSide;
     }
-    const int rows = (shot_.height + kBlockSide - 1) / kBlockSide;
-    brightness_.assign(static_cast<std::size_t>(rows), 0.0);
+    const int rows = (view_.height + kBlockSide - 1) / kBlockSide;
+    root_luminance_.assign(static_cast<std::size_t>(rows), 0.0);
     for_rows(rows + 1, threads_, [&](int turn, int worker) {
-      PictureCost& own = costs_[static_cast<std::size_t>(worker)];
-      turn == 0 ? find_specks(own) : render_row(turn - 1, own);
+      RenderCost& own = costs_[static_cast<std::size_t>(worker)];
+      turn == 0 ? find_particles(own) : render_row(turn - 1, own);
     });
-    if (!exposure_.geometry_only) finish();
+    if (!request_.geometry_only) develop();
     if (cost != nullptr) *cost = total_cost();
     return std::move(picture_);
   }
 
  private:
-  bool on(Effect effect) const { return exposure_.effects.has(effect); }
+  bool on(Effect effect) const { return request_.effects.has(effect); }
 
-  void find_specks(PictureCost& cost) {
-    if (exposure_.geometry_only) return;
-    StageClock clock(exposure_.measure, cost);
-    drifting_ = specks(scene_, camera_, optics_, exposure_, shot_);
-    clock.add(kSpecks);
+  void allocate() {
+    const auto pixels = static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height);
+    picture_.width = view_.width;
+    picture_.height = view_.height;
+    picture_.depth_m.resize(pixels);
+    picture_.normals_world.resize(3 * pixels);
+    picture_.labels.resize(pixels);
+    picture_.classes.resize(pixels);
+    if (request_.geometry_only) return;
+    for (ImageBuffer<float>& band : bands_) band.resize(pixels);
+    radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
   }
 
-  void render_row(int row, PictureCost& cost) {
-    StageClock clock(exposure_.measure, cost);
+  void find_particles(RenderCost& cost) {
+    if (request_.geometry_only) return;
+    TaskTimer timer(request_.measure, cost);
+    particles_ = visible_particles(scene_, camera_, optics_, request_, view_);
+    timer.add(kParticles);
+  }
+
+  void render_row(int row, RenderCost& cost) {
+    TaskTimer timer(request_.measure, cost);
     Block block;
     HitPacket hits;
-    const camera::GeometryPlanes planes{picture_.depth_m.data(), picture_.normals_world.data(), picture_.labels.data(),
-                                        picture_.classes.data(), classes_.data()};
-    for (int left = 0; left < shot_.width; left += kBlockSide) {
+    const camera::GeometryPlanes geometry{picture_.depth_m.data(), picture_.normals_world.data(),
+                                          picture_.labels.data(), picture_.classes.data(), classes_.data()};
+    for (int left = 0; left < view_.width; left += kBlockSide) {
       const int top = row * kBlockSide;
-      kernels_.aim(shot_, left, top, block);
+      kernels_.primary_rays(view_, left, top, block);
       tracer_.cast(block, hits, RayOrder::kCoherent);
       cost.primary_rays += count(block.active);
-      clock.add(kPrimary);
-      place(hits, block);
-      kernels_.write_geometry(shot_, left, top, block, planes);
-      clock.add(kDepth);
-      if (exposure_.geometry_only) continue;
-      const Mask seen = block.active;
-      kernels_.open_eye(shot_, block);
-      shade(block, hits, true, cost, clock);
-      if (any(block.onward)) follow_onward(block, hits, cost, clock);
-      camera::Row root_brightness;
-      kernels_.expose(shot_, left, top, block, film_, root_brightness);
-      double& sum = brightness_[static_cast<std::size_t>(row)];
-      for (int k = 0; k < kBlockPixels; ++k) sum += seen.at[k] ? static_cast<double>(root_brightness.at[k]) : 0.0;
-      clock.add(kFilm);
+      timer.add(kPrimaryRays);
+      locate_hits(hits, block);
+      kernels_.write_geometry(view_, left, top, block, geometry);
+      timer.add(kGeometry);
+      if (request_.geometry_only) continue;
+      const BlockMask pixels = block.active;
+      kernels_.start_paths(view_, block);
+      shade_segment(block, hits, true, cost, timer);
+      if (any(block.onward)) continue_paths(block, hits, cost, timer);
+      camera::BlockFloats root_luminance;
+      kernels_.write_radiance(view_, left, top, block, radiance_, root_luminance);
+      double& sum = root_luminance_[static_cast<std::size_t>(row)];
+      for (int k = 0; k < kBlockPixels; ++k) sum += pixels.at[k] ? static_cast<double>(root_luminance.at[k]) : 0.0;
+      timer.add(kDevelopment);
     }
   }
 
-  void place(const HitPacket& hits, Block& block) const {
-    const auto beside = [](std::uint32_t label) { return label > kTerrain; };
-    if (std::any_of(std::begin(block.label), std::end(block.label), beside)) tracer_.refine(hits, block);
-    kernels_.place(shot_, block);
+  void locate_hits(const HitPacket& hits, Block& block) const {
+    const auto is_solid = [](std::uint32_t label) { return label > kTerrain; };
+    if (std::any_of(std::begin(block.label), std::end(block.label), is_solid)) tracer_.refine(hits, block);
+    kernels_.locate_hits(view_, block);
   }
 
-  void follow_onward(Block& block, HitPacket& hits, PictureCost& cost, StageClock& clock) {
-    kernels_.go_on(shot_, block);
-    clock.add(kWater);
+  void continue_paths(Block& block, HitPacket& hits, RenderCost& cost, TaskTimer& timer) {
+    kernels_.refract_or_reflect(view_, block);
+    timer.add(kWater);
     tracer_.cast(block, hits, RayOrder::kIncoherent);
     cost.onward_rays += count(block.active);
-    clock.add(kPrimary);
-    place(hits, block);
-    clock.add(kDepth);
-    shade(block, hits, false, cost, clock);
+    timer.add(kPrimaryRays);
+    locate_hits(hits, block);
+    timer.add(kGeometry);
+    shade_segment(block, hits, false, cost, timer);
   }
 
-  /// What the water, the surfaces, daylight and lamps add along one straight piece of each ray.
-  void shade(Block& block, const HitPacket& hits, bool first, PictureCost& cost, StageClock& clock) {
-    kernels_.pass_water(shot_, block);
-    kernels_.sky(shot_, block);
-    clock.add(kWater);
+  /// Adds the light that water, sky, daylight and lamps contribute along and at the end of one segment of each path.
+  void shade_segment(Block& block, const HitPacket& hits, bool first, RenderCost& cost, TaskTimer& timer) {
+    kernels_.apply_water(view_, block);
+    kernels_.add_sky(view_, block);
+    timer.add(kWater);
     if (any(block.lit)) {
-      dress(block, hits);
-      kernels_.light_by_day(shot_, block);
-      clock.add(kSurfaces);
-      test_light(block, cost.sun_rays);
-      clock.add(kSun);
-      for (int lamp = 0; lamp < shot_.lamp_count; ++lamp) {
-        kernels_.light_by_lamp(shot_, lamp, block);
-        clock.add(kLampLight);
-        if (any(block.wants)) test_light(block, cost.lamp_rays);
-        clock.add(kLampShadows);
+      set_materials(block, hits);
+      kernels_.shade_daylight(view_, block);
+      timer.add(kSurfaces);
+      add_unless_shadowed(block, cost.sun_rays);
+      timer.add(kSunShadows);
+      for (int lamp = 0; lamp < view_.lamp_count; ++lamp) {
+        kernels_.shade_lamp(view_, lamp, block);
+        timer.add(kLampLight);
+        if (any(block.needs_shadow_ray)) add_unless_shadowed(block, cost.lamp_rays);
+        timer.add(kLampShadows);
       }
     }
-    if (first && shot_.has_backscatter && shot_.camera_wet) {
-      for (int lamp = 0; lamp < shot_.lamp_count; ++lamp) kernels_.lamp_veil(shot_, lamp, block);
-      clock.add(kLampLight);
+    if (first && view_.has_backscatter && view_.camera_in_water) {
+      for (int lamp = 0; lamp < view_.lamp_count; ++lamp) kernels_.add_lamp_backscatter(view_, lamp, block);
+      timer.add(kLampLight);
     }
   }
 
-  void test_light(Block& block, std::uint64_t& rays) const {
-    Mask blocked{};
-    if (on(Effect::kShadows) && any(block.wants)) {
-      rays += count(block.wants);
+  /// Adds the light under test where no shadow ray is blocked.
+  void add_unless_shadowed(Block& block, std::uint64_t& rays) const {
+    BlockMask blocked{};
+    if (on(Effect::kShadows) && any(block.needs_shadow_ray)) {
+      rays += count(block.needs_shadow_ray);
       tracer_.occluded(block, blocked, RayOrder::kCoherent);
     }
-    kernels_.add_light(shot_, blocked, block);
+    kernels_.add_unblocked_light(view_, blocked, block);
   }
 
-  void dress(Block& block, const HitPacket& hits) const {
+  void set_materials(Block& block, const HitPacket& hits) const {
     for (int k = 0; k < kBlockPixels; ++k) {
       block.material.at[k] = CameraScene::material_of(block.label[k]);
-      block.has_given.at[k] = 0;
+      block.has_texture.at[k] = 0;
     }
     if (!scene_.has_textures()) return;
     for (int k = 0; k < kBlockPixels; ++k) {
       const Texture* texture = scene_.texture_of(block.label[k]);
       if (texture == nullptr) continue;
       const auto lane = static_cast<std::size_t>(k);
-      const std::array<float, 3> colour = texture->at(block.primitive[k], hits.u[lane], hits.v[lane]);
-      block.has_given.at[k] = -1;
-      block.given.x.at[k] = colour[0], block.given.y.at[k] = colour[1], block.given.z.at[k] = colour[2];
+      const std::array<float, 3> albedo = texture->at(block.primitive[k], hits.u[lane], hits.v[lane]);
+      block.has_texture.at[k] = -1;
+      block.texture_albedo.x.at[k] = albedo[0];
+      block.texture_albedo.y.at[k] = albedo[1];
+      block.texture_albedo.z.at[k] = albedo[2];
     }
   }
 
-  void finish();
-  void keep_radiance(int row);
-  double gain() const;
-  PictureCost total_cost() const;
+  /// Turns radiance into bytes. Particles come last: they need the whole picture's depth.
+  void develop() {
+    picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_, picture_.depth_m.size());
+    picture_.rgb.resize(3 * picture_.depth_m.size());
+    if (request_.keep_radiance) picture_.radiance.resize(picture_.rgb.size());
+    const camera::Development development = development_of(camera_, request_, scene_.seed(), picture_.gain);
+    constexpr int kRows = 16;
+    for_rows((view_.height + kRows - 1) / kRows, threads_, [&](int band, int worker) {
+      TaskTimer timer(request_.measure, costs_[static_cast<std::size_t>(worker)]);
+      const int first = band * kRows, last = std::min(view_.height, first + kRows);
+      draw_particles(particles_, picture_.depth_m, view_, first, last, radiance_);
+      timer.add(kParticles);
+      for (int row = first; row < last; ++row) {
+        kernels_.develop_row(view_, development, radiance_, row, picture_.rgb.data());
+        if (request_.keep_radiance) keep_radiance(row);
+      }
+      timer.add(kDevelopment);
+    });
+  }
+
+  void keep_radiance(int row) {
+    const auto first = static_cast<std::size_t>(row) * static_cast<std::size_t>(view_.width);
+    for (std::size_t at = first; at < first + static_cast<std::size_t>(view_.width); ++at) {
+      for (std::size_t band = 0; band < 3; ++band) picture_.radiance[3 * at + band] = bands_[band][at];
+    }
+  }
+
+  RenderCost total_cost() const {
+    RenderCost total;
+    for (const RenderCost& cost : costs_) total.add(cost);
+    return total;
+  }
 
   const CameraScene& scene_;
   const Camera& camera_;
   const Optics& optics_;
-  const Exposure& exposure_;
+  const PictureRequest& request_;
   int threads_;
-  std::vector<PictureCost> costs_;
-  std::chrono::steady_clock::time_point begun_;
-  PreparedShot prepared_;
-  camera::Shot& shot_;
+  std::vector<RenderCost> costs_;  // of each worker
+  TaskTimer timer_;
+  PreparedView prepared_;
+  camera::View& view_;
   Tracer tracer_;
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
   Picture picture_;
-  std::array<Plane<float>, 3> planes_;
-  camera::Film film_{};
+  std::array<ImageBuffer<float>, 3> bands_;
+  camera::RadiancePlanes radiance_{};
   std::vector<float> shafts_;
-  std::vector<Speck> drifting_;
-  std::vector<double> brightness_;  // of each row of blocks, so that their sum does not depend on who did which
+  std::vector<Particle> particles_;
+  std::vector<double> root_luminance_;  // of each row of blocks, so that their sum does not depend on the threads
 };
-
-/// Exposure, automatic so that the picture's mean comes out as middle grey: the mean of roots, squared, in which
-/// neither darkness nor the glare of a lamp has the last word.
-double Rendering::gain() const {
-  const double correction = camera_.sensor().exposure;
-  if (!on(Effect::kExposure)) return kSunnyGain * correction;
-  double sum = 0;
-  for (const double row : brightness_) sum += row;
-  const double root = sum / static_cast<double>(picture_.depth_m.size());
-  return std::clamp(correction * kMiddleGrey / std::max(root * root, 1e-12), kLeastGain, kMostGain);
-}
-
-void Rendering::finish() {
-  const ImageSensor& sensor = camera_.sensor();
-  picture_.gain = gain();
-  picture_.rgb.resize(3 * picture_.depth_m.size());
-  if (exposure_.keep_radiance) picture_.radiance.resize(picture_.rgb.size());
-  const RandomStream random(scene_.seed(), camera_.name() + "/noise");
-  camera::Developing developing{};
-  developing.gain = static_cast<float>(picture_.gain);
-  developing.iso = static_cast<float>(std::max(1.0, picture_.gain / kMostShutter));
-  developing.vignetting = on(Effect::kVignetting) ? static_cast<float>(sensor.vignetting) : 0;
-  developing.full_well = static_cast<float>(sensor.full_well);
-  developing.read_noise = static_cast<float>(sensor.read_noise);
-  developing.has_noise = on(Effect::kNoise);
-  developing.key = random.key();
-  developing.stream = random.stream();
-  developing.tick = exposure_.tick;
-  constexpr int kRows = 16;
-  for_rows((shot_.height + kRows - 1) / kRows, threads_, [&](int band, int worker) {
-    StageClock own(exposure_.measure, costs_[static_cast<std::size_t>(worker)]);
-    const int first = band * kRows, last = std::min(shot_.height, first + kRows);
-    add_specks(drifting_, picture_.depth_m, shot_, first, last, film_);
-    own.add(kSpecks);
-    for (int row = first; row < last; ++row) {
-      kernels_.develop(shot_, developing, film_, row, picture_.rgb.data());
-      if (exposure_.keep_radiance) keep_radiance(row);
-    }
-    own.add(kFilm);
-  });
-}
-
-void Rendering::keep_radiance(int row) {
-  const auto first = static_cast<std::size_t>(row) * static_cast<std::size_t>(shot_.width);
-  for (std::size_t at = first; at < first + static_cast<std::size_t>(shot_.width); ++at) {
-    for (std::size_t band = 0; band < 3; ++band) picture_.radiance[3 * at + band] = planes_[band][at];
-  }
-}
-
-PictureCost Rendering::total_cost() const {
-  PictureCost total;
-  for (const PictureCost& cost : costs_) total.add(cost);
-  return total;
-}
 
 }  // namespace
 
-void Optics::check() const {
-  water.check();
-  require(particles_per_m3 >= 0 && particles_per_m3 <= 64, "optics.particles_per_m3", particles_per_m3,
-          "must be in [0, 64] 1/m3");
-}
-
-Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const Exposure& exposure,
-               PictureCost* cost) {
+Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request,
+               RenderCost* cost) {
   optics.check();
-  const Pose& pose = exposure.world_from_camera;
+  const Pose& pose = request.world_from_camera;
   const Eigen::Vector3d& eye = pose.position_m;
   const std::string path = "camera '" + camera.name() + "' position_m";
   require(eye.allFinite() && pose.orientation.coeffs().allFinite(), path, eye.transpose(), "must be finite");
@@ -275,9 +246,8 @@ Picture render(const CameraScene& scene, const Camera& camera, const Optics& opt
   if (const auto& terrain = scene.world().terrain()) {
     require(!(eye.z() < terrain->height_at(eye.x(), eye.y())), path, eye.transpose(), "must be above the ground");
   }
-  require(exposure.record == nullptr || exposure.threads == 1, "threads", exposure.threads,
-          "must be 1 where rays are recorded");
-  return Rendering(scene, camera, optics, exposure).take(cost);
+  require(request.record == nullptr || request.threads == 1, "threads", request.threads, "must be 1 to record rays");
+  return Rendering(scene, camera, optics, request).render(cost);
 }
 
 }  // namespace uwsim

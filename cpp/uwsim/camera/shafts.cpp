@@ -1,8 +1,10 @@
 #include "uwsim/camera/shafts.h"
 
 #include <algorithm>
+#include <array>
 
-#include "uwsim/camera/parts.h"
+#include "uwsim/camera/block_mask.h"
+#include "uwsim/camera/parallel_rows.h"
 
 namespace uwsim {
 namespace {
@@ -12,34 +14,35 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr int kSamples = 8;
-constexpr int kShare = 2;  // values a side that share shadow rays, and the way's end
+constexpr int kShare = 2;  // 2 x 2 values share shadow rays and the ray's end
 constexpr int kGroup = kShare * kBlockSide;
 
 class ShaftCaster {
  public:
-  ShaftCaster(const camera::Shot& shot, const Tracer& tracer, const camera::Kernels& kernels, const Exposure& exposure)
-      : shot_(shot),
+  ShaftCaster(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
+              const PictureRequest& request)
+      : view_(view),
         tracer_(tracer),
         kernels_(kernels),
-        exposure_(exposure),
-        columns_((shot.width + kBlockSide - 1) / kBlockSide),
-        rows_((shot.height + kBlockSide - 1) / kBlockSide),
+        request_(request),
+        columns_((view.width + kBlockSide - 1) / kBlockSide),
+        rows_((view.height + kBlockSide - 1) / kBlockSide),
         light_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 1.0f) {}
 
-  /// Two rows of blocks of values at a time.
+  /// A strip is two rows of blocks of values.
   int strips() const { return (rows_ + kGroup - 1) / kGroup; }
 
-  void cast(int strip, PictureCost& cost) {
-    StageClock clock(exposure_.measure, cost);
+  void cast(int strip, RenderCost& cost) {
+    TaskTimer timer(request_.measure, cost);
     Shadows shadows;
     for (int left = 0; left < columns_; left += kGroup) {
       const int top = strip * kGroup;
-      test(left, top, shadows, cost, clock);
+      cast_shared(left, top, shadows, cost, timer);
       for (int part = 0; part < kShare * kShare; ++part) {
         const int x = part % kShare * kBlockSide, y = part / kShare * kBlockSide;
         if (left + x < columns_ && top + y < rows_) sample(left + x, top + y, x, y, shadows);
       }
-      clock.add(kWater);
+      timer.add(kWater);
     }
   }
 
@@ -58,58 +61,58 @@ class ShaftCaster {
   }
 
  private:
-  /// Of a group of values: where ways end, and what of them lies in shadow.
+  /// Shared by a group of values: where rays end, and which of their sample points lie in shadow.
   struct Shadows {
-    camera::Row distance;
-    std::array<camera::Mask, kSamples> blocked;
+    camera::BlockFloats distance;
+    std::array<camera::BlockMask, kSamples> blocked;
   };
 
-  static float middle(int k) { return (static_cast<float>(k) + 0.5f) / kSamples; }
+  static float sample_share(int k) { return (static_cast<float>(k) + 0.5f) / kSamples; }
 
-  /// Rays of the pixels at `offset` of their blocks, at the eye.
-  void aim(int left, int top, int offset, int scale, Block& block) const {
-    kernels_.aim_shafts(shot_, left * kBlockSide + offset, top * kBlockSide + offset, scale, block);
-    kernels_.open_eye(shot_, block);
+  /// Starts paths through the pixels at `offset` in their blocks.
+  void start_rays(int left, int top, int offset, int scale, Block& block) const {
+    kernels_.shaft_rays(view_, left * kBlockSide + offset, top * kBlockSide + offset, scale, block);
+    kernels_.start_paths(view_, block);
   }
 
-  void test(int left, int top, Shadows& shadows, PictureCost& cost, StageClock& clock) const {
+  void cast_shared(int left, int top, Shadows& shadows, RenderCost& cost, TaskTimer& timer) const {
     Block block;
     HitPacket hits;
-    aim(left, top, kGroup / 2, kGroup, block);
+    start_rays(left, top, kGroup / 2, kGroup, block);
     tracer_.cast(block, hits, RayOrder::kCoherent);
     cost.shaft_rays += count(block.active);
     shadows.distance = block.distance;
     shadows.blocked = {};
-    if (exposure_.effects.has(Effect::kShadows)) {
-      kernels_.pass_water(shot_, block);
+    if (request_.effects.has(Effect::kShadows)) {
+      kernels_.apply_water(view_, block);
       block.normal = {};
       for (int k = 0; k < kSamples; ++k) {
-        kernels_.shaft_point(shot_, middle(k), block);
-        if (!any(block.wants)) continue;
-        cost.shaft_rays += count(block.wants);
+        kernels_.shaft_sample_point(view_, sample_share(k), block);
+        if (!any(block.needs_shadow_ray)) continue;
+        cost.shaft_rays += count(block.needs_shadow_ray);
         tracer_.occluded(block, shadows.blocked[static_cast<std::size_t>(k)], RayOrder::kCoherent);
       }
     }
-    clock.add(kShaftRays);
+    timer.add(kShaftRays);
   }
 
-  /// Values from (left, top), which is (x, y) of its group.
+  /// Computes the block of values at (left, top), which is (x, y) in its group.
   void sample(int left, int top, int x, int y, const Shadows& shadows) {
     Block block;
     std::array<std::size_t, kBlockPixels> shared;
-    aim(left, top, kBlockSide / 2, kBlockSide, block);
+    start_rays(left, top, kBlockSide / 2, kBlockSide, block);
     for (int lane = 0; lane < kBlockPixels; ++lane) {
       const int column = (x + lane % kBlockSide) / kShare, row = (y + lane / kBlockSide) / kShare;
       shared[static_cast<std::size_t>(lane)] = static_cast<std::size_t>(row * kBlockSide + column);
       block.distance.at[lane] = shadows.distance.at[row * kBlockSide + column];
     }
-    kernels_.pass_water(shot_, block);
+    kernels_.apply_water(view_, block);
     std::array<float, kBlockPixels> lit{}, whole{};
     for (int k = 0; k < kSamples; ++k) {
-      const camera::Mask& blocked = shadows.blocked[static_cast<std::size_t>(k)];
-      camera::Row weight, caustic;
-      kernels_.shaft_point(shot_, middle(k), block);
-      kernels_.shaft_light(shot_, block, weight, caustic);
+      const camera::BlockMask& blocked = shadows.blocked[static_cast<std::size_t>(k)];
+      camera::BlockFloats weight, caustic;
+      kernels_.shaft_sample_point(view_, sample_share(k), block);
+      kernels_.shaft_sample_light(view_, block, weight, caustic);
       for (std::size_t lane = 0; lane < kBlockPixels; ++lane) {
         whole[lane] += weight.at[lane];
         lit[lane] += blocked.at[shared[lane]] ? 0.0f : weight.at[lane] * caustic.at[lane];
@@ -123,19 +126,19 @@ class ShaftCaster {
     }
   }
 
-  const camera::Shot& shot_;
+  const camera::View& view_;
   const Tracer& tracer_;
   const camera::Kernels& kernels_;
-  const Exposure& exposure_;
+  const PictureRequest& request_;
   int columns_, rows_;
   std::vector<float> light_;
 };
 
 }  // namespace
 
-std::vector<float> cast_shafts(const camera::Shot& shot, const Tracer& tracer, const camera::Kernels& kernels,
-                               const Exposure& exposure, std::vector<PictureCost>& costs) {
-  ShaftCaster caster(shot, tracer, kernels, exposure);
+std::vector<float> cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
+                               const PictureRequest& request, std::vector<RenderCost>& costs) {
+  ShaftCaster caster(view, tracer, kernels, request);
   for_rows(caster.strips(), static_cast<int>(costs.size()),
            [&](int strip, int worker) { caster.cast(strip, costs[static_cast<std::size_t>(worker)]); });
   return caster.smoothed();

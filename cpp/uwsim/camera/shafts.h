@@ -2,15 +2,17 @@
 
 #include <vector>
 
-#include "uwsim/camera/kernel.h"
+#include "uwsim/camera/kernels/kernels.h"
+#include "uwsim/camera/picture_request.h"
+#include "uwsim/camera/render_cost.h"
 #include "uwsim/camera/tracer.h"
 
 namespace uwsim {
 
-/// Shafts of sunlight, a value for each block of 4 x 4 pixels: how much of the sun's beam, over its mean, lights the
-/// water along the ray through the block's middle; 0 in full shadow, above 1 where ripples bundle it. Eight points a
-/// ray, then smoothed over neighbours. Four blocks share what is cast: where the way ends, and its points' shadows.
-std::vector<float> cast_shafts(const camera::Shot& shot, const Tracer& tracer, const camera::Kernels& kernels,
-                               const Exposure& exposure, std::vector<PictureCost>& costs);
+/// Shafts of sunlight, one value for each block of 4 x 4 pixels: the sunlight over its mean along the ray through the
+/// block's middle; 0 in full shadow, above 1 where ripples focus it. Sampled at eight points per ray, then smoothed
+/// over neighbouring blocks. 2 x 2 blocks share what is cast: where the ray ends, and the shadows at its sample points.
+std::vector<float> cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
+                               const PictureRequest& request, std::vector<RenderCost>& costs);
 
 }  // namespace uwsim

@@ -28,7 +28,7 @@ int wrapped(int at, int size) { return (at % size + size) % size; }
 void Texture::check() const {
   require(width >= 1 && height >= 1, "texture.size", width, "must be at least 1 x 1 pixels");
   require(rgb.size() == 3u * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), "texture.rgb",
-          rgb.size(), "must hold three bytes a pixel");
+          rgb.size(), "must hold three bytes for each pixel");
   for (const float corner : corners) require(std::abs(corner) < 1e4f, "texture.corners", corner, "must be finite");
 }
 

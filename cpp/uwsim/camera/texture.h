@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// An image that a mesh carries, 8-bit sRGB, rows from the top; and where each triangle's corners lie on it, in [0, 1]
-/// from the lower left, repeating.
+/// A mesh's image, 8-bit sRGB, rows from the top, and the place of each triangle's corners on it: in [0, 1] from the
+/// lower left, repeating.
 struct Texture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
@@ -17,7 +17,7 @@ struct Texture {
 
   /// Throws InvalidValue.
   void check() const;
-  /// Albedo at barycentric (u, v) of a triangle, between its four nearest pixels.
+  /// Albedo at barycentric (u, v) of a triangle, interpolated between the four nearest pixels.
   std::array<float, 3> at(std::uint32_t triangle, float u, float v) const;
 };
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/names.h"
 
 namespace uwsim {
 namespace {
@@ -42,13 +43,8 @@ void WaterOptics::check() const {
 }
 
 WaterOptics jerlov_water(std::string_view type) {
-  for (const Type& known : kTypes) {
-    if (type == known.name) return {bands(known.kd), bands(known.a), bands(known.b)};
-  }
-  std::string names;
-  for (const Type& known : kTypes) names += (names.empty() ? "" : ", ") + std::string(known.name);
-  require(false, "optics.jerlov", type, "must be one of " + names);
-  return {};
+  const Type& known = kTypes[index_of("optics.jerlov", type, jerlov_types())];
+  return {bands(known.kd), bands(known.a), bands(known.b)};
 }
 
 const std::vector<std::string>& jerlov_types() {

@@ -11,15 +11,18 @@
 
 namespace uwsim {
 
-/// Calls job(0), job(1), ... job(threads - 1), each on a thread of its own, the first on this one. What one of them
-/// throws is thrown here, when all have ended.
+/// The number of threads that this machine runs at once, at least 1.
+inline int usable_threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+/// Calls job(0), job(1), ... job(threads - 1), each on its own thread, job(0) on the calling one. Returns when all have
+/// ended; the first exception that one of them throws is thrown again here.
 template <typename Job>
 void on_threads(std::size_t threads, const Job& job) {
   std::mutex mutex;
   std::exception_ptr error;
-  const auto run = [&](std::size_t part) {
+  const auto run = [&](std::size_t worker) {
     try {
-      job(part);
+      job(worker);
     } catch (...) {
       const std::scoped_lock lock(mutex);
       if (!error) error = std::current_exception();
@@ -28,11 +31,11 @@ void on_threads(std::size_t threads, const Job& job) {
   {
     std::vector<std::jthread> others;
     others.reserve(threads - 1);
-    for (std::size_t part = 1; part < threads; ++part) {
+    for (std::size_t worker = 1; worker < threads; ++worker) {
       try {
-        others.emplace_back(run, part);
+        others.emplace_back(run, worker);
       } catch (const std::system_error&) {
-        run(part);  // the system gives no more threads
+        run(worker);  // the system has no thread to spare
       }
     }
     run(0);
@@ -40,22 +43,29 @@ void on_threads(std::size_t threads, const Job& job) {
   if (error) std::rethrow_exception(error);
 }
 
-/// Calls work(first, last) on contiguous ranges that cover [0, count), on up to `threads` threads. Results must not
-/// depend on where the ranges are cut: use it for independent items only. `worth_a_thread`: how many items are enough
-/// work for one.
+/// For items of even cost: calls work(first, last) on contiguous ranges that cover [0, count), one range a thread, on
+/// up to `threads` threads, each with at least `least_items`. Items must be independent: where the ranges are cut must
+/// not change a result.
 template <typename Work>
-void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t worth_a_thread = 4096) {
-  const std::size_t parts = std::clamp<std::size_t>(count / worth_a_thread, 1, std::max(threads, 1));
+void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t least_items = 4096) {
+  const std::size_t parts = std::clamp<std::size_t>(count / least_items, 1, std::max(threads, 1));
   on_threads(parts, [&](std::size_t part) { work(part * count / parts, (part + 1) * count / parts); });
 }
 
-/// The same for items of uneven cost: each thread takes the next `share` of them when it is done with its last.
+/// For items of uneven cost: each thread takes the next `batch` items whenever it has finished its last ones. Calls
+/// work(first, last, worker); workers are numbered from 0, so that each can have scratch memory of its own. An
+/// exception stops the other threads after their current batch.
 template <typename Work>
-void parallel_shares(std::size_t count, std::size_t share, int threads, Work&& work) {
-  const std::size_t shares = (count + share - 1) / share;
+void parallel_batches(std::size_t count, std::size_t batch, int threads, Work&& work) {
+  const std::size_t batches = (count + batch - 1) / batch;
   std::atomic<std::size_t> next{0};
-  on_threads(std::clamp<std::size_t>(shares, 1, std::max(threads, 1)), [&](std::size_t) {
-    for (std::size_t k = next++; k < shares; k = next++) work(k * share, std::min(count, (k + 1) * share));
+  on_threads(std::clamp<std::size_t>(batches, 1, std::max(threads, 1)), [&](std::size_t worker) {
+    try {
+      for (std::size_t k = next++; k < batches; k = next++) work(k * batch, std::min(count, (k + 1) * batch), worker);
+    } catch (...) {
+      next = batches;  // the others stop after their current batch
+      throw;
+    }
   });
 }
 

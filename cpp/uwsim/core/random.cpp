@@ -9,6 +9,7 @@ namespace {
 
 using Block = std::array<std::uint32_t, 4>;
 
+/// Ten rounds.
 Block philox4x32(Block counter, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key);
   auto k1 = static_cast<std::uint32_t>(key >> 32);
@@ -23,11 +24,13 @@ Block philox4x32(Block counter, std::uint64_t key) {
   return counter;
 }
 
+/// 52 random bits as the middle of one of 2^52 equal intervals of (0, 1).
 double open_unit(std::uint32_t high, std::uint32_t low) {
   const std::uint64_t bits = ((std::uint64_t{high} << 32) | low) >> 12;
   return (static_cast<double>(bits) + 0.5) * 0x1p-52;
 }
 
+/// FNV-1a, 32 bits.
 std::uint32_t fnv1a(std::string_view text) {
   std::uint32_t hash = 2166136261u;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
@@ -50,8 +53,8 @@ std::array<double, 2> RandomStream::normals(std::uint64_t tick, std::uint32_t in
   const Block b =
       philox4x32({static_cast<std::uint32_t>(tick), static_cast<std::uint32_t>(tick >> 32), index, stream_}, key_);
   const double radius = std::sqrt(-2 * std::log(open_unit(b[0], b[1])));
-  const double turn = 2 * std::numbers::pi * open_unit(b[2], b[3]);
-  return {radius * std::cos(turn), radius * std::sin(turn)};
+  const double angle = 2 * std::numbers::pi * open_unit(b[2], b[3]);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
 }  // namespace uwsim

@@ -9,21 +9,22 @@ RandomPath RandomPath::gauss_markov(const RandomStream& stream, std::uint32_t in
   RandomPath path(stream, index);
   for (int level = 0; level < kLevels; ++level) {
     const double u = std::ldexp(1.0, level) / correlation_steps;
-    path.levels_[static_cast<std::size_t>(level)].pull = 0.5 / std::cosh(u);  // 0 where cosh overflows
-    path.levels_[static_cast<std::size_t>(level)].spread = std * std::sqrt(std::tanh(u));
+    path.levels_[static_cast<std::size_t>(level)].mean_weight = 0.5 / std::cosh(u);  // 0 where cosh overflows
+    path.levels_[static_cast<std::size_t>(level)].std = std * std::sqrt(std::tanh(u));
   }
-  const double kept = std::exp(-std::ldexp(1.0, kLevels) / correlation_steps);
+  const double correlation = std::exp(-std::ldexp(1.0, kLevels) / correlation_steps);
   path.first_ = std * stream.normal(0, index);
-  path.last_ = kept * path.first_ + std * std::sqrt(-std::expm1(-2 * std::ldexp(1.0, kLevels) / correlation_steps)) *
-                                        stream.normal(std::uint64_t{1} << kLevels, index);
+  path.last_ =
+      correlation * path.first_ + std * std::sqrt(-std::expm1(-2 * std::ldexp(1.0, kLevels) / correlation_steps)) *
+                                      stream.normal(std::uint64_t{1} << kLevels, index);
   return path;
 }
 
 RandomPath RandomPath::random_walk(const RandomStream& stream, std::uint32_t index, double std_step) {
   RandomPath path(stream, index);
   for (int level = 0; level < kLevels; ++level) {
-    path.levels_[static_cast<std::size_t>(level)].pull = 0.5;
-    path.levels_[static_cast<std::size_t>(level)].spread = std_step * std::sqrt(0.5 * std::ldexp(1.0, level));
+    path.levels_[static_cast<std::size_t>(level)].mean_weight = 0.5;
+    path.levels_[static_cast<std::size_t>(level)].std = std_step * std::sqrt(0.5 * std::ldexp(1.0, level));
   }
   path.last_ = std_step * std::ldexp(1.0, kLevels / 2) * stream.normal(std::uint64_t{1} << kLevels, index);
   return path;
@@ -36,16 +37,16 @@ double RandomPath::at(std::uint64_t step) {
   double at_low = first_, at_high = last_;
   for (int level = kLevels - 1;; --level) {
     Level& here = levels_[static_cast<std::size_t>(level)];
-    const std::uint64_t middle = low + (std::uint64_t{1} << level);
-    if (here.middle != middle) {
-      here.middle = middle;
-      here.value = here.pull * (at_low + at_high) + here.spread * stream_.normal(middle, index_);
+    const std::uint64_t midpoint = low + (std::uint64_t{1} << level);
+    if (here.midpoint != midpoint) {
+      here.midpoint = midpoint;
+      here.value = here.mean_weight * (at_low + at_high) + here.std * stream_.normal(midpoint, index_);
     }
-    if (step == middle) return here.value;
-    if (step < middle) {
+    if (step == midpoint) return here.value;
+    if (step < midpoint) {
       at_high = here.value;
     } else {
-      low = middle;
+      low = midpoint;
       at_low = here.value;
     }
   }

@@ -7,19 +7,20 @@
 
 namespace uwsim {
 
-/// A correlated random process x(0), x(1), ... of which any step can be asked for, in any order, and always gives the
-/// same value: Levy's construction. The ends x(0) and x(2^40) are drawn first, then the middle of each interval given
-/// its two ends, down to the step asked for. Each step is the middle of exactly one interval, so its number keys its
-/// draw. Exact in distribution, not an approximation; the last way down is kept, so that steps read in order cost two
-/// draws each. Steps beyond 2^40 (174 years of 5 ms) start again from 0.
+/// A correlated random process x(0), x(1), ... whose steps may be read in any order, each always with the same value:
+/// Levy's construction. The ends x(0) and x(2^40) are drawn first, then the midpoint of each interval given its two
+/// ends, down to the step in question. Each step is the midpoint of exactly one interval, so its number keys its draw.
+/// This is exact in distribution, not an approximation. The midpoints of the last descent are kept, so that steps that
+/// are read in order cost two draws each. Steps beyond 2^40 (174 years of 5 ms) start again from 0.
 class RandomPath {
  public:
   /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), correlation
-  /// exp(-|j-k| / correlation_steps). Middle of an interval of ends a, b and half length h: mean (a + b) / (2 cosh u),
-  /// variance std^2 tanh u, u = h / correlation_steps.
+  /// exp(-|j-k| / correlation_steps). The midpoint of an interval with ends a, b and half length h has the mean
+  /// (a + b) / (2 cosh u) and the variance std^2 tanh u, where u = h / correlation_steps.
   static RandomPath gauss_markov(const RandomStream& stream, std::uint32_t index, double std, double correlation_steps);
 
-  /// Random walk from x(0) = 0: increments N(0, std_step^2). Middle: mean (a + b) / 2, variance std_step^2 h / 2.
+  /// Random walk from x(0) = 0 with increments N(0, std_step^2). A midpoint has the mean (a + b) / 2 and the variance
+  /// std_step^2 h / 2.
   static RandomPath random_walk(const RandomStream& stream, std::uint32_t index, double std_step);
 
   double at(std::uint64_t step);
@@ -27,10 +28,10 @@ class RandomPath {
  private:
   static constexpr int kLevels = 40;
   struct Level {
-    double pull = 0;           ///< the middle's mean is this times the sum of the ends
-    double spread = 0;         ///< standard deviation about it
-    std::uint64_t middle = 0;  ///< where the last way down passed; 0 when it has not
-    double value = 0;          ///< x(middle)
+    double mean_weight = 0;      ///< a midpoint's mean is this times the sum of the ends
+    double std = 0;              ///< standard deviation about it
+    std::uint64_t midpoint = 0;  ///< that the last descent passed; 0 when there was none
+    double value = 0;            ///< x(midpoint)
   };
 
   RandomPath(const RandomStream& stream, std::uint32_t index) : stream_(stream), index_(index) {}

@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;  // of an orientation's length; a step keeps it within rounding
+constexpr double kUnitTolerance = 1e-6;  // of a quaternion's length; steps keep it within rounding
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void StateArchive::operator()(bool& value) {
 void StateArchive::numbers(std::span<double> values) {
   exchange(values.data(), values.size_bytes());
   if (!restoring_) return;
-  for (const double value : values) require(std::isfinite(value), "state", value, "figures must be finite");
+  for (const double value : values) require(std::isfinite(value), "state", value, "must be finite");
 }
 
 void StateArchive::operator()(std::string& text) {

@@ -11,14 +11,14 @@
 
 namespace uwsim {
 
-/// What a simulation's parts save and restore themselves through: each lists its figures once, in one function that
-/// writes them or takes them back, so that the two cannot differ. Figures lie one after the other as this machine holds
-/// them. Throws InvalidValue when what is read ends early, or a figure is not finite.
+/// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that writes
+/// them to the archive or reads them back, so that the two cannot differ. Values follow each other without gaps, as
+/// this machine stores them. Reading throws InvalidValue when the bytes end early or a value is not finite.
 class StateArchive {
  public:
-  /// Saves.
+  /// An archive to save to.
   StateArchive() = default;
-  /// Restores from `bytes`, which must outlive it.
+  /// An archive to restore from. `bytes` must outlive it.
   explicit StateArchive(std::string_view bytes) : source_(bytes), restoring_(true) {}
 
   bool restoring() const { return restoring_; }
@@ -29,17 +29,17 @@ class StateArchive {
   void operator()(bool& value);
   void operator()(Vector6d& value) { numbers({value.data(), 6}); }
   void operator()(std::string& text);
-  /// Throws when the orientation that is read is none.
+  /// Reading throws unless the orientation is a unit quaternion.
   void operator()(BodyState& state);
-  /// Writes `value`; what is read must be the same, or throws: "state.<what> = 3: must be 2".
+  /// Writes `value`. Reading throws unless the archive has the same one: "state.<what> = 3: must be 2".
   void same(std::string_view what, std::uint64_t value);
   void same(std::string_view what, const std::string& value);
-  /// Throws when something is left to read.
+  /// Throws when bytes are left to read.
   void finish() const;
 
  private:
   void numbers(std::span<double> values);
-  /// The next bytes to read, or room to write.
+  /// Appends `size` bytes from `data`, or reads the next ones into it.
   void exchange(void* data, std::size_t size);
 
   std::string saved_;

@@ -58,7 +58,7 @@ void require_well_formed(const TriangleMesh& mesh, std::string_view path) {
 
 void require_closed(const TriangleMesh& mesh, std::string_view path) {
   require_well_formed(mesh, path);
-  std::unordered_map<std::uint64_t, int> uses;  // directed edge -> how often
+  std::unordered_map<std::uint64_t, int> uses;  // by directed edge
   const auto key = [](std::uint32_t from, std::uint32_t to) { return (std::uint64_t{from} << 32) | to; };
   for (const Triangle& t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) ++uses[key(t[k], t[(k + 1) % 3])];

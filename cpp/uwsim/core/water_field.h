@@ -6,11 +6,11 @@
 
 namespace uwsim {
 
-/// How the water moves at a place and time, world frame.
+/// Motion of the water at a place and time, world frame.
 struct WaterFlow {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();               ///< current and waves together
-  Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();     ///< local rate, driven by `gauge_pressure_at`
-  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();  ///< local rate, driven from outside
+  Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();     ///< local; its pressure is in gauge_pressure_at
+  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();  ///< local; its pressure is not
 };
 
 /// A layer in which density is linear in height: rho(z) = density_kg_m3 + gradient_kg_m4 (z - reference_m).
@@ -24,49 +24,49 @@ struct DensityLayer {
   double at(double z_world_m) const { return density_kg_m3 + gradient_kg_m4 * (z_world_m - reference_m); }
 };
 
-/// Heights that bound the surface somewhere [m].
+/// Conservative bounds of the surface's height over an area [m].
 struct SurfaceSpan {
   double low_m = 0;
   double high_m = 0;
 };
 
-/// What waves do to a wholly submerged volume, per unit of density: force [N / (kg/m3)] and moment about its centroid.
+/// Force of the waves on a wholly submerged volume [N / (kg/m3)] and moment about its centroid, per unit of density.
 struct WaveLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
 };
 
-/// The water as its force models see it: density, pressure, surface and motion at a place (world ENU, mean surface at
-/// z = 0) and a time. Pure functions of their arguments, free of allocation.
+/// The water as the force models see it: density, pressure, surface and motion at a place (world ENU, mean surface at
+/// z = 0) and a time. Every function is pure and allocates nothing.
 class WaterField {
  public:
   virtual ~WaterField() = default;
 
-  /// Surface flat at z = 0 and density uniform: closed forms serve.
+  /// Whether the surface is flat at z = 0 and the density uniform, so that closed forms hold.
   virtual bool calm_and_even() const = 0;
   virtual double gravity() const = 0;                     ///< [m/s^2]
   virtual double density_at(double z_world_m) const = 0;  ///< at rest [kg/m^3]
   virtual DensityLayer density_layer_at(double z_world_m) const = 0;
-  /// No surface is farther than this from z = 0 [m]; 0 where it is flat.
+  /// Conservative bound of the surface's distance from z = 0 [m]; 0 where it is flat.
   virtual double wave_bound_m() const = 0;
-  /// Bounds of the surface within `radius_m` of a point: what is below low_m is wet, what is above high_m is dry.
+  /// Bounds of the surface within `radius_m` of a point: everything below low_m is wet, everything above high_m dry.
   virtual SurfaceSpan surface_span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const = 0;
   virtual double surface_height_at(double x_world_m, double y_world_m, double time_s) const = 0;  ///< [m]
-  /// Above the atmosphere's, 0 above the surface [Pa].
+  /// Pressure above that of the atmosphere; 0 above the surface [Pa].
   virtual double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Gauge pressure of water at rest under z = 0: the integral of rho g from z up to 0, negative above [Pa].
+  /// Gauge pressure of still water under a surface at z = 0: the integral of rho g from z up to 0; negative above [Pa].
   virtual double still_pressure_at(double z_world_m) const = 0;
-  /// Height of still water [m] whose pressure each point feels, so that gauge pressure = still_pressure_at(-head);
-  /// negative above the surface, by how far the point is above it.
+  /// Pressure head of each point: the height of still water [m] that gives the same pressure, so that the gauge
+  /// pressure is still_pressure_at(-head). Above the surface it is minus the height over the surface.
   virtual void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
                               std::span<double> heads_m) const = 0;
-  /// `second_moment_m5` is the integral of d d^T over the volume, d from its centroid, world frame.
+  /// Load on a volume. `second_moment_m5` is the integral of d d^T over it, d the arm from its centroid, world frame.
   virtual WaveLoad wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3,
                              const Eigen::Matrix3d& second_moment_m5, double time_s) const = 0;
   virtual WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
 };
 
-/// Water of one density with a flat surface at z = 0 and one steady current.
+/// Water of uniform density with a flat surface at z = 0 and one steady, uniform current.
 class EvenWater : public WaterField {
  public:
   double density_kg_m3 = 1000;

@@ -5,17 +5,18 @@
 #include <cmath>
 #include <utility>
 
-#include "uwsim/dynamics/clearance.h"
-#include "uwsim/dynamics/convex_meeting.h"
+#include "uwsim/dynamics/broad_phase.h"
+#include "uwsim/dynamics/convex_contact.h"
 #include "uwsim/dynamics/solid_triangles.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kSamePlace_m = 0.01;  // contacts nearer to each other than this, and as steep, are one
-constexpr double kSameNormal = 0.99;
-constexpr std::size_t kTrianglesAtOnce = 4096;  // near one piece; beyond it a step takes memory
-constexpr double kFacesUp = 0.3;  // of an overlap's normal with the terrain's; deeper ones are left to the corners
+constexpr double kSamePlace_m = 0.01;             // contacts closer together than this, with normals alike, are merged
+constexpr double kSameNormal = 0.99;              // cosine
+constexpr std::size_t kReservedTriangles = 4096;  // near one piece; with more, a step allocates
+// Least cosine between an overlap's normal and the terrain's; deeper overlaps are found by the shape's corners.
+constexpr double kFacesUp = 0.3;
 
 struct Box {
   Eigen::Vector3d low_m, high_m;
@@ -24,11 +25,11 @@ struct Box {
   }
 };
 
-/// A box along the body's axes, which is turned with it.
+/// A box along the body's axes.
 struct BodyBox {
   Eigen::Vector3d middle_body_m, half_size_body_m;
 
-  static BodyBox round(const ConvexPiece& points_m) {
+  static BodyBox around(const ConvexPiece& points_m) {
     Eigen::Vector3d low = points_m.front(), high = low;
     for (const Eigen::Vector3d& p : points_m) {
       low = low.cwiseMin(p);
@@ -36,10 +37,10 @@ struct BodyBox {
     }
     return {0.5 * (low + high), 0.5 * (high - low)};
   }
-  /// The box along the world's axes round it, larger by `reach_m`.
-  Box in_world(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& turn, double reach_m) const {
-    const Eigen::Vector3d middle = position_m + turn * middle_body_m;
-    const Eigen::Vector3d half = turn.cwiseAbs() * half_size_body_m + Eigen::Vector3d::Constant(reach_m);
+  /// Its bounding box along the world's axes, enlarged by `reach_m`.
+  Box in_world(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& rotation, double reach_m) const {
+    const Eigen::Vector3d middle = position_m + rotation * middle_body_m;
+    const Eigen::Vector3d half = rotation.cwiseAbs() * half_size_body_m + Eigen::Vector3d::Constant(reach_m);
     return {middle - half, middle + half};
   }
 };
@@ -59,16 +60,16 @@ struct Body {
 
 struct ContactFinder::Impl {
   World world;
-  Clearance clearance;
+  BroadPhase broad_phase;
   SolidTriangles solids;
-  ConvexMeeting meeting;
+  ConvexContact convex_contact;
   std::vector<Body> bodies;
-  std::vector<SolidTriangles::Index> near;  // kept to spare allocation
+  std::vector<SolidTriangles::Index> near;  // kept so that steps allocate nothing
   std::vector<Contact>* contacts = nullptr;
   std::size_t first_of_pair = 0;
 
-  explicit Impl(const World& source) : world(source), clearance(source), solids(source) {
-    near.reserve(kTrianglesAtOnce);
+  explicit Impl(const World& source) : world(source), broad_phase(source), solids(source) {
+    near.reserve(kReservedTriangles);
   }
 
   void find(std::span<const MovingBody> moving, std::vector<Contact>& out) {
@@ -76,32 +77,32 @@ struct ContactFinder::Impl {
     contacts->clear();
     for (std::size_t a = 0; a < moving.size(); ++a) {
       if (!moving[a].collides) continue;
-      meet_fixed(static_cast<int>(a), bodies[a], moving[a]);
+      find_with_world(static_cast<int>(a), bodies[a], moving[a]);
       for (std::size_t b = 0; b < a; ++b) {
         if (!moving[b].collides) continue;
         const double near_m = bodies[a].radius_m + bodies[b].radius_m + moving[a].reach_m + moving[b].reach_m;
         const Eigen::Vector3d between = moving[a].world_from_body.position_m - moving[b].world_from_body.position_m;
-        if (between.squaredNorm() < near_m * near_m) meet_body(a, moving[a], b, moving[b]);
+        if (between.squaredNorm() < near_m * near_m) find_between(a, moving[a], b, moving[b]);
       }
     }
   }
 
-  void meet_fixed(int a, const Body& body, const MovingBody& moving) {
+  void find_with_world(int a, const Body& body, const MovingBody& moving) {
     const Pose& pose = moving.world_from_body;
-    const Eigen::Matrix3d turn = pose.rotation();
+    const Eigen::Matrix3d rotation = pose.rotation();
     const double reach_m = moving.reach_m + kRestGap_m;
-    const Box whole = body.box.in_world(pose.position_m, turn, reach_m);
-    if (!clearance.may_touch(whole.low_m, whole.high_m)) return;
+    const Box whole = body.box.in_world(pose.position_m, rotation, reach_m);
+    if (!broad_phase.may_touch(whole.low_m, whole.high_m)) return;
     first_of_pair = contacts->size();
     for (const Piece& piece : body.pieces) {
-      const Box box = piece.box.in_world(pose.position_m, turn, reach_m);
-      if (!clearance.may_touch(box.low_m, box.high_m)) continue;
-      if (world.terrain()) meet_terrain(a, piece.shape, pose, box, reach_m);
-      meet_solids(a, piece.shape, pose, box, reach_m);
+      const Box box = piece.box.in_world(pose.position_m, rotation, reach_m);
+      if (!broad_phase.may_touch(box.low_m, box.high_m)) continue;
+      if (world.terrain()) find_with_terrain(a, piece.shape, pose, box, reach_m);
+      find_with_solids(a, piece.shape, pose, box, reach_m);
     }
   }
 
-  void meet_terrain(int a, const ConvexShape& shape, const Pose& pose, const Box& box, double reach_m) {
+  void find_with_terrain(int a, const ConvexShape& shape, const Pose& pose, const Box& box, double reach_m) {
     const Heightfield& terrain = *world.terrain();
     const auto cell = [&](double along_m, std::size_t nodes) {
       return static_cast<std::size_t>(
@@ -120,26 +121,27 @@ struct ContactFinder::Impl {
         if (lowest > box.high_m.z()) continue;
         for (std::size_t half = 0; half < 2; ++half) {
           const auto [u, v, w] = terrain.triangle(2 * (j * (terrain.nx() - 1) + i) + half);
-          meet_ground(a, shape, pose, {terrain.vertex(u), terrain.vertex(v), terrain.vertex(w)}, reach_m);
+          find_with_terrain_triangle(a, shape, pose, {terrain.vertex(u), terrain.vertex(v), terrain.vertex(w)},
+                                     reach_m);
         }
       }
     }
-    if (reaches) meet_ground_with_corners(a, shape, pose);
+    if (reaches) add_corners_under_terrain(a, shape, pose);
   }
 
-  void meet_ground(int a, const ConvexShape& shape, const Pose& pose, const std::array<Eigen::Vector3d, 3>& triangle,
-                   double reach_m) {
+  void find_with_terrain_triangle(int a, const ConvexShape& shape, const Pose& pose,
+                                  const std::array<Eigen::Vector3d, 3>& triangle, double reach_m) {
     const Eigen::Vector3d up = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
-    for (const Meeting& found : meeting.with_triangle(shape, pose, triangle, reach_m)) {
+    for (const ContactPoint& found : convex_contact.with_triangle(shape, pose, triangle, reach_m)) {
       const bool overlaps = found.distance_m <= 0;
       if (found.normal_world.dot(up) < (overlaps ? kFacesUp : 0.0)) continue;
-      if (overlaps || ground_is_nearest(found)) add(a, kFixedBody, found);
+      if (overlaps || terrain_is_nearest(found)) add(a, kFixedBody, found);
     }
   }
 
-  /// As SurfaceEdges::is_nearest: going from the point towards the body, the ground must fall away at least as steeply
-  /// as a plane across the normal.
-  bool ground_is_nearest(const Meeting& found) const {
+  /// The terrain's counterpart of InternalEdges::is_nearest: from the point towards the body, the terrain must fall
+  /// away at least as steeply as the plane perpendicular to the normal.
+  bool terrain_is_nearest(const ContactPoint& found) const {
     const Eigen::Vector2d aside = found.normal_world.head<2>();
     const double lean = aside.norm();
     if (lean < 1e-6) return true;
@@ -150,8 +152,8 @@ struct ContactFinder::Impl {
     return lean + found.normal_world.z() * (height_m - found.point_world_m.z()) / step_m < 1e-3;
   }
 
-  /// Corners under the ground are pushed up to it, however deep.
-  void meet_ground_with_corners(int a, const ConvexShape& shape, const Pose& pose) {
+  /// Corners under the terrain are contacts, however deep they are.
+  void add_corners_under_terrain(int a, const ConvexShape& shape, const Pose& pose) {
     const Heightfield& terrain = *world.terrain();
     const double d = 0.01 * terrain.spacing_m();
     for (const Eigen::Vector3d& corner : shape.corners_body_m()) {
@@ -166,34 +168,36 @@ struct ContactFinder::Impl {
     }
   }
 
-  void meet_solids(int a, const ConvexShape& shape, const Pose& pose, const Box& box, double reach_m) {
+  void find_with_solids(int a, const ConvexShape& shape, const Pose& pose, const Box& box, double reach_m) {
     solids.find(box.low_m, box.high_m, near);
     for (const SolidTriangles::Index& index : near) {
-      const SurfaceEdges& edges = solids.edges(index);
-      for (const Meeting& found : meeting.with_triangle(shape, pose, solids.corners_world_m(index), reach_m)) {
+      const InternalEdges& edges = solids.edges(index);
+      for (const ContactPoint& found :
+           convex_contact.with_triangle(shape, pose, solids.corners_world_m(index), reach_m)) {
         if (found.distance_m <= 0 || edges.is_nearest(index.triangle, found.point_world_m, found.normal_world))
           add(a, kFixedBody, found);
       }
     }
   }
 
-  void meet_body(std::size_t a, const MovingBody& body_a, std::size_t b, const MovingBody& body_b) {
+  void find_between(std::size_t a, const MovingBody& body_a, std::size_t b, const MovingBody& body_b) {
     first_of_pair = contacts->size();
     const Pose &pose_a = body_a.world_from_body, &pose_b = body_b.world_from_body;
-    const Eigen::Matrix3d turn_a = pose_a.rotation(), turn_b = pose_b.rotation();
+    const Eigen::Matrix3d rotation_a = pose_a.rotation(), rotation_b = pose_b.rotation();
     const double reach_m = body_a.reach_m + body_b.reach_m + kRestGap_m;
     for (const Piece& piece_a : bodies[a].pieces) {
-      const Box box_a = piece_a.box.in_world(pose_a.position_m, turn_a, reach_m);
+      const Box box_a = piece_a.box.in_world(pose_a.position_m, rotation_a, reach_m);
       for (const Piece& piece_b : bodies[b].pieces) {
-        if (!box_a.meets(piece_b.box.in_world(pose_b.position_m, turn_b, 0))) continue;
-        for (const Meeting& found : meeting.with_shape(piece_a.shape, pose_a, piece_b.shape, pose_b, reach_m))
+        if (!box_a.meets(piece_b.box.in_world(pose_b.position_m, rotation_b, 0))) continue;
+        for (const ContactPoint& found :
+             convex_contact.with_shape(piece_a.shape, pose_a, piece_b.shape, pose_b, reach_m))
           add(static_cast<int>(a), static_cast<int>(b), found);
       }
     }
   }
 
-  /// Of several contacts of a pair at one place the deepest is kept.
-  void add(int a, int b, const Meeting& found) {
+  /// Adds a contact. Of several of one pair of bodies at one place, the deepest is kept.
+  void add(int a, int b, const ContactPoint& found) {
     const double gap_m = found.distance_m - kRestGap_m;
     const auto same = [&](const Contact& known) {
       return (known.point_world_m - found.point_world_m).squaredNorm() <= kSamePlace_m * kSamePlace_m &&
@@ -221,11 +225,11 @@ void ContactFinder::add_body(std::span<const ConvexPiece> pieces_body_m) {
   ConvexPiece all;
   for (const ConvexPiece& points : pieces_body_m) {
     ConvexShape shape(points);
-    const BodyBox box = BodyBox::round(shape.corners_body_m());
+    const BodyBox box = BodyBox::around(shape.corners_body_m());
     all.insert(all.end(), shape.corners_body_m().begin(), shape.corners_body_m().end());
     body.pieces.push_back({std::move(shape), box});
   }
-  body.box = BodyBox::round(all);
+  body.box = BodyBox::around(all);
   for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
   impl_->bodies.push_back(std::move(body));
 }

@@ -11,22 +11,22 @@
 
 namespace uwsim {
 
-/// How near a resting body stays to the surface it rests on: closer contacts count as pressed together, so that shapes
-/// need not overlap for a contact to hold.
+/// The distance at which a body rests above a surface: closer contacts count as pressed together, so that a contact can
+/// hold without an overlap of the shapes.
 inline constexpr double kRestGap_m = 1e-3;
 
-/// A body as the search for contacts sees it.
+/// A body, for the contact finder.
 struct MovingBody {
   Pose world_from_body;
-  double reach_m = 0;  ///< contacts with a gap up to this are wanted
+  double reach_m = 0;  ///< find contacts whose gap is at most this
   bool collides = true;
 };
 
 /// Finds where bodies, made of convex pieces, come near each other, the terrain and the solids.
 ///
-/// The answer is a pure function of the poses: nothing is kept from one step to the next, so the same state has the
-/// same future. Shapes have no margin: a contact's gap is the distance of the surfaces less kRestGap_m. The terrain is
-/// solid all the way down: what lies under it is an overlap.
+/// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states have equal
+/// futures. Shapes have no margin: a contact's gap is the distance of the surfaces minus kRestGap_m. The terrain is
+/// solid downward without end: a body under it overlaps it.
 class ContactFinder {
  public:
   explicit ContactFinder(const World& world);
@@ -39,8 +39,8 @@ class ContactFinder {
   /// Radius of a sphere about the body's origin that holds all its pieces [m].
   double radius_m(std::size_t body) const;
 
-  /// Replaces `contacts`: bodies in order, each with what is fixed, then with the bodies before it. Friction and
-  /// restitution are left to the caller.
+  /// Replaces `contacts`. Bodies come in order, each with its contacts with terrain and solids, then with the bodies
+  /// before it. The caller sets friction and restitution.
   void find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts);
 
  private:

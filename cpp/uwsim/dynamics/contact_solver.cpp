@@ -7,10 +7,10 @@ namespace uwsim {
 namespace {
 
 constexpr int kSweeps = 20;
-constexpr double kBounceThreshold_m_s = 0.05;  // slower hits do not bounce, so that bodies come to rest
+constexpr double kBounceThreshold_m_s = 0.05;  // slower impacts do not bounce, so that bodies come to rest
 constexpr double kSlop_m = 1e-3;
-constexpr double kOverlapShare = 0.2;   // of the overlap beyond the slop, removed each step
-constexpr double kFastestPush_m_s = 2;  // deep overlaps are left at this speed
+constexpr double kOverlapShare = 0.2;  // fraction of the overlap beyond the slop that a step removes
+constexpr double kPushMax_m_s = 2;     // limit of the push out of deep overlaps
 
 /// The six-vector J with J nu = velocity of the contact point along `direction_world`.
 Vector6d point_direction(const ContactBody& body, const Eigen::Vector3d& point_world_m,
@@ -59,17 +59,17 @@ void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact
     };
     const double gap = std::max(0.0, contact.gap_m);
     const bool arrives = along_normal(&ContactBody::velocity_body) * step_s + gap < 0;
-    const double arriving =
-        along_normal(&ContactBody::start_velocity_body);  // gravity's share of a step must not bounce
-    const bool bounces = arrives && arriving < -kBounceThreshold_m_s;
-    normal.target = bounces ? -contact.restitution * arriving : -gap / step_s;
+    // Speed before the step: what gravity adds within it must not bounce.
+    const double approach_m_s = along_normal(&ContactBody::start_velocity_body);
+    const bool bounces = arrives && approach_m_s < -kBounceThreshold_m_s;
+    normal.target = bounces ? -contact.restitution * approach_m_s : -gap / step_s;
   }
   solve_velocities(bodies, contacts);
   solve_overlaps(bodies, contacts, step_s);
 }
 
 void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<const Contact> contacts) {
-  const auto push = [&](Row& row, double impulse) {
+  const auto apply = [&](Row& row, double impulse) {
     const double change = impulse - row.impulse;
     row.impulse = impulse;
     ContactBody& a = bodies[static_cast<std::size_t>(row.a)];
@@ -80,7 +80,7 @@ void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<co
     b.velocity_body += change * row.response_b;
     b.impulse_body += change * row.direction_b;
   };
-  const auto wanted = [&](const Row& row) {
+  const auto impulse_to_target = [&](const Row& row) {
     double speed = row.direction_a.dot(bodies[static_cast<std::size_t>(row.a)].velocity_body);
     if (row.b != kFixedBody) speed += row.direction_b.dot(bodies[static_cast<std::size_t>(row.b)].velocity_body);
     return row.impulse + (row.target - speed) / row.inverse_effective_mass;
@@ -88,23 +88,23 @@ void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<co
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       Row& normal = rows_[3 * k];
-      push(normal, std::max(0.0, wanted(normal)));
-      // Coulomb's cone is round: both tangents are asked first, then held to its radius together.
+      apply(normal, std::max(0.0, impulse_to_target(normal)));
+      // Coulomb's cone is round: both tangents are solved first, then scaled to its radius together.
       const double limit = contacts[k].friction * normal.impulse;
       Row &first = rows_[3 * k + 1], &second = rows_[3 * k + 2];
-      push(first, wanted(first));
-      push(second, wanted(second));
+      apply(first, impulse_to_target(first));
+      apply(second, impulse_to_target(second));
       const double size = std::hypot(first.impulse, second.impulse);
       if (size <= limit) continue;
-      push(first, first.impulse * limit / size);
-      push(second, second.impulse * limit / size);
+      apply(first, first.impulse * limit / size);
+      apply(second, second.impulse * limit / size);
     }
   }
 }
 
-/// Wanted of a contact's push: a share of the overlap there is, and all of what this step would add: impulses act
-/// through the step, so a body that is stopped still goes on at the mean of its old and its new speed.
-double ContactSolver::wanted_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
+/// The push removes a fraction of the present overlap and all of what this step would add to it: impulses act
+/// throughout the step, so a body that is stopped still moves at the mean of its old and its new speed.
+double ContactSolver::target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
                                       double step_s) {
   const auto mean_speed = [](const ContactBody& body, const Vector6d& direction) {
     return 0.5 * direction.dot(body.start_velocity_body + body.velocity_body);
@@ -113,14 +113,14 @@ double ContactSolver::wanted_push_m_s(std::span<const ContactBody> bodies, const
   if (normal.b != kFixedBody) speed_m_s += mean_speed(bodies[static_cast<std::size_t>(normal.b)], normal.direction_b);
   const double added_m = -std::max(0.0, contact.gap_m) - speed_m_s * step_s;
   const double present_m = std::max(0.0, -contact.gap_m - kSlop_m);
-  return std::max(0.0, added_m) / step_s + std::min(kOverlapShare * present_m / step_s, kFastestPush_m_s);
+  return std::max(0.0, added_m) / step_s + std::min(kOverlapShare * present_m / step_s, kPushMax_m_s);
 }
 
 void ContactSolver::solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   bool any = false;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     Row& row = rows_[3 * k];
-    row.target = wanted_push_m_s(bodies, contacts[k], row, step_s);
+    row.target = target_push_m_s(bodies, contacts[k], row, step_s);
     any = any || row.target > 0;
   }
   if (!any) return;

@@ -11,7 +11,7 @@ namespace uwsim {
 
 inline constexpr int kFixedBody = -1;
 
-/// A place where body `a` touches body `b`, or the fixed world.
+/// A point at which body `a` touches body `b` or the fixed world.
 struct Contact {
   int a = 0;
   int b = kFixedBody;
@@ -22,16 +22,16 @@ struct Contact {
   double restitution = 0;
 };
 
-/// A body as its contacts see it.
+/// A body, for the contact solver.
 struct ContactBody {
   Pose world_from_body;
-  Vector6d velocity_body =
-      Vector6d::Zero();  ///< that free motion would end the step with; changed to what contacts allow
-  Vector6d start_velocity_body = Vector6d::Zero();  ///< that it starts the step with
+  /// In: at the end of the step without contacts. Out: what the contacts allow.
+  Vector6d velocity_body = Vector6d::Zero();
+  Vector6d start_velocity_body = Vector6d::Zero();  ///< at the start of the step
   Matrix6d inverse_mass = Matrix6d::Zero();         ///< full (M_RB + M_A)^-1
-  /// What the contacts gave it, about its origin [N s, N m s].
+  /// Out: impulse of all its contacts about its origin [N s, N m s].
   Vector6d impulse_body = Vector6d::Zero();
-  /// Velocity for this step's pose only: pushes overlaps apart without adding energy (split impulse).
+  /// Out: a velocity that changes this step's pose only, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
 };
 
@@ -40,33 +40,33 @@ struct ContactBody {
 /// Erleben 2007). Overlaps beyond a slop are relaxed through `push_body`.
 class ContactSolver {
  public:
-  /// So that as many contacts are solved without taking memory.
+  /// Allocates beforehand, so that solve() allocates nothing for as many contacts.
   void reserve(std::size_t contacts) { rows_.reserve(3 * contacts); }
   /// Changes velocity_body, impulse_body and push_body of `bodies`.
   void solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
-  /// What the last solve() gave `contact` along its normal [N s].
+  /// The impulse along the normal of `contact` from the last solve() [N s].
   double normal_impulse(std::size_t contact) const { return rows_[3 * contact].impulse; }
 
  private:
-  /// One direction of one contact: impulse along it changes the velocities of a and b by `response`.
+  /// One direction of one contact. A unit impulse along it changes the velocities of a and b by their `response`.
   struct Row {
     Vector6d direction_a, direction_b;
     Vector6d response_a, response_b;
     double inverse_effective_mass;
-    double target;  // wanted velocity along the row, then wanted push
+    double target;  // velocity to reach along the row; later the push to reach
     double impulse;
-    double push;  // of the relaxation of overlaps
+    double push;  // applied against overlaps so far
     int a, b;
   };
 
   Row make_row(std::span<const ContactBody> bodies, const Contact& contact,
                const Eigen::Vector3d& direction_world) const;
-  static double wanted_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
+  static double target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
                                 double step_s);
   void solve_velocities(std::span<ContactBody> bodies, std::span<const Contact> contacts);
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 
-  std::vector<Row> rows_;  // three a contact: normal, two tangents; kept to spare allocation
+  std::vector<Row> rows_;  // three for each contact: normal, two tangents; kept so that steps allocate nothing
 };
 
 }  // namespace uwsim

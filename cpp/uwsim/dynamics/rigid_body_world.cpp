@@ -6,16 +6,16 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
-#include "uwsim/dynamics/motion.h"
+#include "uwsim/dynamics/integrator.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kAbsurd = 1e7;         // m, m/s and rad/s: no body gets there but by diverging
-constexpr double kTouch_m = 1e-3;       // gaps up to this are a touch, beside every contact that pushes
-constexpr double kReachOfMotion = 1.5;  // contacts are wanted this much farther than a step goes
+constexpr double kDiverged = 1e7;        // m, m/s and rad/s: only a diverging body gets there
+constexpr double kTouch_m = 1e-3;        // a smaller gap is a touch, and so is every contact with an impulse
+constexpr double kReachPerMotion = 1.5;  // contacts are searched this much farther than a step moves
 constexpr double kLeastReach_m = 0.005;
-constexpr std::size_t kContactsABody = 128;  // room for these is taken beforehand, so that steps need not
+constexpr std::size_t kContactsPerBody = 128;  // with more, a step allocates
 
 }  // namespace
 
@@ -36,8 +36,8 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   next_states_.resize(bodies_.size());
   moving_.resize(bodies_.size());
   contact_bodies_.resize(bodies_.size());
-  contacts_.reserve(kContactsABody * bodies_.size());
-  solver_.reserve(kContactsABody * bodies_.size());
+  contacts_.reserve(kContactsPerBody * bodies_.size());
+  solver_.reserve(kContactsPerBody * bodies_.size());
   return bodies_.size() - 1;
 }
 
@@ -52,12 +52,12 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     const Body& body = bodies_[k];
     next_states_[k] =
         body.held ? body.state : advance(*body.spec.craft, body.state, {.body = body.tau_body}, water, time_s, step_s_);
-    require_sane(body, next_states_[k], time_s);  // before it strikes others
+    require_plausible(body, next_states_[k], time_s);  // before it hits another body
   }
   find_contacts();
   if (!contacts_.empty()) solve_contacts(water, time_s);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) require_sane(bodies_[k], next_states_[k], time_s);
-  // All or none: a step that fails moves nobody.
+  for (std::size_t k = 0; k < bodies_.size(); ++k) require_plausible(bodies_[k], next_states_[k], time_s);
+  // All bodies move, or none when the step fails.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& body = bodies_[k];
     body.acceleration_body = (next_states_[k].velocity_body - body.state.velocity_body) / step_s_;
@@ -65,14 +65,14 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   }
 }
 
-/// Contacts at the present poses, as far away as this step's motion could close.
+/// Finds the contacts at the present poses whose gaps this step could close.
 void RigidBodyWorld::find_contacts() {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     bodies_[k].in_contact = false;
     moving_[k] = {bodies_[k].state.world_from_body, reach_m(k), !bodies_[k].held};
   }
   finder_.find(moving_, contacts_);
-  for (Contact& contact : contacts_) mix_materials(contact);
+  for (Contact& contact : contacts_) combine_materials(contact);
 }
 
 double RigidBodyWorld::reach_m(std::size_t body) const {
@@ -80,20 +80,21 @@ double RigidBodyWorld::reach_m(std::size_t body) const {
     return state.linear_body_m_s().norm() + finder_.radius_m(body) * state.angular_body_rad_s().norm();
   };
   const double fastest_m_s = std::max(speed(bodies_[body].state), speed(next_states_[body]));
-  // A state that is no longer finite is refused before; it must not send the search round the world.
+  // A diverged state is refused before; its reach must not be infinite.
   if (!std::isfinite(fastest_m_s)) return 0;
-  return std::max(kLeastReach_m, kReachOfMotion * fastest_m_s * step_s_);
+  return std::max(kLeastReach_m, kReachPerMotion * fastest_m_s * step_s_);
 }
 
-void RigidBodyWorld::mix_materials(Contact& contact) const {
+void RigidBodyWorld::combine_materials(Contact& contact) const {
   const BodySpec& a = bodies_[static_cast<std::size_t>(contact.a)].spec;
   const BodySpec& b = contact.b == kFixedBody ? a : bodies_[static_cast<std::size_t>(contact.b)].spec;
   contact.friction = std::sqrt(a.friction * b.friction);
   contact.restitution = std::max(a.restitution, b.restitution);
 }
 
-/// Impulses are found on the velocities that free motion would end with, then act as steady forces over the step: so a
-/// body at rest stays at rest, two bodies' momentum is kept, and their work is that of the impulses.
+/// Impulses are found for the velocities at the end of a step without contacts, and then act as constant forces over
+/// the step. So a body at rest stays at rest, the momentum of two bodies is conserved, and the work is that of the
+/// impulses.
 void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     contact_bodies_[k] = {.world_from_body = bodies_[k].state.world_from_body,
@@ -134,15 +135,15 @@ void RigidBodyWorld::exchange_state(StateArchive& archive) {
     archive(body.acceleration_body);
     archive(body.held);
     archive(body.in_contact);
-    require_sane(body, body.state, 0);
+    require_plausible(body, body.state, 0);
   }
 }
 
-void RigidBodyWorld::require_sane(const Body& body, const BodyState& next, double time_s) const {
-  const bool sane = next.velocity_body.cwiseAbs().maxCoeff() < kAbsurd &&
-                    next.world_from_body.position_m.cwiseAbs().maxCoeff() < kAbsurd &&
-                    next.world_from_body.orientation.coeffs().allFinite();  // false for NaN too
-  if (!sane) {
+void RigidBodyWorld::require_plausible(const Body& body, const BodyState& next, double time_s) const {
+  const bool plausible = next.velocity_body.cwiseAbs().maxCoeff() < kDiverged &&
+                         next.world_from_body.position_m.cwiseAbs().maxCoeff() < kDiverged &&
+                         next.world_from_body.orientation.coeffs().allFinite();  // false for NaN too
+  if (!plausible) {
     std::ostringstream last;
     last << "[" << body.state.world_from_body.position_m.transpose() << " m; " << body.state.velocity_body.transpose()
          << " m/s, rad/s]";

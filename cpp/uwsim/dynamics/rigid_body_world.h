@@ -8,30 +8,30 @@
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/contact_finder.h"
 #include "uwsim/dynamics/contact_solver.h"
-#include "uwsim/vehicle/craft.h"
+#include "uwsim/vehicle/hydrodynamics.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
 
-/// A craft as a body that collides.
+/// A craft with its properties in collisions.
 struct BodySpec {
   std::string name;
   std::shared_ptr<const Craft> craft;
   CollisionShape shape = CollisionShape::kHull;
-  double friction = 0.5;     ///< Coulomb coefficient; a pair's is the product's square root
-  double restitution = 0.1;  ///< 0 dead .. 1 elastic; a pair's is the larger
-  std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< of CollisionShape::kPieces
+  double friction = 0.5;                                  ///< Coulomb's coefficient; a pair's is the geometric mean
+  double restitution = 0.1;                               ///< 0 inelastic .. 1 elastic; a pair's is the larger one
+  std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
 
   /// Throws InvalidValue that names the field.
   void check() const;
 };
 
-/// Six-degree-of-freedom bodies among the world's terrain and solids.
+/// Bodies with six degrees of freedom among terrain and solids.
 ///
-/// Velocity and pose are the state, advanced by Runge-Kutta with the full 6x6 mass (Craft); ContactFinder says where
-/// bodies come near things, ContactSolver finds the impulses with that same mass. A physics engine's own integrator and
-/// solver know one scalar mass a body, which cannot carry added mass. The state is all that a step depends on.
-/// What is fixed has the material of what touches it.
+/// The state is pose and velocity, and a step depends on nothing else. It is integrated by Runge-Kutta with the full
+/// 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces, ContactSolver the impulses with the same
+/// mass. The integrator and solver of a physics engine know one scalar mass for each body, which cannot represent added
+/// mass. Terrain and solids have the material of the body that touches them.
 class RigidBodyWorld {
  public:
   RigidBodyWorld(const World& world, double step_s);
@@ -40,21 +40,21 @@ class RigidBodyWorld {
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
-  /// A held body neither moves nor collides: a vehicle in its dock.
+  /// A held body neither moves nor collides, like a docked vehicle.
   void hold(std::size_t body, bool held) { bodies_.at(body).held = held; }
   bool held(std::size_t body) const { return bodies_.at(body).held; }
-  /// The actuators' wrench for the next steps, body frame at the origin [N, N m].
+  /// Sets the wrench of the actuators for the next steps, body frame, at the origin [N, N m].
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }
   /// Whether the body touched anything in the last step.
   bool in_contact(std::size_t body) const { return bodies_.at(body).in_contact; }
-  /// nu' over the last step, contacts included [m/s^2, rad/s^2].
+  /// Mean nu' over the last step, contacts included [m/s^2, rad/s^2].
   const Vector6d& acceleration_body(std::size_t body) const { return bodies_.at(body).acceleration_body; }
 
-  /// One fixed step from `time_s`. Throws InvalidValue naming the step, the body and its last finite state when a state
-  /// stops being finite.
+  /// One fixed step from `time_s`. Throws InvalidValue that names step, body and its last finite state when the motion
+  /// diverges; no body has moved then.
   void step(const WaterField& water, double time_s);
 
-  /// Saves or restores how the bodies are and move. Throws InvalidValue.
+  /// Saves or restores the state of all bodies. Throws InvalidValue.
   void exchange_state(StateArchive& archive);
 
  private:
@@ -69,15 +69,15 @@ class RigidBodyWorld {
 
   void find_contacts();
   double reach_m(std::size_t body) const;
-  void mix_materials(Contact& contact) const;
+  void combine_materials(Contact& contact) const;
   void solve_contacts(const WaterField& water, double time_s);
-  void require_sane(const Body& body, const BodyState& next, double time_s) const;
+  void require_plausible(const Body& body, const BodyState& next, double time_s) const;
 
   double step_s_;
   ContactFinder finder_;
   ContactSolver solver_;
   std::vector<Body> bodies_;
-  // Kept to spare allocation.
+  // Kept so that steps allocate nothing.
   std::vector<BodyState> next_states_;
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_;

@@ -12,9 +12,9 @@ namespace {
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 struct Tree {
-  std::shared_ptr<const Solid> solid;  // keeps the arrays alive that Bullet's shape points into
+  std::shared_ptr<const Solid> solid;  // owns the arrays that Bullet's shape points into
   std::size_t index;
-  SurfaceEdges edges;
+  InternalEdges edges;
   btTriangleIndexVertexArray arrays;
   std::unique_ptr<btBvhTriangleMeshShape> shape;
 
@@ -34,7 +34,7 @@ struct Tree {
   }
 };
 
-/// Takes a solid from the tree of solids and asks its triangles.
+/// Visits the solids whose boxes overlap, and of each the triangles whose boxes overlap.
 struct Search final : btDbvt::ICollide, btTriangleCallback {
   btVector3 low, high;
   const Tree* tree = nullptr;
@@ -54,7 +54,7 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
 struct SolidTriangles::Impl {
   std::vector<std::unique_ptr<Tree>> trees;
   btDbvt boxes;
-  btAlignedObjectArray<const btDbvtNode*> stack;  // kept to spare allocation
+  btAlignedObjectArray<const btDbvtNode*> stack;  // kept so that steps allocate nothing
 };
 
 SolidTriangles::SolidTriangles(const World& world) : impl_(std::make_unique<Impl>()) {
@@ -87,6 +87,6 @@ std::array<Eigen::Vector3d, 3> SolidTriangles::corners_world_m(const Index& inde
   return {mesh.vertices_m[a], mesh.vertices_m[b], mesh.vertices_m[c]};
 }
 
-const SurfaceEdges& SolidTriangles::edges(const Index& index) const { return impl_->trees[index.solid]->edges; }
+const InternalEdges& SolidTriangles::edges(const Index& index) const { return impl_->trees[index.solid]->edges; }
 
 }  // namespace uwsim

@@ -6,12 +6,12 @@
 #include <memory>
 #include <vector>
 
-#include "uwsim/dynamics/surface_edges.h"
+#include "uwsim/dynamics/internal_edges.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
 
-/// The triangles of a world's solids, by place (Bullet's bounding-volume trees).
+/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees).
 class SolidTriangles {
  public:
   struct Index {
@@ -23,10 +23,10 @@ class SolidTriangles {
   SolidTriangles(SolidTriangles&&) noexcept;
   SolidTriangles& operator=(SolidTriangles&&) noexcept;
 
-  /// Replaces `found` by the triangles whose boxes meet the box, in a fixed order.
+  /// Replaces `found` by the triangles whose bounding boxes overlap the box, in a fixed order.
   void find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, std::vector<Index>& found);
   std::array<Eigen::Vector3d, 3> corners_world_m(const Index& index) const;
-  const SurfaceEdges& edges(const Index& index) const;
+  const InternalEdges& edges(const Index& index) const;
 
  private:
   struct Impl;

@@ -38,7 +38,7 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
-/// Where the bytes end up: links resolved, so that a link stays a link.
+/// The file to replace. Links are resolved, so that a link stays a link.
 fs::path real_target(const std::string& path) {
   require_path(path);
   std::error_code error;
@@ -54,7 +54,7 @@ fs::path real_target(const std::string& path) {
   return target;
 }
 
-/// The process id keeps two programs apart, O_EXCL keeps us off anything that exists.
+/// The process id keeps two programs apart, O_EXCL protects files that exist.
 std::pair<int, fs::path> create_beside(const fs::path& target, const std::string& path) {
   for (int attempt = 0;; ++attempt) {
     std::ostringstream name;
@@ -66,7 +66,8 @@ std::pair<int, fs::path> create_beside(const fs::path& target, const std::string
   }
 }
 
-/// The rename is only safe on the disk once its folder is; file systems that cannot do this lose nothing else.
+/// A rename is safe on the disk only when its folder is flushed. File systems that cannot do this are no worse for the
+/// attempt.
 void flush_folder(const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -133,7 +134,7 @@ void AtomicFile::truncate(std::uint64_t size) {
 
 void AtomicFile::commit() {
   if (::fsync(fd_) != 0) fail(errno);
-  const bool is_closed = ::close(std::exchange(fd_, -1)) == 0;  // a late error of the disk may only show here
+  const bool is_closed = ::close(std::exchange(fd_, -1)) == 0;  // a late error of the disk may show only here
   if (!is_closed || ::rename(temporary_.c_str(), target_.c_str()) != 0) {
     const int error = errno;
     ::unlink(temporary_.c_str());

@@ -48,7 +48,7 @@ std::vector<float> to_points(const Cloud& cloud) {
   return points_m;
 }
 
-/// The finite points, each less shift_m.
+/// The finite points, minus shift_m.
 Cloud::Ptr to_finite_cloud(std::span<const float> points_m, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
   require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
   auto cloud = pcl::make_shared<Cloud>();
@@ -72,8 +72,8 @@ void require_finite_points(std::span<const float> points_m, const char* name, st
           "must be at least " + std::to_string(least) + " points");
 }
 
-/// Of the finite points, in double: float32 sums of coordinates far from zero would lose what is to be found.
-Eigen::Vector3d middle_m(std::span<const float> points_m) {
+/// The mean of the finite points. PCL's float32 sums lose too much far from zero, so its fits run about this point.
+Eigen::Vector3d mean_m(std::span<const float> points_m) {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   int count = 0;
   for (std::size_t i = 0; i + 2 < points_m.size(); i += 3) {
@@ -85,15 +85,15 @@ Eigen::Vector3d middle_m(std::span<const float> points_m) {
   return sum_m / std::max(count, 1);
 }
 
-/// PCL tells of its failures on stderr; ours are exceptions.
-void hush_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+/// PCL prints its failures to stderr; ours are exceptions.
+void silence_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
 
-/// PCL's ICP, which keeps to itself how it ended.
+/// Access to how PCL's ICP ended.
 class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, double> {
  public:
   int iterations() const { return nr_iterations_; }
 
-  bool settled() {
+  bool has_converged_by_steps() {
     using Criteria = pcl::registration::DefaultConvergenceCriteria<double>;
     const auto state = getConvergeCriteria()->getConvergenceState();
     return state == Criteria::CONVERGENCE_CRITERIA_TRANSFORM || state == Criteria::CONVERGENCE_CRITERIA_ABS_MSE ||
@@ -101,7 +101,8 @@ class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, doub
   }
 };
 
-/// (root mean square of the distances to the target's nearest points, share of the points that have one in reach).
+/// Root mean square of the distances to the target's nearest points, and the share of the points that have one in
+/// reach.
 std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target, double reach_m) {
   pcl::search::KdTree<pcl::PointXYZ> tree;
   tree.setInputCloud(target);
@@ -149,10 +150,10 @@ std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeo
 
 std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source) {
   require_rigid(target_from_source);
-  if (points_source_m.empty()) return {};  // which PCL would grumble about on stderr
+  if (points_source_m.empty()) return {};  // PCL would print a warning
   const Cloud::Ptr source = to_cloud(points_source_m);
   Cloud target;
-  pcl::transformPointCloud(*source, target, target_from_source);  // reckons in double, rounds each point once
+  pcl::transformPointCloud(*source, target, target_from_source);  // computes in double, rounds each point once
   return to_points(target);
 }
 
@@ -196,8 +197,8 @@ std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m) {
     high_m = high_m.max(point_m);
   }
   if (!(low_m <= high_m).all()) return {};
-  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;  // small numbers, for sums in float32
-  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();   // two more on each axis, for rounding
+  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;  // about it PCL's float32 sums lose little
+  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();   // two more along each axis, for rounding
   require(voxels < std::numeric_limits<std::int32_t>::max(), "voxel_m", voxel_m,
           "too small for the cloud's box, which must have fewer than 2^31 voxels");
   pcl::VoxelGrid<pcl::PointXYZ> grid;
@@ -230,7 +231,7 @@ std::vector<float> pass_through(std::span<const float> points_m, int axis, doubl
 std::vector<float> remove_outliers(std::span<const float> points_m, int neighbours, double deviations) {
   require(neighbours >= 1, "neighbours", neighbours, "must be at least 1");
   require(std::isfinite(deviations) && deviations >= 0, "deviations", deviations, "must be finite and at least 0");
-  const Cloud::Ptr cloud = to_finite_cloud(points_m, middle_m(points_m));
+  const Cloud::Ptr cloud = to_finite_cloud(points_m, mean_m(points_m));
   if (cloud->empty()) return {};
   require(cloud->size() > static_cast<std::size_t>(neighbours), "neighbours", neighbours,
           "must be less than the number of points, " + std::to_string(cloud->size()));
@@ -240,8 +241,8 @@ std::vector<float> remove_outliers(std::span<const float> points_m, int neighbou
   filter.setInputCloud(cloud);
   pcl::Indices kept;
   filter.filter(kept);
-  const Cloud::Ptr given = to_finite_cloud(points_m);
-  return to_points(Cloud(*given, kept));
+  const Cloud::Ptr unshifted = to_finite_cloud(points_m);
+  return to_points(Cloud(*unshifted, kept));
 }
 
 PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double max_slope_rad) {
@@ -249,10 +250,10 @@ PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double
   require(max_slope_rad > 0 && max_slope_rad <= std::numbers::pi / 2, "max_slope_rad", max_slope_rad,
           "must be in (0, pi/2] rad");
   require_finite_points(points_m, "points_m", 3);
-  hush_pcl();
-  const Eigen::Vector3d middle = middle_m(points_m);
+  silence_pcl();
+  const Eigen::Vector3d mean = mean_m(points_m);
   const auto model =
-      pcl::make_shared<pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>>(to_finite_cloud(points_m, middle));
+      pcl::make_shared<pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>>(to_finite_cloud(points_m, mean));
   model->setAxis(Eigen::Vector3f::UnitZ());
   model->setEpsAngle(max_slope_rad);
   pcl::RandomSampleConsensus<pcl::PointXYZ> search(model, distance_m);
@@ -270,7 +271,7 @@ PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double
   PlaneFit plane{fitted.head<3>().cast<double>(), fitted[3], std::vector<std::uint8_t>(points_m.size() / 3, 0)};
   const double length = plane.normal.norm() * (plane.normal.z() < 0 ? -1.0 : 1.0);
   plane.normal /= length;
-  plane.offset_m = plane.offset_m / length - plane.normal.dot(middle);
+  plane.offset_m = plane.offset_m / length - plane.normal.dot(mean);
   for (const pcl::index_t i : inliers) plane.inliers[static_cast<std::size_t>(i)] = 1;
   return plane;
 }
@@ -283,30 +284,32 @@ Registration register_cloud(std::span<const float> source_m, std::span<const flo
   require(max_iterations >= 1, "max_iterations", max_iterations, "must be at least 1");
   require_finite_points(source_m, "source_m", 3);
   require_finite_points(target_m, "target_m", 3);
-  hush_pcl();
-  const Eigen::Vector3d middle = middle_m(target_m);
-  Eigen::Matrix4d target_from_middle = Eigen::Matrix4d::Identity(), middle_from_target = target_from_middle;
-  target_from_middle.topRightCorner<3, 1>() = middle;
-  middle_from_target.topRightCorner<3, 1>() = -middle;
-  // The guess is applied here, so that what PCL turns in float32 is small and near.
-  const Eigen::Matrix4d middle_from_source = middle_from_target * guess;
+  silence_pcl();
+  const Eigen::Vector3d mean = mean_m(target_m);
+  // Frame `mean`: the target's, with its zero at the mean.
+  Eigen::Matrix4d target_from_mean = Eigen::Matrix4d::Identity(), mean_from_target = target_from_mean;
+  target_from_mean.topRightCorner<3, 1>() = mean;
+  mean_from_target.topRightCorner<3, 1>() = -mean;
+  // The guess is applied here, so that the rotations which PCL applies in float32 are small and about a near point.
+  const Eigen::Matrix4d mean_from_source = mean_from_target * guess;
   auto source = pcl::make_shared<Cloud>();
-  pcl::transformPointCloud(*to_cloud(source_m), *source, middle_from_source);
-  const Cloud::Ptr target = to_finite_cloud(target_m, middle);
+  pcl::transformPointCloud(*to_cloud(source_m), *source, mean_from_source);
+  const Cloud::Ptr target = to_finite_cloud(target_m, mean);
 
   Icp icp;
   icp.setInputSource(source);
   icp.setInputTarget(target);
   icp.setMaxCorrespondenceDistance(max_distance_m);
   icp.setMaximumIterations(max_iterations);
-  icp.setTransformationEpsilon(1e-12);  // squared metres, and one less the cosine of a turn
+  icp.setTransformationEpsilon(1e-12);  // squared metres, and 1 - cos of a rotation
   icp.setEuclideanFitnessEpsilon(1e-9);
   Cloud moved;
   icp.align(moved);
   const Eigen::Matrix4d correction = icp.getFinalTransformation();
-  require(correction.allFinite(), "source_m", source_m.size() / 3, "too degenerate to be laid onto the target");
+  require(correction.allFinite(), "source_m", source_m.size() / 3, "too degenerate to be registered to the target");
   const auto [rms_m, overlap] = closeness(moved, target, max_distance_m);
-  return {target_from_middle * correction * middle_from_source, rms_m, overlap, icp.iterations(), icp.settled()};
+  return {target_from_mean * correction * mean_from_source, rms_m, overlap, icp.iterations(),
+          icp.has_converged_by_steps()};
 }
 
 }  // namespace uwsim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -9,8 +10,8 @@
 
 namespace uwsim {
 
-/// Which voxels became unknown, free or occupied since they were last asked for. It keeps the states it has told: 2 kB
-/// a chunk and 128 bytes for each brick that is not one state all over.
+/// Which voxels became unknown, free or occupied since the last call. It keeps the states that it has reported: 2 kB a
+/// chunk, and 128 bytes for each brick whose voxels differ.
 class MapChanges {
  public:
   struct Changed {
@@ -18,27 +19,31 @@ class MapChanges {
     std::int8_t state;  ///< 1 occupied, 0 free, -1 unknown
   };
 
-  /// In Morton order; all that is known at the first call. Throws InvalidValue past `most`, and then the next call
-  /// tells them.
+  /// Changed voxels in Morton order; at the first call, all known ones. Throws InvalidValue if there are more than
+  /// `most`; the next call then reports them.
   std::vector<Changed> take(MapEngine& engine, std::size_t most);
 
  private:
   enum class Kind : std::uint8_t { unknown, free, occupied, mixed };
+  /// The states of the voxels of a brick, one bit each.
   struct States {
     std::uint64_t known[8], occupied[8];
   };
   struct ChunkStates {
-    std::array<Kind, 512> kinds{};
-    std::vector<States> mixed;  ///< of those bricks, in their order
+    std::array<Kind, 512> kinds{};  ///< of the bricks
+    std::vector<States> mixed;      ///< of the mixed bricks, in their order
 
     std::vector<States> unpacked() const;
   };
 
   static ChunkStates packed(const std::vector<States>& bricks);
   static std::vector<States> states_now(const MapEngine& engine, std::uint32_t chunk);
+  static void append_changes(std::uint32_t chunk, const std::vector<States>& before, const std::vector<States>& now,
+                             std::vector<Changed>& changed);
+  void collect_pending(MapEngine& engine, std::size_t most);
 
-  ChangedChunks pending_;
-  std::map<std::uint32_t, ChunkStates> told_;
+  ChangedChunks pending_;                          ///< chunks with changes that were not reported
+  std::map<std::uint32_t, ChunkStates> reported_;  ///< by the chunk's code
 };
 
 }  // namespace uwsim

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::uint64_t kPiecesMax = 4'000'000'000;
 
-/// Cubes up to this size are still cubes of the lattice once they are shifted.
-int kept_levels(const VoxelKey& shift) {
+/// A cube of up to this many levels is still on its lattice after the shift.
+int whole_levels(const VoxelKey& shift) {
   const int all = shift[0] | shift[1] | shift[2];
   return all == 0 ? kTreeDepth : std::countr_zero(static_cast<unsigned>(all));
 }
@@ -19,7 +19,7 @@ int kept_levels(const VoxelKey& shift) {
 }  // namespace
 
 void merge(MapEngine& into, const MapEngine& other, const VoxelKey& shift) {
-  const int kept = kept_levels(shift);
+  const int whole = whole_levels(shift);
   std::uint64_t pieces = 0;
   other.for_each_leaf([&](const VoxelKey& corner, int levels, float) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -27,12 +27,12 @@ void merge(MapEngine& into, const MapEngine& other, const VoxelKey& shift) {
       require(first >= 0 && last < 1 << kTreeDepth, "merge.shift_voxels", shift[axis],
               "puts a part of the other map outside this map's cube (+-2^15 voxels about its origin)");
     }
-    pieces += std::uint64_t{1} << (3 * (levels - std::min(levels, kept)));
+    pieces += std::uint64_t{1} << (3 * (levels - std::min(levels, whole)));
   });
   require(pieces <= kPiecesMax, "merge.voxels", pieces,
           "must be at most 4,000,000,000 when the maps' origins are an odd number of voxels apart");
   other.for_each_leaf([&](const VoxelKey& corner, int levels, float log_odds) {
-    const int size = std::min(levels, kept), step = 1 << size, end = 1 << levels;
+    const int size = std::min(levels, whole), step = 1 << size, end = 1 << levels;
     for (int z = 0; z < end; z += step) {
       for (int y = 0; y < end; y += step) {
         for (int x = 0; x < end; x += step) {

@@ -6,9 +6,10 @@
 
 namespace uwsim {
 
-/// Adds the other's log-odds to `into`, voxel by voxel; unknown is 0, the sum is clamped to the limits of `into`.
-/// shift: voxels from the other's corner to that of `into`. Throws InvalidValue, having changed nothing, if the other
-/// reaches outside the cube, or so much of it lies across the lattice that it would take minutes.
+/// Adds the log-odds of another map to those of `into`, voxel by voxel: an unknown voxel counts as 0, and the sum is
+/// clamped to the limits of `into`. shift: voxels from the corner of `into` to that of the other map. Throws
+/// InvalidValue, having changed nothing, if a part of the other map would lie outside the cube, or if its large leaves
+/// would have to be cut into so many pieces that it would take minutes.
 void merge(MapEngine& into, const MapEngine& other, const VoxelKey& shift);
 
 }  // namespace uwsim

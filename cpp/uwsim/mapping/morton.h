@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
-/// Keys with the bits of their axes interleaved, x lowest: the order in which an octree holds its children.
+/// Morton codes: the bits of a key's coordinates interleaved, x lowest. An octree's children, and all below them, are
+/// in this order. The voxels of a cube of 2^n voxels an edge have 8^n codes in a row.
 namespace uwsim::morton {
 
-/// Bit i of `value` to bit 3 i.
+/// Moves bit i of `value` to bit 3 i.
 constexpr std::uint64_t spread(std::uint32_t value) {
   std::uint64_t x = value & 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffff;
@@ -16,6 +18,7 @@ constexpr std::uint64_t spread(std::uint32_t value) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
+/// Moves bit 3 i of `code` to bit i.
 constexpr std::uint32_t gather(std::uint64_t code) {
   std::uint64_t x = code & 0x1249249249249249;
   x = (x | x >> 2) & 0x10c30c30c30c30c3;
@@ -28,9 +31,18 @@ constexpr std::uint32_t gather(std::uint64_t code) {
 constexpr std::uint64_t code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
+constexpr std::uint64_t code(const std::array<int, 3>& key) {
+  return code(static_cast<std::uint32_t>(key[0]), static_cast<std::uint32_t>(key[1]),
+              static_cast<std::uint32_t>(key[2]));
+}
 
 constexpr std::array<int, 3> key(std::uint64_t code) {
   return {static_cast<int>(gather(code)), static_cast<int>(gather(code >> 1)), static_cast<int>(gather(code >> 2))};
+}
+
+/// Bits of `count` voxels, 1, 8 or 64, from code `first` on, in a word of 64 voxels.
+constexpr std::uint64_t bits_in_word(std::uint64_t first, std::size_t count) {
+  return (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << (first & 63);
 }
 
 }  // namespace uwsim::morton

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "uwsim/mapping/map_engine.h"
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/mapping/occupancy_model.h"
 #include "uwsim/mapping/octree_file.h"
-#include "uwsim/mapping/scan_kernels.h"
 
 namespace octomap {
 class OcTree;
@@ -19,40 +19,40 @@ class OcTree;
 
 namespace uwsim {
 
-/// What a map is made of. Both give the same bytes, .bt and .ot, after the same scans.
+/// The data structure of a map. Both give the same bytes, .bt and .ot, after the same scans.
 enum class MapEngineKind {
   octomap,  ///< Debian's octomap::OcTree and its insertPointCloud: the reference
-  bricks,   ///< ours, much faster
+  bricks,   ///< ours, much faster: bricks/README.md
 };
 
-/// What happens to points, and to whole scans by their origin, that lie outside OctoMap's cube.
+/// How points outside OctoMap's cube are treated, and all points of a scan whose origin is outside.
 enum class OnOutside {
   refuse,  ///< InvalidValue, and nothing is inserted
-  count,   ///< they are left out and counted: MapStatistics::outside_points
+  count,   ///< they are discarded and counted: MapStatistics::outside_points
 };
 
 struct MapOptions {
   MapEngineKind engine = MapEngineKind::bricks;
   OccupancyModel model;
-  InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks; the bytes do not depend on it
+  InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks' kernels; the bytes do not depend on it
   OnOutside on_outside = OnOutside::refuse;
-  /// What the voxels may take of memory, near enough: one batch of scans comes on top, and the reserves of memory.
-  /// Parts of the map that were not used for longest go to a file without a name in `spill_folder` (empty: the
-  /// system's), and come back when they are used. 0: no limit. Only of the bricks.
+  /// How much memory the voxels may take; one batch of scans and the reserves come on top. The least recently used
+  /// parts of the map go to a file without a name in `spill_folder` (empty: the system's), and come back when they are
+  /// used. 0: no limit. For engine `bricks` only.
   std::size_t memory_limit_bytes = 0;
   std::string spill_folder = {};
 };
 
 struct MapStatistics {
-  std::uint64_t occupied_voxels;  ///< counted at the finest level: a pruned leaf is as many voxels as it covers
+  std::uint64_t occupied_voxels;  ///< of the finest level: a pruned leaf counts as many voxels as it covers
   std::uint64_t free_voxels;
   std::size_t nodes;             ///< of the pruned tree
-  std::size_t memory_bytes;      ///< octomap: by its own reckoning, which leaves out the allocator's share; bricks: all
-  std::uint64_t outside_points;  ///< left out so far, with OnOutside::count
-  std::uint64_t evictions;       ///< parts of the map that left memory so far
+  std::size_t memory_bytes;      ///< octomap: its own figure, without the allocator's overhead; bricks: all
+  std::uint64_t outside_points;  ///< discarded so far, with OnOutside::count
+  std::uint64_t evictions;       ///< how many parts of the map have left memory so far
 };
 
-/// Cubes of a map, by columns.
+/// Cubes of a map, in columns.
 struct MapCubes {
   std::vector<double> centres_world_m;  ///< x, y, z by rows
   std::vector<double> edges_m;
@@ -60,22 +60,22 @@ struct MapCubes {
 };
 
 /// A probabilistic occupancy map: OctoMap's octree (Hornung et al. 2013, Autonomous Robots 34(3)) with OctoMap's sensor
-/// model.
+/// model (log_odds.h).
 ///
-/// OctoMap's cube reaches 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m) and `origin_world_m` puts
-/// that origin where the survey is: the tree and its files hold world minus origin, and the caller keeps the origin.
-/// What goes in is rounded to float32 there.
+/// OctoMap's cube reaches 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m). `origin_world_m` moves that
+/// origin to where the survey is: the tree and its files hold world minus origin, and the caller must remember the
+/// origin. Points are rounded to float32 in the tree's frame.
 ///
-/// The bytes of a map depend on the scans and their order alone, not on what was asked or written in between. Safe to
-/// use from several threads: calls wait for each other.
+/// The bytes of a map depend on the scans and their order only, not on queries or files written in between. Safe to use
+/// from several threads: calls wait for each other.
 class OccupancyMap {
  public:
   /// resolution_m: edge of a voxel, in [0.001, 1000]. Throws InvalidValue.
   explicit OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                         const MapOptions& options = {});
-  /// A map from a .bt or .ot file, told apart by its first line. A .bt knows only occupied or free: its voxels come
-  /// back at the clamping limits. Throws FileError if it cannot be read, InvalidValue if it is no sound map, or one
-  /// that may need more than half of this machine's memory and has no limit.
+  /// Reads a .bt or .ot file; its first line tells which it is. A .bt knows occupied and free only: its voxels get the
+  /// clamping limits. Throws FileError if the file cannot be read, InvalidValue if it is not a valid map, or if the map
+  /// may need more than half of this machine's memory and has no limit.
   static OccupancyMap read(const std::string& path, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                            const MapOptions& options = {});
   /// The same from memory; `name` stands for the path in messages.
@@ -90,21 +90,21 @@ class OccupancyMap {
   Eigen::Vector3d origin_world_m() const;
   MapEngineKind engine() const;
 
-  /// One ping: every voxel between the origin and a point is seen free once, every voxel that holds a point occupied
-  /// once, occupied winning (OctoMap's insertPointCloud). Of a point farther than max_range_m (infinity: no limit; at
-  /// least a nanometre) only the free part up to there counts. points_world_m: x, y, z by rows. Points that are not
-  /// finite are no echo and are skipped. Throws InvalidValue, and inserts nothing, if the origin is not finite or a
-  /// point or the origin lies outside OctoMap's cube.
+  /// Inserts one ping as OctoMap's insertPointCloud does: a voxel that holds a point gets one hit, any other voxel
+  /// between the origin and a point gets one miss. A point farther away than max_range_m (infinity: no limit; at least
+  /// a nanometre) gives misses up to there and no hit. points_world_m: x, y, z by rows; non-finite points mean no echo
+  /// and are skipped. Throws InvalidValue, and inserts nothing, if the origin is non-finite or the origin or a point
+  /// lies outside OctoMap's cube.
   void insert_scan(std::span<const float> points_world_m, const Eigen::Vector3d& origin_world_m, double max_range_m);
 
-  /// Pings one after the other, in one go, which is faster. counts: points of each; points_world_m: all of them;
-  /// origins_world_m: x, y, z of each. threads: of the bricks; the bytes do not depend on it. Throws as above, and
-  /// inserts nothing, if any is wrong.
+  /// Inserts several pings in their order, which is faster than one by one. counts: points in each ping;
+  /// points_world_m: the points of all; origins_world_m: x, y, z of each. threads: for engine `bricks`; the bytes do
+  /// not depend on it. Throws as insert_scan() does, and then inserts none.
   void insert_scans(std::span<const float> points_world_m, std::span<const std::int64_t> counts,
                     std::span<const double> origins_world_m, double max_range_m, int threads);
 
-  /// Centres, x, y, z by rows, of the voxels of the finest level, pruned leaves expanded, in Morton order (z, y, x bits
-  /// from the highest level down). Throws InvalidValue past 100 million of them.
+  /// Centres of the voxels of the finest level, x, y, z by rows, in Morton order (z, y, x bits from the highest level
+  /// down). Throws InvalidValue if there are more than 100 million.
   std::vector<double> occupied_voxels_world_m() const;
   std::vector<double> free_voxels_world_m() const;
 
@@ -112,27 +112,27 @@ class OccupancyMap {
 
   // Defined in occupancy_map_queries.cpp:
 
-  /// 1 occupied, 0 free, -1 unknown or outside the cube; one a point. Throws InvalidValue on points that are not
-  /// finite.
+  /// For each point: 1 occupied, 0 free, -1 unknown or outside the cube. Throws InvalidValue on non-finite points.
   std::vector<std::int8_t> state_at(std::span<const double> points_world_m) const;
-  /// Log-odds of being occupied, NaN where state_at is -1.
+  /// Log-odds of being occupied; NaN where state_at() is -1.
   std::vector<float> log_odds_at(std::span<const double> points_world_m) const;
 
   /// The leaves of the pruned tree, in Morton order.
   MapCubes leaves() const;
-  /// Cubes at a depth of the tree, 1 to 16, the finest, of which something is known, in Morton order: the greatest of
-  /// their log-odds, as in OctoMap's inner nodes. Throws InvalidValue past 100 million.
+  /// The cubes at a depth of the tree, 1 to 16 (the finest), of which something is known, in Morton order. Their
+  /// log-odds are the greatest in them, as in OctoMap's inner nodes. Throws InvalidValue if there are more than 100
+  /// million.
   MapCubes cells(int depth) const;
-  /// Known voxels of the finest level whose centres lie in a box, both faces included, in Morton order. Throws
-  /// InvalidValue past 100 million.
+  /// The known voxels of the finest level whose centres lie in a box, faces included, in Morton order. Throws
+  /// InvalidValue if there are more than 100 million.
   MapCubes voxels_in(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const;
 
   struct Casts {
-    std::vector<std::int8_t> ends;              ///< 1 occupied, 0 its greatest range or the cube's edge, -1 unknown
-    std::vector<double> voxel_centres_world_m;  ///< of the last voxel each ray came to
+    std::vector<std::int8_t> ends;              ///< 1 occupied, 0 maximum range or the cube's edge, -1 unknown
+    std::vector<double> voxel_centres_world_m;  ///< of the last voxel that each ray came to
   };
-  /// Rays, x, y, z by rows, as octomap::OcTree::castRay walks them, in float32. max_range_m: to a voxel's centre,
-  /// infinity for no limit. Throws InvalidValue on an origin outside the cube and on a direction of no length.
+  /// Follows rays, x, y, z by rows, as octomap::OcTree::castRay does, in float32. max_range_m: to a voxel's centre,
+  /// infinity for no limit. Throws InvalidValue on an origin outside the cube and on a direction of length zero.
   Casts cast_rays(std::span<const double> origins_world_m, std::span<const double> directions_world,
                   bool ignore_unknown, double max_range_m) const;
 
@@ -140,28 +140,29 @@ class OccupancyMap {
     std::vector<double> voxel_centres_world_m;
     std::vector<std::int8_t> states;  ///< 1 occupied, 0 free, -1 unknown
   };
-  /// Voxels whose state is another than at the last call, in Morton order; at the first call, all that are known. A
-  /// voxel that changed and changed back is not told. Throws InvalidValue past 100 million.
+  /// The voxels whose state differs from that at the last call, in Morton order; at the first call, all known ones.
+  /// Throws InvalidValue if there are more than 100 million; the next call then reports them.
   Changes changed_voxels();
 
-  /// Adds another map's log-odds, voxel by voxel: unknown is 0, the sum is clamped to this map's limits. The other may
-  /// be about another origin, a whole number of voxels away. Throws InvalidValue, having changed nothing, if it is not,
-  /// is of another resolution, is this map itself or reaches outside the cube.
+  /// Adds another map's log-odds, voxel by voxel: an unknown voxel counts as 0, the sum is clamped to this map's
+  /// limits. The other map's origin must be a whole number of voxels from this map's along each axis. Throws
+  /// InvalidValue, having changed nothing, if it is not, or if the other map has another resolution, is this map or
+  /// reaches outside the cube.
   void merge(const OccupancyMap& other);
 
   OccupancyModel model() const;
-  /// For later scans: voxels stay as they are until one changes them. Throws InvalidValue.
+  /// For later scans: a voxel stays as it is until a scan changes it. Throws InvalidValue.
   void set_model(const OccupancyModel& model);
 
-  /// The file as bytes. The map stays as it is: a .bt written in mid-survey does not round the live log-odds off.
-  /// A .bt is written by an octomap::OcTree, the bytes those of its writeBinary; one of a map with a limit of memory by
-  /// us, the same bytes.
+  /// The bytes of a file. The map does not change: a .bt that is written during a survey does not reset the log-odds to
+  /// the clamping limits. A .bt is written by an octomap::OcTree's writeBinary; if the map is large or has a limit of
+  /// memory, by us, with the same bytes.
   std::string to_bytes(MapFormat format) const;
-  /// Atomically, as it is made: an .ot, and a .bt of a map with a limit, take a few megabytes of memory. Throws
-  /// FileError.
+  /// Writes a file atomically (AtomicFile). An .ot, and a .bt of a map with a limit of memory, are written piece by
+  /// piece and take a few megabytes of memory. Throws FileError.
   void write(const std::string& path, MapFormat format) const;
 
-  /// A copy as OctoMap's own tree, with all its log-odds.
+  /// A copy as OctoMap's own tree, with all log-odds.
   std::shared_ptr<octomap::OcTree> octree() const;
 
  private:

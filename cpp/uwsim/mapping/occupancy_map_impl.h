@@ -1,34 +1,34 @@
 #pragma once
 
-#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "uwsim/mapping/map_changes.h"
 #include "uwsim/mapping/map_engine.h"
-#include "uwsim/mapping/map_queries.h"
 #include "uwsim/mapping/occupancy_map.h"
 
-/// Inside OccupancyMap: for the files of its members alone.
+/// For the files that define OccupancyMap's members (occupancy_map*.cpp) only.
 namespace uwsim {
 
 struct OccupancyMap::Impl {
-  Impl(double resolution, const Eigen::Vector3d& origin, const MapOptions& what)
+  Impl(double resolution, const Eigen::Vector3d& origin, const MapOptions& chosen)
       : resolution_m(resolution),
         origin_world_m(origin),
-        options(what),
-        engine(make_engine(resolution, origin, what)) {}
+        options(chosen),
+        engine(make_engine(resolution, origin, chosen)) {}
 
   static std::unique_ptr<MapEngine> make_engine(double resolution_m, const Eigen::Vector3d& origin_world_m,
                                                 const MapOptions& options);
 
-  /// Voxels from OctoMap's origin along an axis, as OctoMap itself reckons it.
+  /// Voxels from OctoMap's origin along an axis, as OctoMap computes it.
   double cell(double tree_m) const { return std::floor(1.0 / resolution_m * tree_m); }
 
-  /// Within the cube, less its outermost voxels: a ray along the very edge could step over it.
+  /// Within the cube, without its outermost voxels: a ray along the very edge could step over it.
   bool in_cube(float tree_m) const { return std::abs(cell(tree_m) + 0.5) < kHalfExtent - 1; }
 
   bool in_cube(const Eigen::Vector3f& tree_m) const {
@@ -38,17 +38,20 @@ struct OccupancyMap::Impl {
 
   Eigen::Vector3f tree_m(const Eigen::Vector3d& world_m) const { return (world_m - origin_world_m).cast<float>(); }
 
-  Scan checked(std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m,
-               double max_range_m) const;
-  void check_points(const Scan& scan, double max_range_m) const;
-  void insert(std::span<const Scan> scans, double max_range_m, int threads);
-  /// What of a scan can be inserted, and how many points cannot, for being outside; they must be counted, not refused.
-  std::pair<std::vector<float>, std::uint64_t> inside(std::span<const float> points_world_m,
-                                                      const Eigen::Vector3d& scan_origin_world_m) const;
+  // Defined in occupancy_map_insert.cpp:
 
-  /// Key of the voxel that holds a point; nothing outside the cube.
+  Scan checked_scan(std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m,
+                    double max_range_m) const;
+  void check_points(const Scan& scan, double max_range_m) const;
+  struct Clipped {
+    std::vector<float> inside_world_m;  ///< the points inside the cube; left empty if `outside` is 0
+    std::uint64_t outside;              ///< the number of points outside: all if the scan's origin is
+  };
+  Clipped clip_to_cube(std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m) const;
+
+  /// The key of the voxel that holds a point; none outside the cube.
   std::optional<VoxelKey> key_at(const double* point_world_m) const;
-  /// Centre of a cube of 2^levels voxels, in the world, along an axis.
+  /// The centre along an axis of a cube of 2^levels voxels an edge.
   double centre_world_m(const VoxelKey& corner, int levels, std::size_t axis) const {
     return (corner[axis] - kHalfExtent + 0.5 * (1 << levels)) * resolution_m + origin_world_m[Eigen::Index(axis)];
   }
@@ -61,7 +64,7 @@ struct OccupancyMap::Impl {
   MapOptions options;
   const std::unique_ptr<MapEngine> engine;
   MapChanges changes;
-  std::uint64_t outside_points = 0;  ///< that were counted, not inserted
+  std::uint64_t outside_points = 0;  ///< discarded so far
   mutable std::mutex mutex;
 };
 

@@ -4,14 +4,16 @@
 #include <sstream>
 
 #include "uwsim/core/check.h"
+#include "uwsim/mapping/map_cubes.h"
 #include "uwsim/mapping/map_merge.h"
+#include "uwsim/mapping/map_ray.h"
 #include "uwsim/mapping/occupancy_map_impl.h"
 
 namespace uwsim {
 namespace {
 
 constexpr std::size_t kListedMax = 100'000'000;
-/// Origins this much off a whole number of voxels apart are taken for rounding.
+/// Tolerance of the distance between two maps' origins, in voxels, to a whole number.
 constexpr double kShiftTolerance = 1e-6;
 
 void require_points(std::span<const double> points, const char* path) {
@@ -19,7 +21,8 @@ void require_points(std::span<const double> points, const char* path) {
   for (const double x : points) require(std::isfinite(x), path, x, "must be finite");
 }
 
-/// As OctoMap would take it, but for those whose length it cannot reckon: the squares leave a float's range.
+/// The direction as it is, unless OctoMap could not compute its length: then normalised, so that its squares stay in a
+/// float's range.
 Eigen::Vector3f float_direction(const Eigen::Vector3d& direction) {
   const double length = direction.stableNorm();
   return (length > 1e18 || length < 1e-18 ? (direction / length).eval() : direction).cast<float>();
@@ -58,17 +61,16 @@ std::vector<float> OccupancyMap::log_odds_at(std::span<const double> points_worl
 std::vector<std::int8_t> OccupancyMap::state_at(std::span<const double> points_world_m) const {
   const std::vector<float> log_odds = log_odds_at(points_world_m);
   std::vector<std::int8_t> states(log_odds.size());
-  std::transform(log_odds.begin(), log_odds.end(), states.begin(), [](float x) {
-    return std::isnan(x) ? std::int8_t{-1} : static_cast<std::int8_t>(OccupancyModel::is_occupied(x));
-  });
+  std::transform(log_odds.begin(), log_odds.end(), states.begin(),
+                 [](float x) { return std::isnan(x) ? std::int8_t{-1} : static_cast<std::int8_t>(is_occupied(x)); });
   return states;
 }
 
 namespace {
 
-/// Puts cubes in columns.
+/// A visitor that appends cubes to columns.
 template <typename Impl>
-auto collector(MapCubes& into, const Impl& impl) {
+auto appender(MapCubes& into, const Impl& impl) {
   return [&](const MapCube& cube) {
     require(into.log_odds.size() < kListedMax, "map.cubes", into.log_odds.size(),
             "too many to list (100 million at most)");
@@ -85,7 +87,7 @@ auto collector(MapCubes& into, const Impl& impl) {
 MapCubes OccupancyMap::leaves() const {
   const std::scoped_lock lock(impl_->mutex);
   MapCubes found;
-  for_each_pruned_leaf(*impl_->engine, collector(found, *impl_));
+  for_each_pruned_leaf(*impl_->engine, appender(found, *impl_));
   return found;
 }
 
@@ -93,7 +95,7 @@ MapCubes OccupancyMap::cells(int depth) const {
   require(depth >= 1 && depth <= kTreeDepth, "map.depth", depth, "must be in [1, 16], of which 16 is the finest");
   const std::scoped_lock lock(impl_->mutex);
   MapCubes found;
-  for_each_cell(*impl_->engine, kTreeDepth - depth, collector(found, *impl_));
+  for_each_cell(*impl_->engine, kTreeDepth - depth, appender(found, *impl_));
   return found;
 }
 
@@ -104,7 +106,7 @@ MapCubes OccupancyMap::voxels_in(const Eigen::Vector3d& low_world_m, const Eigen
     const double low = low_world_m[axis], high = high_world_m[axis], origin = impl_->origin_world_m[axis];
     require(!std::isnan(low) && !std::isnan(high) && low <= high, "box", low,
             "the low corner must not be above the high one, nor NaN");
-    // Of the voxels whose centres may lie there; which do is told by the centres themselves.
+    // One voxel more at either end, because of rounding: which centres lie in the box is tested below.
     const auto key = [&](double at) {
       return std::clamp(impl_->cell(at - origin), -kHalfExtent - 1.0, kHalfExtent + 1.0);
     };
@@ -117,13 +119,13 @@ MapCubes OccupancyMap::voxels_in(const Eigen::Vector3d& low_world_m, const Eigen
   MapCubes found;
   if (empty) return found;
   const std::scoped_lock lock(impl_->mutex);
-  const auto collect = collector(found, *impl_);
+  const auto append = appender(found, *impl_);
   for_each_voxel_in(*impl_->engine, box, [&](const MapCube& voxel) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double centre = impl_->centre_world_m(voxel.corner, 0, axis);
       if (centre < low_world_m[Eigen::Index(axis)] || centre > high_world_m[Eigen::Index(axis)]) return;
     }
-    collect(voxel);
+    append(voxel);
   });
   return found;
 }
@@ -144,7 +146,7 @@ OccupancyMap::Casts OccupancyMap::cast_rays(std::span<const double> origins_worl
     impl_->require_in_cube(origins_m[i], "rays.origins_world_m");
     directions[i] = float_direction(direction);
     require(directions[i].allFinite() && directions[i] != Eigen::Vector3f::Zero(), "rays.directions_world",
-            direction.transpose(), "must have a length");
+            direction.transpose(), "must be finite and not zero");
   }
   Casts casts;
   casts.ends.reserve(count);
@@ -152,11 +154,11 @@ OccupancyMap::Casts OccupancyMap::cast_rays(std::span<const double> origins_worl
   const double range_m = std::isinf(max_range_m) ? 0 : max_range_m;
   const std::scoped_lock lock(impl_->mutex);
   for (std::size_t i = 0; i < count; ++i) {
-    const RayCast cast =
-        cast_ray(*impl_->engine, impl_->resolution_m, origins_m[i], directions[i], ignore_unknown, range_m);
-    casts.ends.push_back(static_cast<std::int8_t>(cast.end));
+    const MapRayHit hit =
+        cast_map_ray(*impl_->engine, impl_->resolution_m, origins_m[i], directions[i], ignore_unknown, range_m);
+    casts.ends.push_back(static_cast<std::int8_t>(hit.end));
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      casts.voxel_centres_world_m.push_back(impl_->centre_world_m(cast.voxel, 0, axis));
+      casts.voxel_centres_world_m.push_back(impl_->centre_world_m(hit.voxel, 0, axis));
     }
   }
   return casts;

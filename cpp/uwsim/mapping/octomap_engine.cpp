@@ -5,10 +5,10 @@
 #include <sstream>
 #include <utility>
 
-#include "uwsim/mapping/file_stream.h"
+#include "uwsim/mapping/atomic_file_stream.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
-// The tree's code is Debian's own, linked from its archives: compiled here, it could give another tree.
+// The tree's code is Debian's, linked from its archives: compiled here, it could give another tree.
 extern template class octomap::OcTreeDataNode<float>;
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
 extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;
@@ -18,7 +18,7 @@ namespace {
 
 using octomap::OcTreeNode;
 
-/// The protected members, without OctoMap's accessors and iterators, which Debian's archives do not export.
+/// Access to protected members. OctoMap's own accessors and iterators are not in Debian's archives.
 struct Children : OcTreeNode {
   static const OcTreeNode* at(const OcTreeNode& node, int child) {
     octomap::AbstractOcTreeNode** all = node.*(&Children::children);
@@ -38,22 +38,17 @@ struct Root : octomap::OcTree {
   static void detect_changes(octomap::OcTree& tree) { tree.*(&Root::use_change_detection) = true; }
 };
 
-/// Prunes and refreshes the inner nodes bottom up, as insertions would have left them, in a tree out of a file. The
-/// root stays: a .bt says nothing of a root that is a leaf.
-void settle(octomap::OcTree& tree, OcTreeNode& node) {
+/// Updates and prunes the inner nodes from the bottom up, to what insertions would have left. The root is not pruned: a
+/// .bt cannot express a root that is a leaf.
+void update_inner_nodes(octomap::OcTree& tree, OcTreeNode& node) {
   if (Children::none(node)) return;
   for (int child = 0; child < 8; ++child) {
-    if (const OcTreeNode* below = Children::at(node, child)) settle(tree, const_cast<OcTreeNode&>(*below));
+    if (const OcTreeNode* below = Children::at(node, child)) update_inner_nodes(tree, const_cast<OcTreeNode&>(*below));
   }
   if (&node == Root::of(tree) || !tree.pruneNode(&node)) node.updateOccupancyChildren();
 }
 
-/// The lowest corner of a child, from that of its parent, which is two halves wide.
-VoxelKey child_corner(const VoxelKey& corner, int child, int half) {
-  return {corner[0] + (child & 1) * half, corner[1] + (child >> 1 & 1) * half, corner[2] + (child >> 2 & 1) * half};
-}
-
-/// Adds to all voxels below a node, of which some may be unknown.
+/// Adds to all voxels below a node, known or not.
 void add_to_all(octomap::OcTree& tree, OcTreeNode& node, float log_odds) {
   if (Children::none(node)) return tree.updateNodeLogOdds(&node, log_odds);
   for (int child = 0; child < 8; ++child) {
@@ -77,7 +72,6 @@ void add_to_cube(octomap::OcTree& tree, OcTreeNode& node, bool is_new, int at, c
   add_to_cube(tree, next, !below, at - 1, corner, levels, log_odds);
 }
 
-/// `box`: of interest.
 void visit_leaves_in(const OcTreeNode& node, const VoxelKey& key, int levels, const KeyBox& box,
                      const MapEngine::LeafVisitor& leaf) {
   if (!box.meets(key, levels)) return;
@@ -107,7 +101,7 @@ void set_model(octomap::OcTree& tree, const OccupancyModel& model) {
 
 TreeBytes binary_data(const octomap::OcTree& tree) {
   std::ostringstream body;
-  const QuietStderr quiet;  // writeBinaryData tells how many nodes it writes
+  const QuietStderr quiet;  // writeBinaryData prints how many nodes it writes
   tree.writeBinaryData(body);
   return {body.str(), tree.size()};
 }
@@ -129,7 +123,7 @@ class OctomapEngine : public MapEngine {
     for (const Scan& scan : scans) {
       tree_.insertPointCloud(cloud(scan), {scan.origin_m.x(), scan.origin_m.y(), scan.origin_m.z()}, max_range_m);
     }
-    // A cube that is known all over and equal has no children left: a leaf at the root, of which no .bt can tell.
+    // A cube whose voxels are all known and equal is pruned to a leaf at the root, which no .bt can express.
     if (OcTreeNode* root = Root::of(tree_); root && Children::none(*root)) tree_.expandNode(root);
   }
 
@@ -140,7 +134,7 @@ class OctomapEngine : public MapEngine {
     add_to_cube(tree_, *Root::of(tree_), is_new, kTreeDepth, corner, levels, log_odds);
   }
   void finish_adding() override {
-    if (OcTreeNode* root = Root::of(tree_)) settle(tree_, *root);
+    if (OcTreeNode* root = Root::of(tree_)) update_inner_nodes(tree_, *root);
   }
 
   void set_model(const OccupancyModel& model) override {
@@ -159,7 +153,7 @@ class OctomapEngine : public MapEngine {
   void load(MapFormat format, std::string_view body) override {
     std::istringstream stream{std::string(body)};
     format == MapFormat::bt ? tree_.readBinaryData(stream) : tree_.readData(stream);
-    if (OcTreeNode* root = Root::of(tree_)) settle(tree_, *root);
+    if (OcTreeNode* root = Root::of(tree_)) update_inner_nodes(tree_, *root);
   }
 
   std::optional<float> log_odds_at(const VoxelKey& key) const override {
@@ -178,11 +172,11 @@ class OctomapEngine : public MapEngine {
 
   TreeBytes full_tree() const override { return full_data(tree_); }
 
-  /// What writeBinary does, on a copy: the live tree keeps its log-odds.
+  /// Does what writeBinary does, but to a copy: the tree keeps its log-odds.
   TreeBytes binary_tree() const override { return Root::of(tree_) ? binary_data(*likely_copy()) : TreeBytes{}; }
 
   void write_tree(MapFormat format, AtomicFile& file) const override {
-    FileStream stream(file);
+    AtomicFileStream stream(file);
     const auto write = [&](const octomap::OcTree& tree) {
       file.append(octree_header(format, tree.size(), tree.getResolution()));
       const QuietStderr quiet;
@@ -204,8 +198,8 @@ class OctomapEngine : public MapEngine {
     return copy;
   }
 
-  /// The points as the tree takes them. One whose distance a float cannot tell from zero is put at the origin:
-  /// OctoMap's walk to it might not end.
+  /// The scan's points in the tree's frame. A point whose squared distance is 0 in float is moved to the origin,
+  /// because OctoMap's walk to it might not end.
   octomap::Pointcloud cloud(const Scan& scan) const {
     octomap::Pointcloud cloud;
     const std::span<const float> points = scan.points_world_m;
@@ -214,8 +208,8 @@ class OctomapEngine : public MapEngine {
       const Eigen::Vector3d point_world_m(points[i], points[i + 1], points[i + 2]);
       if (!point_world_m.allFinite()) continue;
       Eigen::Vector3f point = (point_world_m - tree_origin_world_m_).cast<float>();
-      const Eigen::Vector3f way = point - scan.origin_m;
-      if (way.x() * way.x() + way.y() * way.y() + way.z() * way.z() == 0) point = scan.origin_m;
+      const Eigen::Vector3f delta = point - scan.origin_m;
+      if (delta.x() * delta.x() + delta.y() * delta.y() + delta.z() * delta.z() == 0) point = scan.origin_m;
       cloud.push_back(point.x(), point.y(), point.z());
     }
     return cloud;

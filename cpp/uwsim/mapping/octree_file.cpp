@@ -16,7 +16,7 @@ constexpr std::string_view kFullTitle = "# Octomap OcTree file";
   throw InvalidValue("map '" + std::string(name) + "': " + rule);
 }
 
-/// What a file says, fit to be printed on one line.
+/// Text from a file, made fit for one line of a message.
 std::string quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
@@ -74,12 +74,13 @@ OctreeFile parse_header(std::string_view bytes, std::string_view name) {
   return file;
 }
 
-/// Walks a tree of bytes and counts its nodes. The depth bounds the recursion, whatever the bytes say.
-class Walk {
+/// Walks the bytes of a tree and counts its nodes. The recursion is never deeper than the tree may be.
+class TreeCheck {
  public:
-  Walk(std::string_view bytes, std::size_t at, std::string_view name) : bytes_(bytes), at_(at), name_(name) {}
+  TreeCheck(std::string_view bytes, std::size_t at, std::string_view name) : bytes_(bytes), at_(at), name_(name) {}
 
-  /// An inner node of a .bt, itself already counted: it must have a level below it, its inner children another.
+  /// An inner node of a .bt, which is already counted. There must be a level below it, and another below its inner
+  /// children.
   void binary_node(int depth) {
     const auto codes = take<std::uint16_t>();
     ++inner_nodes[static_cast<std::size_t>(depth)];
@@ -90,7 +91,7 @@ class Walk {
     }
   }
 
-  /// Any node of an .ot, itself already counted.
+  /// A node of an .ot, which is already counted.
   void full_node(int depth) {
     if (!std::isfinite(take<float>())) refuse(name_, "damaged: a log-odds that is not finite");
     const auto flags = take<std::uint8_t>();
@@ -136,17 +137,17 @@ class Walk {
 
 OctreeFile check_octree_file(std::string_view bytes, std::string_view name) {
   OctreeFile file = parse_header(bytes, name);
-  Walk walk(bytes, file.body_offset, name);
+  TreeCheck tree(bytes, file.body_offset, name);
   if (file.nodes == 0) {
-    walk.expect_end();
+    tree.expect_end();
     return file;
   }
-  file.format == MapFormat::bt ? walk.binary_node(0) : walk.full_node(0);
-  walk.expect_end();
-  file.inner_nodes = walk.inner_nodes;
-  if (walk.nodes != file.nodes) {
+  file.format == MapFormat::bt ? tree.binary_node(0) : tree.full_node(0);
+  tree.expect_end();
+  file.inner_nodes = tree.inner_nodes;
+  if (tree.nodes != file.nodes) {
     refuse(name,
-           "damaged: " + std::to_string(walk.nodes) + " nodes, but the header says " + std::to_string(file.nodes));
+           "damaged: " + std::to_string(tree.nodes) + " nodes, but the header says " + std::to_string(file.nodes));
   }
   return file;
 }

@@ -11,17 +11,17 @@
 namespace uwsim {
 namespace {
 
-thread_local int quiet = 0;
+thread_local int quiet = 0;  ///< QuietStderr objects of this thread
 
-ssize_t pass_on(void*, const char* text, size_t size) {
+ssize_t write_unless_quiet(void*, const char* text, size_t size) {
   return quiet > 0 ? static_cast<ssize_t>(size) : ::write(STDERR_FILENO, text, size);
 }
 
-/// Stands in for stderr, which is a variable in glibc. Never closed: another thread may be about to print to it.
+/// Replaces stderr, which is a variable in glibc. Never closed: another thread may be about to print to it.
 FILE* filter() {
   static FILE* const stream = [] {
     cookie_io_functions_t functions{};
-    functions.write = pass_on;
+    functions.write = write_unless_quiet;
     FILE* made = ::fopencookie(nullptr, "w", functions);
     if (made) ::setvbuf(made, nullptr, _IONBF, 0);
     return made;
@@ -30,7 +30,7 @@ FILE* filter() {
 }
 
 std::mutex swapping;
-int in_use = 0;
+int in_use = 0;  ///< QuietStderr objects of all threads
 FILE* original = nullptr;
 
 }  // namespace

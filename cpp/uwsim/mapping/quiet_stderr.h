@@ -2,8 +2,8 @@
 
 namespace uwsim {
 
-/// While it lives, what this thread prints to C's stderr is dropped; other threads' text goes where it always goes.
-/// For libraries that print what is no one's business. C++'s std::cerr is not concerned.
+/// While an object of this class exists, text that its thread prints to C's stderr is dropped; text of other threads is
+/// not. For libraries that print progress. C++'s std::cerr is not affected.
 class QuietStderr {
  public:
   QuietStderr();

@@ -1,16 +1,16 @@
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Inertial acceleration of the sensor (free of gravity, unlike an IMU's) and its angular acceleration, in its axes.
-class Acceleration final : public Mounted {
+/// Inertial acceleration of the sensor (without gravity, unlike an IMU's) and its angular acceleration, sensor axes.
+class Acceleration final : public MountedSensor {
  public:
-  explicit Acceleration(const SensorSpec& spec) : Mounted(spec) {}
+  explicit Acceleration(const SensorSpec& spec) : MountedSensor(spec) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     Eigen::Vector3d::Map(&raw[0]) = sensor_axes(acceleration_body_m_s2(input));
-    Eigen::Vector3d::Map(&raw[3]) = sensor_axes(input.moment.acceleration_body.tail<3>());
+    Eigen::Vector3d::Map(&raw[3]) = sensor_axes(input.vehicle.acceleration_body.tail<3>());
   }
 };
 

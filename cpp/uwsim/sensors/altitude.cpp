@@ -1,16 +1,16 @@
 #include <cmath>
 
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Distance straight down (as of a stabilised altimeter) to whatever lies below, seabed or not. Past its range:
-/// infinity and invalid; nearer than it can tell: its least range and invalid.
-class Altitude final : public Mounted {
+/// Vertical distance (as of a stabilised altimeter) to the first surface below, seabed or not. Beyond the maximum range
+/// it reads infinity, below the minimum range the minimum; both are invalid.
+class Altitude final : public MountedSensor {
  public:
   explicit Altitude(const SensorSpec& spec)
-      : Mounted(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {}
+      : MountedSensor(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     const Ray down{world_from_sensor(input).position_m, -Eigen::Vector3d::UnitZ()};
@@ -28,14 +28,19 @@ class Altitude final : public Mounted {
 
 constexpr Field kFields[] = {{"altitude_m", 1, "m"}};
 constexpr Channel kChannels[] = {{"altitude", 1, "m"}};
-constexpr Parameter kParameters[] = {{"range_min_m", 1, 0, 0, 1000, "m", "nearer is invalid"},
-                                     {"range_max_m", 1, 1000, 0.1, 1000, "m", "farther is invalid and infinity"}};
+constexpr Parameter kParameters[] = {
+    {"range_min_m", 1, 0, 0, 1000, "m", "smaller distances are invalid"},
+    {"range_max_m", 1, 1000, 0.1, 1000, "m", "larger distances are infinite and invalid"}};
 
 }  // namespace
 
 extern const SensorKind kAltitude;
-constinit const SensorKind kAltitude = {
-    "altitude",           "distance straight down; infinity past its range", kFields, kChannels, 0, kParameters,
-    make_sensor<Altitude>};
+constinit const SensorKind kAltitude = {"altitude",
+                                        "vertical distance to the surface below; infinity beyond its range",
+                                        kFields,
+                                        kChannels,
+                                        0,
+                                        kParameters,
+                                        make_sensor<Altitude>};
 
 }  // namespace uwsim

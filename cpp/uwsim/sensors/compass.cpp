@@ -1,7 +1,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
@@ -10,12 +10,13 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The earth's field (strength,
-/// inclination below the horizon, declination east of the world's north, +y) is taken in sensor axes, the vehicle's own
-/// field ("hard iron") added, and levelled with the true roll and pitch; heading = atan2 of the levelled components.
-/// Hard iron h thus turns it by about h_across / (B cos I). Groves 2013, "Principles of GNSS, Inertial...", ch. 6.1.
-class Compass final : public Mounted {
+/// inclination below the horizon, declination east of the world's north, +y) plus the vehicle's own field in sensor
+/// axes
+/// ("hard iron") is levelled with the true roll and pitch; heading = atan2 of the level components. Hard iron h
+/// therefore turns it by about h_across / (B cos I). Groves 2013, "Principles of GNSS, Inertial...", ch. 6.1.
+class Compass final : public MountedSensor {
  public:
-  explicit Compass(const SensorSpec& spec) : Mounted(spec), hard_iron_ut_(spec.vector3("hard_iron_ut")) {
+  explicit Compass(const SensorSpec& spec) : MountedSensor(spec), hard_iron_ut_(spec.vector3("hard_iron_ut")) {
     const double declination = spec.number("declination_deg") * kRadPerDeg;
     const double inclination = spec.number("inclination_deg") * kRadPerDeg;
     field_world_ut_ = spec.number("field_ut") * Eigen::Vector3d(std::sin(declination) * std::cos(inclination),
@@ -27,7 +28,7 @@ class Compass final : public Mounted {
     const Pose sensor = world_from_sensor(input);
     const Eigen::Vector3d ahead = sensor.direction(Eigen::Vector3d::UnitX());
     const Eigen::Vector3d measured_world_ut = field_world_ut_ + sensor.direction(hard_iron_ut_);
-    // From where the sensor points, horizontally, counter-clockwise to where the field does.
+    // The horizontal angle from the sensor's x axis counter-clockwise to the field.
     raw[0] = std::atan2(ahead.x() * measured_world_ut.y() - ahead.y() * measured_world_ut.x(),
                         ahead.x() * measured_world_ut.x() + ahead.y() * measured_world_ut.y());
   }

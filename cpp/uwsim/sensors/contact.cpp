@@ -3,11 +3,11 @@
 namespace uwsim {
 namespace {
 
-/// 1 while the vehicle touches anything, else 0.
+/// 1 while the vehicle is in contact with anything, else 0.
 class Contact final : public Sensor {
  public:
   explicit Contact(const SensorSpec&) {}
-  void observe(const SensorInput& input, std::span<double> raw) const override { raw[0] = input.moment.touching; }
+  void observe(const SensorInput& input, std::span<double> raw) const override { raw[0] = input.vehicle.touching; }
 };
 
 constexpr Field kFields[] = {{"touching", 1, "1"}};
@@ -16,6 +16,6 @@ constexpr Field kFields[] = {{"touching", 1, "1"}};
 
 extern const SensorKind kContact;
 constinit const SensorKind kContact = {
-    "contact", "1 while the vehicle touches anything, else 0", kFields, {}, 1, {}, make_sensor<Contact>};
+    "contact", "1 while the vehicle is in contact with anything, else 0", kFields, {}, 1, {}, make_sensor<Contact>};
 
 }  // namespace uwsim

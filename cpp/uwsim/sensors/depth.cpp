@@ -1,13 +1,13 @@
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Depth as real depth sensors infer it: gauge pressure (zeroed at the surface) / (nominal density x gravity), positive
-/// down, 0 in air. In stratified water it therefore errs, and under waves it swings with the pressure.
-class Depth final : public Mounted {
+/// Depth as real depth sensors infer it: gauge pressure (zero at the surface) / (nominal density x gravity), positive
+/// down, 0 in air. It therefore errs in stratified water, and under waves it follows the pressure.
+class Depth final : public MountedSensor {
  public:
-  explicit Depth(const SensorSpec& spec) : Mounted(spec), density_kg_m3_(spec.number("density_kg_m3")) {}
+  explicit Depth(const SensorSpec& spec) : MountedSensor(spec), density_kg_m3_(spec.number("density_kg_m3")) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     const Water& water = input.around.water;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
@@ -12,14 +12,14 @@ constexpr int kBeams = 4;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Doppler velocity log with four beams in Janus configuration (Brokloff 1994, "Matrix algorithm for Doppler sonar
-/// navigation"): beam k looks down, slanted from the sensor's -z by `beam_slant_deg`, at azimuth `beam_azimuth_deg` +
-/// 90 k about +z. Each beam that meets something within range measures its range and the velocity along itself,
-/// b_k . v; the reading is the least-squares v of those. Fewer than three such beams: no bottom lock, velocity 0,
-/// invalid (as Water Linked's DVLs report it). A lost beam has infinite range and velocity 0.
-class Dvl final : public Mounted {
+/// navigation"): beam k points down, at the angle `beam_slant_deg` to the sensor's -z and the azimuth
+/// `beam_azimuth_deg` + 90 k about +z. Each beam that hits a surface within range measures its range and the velocity
+/// along the beam, b_k . v; the reading is the least-squares v. With fewer than three such beams there is no bottom
+/// lock: velocity 0, invalid (as Water Linked's DVLs report it). A lost beam has infinite range and velocity 0.
+class Dvl final : public MountedSensor {
  public:
   explicit Dvl(const SensorSpec& spec)
-      : Mounted(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {
+      : MountedSensor(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {
     const double slant = spec.number("beam_slant_deg") * kRadPerDeg;
     for (int k = 0; k < kBeams; ++k) {
       const double azimuth = (spec.number("beam_azimuth_deg") + 90 * k) * kRadPerDeg;
@@ -74,16 +74,16 @@ constexpr Field kFields[] = {{"velocity_m_s", 3, "m/s"},
 constexpr Channel kChannels[] = {{"beam_velocity", kBeams, "m/s"}, {"beam_range", kBeams, "m"}};
 constexpr Parameter kParameters[] = {
     {"beam_slant_deg", 1, 30, 5, 60, "deg", "from the sensor's -z"},
-    {"beam_azimuth_deg", 1, 45, -360, 360, "deg", "of the first beam, about the sensor's +z from its x"},
-    {"range_min_m", 1, 0, 0, 1000, "m", "along a beam; nearer is lost"},
-    {"range_max_m", 1, 100, 0.1, 1000, "m", "along a beam; farther is lost"}};
+    {"beam_azimuth_deg", 1, 45, -360, 360, "deg", "of the first beam about the sensor's +z, from its x"},
+    {"range_min_m", 1, 0, 0, 1000, "m", "along a beam; closer beams are lost"},
+    {"range_max_m", 1, 100, 0.1, 1000, "m", "along a beam; farther beams are lost"}};
 
 }  // namespace
 
 extern const SensorKind kDvl;
 constinit const SensorKind kDvl = {
     "dvl",
-    "velocity over the bottom (sensor axes), ranges along and velocities along four beams, bottom lock (1 or 0)",
+    "velocity over the bottom (sensor axes), range and velocity along each of four beams, bottom lock (1 or 0)",
     kFields,
     kChannels,
     0,

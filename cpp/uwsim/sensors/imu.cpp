@@ -1,20 +1,20 @@
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Angular velocity and specific force (what accelerometers feel: f = a - g) in the sensor's axes, and the sensor's
+/// Angular velocity and specific force (as accelerometers measure it: f = a - g) in sensor axes, and the sensor's
 /// orientation in the world, as in sensor_msgs/Imu. Groves 2013, "Principles of GNSS, Inertial...", ch. 4.
-/// An orientation error is a small turn about the sensor's axes.
-class Imu final : public Mounted {
+/// The orientation error is a small rotation about the sensor's axes.
+class Imu final : public MountedSensor {
  public:
-  explicit Imu(const SensorSpec& spec) : Mounted(spec) {}
+  explicit Imu(const SensorSpec& spec) : MountedSensor(spec) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
-    const Eigen::Quaterniond& attitude = input.moment.state.world_from_body.orientation;
+    const Eigen::Quaterniond& attitude = input.vehicle.state.world_from_body.orientation;
     const Eigen::Vector3d gravity(0, 0, -input.around.water.gravity());
     Eigen::Map<Eigen::Matrix<double, 13, 1>> out(raw.data());
-    out.segment<3>(0) = sensor_axes(input.moment.state.angular_body_rad_s());
+    out.segment<3>(0) = sensor_axes(input.vehicle.state.angular_body_rad_s());
     out.segment<3>(3) = sensor_axes(acceleration_body_m_s2(input) - attitude.conjugate() * gravity);
     out.segment<3>(6).setZero();
     out.segment<4>(9) = (attitude * body_from_sensor_.orientation).normalized().coeffs();

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "uwsim/core/stream_name.h"
+
 namespace uwsim {
 
 Noise::Noise(const SensorKind& kind, const SensorSpec& spec, std::uint64_t seed, const std::string& stream,
              double sample_period_s)
     : white_(seed, stream) {
-  const RandomStream turn_on(seed, stream + "/turn_on"), bias(seed, stream + "/bias"), walk(seed, stream + "/walk");
+  const RandomStream turn_on(seed, stream_name(stream, "turn_on")), bias(seed, stream_name(stream, "bias")),
+      walk(seed, stream_name(stream, "walk"));
   for (const Channel& channel : kind.channels) {
     const auto found = spec.noise.find(channel.name);
     const NoiseSpec noise = found == spec.noise.end() ? NoiseSpec{} : found->second;
@@ -34,7 +37,7 @@ Noise::Noise(const SensorKind& kind, const SensorSpec& spec, std::uint64_t seed,
 
 void Noise::apply(std::uint64_t sample, std::span<double> raw) {
   for (std::size_t k = 0; k < components_.size(); ++k) {
-    if (!std::isfinite(raw[k])) continue;  // nothing there stays nothing, whatever the limits
+    if (!std::isfinite(raw[k])) continue;  // no measurement: limits do not apply
     Component& c = components_[k];
     double value = raw[k] + c.turn_on;
     if (c.bias) value += c.bias->at(sample);

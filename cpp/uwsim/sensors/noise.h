@@ -11,11 +11,11 @@
 
 namespace uwsim {
 
-/// The errors of one sensor's channels; see NoiseSpec. What sample k is given depends on seed, sensor and k alone: not
-/// on which samples are read, nor how often, nor on other sensors.
+/// The errors of one sensor's channels; see NoiseSpec. The errors of sample k depend only on seed, sensor and k: not on
+/// which samples are read, how often, or on other sensors.
 class Noise {
  public:
-  /// `stream` names the sensor, such as "rov/imu"; `sample_period_s` is what a density is spread over.
+  /// `stream`: the sensor, such as "rov/imu". `sample_period_s` converts a density to a standard deviation.
   Noise(const SensorKind& kind, const SensorSpec& spec, std::uint64_t seed, const std::string& stream,
         double sample_period_s);
 
@@ -30,7 +30,7 @@ class Noise {
   };
 
   RandomStream white_;
-  std::vector<Component> components_;  ///< of the raw values, from the first
+  std::vector<Component> components_;  ///< one for each of the first raw values
 };
 
 }  // namespace uwsim

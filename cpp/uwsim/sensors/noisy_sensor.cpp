@@ -4,6 +4,7 @@
 #include <string>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/stream_name.h"
 #include "uwsim/sensors/sensor_kinds.h"
 
 namespace uwsim {
@@ -11,16 +12,12 @@ namespace {
 
 constexpr double kMaxHeldSamples = 1e5;
 
-/// As many as may be under way, the one that has arrived, and one more for rounding.
+/// Samples that may be in transit, the one that has arrived, and one more for rounding.
 std::size_t held_samples(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
   const double held = (spec.latency_s + sensor.longest_travel_time_s()) / clock.period_s() + 3;
   require(held <= kMaxHeldSamples, "sensors." + spec.name + ".latency_s", spec.latency_s,
-          "must not be longer than 100000 samples take");
+          "must be at most 100000 sample periods");
   return static_cast<std::size_t>(held);
-}
-
-std::string stream_name(std::string_view vehicle, const SensorSpec& spec) {
-  return std::string(vehicle) + "/" + spec.name;
 }
 
 }  // namespace
@@ -30,8 +27,8 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
       spec_(completed(spec, *kind_)),
       sensor_(kind_->make(spec_)),
       clock_(spec.rate_hz, step_ns),
-      noise_(*kind_, spec_, seed, stream_name(vehicle, spec), clock_.period_s()),
-      drop_out_(seed, stream_name(vehicle, spec) + "/drop_out"),
+      noise_(*kind_, spec_, seed, stream_name(vehicle, spec.name), clock_.period_s()),
+      drop_out_(seed, stream_name(vehicle, spec.name, "drop_out")),
       history_(held_samples(spec_, *sensor_, clock_)),
       raw_(kind_->raw_width()) {
   sample_.values.resize(kind_->reading_width());
@@ -40,30 +37,31 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
   if (!present_only) next_due_ = 0;
 }
 
-void NoisySensor::keep(const Moment& moment) {
-  if (clock_.samples_at(moment.tick)) history_.push(moment, dropped(moment.tick));
-  next_due_ = clock_.tick_of(clock_.sample_at(moment.tick) + 1);
+void NoisySensor::record(const VehicleSnapshot& snapshot) {
+  if (clock_.samples_at(snapshot.tick)) history_.push(snapshot, dropped(snapshot.tick));
+  next_due_ = clock_.tick_of(clock_.sample_at(snapshot.tick) + 1);
 }
 
 bool NoisySensor::dropped(std::uint64_t tick) const {
   return spec_.drop_out > 0 && drop_out_.uniform(clock_.sample_at(tick)) < spec_.drop_out;
 }
 
-SensorInput NoisySensor::input(const Moment& moment, const Surroundings& around) const {
-  return {moment, around, 1e-9 * static_cast<double>(clock_.time_ns(moment.tick))};
+SensorInput NoisySensor::input(const VehicleSnapshot& snapshot, const Surroundings& around) const {
+  return {snapshot, around, 1e-9 * static_cast<double>(clock_.time_ns(snapshot.tick))};
 }
 
-bool NoisySensor::arrived(const SampleHistory::Entry& entry, const Moment& now, const Surroundings& around) const {
-  const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(entry.moment, around));
-  return clock_.time_ns(entry.moment.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
+bool NoisySensor::arrived(const SampleHistory::Entry& entry, const VehicleSnapshot& now,
+                          const Surroundings& around) const {
+  const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(entry.snapshot, around));
+  return clock_.time_ns(entry.snapshot.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
          clock_.time_ns(now.tick);
 }
 
-void NoisySensor::measure(const Moment& moment, const Surroundings& around, bool with_noise) {
-  sensor_->observe(input(moment, around), raw_);
-  if (with_noise) noise_.apply(clock_.sample_at(moment.tick), raw_);
+void NoisySensor::measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise) {
+  sensor_->observe(input(snapshot, around), raw_);
+  if (with_noise) noise_.apply(clock_.sample_at(snapshot.tick), raw_);
   measured_valid_ = sensor_->report(raw_, sample_.values);
-  sample_.stamp_ns = clock_.time_ns(moment.tick);
+  sample_.stamp_ns = clock_.time_ns(snapshot.tick);
   sample_.valid = measured_valid_;
   measured_tick_ = kNever;
 }
@@ -73,28 +71,29 @@ void NoisySensor::exchange_state(StateArchive& archive) {
   archive.same("sensor kind", std::string(kind_->name));
   archive(next_due_);
   history_.exchange_state(archive);
-  if (archive.restoring()) measured_tick_ = kNever;  // sample_ is of another time
+  if (archive.restoring()) measured_tick_ = kNever;  // sample_ belongs to another time
 }
 
-const Sample& NoisySensor::read_true(const Moment& now, const Surroundings& around) {
+const Sample& NoisySensor::read_true(const VehicleSnapshot& now, const Surroundings& around) {
   measure(now, around, false);
   return sample_;
 }
 
-const Sample& NoisySensor::read(const Moment& now, const Surroundings& around) {
+const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& around) {
   bool newest_dropped = false, found = false;
-  const auto take = [&](const SampleHistory::Entry& entry, bool kept) {
+  // Whether the entry gives the sample: it has arrived and was not dropped.
+  const auto try_entry = [&](const SampleHistory::Entry& entry, bool recorded) {
     if (!arrived(entry, now, around)) return false;
     newest_dropped |= entry.dropped;
     if (entry.dropped) return false;
-    if (!kept || measured_tick_ != entry.moment.tick) measure(entry.moment, around, true);
-    if (kept) measured_tick_ = entry.moment.tick;
+    if (!recorded || measured_tick_ != entry.snapshot.tick) measure(entry.snapshot, around, true);
+    if (recorded) measured_tick_ = entry.snapshot.tick;
     sample_.valid = measured_valid_ && !newest_dropped;
     return found = true;
   };
-  const bool taken_now = clock_.samples_at(now.tick) && take({now, dropped(now.tick)}, false);
-  if (!taken_now) {
-    history_.visit_back([&](const SampleHistory::Entry& entry) { return take(entry, true); });
+  const bool is_present = clock_.samples_at(now.tick) && try_entry({now, dropped(now.tick)}, false);
+  if (!is_present) {
+    history_.visit_back([&](const SampleHistory::Entry& entry) { return try_entry(entry, true); });
   }
   if (!found) {
     measure(now, around, true);

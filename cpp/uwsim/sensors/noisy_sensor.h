@@ -14,13 +14,13 @@ namespace uwsim {
 
 struct Sample {
   std::vector<double> values;  ///< the kind's fields, one after the other
-  std::uint64_t stamp_ns = 0;  ///< when it was taken
+  std::uint64_t stamp_ns = 0;  ///< the time of the measurement
   bool valid = false;
 };
 
-/// A sensor with its errors, rate, delay and drop-outs. A read gives the newest sample that has arrived, with the stamp
-/// of when it was taken. Where that one was dropped: the last that came through, marked invalid; before the first
-/// has arrived: the present one, marked invalid. Samples depend on seed, names and time alone, not on what is read.
+/// A sensor with its errors, rate, latency and drop-outs. A read returns the newest sample that has arrived, with the
+/// time of its measurement. If that one was dropped, it returns the last one that was not, marked invalid; before the
+/// first has arrived, the present one, marked invalid. Samples depend on seed, names and time, not on reads.
 class NoisySensor {
  public:
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
@@ -31,24 +31,24 @@ class NoisySensor {
   const SensorSpec& spec() const { return spec_; }
   const SensorKind& kind() const { return *kind_; }
 
-  /// The next step whose end must be shown to keep(); kNever for a sensor that only looks at the present.
+  /// The next tick whose snapshot must be recorded; kNever for a sensor that only measures the present.
   std::uint64_t next_due() const { return next_due_; }
-  void keep(const Moment& moment);
+  void record(const VehicleSnapshot& snapshot);
 
   /// The reference holds until the next read.
-  const Sample& read(const Moment& now, const Surroundings& around);
-  /// The present without errors, rate, delay and drop-outs.
-  const Sample& read_true(const Moment& now, const Surroundings& around);
+  const Sample& read(const VehicleSnapshot& now, const Surroundings& around);
+  /// The present without errors, rate, latency and drop-outs.
+  const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
-  /// Saves or restores when it samples next and what it has sampled; errors follow from seed, names and time. Throws
+  /// Saves or restores the time of the next sample and the history; errors follow from seed, names and time. Throws
   /// InvalidValue.
   void exchange_state(StateArchive& archive);
 
  private:
   bool dropped(std::uint64_t tick) const;
-  bool arrived(const SampleHistory::Entry& entry, const Moment& now, const Surroundings& around) const;
-  void measure(const Moment& moment, const Surroundings& around, bool with_noise);
-  SensorInput input(const Moment& moment, const Surroundings& around) const;
+  bool arrived(const SampleHistory::Entry& entry, const VehicleSnapshot& now, const Surroundings& around) const;
+  void measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise);
+  SensorInput input(const VehicleSnapshot& snapshot, const Surroundings& around) const;
 
   const SensorKind* kind_;
   SensorSpec spec_;
@@ -60,7 +60,7 @@ class NoisySensor {
   SampleHistory history_;
   std::vector<double> raw_;
   Sample sample_;
-  std::uint64_t measured_tick_ = kNever;  ///< of the kept moment that sample_ was made of
+  std::uint64_t measured_tick_ = kNever;  ///< of the recorded snapshot that sample_ was measured from
   bool measured_valid_ = false;
 };
 

@@ -1,12 +1,12 @@
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Absolute pressure: the atmosphere's and the water's own, with its density profile and its waves.
-class Pressure final : public Mounted {
+/// Absolute pressure of the atmosphere and the water, with its density profile and its waves.
+class Pressure final : public MountedSensor {
  public:
-  explicit Pressure(const SensorSpec& spec) : Mounted(spec) {}
+  explicit Pressure(const SensorSpec& spec) : MountedSensor(spec) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     raw[0] = input.around.water.pressure_pa(world_from_sensor(input).position_m, input.time_s);

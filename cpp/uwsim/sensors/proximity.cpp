@@ -1,15 +1,13 @@
-#include <limits>
-
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Distance along the sensor's x axis to the nearest thing; its range where nothing is nearer, as published.
-class Proximity final : public Mounted {
+/// Distance along the sensor's x axis to the nearest surface; the maximum range without one, as published.
+class Proximity final : public MountedSensor {
  public:
   explicit Proximity(const SensorSpec& spec)
-      : Mounted(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {}
+      : MountedSensor(spec), range_min_m_(spec.number("range_min_m")), range_max_m_(spec.number("range_max_m")) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     const Pose sensor = world_from_sensor(input);
@@ -32,19 +30,19 @@ class Proximity final : public Mounted {
 
 constexpr Field kFields[] = {{"range_m", 1, "m"}};
 constexpr Channel kChannels[] = {{"range", 1, "m"}};
-constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
-constexpr Parameter kParameters[] = {{"range_min_m", 1, 0, 0, 1000, "m", "what is nearer reads as this"},
-                                     {"range_max_m", 1, kRequired, 0.1, 1000, "m", "what is farther reads as this"}};
+constexpr Parameter kParameters[] = {{"range_min_m", 1, 0, 0, 1000, "m", "smaller distances read as this"},
+                                     {"range_max_m", 1, kRequired, 0.1, 1000, "m", "larger distances read as this"}};
 
 }  // namespace
 
 extern const SensorKind kProximity;
-constinit const SensorKind kProximity = {"proximity",
-                                         "distance along the sensor's x; its range where nothing is nearer",
-                                         kFields,
-                                         kChannels,
-                                         0,
-                                         kParameters,
-                                         make_sensor<Proximity>};
+constinit const SensorKind kProximity = {
+    "proximity",
+    "distance along the sensor's x to the nearest surface; the maximum range without one",
+    kFields,
+    kChannels,
+    0,
+    kParameters,
+    make_sensor<Proximity>};
 
 }  // namespace uwsim

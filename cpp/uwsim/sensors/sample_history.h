@@ -9,25 +9,25 @@
 
 namespace uwsim {
 
-/// The vehicle at a sensor's last sampling times, in a ring of fixed size. Of what left the ring, the newest that was
-/// not dropped stays known, so that a reader always finds what last came through.
+/// The vehicle at a sensor's last sampling times, in a ring of fixed size. The newest entry that has left the ring and
+/// was not dropped is kept as well, so that a read always finds the last sample that was not dropped.
 class SampleHistory {
  public:
   struct Entry {
-    Moment moment;
+    VehicleSnapshot snapshot;
     bool dropped = false;
   };
 
   explicit SampleHistory(std::size_t capacity) : ring_(capacity) {}
 
-  void push(const Moment& moment, bool dropped) {
+  void push(const VehicleSnapshot& snapshot, bool dropped) {
     Entry& oldest = ring_[pushed_ % ring_.size()];
     if (pushed_ >= ring_.size() && !oldest.dropped) last_evicted_ = oldest;
-    oldest = {moment, dropped};
+    oldest = {snapshot, dropped};
     ++pushed_;
   }
 
-  /// Newest first; of what left the ring, only the last that was not dropped.
+  /// Visits the entries, newest first, then the kept one, until `stop_at` returns true.
   template <typename Visit>
   void visit_back(Visit&& stop_at) const {
     const std::size_t held = std::min<std::size_t>(pushed_, ring_.size());
@@ -37,7 +37,7 @@ class SampleHistory {
     if (last_evicted_) stop_at(*last_evicted_);
   }
 
-  /// Saves or restores all of it. Throws InvalidValue.
+  /// Saves or restores the entries. Throws InvalidValue.
   void exchange_state(StateArchive& archive) {
     archive.same("history", ring_.size());
     archive(pushed_);
@@ -50,10 +50,10 @@ class SampleHistory {
 
  private:
   static void exchange_entry(StateArchive& archive, Entry& entry) {
-    archive(entry.moment.tick);
-    archive(entry.moment.state);
-    archive(entry.moment.acceleration_body);
-    archive(entry.moment.touching);
+    archive(entry.snapshot.tick);
+    archive(entry.snapshot.state);
+    archive(entry.snapshot.acceleration_body);
+    archive(entry.snapshot.touching);
     archive(entry.dropped);
   }
 

@@ -9,11 +9,11 @@ namespace uwsim {
 /// The kinds that are built in, one file each in this folder.
 std::span<const SensorKind* const> sensor_kinds();
 
-/// Throws InvalidValue with the names there are; `path` is what the message calls the key.
+/// Throws InvalidValue with the known names; `path`: of the key in the message.
 const SensorKind& sensor_kind(std::string_view name, const std::string& path = "kind");
 
-/// The spec with every parameter of its kind. Throws InvalidValue for an unknown parameter or channel, or a value out
-/// of range.
+/// The spec with the defaults of its kind filled in. Throws InvalidValue for an unknown parameter or channel, or a
+/// value out of range.
 SensorSpec completed(SensorSpec spec, const SensorKind& kind);
 
 }  // namespace uwsim

@@ -9,7 +9,7 @@
 
 namespace uwsim {
 
-/// The sensors of one vehicle, and when the next of them takes a sample.
+/// The sensors of one vehicle, and the time of their next sample.
 class SensorRack {
  public:
   SensorRack() = default;
@@ -28,13 +28,13 @@ class SensorRack {
   NoisySensor& at(std::size_t index) { return sensors_.at(index); }
   const NoisySensor& at(std::size_t index) const { return sensors_.at(index); }
 
-  /// Whether keep() must be shown the end of step `tick` before the next step. Most steps cost this comparison.
+  /// Whether the snapshot of `tick` must be recorded before the next step. Most steps cost only this comparison.
   bool due(std::uint64_t tick) const { return tick >= next_due_; }
-  /// Frees and takes no memory.
-  void keep(const Moment& moment) {
+  /// Does not allocate or free memory.
+  void record(const VehicleSnapshot& snapshot) {
     next_due_ = NoisySensor::kNever;
     for (NoisySensor& sensor : sensors_) {
-      if (moment.tick >= sensor.next_due()) sensor.keep(moment);
+      if (snapshot.tick >= sensor.next_due()) sensor.record(snapshot);
       next_due_ = std::min(next_due_, sensor.next_due());
     }
   }

@@ -15,7 +15,7 @@ void NoiseSpec::check(const std::string& path) const {
   for (const auto& [name, value] : magnitudes) {
     require(std::isfinite(value) && value >= 0, path + name, value, "must be finite and not negative");
   }
-  require(bias_std == 0 || bias_time_s > 0, path + ".bias_time_s", bias_time_s, "must be positive where bias_std is");
+  require(bias_std == 0 || bias_time_s > 0, path + ".bias_time_s", bias_time_s, "must be positive if bias_std is");
   require(limit_low < limit_high, path + ".limit_low", limit_low, "must be below limit_high");
 }
 

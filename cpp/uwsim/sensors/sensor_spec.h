@@ -7,21 +7,23 @@
 #include <string_view>
 #include <vector>
 
+#include "uwsim/core/parameter.h"
 #include "uwsim/core/pose.h"
 
 namespace uwsim {
 
-/// Errors of one channel of a sensor, the same for each of its components but drawn apart. [u] is the channel's unit.
-/// Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). Zero: no such error.
-/// Model and names: IEEE Std 952-1997, annexes B and C; the Allan variances are in tests/cpp/test_sensor_noise.cpp.
+/// Errors of one channel of a sensor: the same figures for each component, drawn independently. [u]: the channel's
+/// unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). Zero means no such
+/// error. Model and names: IEEE Std 952-1997, annexes B and C; the Allan variances are in
+/// tests/cpp/test_sensor_noise.cpp.
 struct NoiseSpec {
   double std = 0;          ///< white, of each sample [u]
-  double density = 0;      ///< white, N (as angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)
-  double turn_on_std = 0;  ///< constant bias, drawn once a run [u]
+  double density = 0;      ///< white, N (angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)
+  double turn_on_std = 0;  ///< constant bias, drawn once for each run [u]
   double bias_std = 0;     ///< stationary Gauss-Markov bias [u] ...
   double bias_time_s = 0;  ///< ... and its correlation time
-  double walk = 0;         ///< random walk from 0 at time 0, K (as rate random walk) [u/sqrt(s)]: std(t) = K sqrt(t)
-  double quantum = 0;      ///< readings are whole multiples of this [u]
+  double walk = 0;         ///< random walk from 0 at time 0, K (rate random walk) [u/sqrt(s)]: std(t) = K sqrt(t)
+  double quantum = 0;      ///< readings are integer multiples of this [u]
   double limit_low = -std::numeric_limits<double>::infinity();  ///< readings saturate here [u]
   double limit_high = std::numeric_limits<double>::infinity();
 
@@ -29,18 +31,18 @@ struct NoiseSpec {
   void check(const std::string& path) const;
 };
 
-/// A vehicle's sensor as its YAML names it.
+/// A sensor of a vehicle.
 struct SensorSpec {
   std::string name;  ///< such as "proximity_port"
   std::string kind;  ///< one of sensor_kinds()
   Pose body_from_sensor;
-  std::map<std::string, std::vector<double>, std::less<>> parameters;  ///< of the kind, such as range_max_m
-  std::map<std::string, NoiseSpec, std::less<>> noise;                 ///< by channel
-  double rate_hz = 0;    ///< samples a second, on the first step at or after each k / rate; 0, or beyond: every step
-  double latency_s = 0;  ///< from a sample to when it can be read
-  double drop_out = 0;   ///< probability that a sample is lost
+  ParameterValues parameters;                           ///< of the kind, such as range_max_m
+  std::map<std::string, NoiseSpec, std::less<>> noise;  ///< by channel
+  double rate_hz = 0;                                   ///< of samples, see SampleClock; 0: every step
+  double latency_s = 0;                                 ///< from the measurement to its arrival
+  double drop_out = 0;                                  ///< probability that a sample is lost
 
-  double number(std::string_view parameter) const { return parameters.find(parameter)->second[0]; }
+  double number(std::string_view parameter) const { return uwsim::number(parameters, parameter); }
   Eigen::Vector3d vector3(std::string_view parameter) const {
     return Eigen::Vector3d::Map(parameters.find(parameter)->second.data());
   }

@@ -1,12 +1,12 @@
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Water temperature where the sensor is.
-class Temperature final : public Mounted {
+/// Water temperature at the sensor.
+class Temperature final : public MountedSensor {
  public:
-  explicit Temperature(const SensorSpec& spec) : Mounted(spec) {}
+  explicit Temperature(const SensorSpec& spec) : MountedSensor(spec) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     raw[0] = input.around.water.temperature_deg_c(world_from_sensor(input).position_m.z());

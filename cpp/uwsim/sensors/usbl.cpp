@@ -1,19 +1,19 @@
 #include <cmath>
 
 #include "uwsim/acoustics/sea_water.h"
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// Acoustic position fix by an ultra-short baseline at the station. The vehicle pings at a sample's time; the station
-/// takes range and direction and sends the fix back, so that the vehicle has it a travel time both ways, 2 R / c,
-/// later. Range error: along the line of sight; bearing error: two small angles across it, so that the fix errs R x
-/// angle. c: Mackenzie's at the mean of both depths, along a straight ray; what stands in between does not shadow it.
-/// Out of range: no fix, range 0, invalid.
-class Usbl final : public Mounted {
+/// Acoustic position fix by an ultra-short baseline system at the station. The vehicle pings at the time of the sample;
+/// the station measures range and direction and sends the fix back, which arrives after the two-way travel time, 2 R /
+/// c. The range error acts along the line of sight; the bearing error is two small angles across it, an error of R x
+/// angle in position. c: the water's profile, else Mackenzie's, averaged along a straight ray; obstacles do not block
+/// it. Out of range there is no fix: range 0, invalid.
+class Usbl final : public MountedSensor {
  public:
-  explicit Usbl(const SensorSpec& spec) : Mounted(spec), range_max_m_(spec.number("range_max_m")) {}
+  explicit Usbl(const SensorSpec& spec) : MountedSensor(spec), range_max_m_(spec.number("range_max_m")) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     const Eigen::Vector3d line = from_station(input);
@@ -24,24 +24,24 @@ class Usbl final : public Mounted {
   }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
-    const bool heard = raw[6] > 0;
+    const bool in_range = raw[6] > 0;
     const Eigen::Vector3d sight = Eigen::Vector3d::Map(&raw[3]);
     const Eigen::Vector3d across =
         (std::hypot(sight.x(), sight.y()) > 1e-9 ? Eigen::Vector3d(-sight.y(), sight.x(), 0).normalized()
                                                  : Eigen::Vector3d::UnitY().eval());
-    const Eigen::Vector3d seen =
+    const Eigen::Vector3d measured =
         (sight + std::tan(raw[1]) * across + std::tan(raw[2]) * sight.cross(across)).normalized();
-    Eigen::Vector3d::Map(&reading[0]) = heard ? (raw[0] * seen).eval() : Eigen::Vector3d::Zero().eval();
-    reading[3] = heard ? raw[0] : 0;
-    reading[4] = heard ? std::atan2(seen.y(), seen.x()) : 0;
-    reading[5] = heard ? std::asin(std::clamp(seen.z(), -1.0, 1.0)) : 0;
-    return heard;
+    Eigen::Vector3d::Map(&reading[0]) = in_range ? (raw[0] * measured).eval() : Eigen::Vector3d::Zero().eval();
+    reading[3] = in_range ? raw[0] : 0;
+    reading[4] = in_range ? std::atan2(measured.y(), measured.x()) : 0;
+    reading[5] = in_range ? std::asin(std::clamp(measured.z(), -1.0, 1.0)) : 0;
+    return in_range;
   }
 
   double travel_time_s(const SensorInput& input) const override {
     const Eigen::Vector3d line = from_station(input);
     const double station_z = input.around.station_world_m.z();
-    double slowness_s_m = 0;  // mean over the depths passed through, which a straight ray passes evenly
+    double slowness_s_m = 0;  // mean over depth, along a straight ray
     for (int part = 0; part < kParts; ++part) {
       slowness_s_m += 1 / sound_speed(input.around.water, station_z + line.z() * (part + 0.5) / kParts) / kParts;
     }
@@ -54,7 +54,7 @@ class Usbl final : public Mounted {
   static constexpr int kParts = 8;
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
 
-  /// What the water's profile gives, else Mackenzie's.
+  /// As given by the water's profile, else Mackenzie's.
   static double sound_speed(const Water& water, double z_world_m) {
     const double z = std::min(z_world_m, 0.0), given_m_s = water.given_sound_speed_m_s(z);
     return given_m_s > 0 ? given_m_s : sound_speed_m_s(water.temperature_deg_c(z), water.salinity_at_psu(z), -z);
@@ -70,7 +70,7 @@ class Usbl final : public Mounted {
 constexpr Field kFields[] = {
     {"position_m", 3, "m"}, {"range_m", 1, "m"}, {"azimuth_rad", 1, "rad"}, {"elevation_rad", 1, "rad"}};
 constexpr Channel kChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}};
-constexpr Parameter kParameters[] = {{"range_max_m", 1, 1000, 1, 10000, "m", "from the station; farther is no fix"}};
+constexpr Parameter kParameters[] = {{"range_max_m", 1, 1000, 1, 10000, "m", "from the station; no fix beyond"}};
 
 }  // namespace
 

@@ -1,16 +1,16 @@
-#include "uwsim/sensors/mounted.h"
+#include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
-/// How the sensor moves over ground and turns, in its own axes: odometry as the truth tells it, with errors.
-class Velocity final : public Mounted {
+/// Velocity of the sensor over ground and its angular velocity, sensor axes: ideal odometry with errors.
+class Velocity final : public MountedSensor {
  public:
-  explicit Velocity(const SensorSpec& spec) : Mounted(spec) {}
+  explicit Velocity(const SensorSpec& spec) : MountedSensor(spec) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     Eigen::Vector3d::Map(&raw[0]) = sensor_axes(velocity_body_m_s(input));
-    Eigen::Vector3d::Map(&raw[3]) = sensor_axes(input.moment.state.angular_body_rad_s());
+    Eigen::Vector3d::Map(&raw[3]) = sensor_axes(input.vehicle.state.angular_body_rad_s());
   }
 };
 

@@ -18,8 +18,8 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr double kPhaseLooks = 4;
-constexpr double kLeastTurn_rad = 1e-5;  // of the fan during a ping; less than a hundredth of a beam
-constexpr float kLeastRange_m = 0.01f;   // closer than this nothing gets louder
+constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; smaller turns are below a hundredth of a beam
+constexpr float kMinRange_m = 0.01f;   // echoes from closer are no louder
 
 float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
 
@@ -29,7 +29,7 @@ void check(const BottomMaterial& bottom, const std::string& path) {
   require(bottom.relief >= 0 && bottom.relief <= 2, path + ".relief", bottom.relief, "must be in [0, 2]");
 }
 
-/// The chance that noise passes the threshold in any of a beam's range cells.
+/// The probability that noise passes the threshold in any of a beam's range cells.
 double false_alarm(const SonarFigures& sonar, double range_max_m, double sound_speed_m_s) {
   const double alone = false_alarm_probability(sonar.detection_threshold_db);
   return -std::expm1(std::log1p(-alone) * range_max_m / sonar.range_cell_m(sound_speed_m_s));
@@ -54,17 +54,17 @@ void AcousticSpec::check() const {
   }
 }
 
-struct AcousticMultibeam::Moment {
+struct AcousticMultibeam::Transmission {
   const RayScene& scene;
   Pose world_from_sonar;
   Eigen::Matrix3f rotation;
   Eigen::Vector3f mach;         // velocity over the speed of sound, world
-  double turn_rad_s;            // of the fan, about its normal
-  double depth_m, absorbed_db;  // of the head, and from the surface down to it
+  double turn_rad_s;            // rate of the fan about its normal
+  double depth_m, absorbed_db;  // of the head; absorption from the surface down to it
   double sound_speed_m_s;       // at the head
   float cell_m;
-  float spacing_rad;   // of a beam's rays
-  double false_alarm;  // the chance that noise passes the threshold somewhere in a beam
+  float spacing_rad;   // between a beam's rays
+  double false_alarm;  // probability that noise passes the threshold somewhere in a beam
   std::uint64_t tick;
 };
 
@@ -90,31 +90,31 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
   add(spec.bottom);
 }
 
-RayEcho AcousticMultibeam::echo_of(const Moment& now, float length_m, float range_m, float cosine, double depth_m,
-                                   Label label) const {
+RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, float length_m, float range_m, float cosine,
+                                    double depth_m, Label label) const {
   const std::size_t material = std::min<std::size_t>(label, strengths_.size() - 1);
-  const float length = std::max(length_m, kLeastRange_m);
+  const float length = std::max(length_m, kMinRange_m);
   const float cos_i = std::clamp(cosine, 1e-3f, 1.0f);
-  const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(now.depth_m, now.absorbed_db, depth_m));
+  const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(sent.depth_m, sent.absorbed_db, depth_m));
   constexpr float kTwoWay = -0.2f * std::numbers::ln10_v<float>;
   const float lost = std::exp(kTwoWay * absorption_db_m * length);
-  const float patch_m = length * now.spacing_rad;
+  const float patch_m = length * sent.spacing_rad;
   const float relief_m = reliefs_[material] * length * width_rad_;
-  // The patch between rays is drawn out by the slant, tan i; relief shows along the ray, cos i.
+  // The patch of a ray extends over range by tan i; relief extends along the ray, by cos i.
   const float square = cos_i * cos_i;
   RayEcho echo;
   echo.range_m = range_m;
   echo.energy = share_sr_ * strengths_[material] * cos_i * lost / (length * length);
   echo.width_m =
-      std::sqrt(now.cell_m * now.cell_m + patch_m * patch_m * (1 - square) / square + relief_m * relief_m * square);
+      std::sqrt(sent.cell_m * sent.cell_m + patch_m * patch_m * (1 - square) / square + relief_m * relief_m * square);
   echo.cosine = cos_i;
   echo.label = label;
   return echo;
 }
 
-void AcousticMultibeam::cast_straight(const Moment& now, const Eigen::Matrix3Xf& directions_world,
+void AcousticMultibeam::cast_straight(const Transmission& sent, const Eigen::Matrix3Xf& directions_world,
                                       std::span<RayEcho> echoes) const {
-  const Eigen::Vector3d& head = now.world_from_sonar.position_m;
+  const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
   const auto farthest = static_cast<float>(fan_.range_max_m);
   RayPacket packet;
   HitPacket met;
@@ -123,7 +123,7 @@ void AcousticMultibeam::cast_straight(const Moment& now, const Eigen::Matrix3Xf&
   packet.origin_z.fill(0);
   packet.near_m.fill(0);
   packet.far_m.fill(farthest);
-  const bool moves = !now.mach.isZero(0);
+  const bool moves = !sent.mach.isZero(0);
   for (std::size_t first = 0; first < echoes.size(); first += kPacketRays) {
     const std::size_t count = std::min(kPacketRays, echoes.size() - first);
     for (std::size_t lane = 0; lane < kPacketRays; ++lane) {
@@ -133,42 +133,42 @@ void AcousticMultibeam::cast_straight(const Moment& now, const Eigen::Matrix3Xf&
       packet.direction_z[lane] = directions_world(2, column);
       packet.active[lane] = lane < count ? -1 : 0;
     }
-    now.scene.cast(head, packet, met, RayOrder::kCoherent);
+    sent.scene.cast(head, packet, met, RayOrder::kCoherent);
     for (std::size_t lane = 0; lane < count; ++lane) {
       RayEcho& echo = echoes[first + lane];
       echo.energy = 0;
       const float length_m = met.distance_m[lane];
       const double z = head.z() + double{length_m} * packet.direction_z[lane];
       if (!(length_m < farthest) || z > 0) continue;
-      const Eigen::Vector3f way(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
+      const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
       const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
-      const float cosine = std::abs(normal.dot(way)) / normal.norm();
-      // Out to the bottom, and back to where the head is by then.
-      const float half = moves ? 0.5f * (1 + (way - 2 * now.mach).norm()) : 1;
-      echo = echo_of(now, length_m, half * length_m, cosine, -z, static_cast<Label>(met.label[lane]));
+      const float cosine = std::abs(normal.dot(direction)) / normal.norm();
+      // Out to the bottom and back to the moved head.
+      const float half = moves ? 0.5f * (1 + (direction - 2 * sent.mach).norm()) : 1;
+      echo = ray_echo(sent, length_m, half * length_m, cosine, -z, static_cast<Label>(met.label[lane]));
     }
   }
 }
 
-void AcousticMultibeam::cast_along_arcs(const Moment& now, const Eigen::Matrix3Xf& directions_world,
-                                        std::span<RayEcho> echoes) const {
-  const Eigen::Vector3d& head = now.world_from_sonar.position_m;
+void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const Eigen::Matrix3Xf& directions_world,
+                                       std::span<RayEcho> echoes) const {
+  const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
   std::vector<Eigen::Vector3d> directions(echoes.size());
   std::vector<SoundHit> hits(echoes.size());
   for (std::size_t k = 0; k < echoes.size(); ++k) {
     directions[k] = directions_world.col(static_cast<Eigen::Index>(k)).cast<double>().normalized();
   }
-  cast_bent(now.scene, profile_, head, directions, fan_.range_max_m / now.sound_speed_m_s, hits);
+  cast_bent(sent.scene, profile_, head, directions, fan_.range_max_m / sent.sound_speed_m_s, hits);
   for (std::size_t k = 0; k < echoes.size(); ++k) {
     const SoundHit& hit = hits[k];
     echoes[k].energy = 0;
     if (hit.label == kNothing) continue;
     const Eigen::Vector3d normal = hit.normal_world.cast<double>();
     const double cosine = std::abs(normal.dot(hit.arrival_world)) / normal.norm();
-    const double half = 0.5 * (1 + (directions[k] - 2 * now.mach.cast<double>()).norm());
+    const double half = 0.5 * (1 + (directions[k] - 2 * sent.mach.cast<double>()).norm());
     echoes[k] =
-        echo_of(now, static_cast<float>(hit.length_m), static_cast<float>(half * now.sound_speed_m_s * hit.time_s),
-                static_cast<float>(cosine), -hit.point_world_m.z(), hit.label);
+        ray_echo(sent, static_cast<float>(hit.length_m), static_cast<float>(half * sent.sound_speed_m_s * hit.time_s),
+                 static_cast<float>(cosine), -hit.point_world_m.z(), hit.label);
   }
 }
 
@@ -179,87 +179,95 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
   const Eigen::Vector3d& head = world_from_sonar.position_m;
   if (!(head.z() <= 0) || scene.under_ground(head)) return ping;
   const double c = profile_.at(-head.z());
-  const Moment now{scene,
-                   world_from_sonar,
-                   world_from_sonar.rotation().cast<float>(),
-                   (motion.velocity_world_m_s / c).cast<float>(),
-                   motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
-                   -head.z(),
-                   absorption_.down_to_db(-head.z()),
-                   c,
-                   static_cast<float>(spec_.figures.range_cell_m(c)),
-                   spec_.rays_per_beam > 1 ? static_cast<float>(footprint_.spacing_rad()) : 0,
-                   spec_.false_detections ? false_alarm(spec_.figures, fan_.range_max_m, c) : 0,
-                   tick};
+  const Transmission sent{scene,
+                          world_from_sonar,
+                          world_from_sonar.rotation().cast<float>(),
+                          (motion.velocity_world_m_s / c).cast<float>(),
+                          motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
+                          -head.z(),
+                          absorption_.down_to_db(-head.z()),
+                          c,
+                          static_cast<float>(spec_.figures.range_cell_m(c)),
+                          spec_.rays_per_beam > 1 ? static_cast<float>(footprint_.spacing_rad()) : 0,
+                          spec_.false_detections ? false_alarm(spec_.figures, fan_.range_max_m, c) : 0,
+                          tick};
   const auto rays = static_cast<std::size_t>(footprint_.rays());
   parallel_ranges(beams * rays, threads,
-                  [&](std::size_t first, std::size_t last) { ping_beams(now, first / rays, last / rays, ping); });
+                  [&](std::size_t first, std::size_t last) { ping_beams(sent, first / rays, last / rays, ping); });
   return ping;
 }
 
-void AcousticMultibeam::ping_beams(const Moment& now, std::size_t first, std::size_t last, AcousticPing& ping) const {
+void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, std::size_t last,
+                                   AcousticPing& ping) const {
   const auto rays = static_cast<std::size_t>(footprint_.rays());
-  const auto begin = static_cast<Eigen::Index>(first), beams = static_cast<Eigen::Index>(last - first);
-  const auto per_beam = static_cast<Eigen::Index>(rays);
   std::vector<RayEcho> echoes((last - first) * rays);
-  Eigen::Matrix3Xf directions(3, beams * per_beam);
-  const double longest_s = 2 * fan_.range_max_m / now.sound_speed_m_s;
-  if (std::abs(now.turn_rad_s) * longest_s < kLeastTurn_rad) {
-    directions.noalias() = now.rotation * footprint_.directions().middleCols(begin * per_beam, beams * per_beam);
-  } else {
-    // How long each beam's echo is under way, and so how far the fan turns, an axis tells beforehand.
-    const Eigen::Matrix3Xf axes = now.rotation * footprint_.axes().middleCols(begin, beams);
-    std::vector<RayEcho> ahead(last - first);
-    cast_straight(now, axes, ahead);
-    for (Eigen::Index beam = 0; beam < beams; ++beam) {
-      const RayEcho& echo = ahead[static_cast<std::size_t>(beam)];
-      const double wait_s = echo.energy > 0 ? 2 * echo.range_m / now.sound_speed_m_s : longest_s;
-      const Eigen::AngleAxisf turn(static_cast<float>(now.turn_rad_s * wait_s), Eigen::Vector3f::UnitZ());
-      directions.middleCols(beam * per_beam, per_beam).noalias() =
-          (now.rotation * turn.toRotationMatrix()) *
-          footprint_.directions().middleCols((begin + beam) * per_beam, per_beam);
-    }
-  }
+  const Eigen::Matrix3Xf directions = ray_directions_world(sent, first, last);
   if (spec_.bending) {
-    cast_along_arcs(now, directions, echoes);
+    cast_bent_rays(sent, directions, echoes);
   } else {
-    cast_straight(now, directions, echoes);
+    cast_straight(sent, directions, echoes);
   }
   for (std::size_t beam = first; beam < last; ++beam) {
     const std::span<RayEcho> all(echoes.data() + (beam - first) * rays, rays);
     const auto silent = std::partition(all.begin(), all.end(), [](const RayEcho& e) { return e.energy > 0; });
-    const std::span<RayEcho> heard(all.begin(), silent);
-    detect(now, beam, beam_echo(heard, now.cell_m), ping);
+    detect(sent, beam, beam_echo({all.begin(), silent}, sent.cell_m), ping);
   }
 }
 
-void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEcho& echo, AcousticPing& ping) const {
+/// The directions at reception: by then a rotating fan has turned further, in each beam according to its travel time.
+Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sent, std::size_t first,
+                                                         std::size_t last) const {
+  const auto begin = static_cast<Eigen::Index>(first), beams = static_cast<Eigen::Index>(last - first);
+  const auto per_beam = static_cast<Eigen::Index>(footprint_.rays());
+  Eigen::Matrix3Xf directions(3, beams * per_beam);
+  const double longest_s = 2 * fan_.range_max_m / sent.sound_speed_m_s;
+  if (std::abs(sent.turn_rad_s) * longest_s < kMinTurn_rad) {
+    directions.noalias() = sent.rotation * footprint_.directions().middleCols(begin * per_beam, beams * per_beam);
+    return directions;
+  }
+  // A ray along each beam's axis gives the travel time, and so the turn.
+  const Eigen::Matrix3Xf axes = sent.rotation * footprint_.axes().middleCols(begin, beams);
+  std::vector<RayEcho> ahead(last - first);
+  cast_straight(sent, axes, ahead);
+  for (Eigen::Index beam = 0; beam < beams; ++beam) {
+    const RayEcho& echo = ahead[static_cast<std::size_t>(beam)];
+    const double travel_s = echo.energy > 0 ? 2 * echo.range_m / sent.sound_speed_m_s : longest_s;
+    const Eigen::AngleAxisf turn(static_cast<float>(sent.turn_rad_s * travel_s), Eigen::Vector3f::UnitZ());
+    directions.middleCols(beam * per_beam, per_beam).noalias() =
+        (sent.rotation * turn.toRotationMatrix()) *
+        footprint_.directions().middleCols((begin + beam) * per_beam, per_beam);
+  }
+  return directions;
+}
+
+void AcousticMultibeam::detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo,
+                               AcousticPing& ping) const {
   const auto index = static_cast<std::uint32_t>(2 * beam);
   Detection found = Detection::kNone;
   double range_m = 0, intensity = 0;
   if (echo.peak > 0) {
-    const auto [fading, error] = stream_.normals(now.tick, index);
+    const auto [fading, error] = stream_.normals(sent.tick, index);
     const double snr = system_ratio_ * echo.peak;
-    const double extent_m = echo.extent_m(now.cell_m);
-    const double looks = std::max(1.0, extent_m / now.cell_m);
+    const double extent_m = echo.extent_m(sent.cell_m);
+    const double looks = std::max(1.0, extent_m / sent.cell_m);
     intensity = fading_intensity(snr, looks, fading);
     if (intensity > fading_intensity(threshold_ratio_, looks, 0)) {
-      const double by_amplitude_m = amplitude_range_std_m(extent_m, now.cell_m, snr);
-      const double by_phase_m = phase_range_std_m(extent_m, now.cell_m, snr);
+      const double by_amplitude_m = amplitude_range_std_m(extent_m, sent.cell_m, snr);
+      const double by_phase_m = phase_range_std_m(extent_m, sent.cell_m, snr);
       const bool phase = looks >= kPhaseLooks && by_phase_m < by_amplitude_m;
       found = phase ? Detection::kPhase : Detection::kAmplitude;
       range_m = echo.centre_range_m;
       if (spec_.range_noise) range_m += error * (phase ? by_phase_m : by_amplitude_m);
     }
   }
-  const double draw = now.false_alarm > 0 ? stream_.uniform(now.tick, index + 1) : 1;
-  if (draw < now.false_alarm) {
-    // What passes a threshold by chance passes it by an exponential's draw; where, anywhere.
-    const double chance = fading_intensity(threshold_ratio_, 1, 0) - std::log(draw / now.false_alarm);
-    if (found == Detection::kNone || chance > intensity) {
+  const double draw = sent.false_alarm > 0 ? stream_.uniform(sent.tick, index + 1) : 1;
+  if (draw < sent.false_alarm) {
+    // Noise above a threshold exceeds it by an exponential draw, at a uniformly distributed range.
+    const double noise = fading_intensity(threshold_ratio_, 1, 0) - std::log(draw / sent.false_alarm);
+    if (found == Detection::kNone || noise > intensity) {
       found = Detection::kFalse;
-      intensity = chance;
-      range_m = fan_.range_max_m * stream_.uniform(now.tick, index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams));
+      intensity = noise;
+      range_m = fan_.range_max_m * stream_.uniform(sent.tick, index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams));
     }
   }
   if (found == Detection::kNone || !(range_m > 0 && range_m < fan_.range_max_m)) return;
@@ -267,7 +275,7 @@ void AcousticMultibeam::detect(const Moment& now, std::size_t beam, const BeamEc
   ping.ranges_m[beam] = range;
   Eigen::Map<Eigen::Vector3f>(ping.points_sonar_m.data() + 3 * beam) =
       range * footprint_.axes().col(static_cast<Eigen::Index>(beam));
-  ping.travel_time_s[beam] = static_cast<float>(2 * range_m / now.sound_speed_m_s);
+  ping.travel_time_s[beam] = static_cast<float>(2 * range_m / sent.sound_speed_m_s);
   const double level_db = 10 * std::log10(intensity);
   ping.intensity_db[beam] = static_cast<float>(level_db - figure_db_);
   ping.snr_db[beam] = static_cast<float>(level_db);

@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-/// Standard deviation of a Gaussian over its width at half its height.
+/// The standard deviation of a Gaussian as a fraction of its full width at half maximum.
 const double kDeviation = 1 / (2 * std::sqrt(2 * std::numbers::ln2));
 
 Eigen::Vector3f direction(double angle_rad, double up_rad) {
@@ -43,10 +43,10 @@ BeamFootprint::BeamFootprint(const MultibeamModel& fan, double width_across_rad,
   const double mean_square = 0.5 * (width_across_rad * width_across_rad + width_along_rad * width_along_rad);
   spacing_rad_ = kDeviation * std::sqrt(2 * std::numbers::pi * mean_square / rays);
   for (int beam = 0; beam < fan.beams; ++beam) {
-    axes_.col(beam) = direction(fan.angle_rad(beam), 0);
+    axes_.col(beam) = direction(fan.angles().at(beam), 0);
     for (int k = 0; k < rays; ++k) {
       const Eigen::Vector2d& offset = spread[static_cast<std::size_t>(k)];
-      directions_.col(beam * rays + k) = direction(fan.angle_rad(beam) + kDeviation * width_across_rad * offset.x(),
+      directions_.col(beam * rays + k) = direction(fan.angles().at(beam) + kDeviation * width_across_rad * offset.x(),
                                                    kDeviation * width_along_rad * offset.y());
     }
   }

@@ -1,5 +1,6 @@
 #include "uwsim/sonar/beam_kernels.h"
 
+#include "uwsim/core/instruction_set.h"
 #include "uwsim/sonar/beam_kernels_impl.h"
 
 namespace uwsim {
@@ -7,10 +8,7 @@ namespace uwsim {
 const BeamKernels& baseline_beam_kernels() { return kKernels; }
 
 const BeamKernels& beam_kernels() {
-  static const bool avx512 =
-      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-  static const bool avx2 = __builtin_cpu_supports("avx2");
-  return avx512 ? avx512_beam_kernels() : avx2 ? avx2_beam_kernels() : baseline_beam_kernels();
+  return widest(baseline_beam_kernels(), avx2_beam_kernels(), avx512_beam_kernels());
 }
 
 }  // namespace uwsim

@@ -5,47 +5,47 @@
 
 namespace uwsim {
 
-/// Sixteen beams' hits, as pointers to sixteen numbers each.
+/// Hits of sixteen beams, as pointers to sixteen numbers each.
 struct BeamHits {
   const double *distance_m, *normal_x, *normal_y, *normal_z;
   const double *direction_x, *direction_y, *direction_z;
   const std::uint32_t* label;
 };
 
-/// What counts as an echo, and how strong it is.
+/// Which hits are echoes, and their level.
 struct EchoRule {
   double head_z_m;
-  double range_max_m;      ///< at or past it is none; nothing is heard at all where this is 0
-  double strength_db;      ///< of the bottom, at right angles
+  double range_max_m;      ///< hits at or beyond it are no echoes; 0 discards all
+  double strength_db;      ///< of the bottom, at normal incidence
   double absorption_db_m;  ///< one way
 };
 
-/// Sixteen beams' results.
+/// Results of sixteen beams.
 struct BeamEchoes {
   float *range_m, *incidence_rad, *intensity_db;
   std::uint16_t* label;
   std::uint8_t* valid;
 };
 
-/// The loops over sixteen beams, compiled for one width of vector unit. All widths give the same bits.
+/// Loops over sixteen beams, compiled for one instruction set. All instruction sets give the same bits.
 struct BeamKernels {
-  /// Beams' directions in the world: mixtures of the head's x and y axes (3,), by (16,) cosines and sines.
-  void (*directions)(const double* x_axis, const double* y_axis, const double* ahead, const double* aside,
+  /// Directions of the beams in the world, from the head's x and y axes (3,) and the beams' cosines and sines (16,).
+  void (*directions)(const double* x_axis, const double* y_axis, const double* cosine, const double* sine,
                      double* direction_x, double* direction_y, double* direction_z);
-  /// How far rays from a head at z <= 0 are worth following: to the range's end, or to the surface.
+  /// Distances at which rays from a head at z <= 0 end: the maximum range, or the surface if it is nearer.
   void (*reach)(double head_z_m, double range_max_m, const double* direction_z, double* far_m);
-  /// Turns hits into echoes: those under water and within range count. Logarithm and arc tangent are series in float,
-  /// within 1e-6 of the true value (of the logarithm's size; radian), so that compilers vectorise the loop.
+  /// Converts hits under water and within range to echoes. Logarithm and arc tangent are series in float, within 1e-6
+  /// (relative for the logarithm, radian for the angle), so that compilers vectorise the loop.
   void (*echoes)(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& echoes);
-  /// Where the echoes are in the sonar frame, (16, 3); NaN where the range is infinite.
-  void (*points)(const double* distance_m, const double* ahead, const double* aside, const float* range_m,
+  /// Positions of the echoes in the sonar frame, (16, 3); NaN where the range is infinite.
+  void (*points)(const double* distance_m, const double* cosine, const double* sine, const float* range_m,
                  float* points_sonar_m);
 };
 
 const BeamKernels& baseline_beam_kernels();
 const BeamKernels& avx2_beam_kernels();
 const BeamKernels& avx512_beam_kernels();
-/// The widest of these that this processor runs.
+/// The widest that this processor supports.
 const BeamKernels& beam_kernels();
 
 }  // namespace uwsim

@@ -6,15 +6,15 @@
 
 #include "uwsim/sonar/beam_kernels.h"
 
-// Compiled once for each width of vector unit; hence the anonymous namespace, and loops that compilers vectorise.
+// Compiled once for each instruction set: hence the anonymous namespace. The loops are written for auto-vectorisation.
 namespace uwsim {
 namespace {
 
 constexpr int kLanes = 16;
 constexpr float kInfinity = __builtin_inff();
 constexpr float kDecibel = 8.68588964f;  // 20 / ln 10
-constexpr double kLeastCosine = 1e-6;
-constexpr float kNearest_m = 0.01f;
+constexpr double kMinCosine = 1e-6;
+constexpr float kMinRange_m = 0.01f;
 
 /// Natural logarithm of a positive, normal number: ln 2 times its exponent, and of its mantissa m in [0.7, 1.41] the
 /// series 2 (z + z^3/3 + z^5/5 + ...) with z = (m - 1) / (m + 1), |z| < 0.172.
@@ -30,8 +30,8 @@ inline float log_series(float x) {
   return static_cast<float>(exponent) * 0.69314718f + series;
 }
 
-/// Angle of a right triangle's corner from its two sides, both not negative: arc tangent by its series, about 0, 45 or
-/// 90 degrees, whichever is nearest, so that its argument is at most tan(22.5 deg).
+/// The angle of a right triangle from its two legs, both non-negative: the series of the arc tangent about 0, 45 or 90
+/// degrees, whichever is nearest, so that its argument is at most tan(22.5 deg).
 inline float angle_series(float opposite, float adjacent) {
   const float less = opposite < adjacent ? opposite : adjacent, more = opposite < adjacent ? adjacent : opposite;
   const bool middle = less > 0.41421356f * more;
@@ -43,13 +43,13 @@ inline float angle_series(float opposite, float adjacent) {
   return opposite < adjacent ? small : 1.57079633f - small;
 }
 
-void directions(const double* x_axis, const double* y_axis, const double* ahead, const double* aside,
+void directions(const double* x_axis, const double* y_axis, const double* cosine, const double* sine,
                 double* direction_x, double* direction_y, double* direction_z) {
-#pragma GCC ivdep  // what is read and what is written are apart
+#pragma GCC ivdep  // inputs and outputs do not overlap
   for (int k = 0; k < kLanes; ++k) {
-    direction_x[k] = x_axis[0] * ahead[k] + y_axis[0] * aside[k];
-    direction_y[k] = x_axis[1] * ahead[k] + y_axis[1] * aside[k];
-    direction_z[k] = x_axis[2] * ahead[k] + y_axis[2] * aside[k];
+    direction_x[k] = x_axis[0] * cosine[k] + y_axis[0] * sine[k];
+    direction_y[k] = x_axis[1] * cosine[k] + y_axis[1] * sine[k];
+    direction_z[k] = x_axis[2] * cosine[k] + y_axis[2] * sine[k];
   }
 }
 
@@ -67,21 +67,21 @@ void echoes(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& out) {
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {
     const double hit_z = rule.head_z_m + hits.distance_m[k] * hits.direction_z[k];
-    const bool heard = (hits.distance_m[k] < rule.range_max_m) & (hit_z <= 0);
+    const bool echo = (hits.distance_m[k] < rule.range_max_m) & (hit_z <= 0);
     const double along = hits.normal_x[k] * hits.direction_x[k] + hits.normal_y[k] * hits.direction_y[k] +
                          hits.normal_z[k] * hits.direction_z[k];
     const double turned = along < 0 ? -along : along;
     const double cosine = turned < 1 ? turned : 1;
-    const auto range = static_cast<float>(heard ? hits.distance_m[k] : 1);
-    const float near = range > kNearest_m ? range : kNearest_m;
-    const auto visible = static_cast<float>(cosine > kLeastCosine ? cosine : kLeastCosine);
+    const auto range = static_cast<float>(echo ? hits.distance_m[k] : 1);
+    const float near = range > kMinRange_m ? range : kMinRange_m;
+    const auto visible = static_cast<float>(cosine > kMinCosine ? cosine : kMinCosine);
     const float angle = angle_series(std::sqrt(static_cast<float>(1 - cosine * cosine)), static_cast<float>(cosine));
     const float level = kDecibel * log_series(visible / (near * near)) -
                         static_cast<float>(2 * rule.absorption_db_m) * range + static_cast<float>(rule.strength_db);
-    out.range_m[k] = heard ? range : kInfinity;
-    out.incidence_rad[k] = heard ? angle : __builtin_nanf("");
-    out.intensity_db[k] = heard ? level : -kInfinity;
-    valid[k] = -static_cast<std::int32_t>(heard);
+    out.range_m[k] = echo ? range : kInfinity;
+    out.incidence_rad[k] = echo ? angle : __builtin_nanf("");
+    out.intensity_db[k] = echo ? level : -kInfinity;
+    valid[k] = -static_cast<std::int32_t>(echo);
   }
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {
@@ -91,17 +91,17 @@ void echoes(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& out) {
   for (int k = 0; k < kLanes; ++k) out.valid[k] = static_cast<std::uint8_t>(valid[k] & 1);
 }
 
-void points(const double* distance_m, const double* ahead, const double* aside, const float* range_m, float* point) {
+void points(const double* distance_m, const double* cosine, const double* sine, const float* range_m, float* point) {
   constexpr float kNone = __builtin_nanf("");
   alignas(64) float x[kLanes], y[kLanes], z[kLanes];
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {
-    const bool heard = range_m[k] < kInfinity;
-    const auto ahead_m = static_cast<float>(distance_m[k] * ahead[k]);
-    const auto aside_m = static_cast<float>(distance_m[k] * aside[k]);
-    x[k] = heard ? ahead_m : kNone;
-    y[k] = heard ? aside_m : kNone;
-    z[k] = heard ? 0.0f : kNone;
+    const bool echo = range_m[k] < kInfinity;
+    const auto ahead_m = static_cast<float>(distance_m[k] * cosine[k]);
+    const auto aside_m = static_cast<float>(distance_m[k] * sine[k]);
+    x[k] = echo ? ahead_m : kNone;
+    y[k] = echo ? aside_m : kNone;
+    z[k] = echo ? 0.0f : kNone;
   }
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {

@@ -13,9 +13,8 @@ namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSag_m = 0.9e-3;
-/// A chord is cast a little farther than it is long, so that none slips between it and the next.
-constexpr double kOverlap_m = 1e-3;
+constexpr double kSag_m = 0.9e-3;    // of a chord below its arc
+constexpr double kOverlap_m = 1e-3;  // chords are cast a little longer than they are: no surface slips between two
 constexpr int kChordsMax = 100'000;
 
 Eigen::Vector3d level(const Eigen::Vector3d& direction_world) {
@@ -24,23 +23,23 @@ Eigen::Vector3d level(const Eigen::Vector3d& direction_world) {
   return length > 0 ? Eigen::Vector3d(flat / length) : Eigen::Vector3d::UnitX();
 }
 
-/// A ray on its way: its path lies in the vertical plane through `level_world`.
-struct Traveller {
+/// A ray in progress: its path lies in the vertical plane through `level_world`.
+struct BentRay {
   Eigen::Vector3d level_world;
   SoundPath path;
-  SoundPath::Step next;  // the chord that is cast
+  SoundPath::Step next;  // the step whose chord is cast
   double chord_m = 0;
   int chords = 0;
   bool done = false;
 
-  /// From where the ray started.
+  /// Position relative to the start of the ray.
   Eigen::Vector3d at(const SoundState& state, double start_depth_m) const {
     return {state.across_m * level_world.x(), state.across_m * level_world.y(), start_depth_m - state.depth_m};
   }
 };
 
-/// The next chord: to the layer's end, the millimetre's or the time's, whichever comes first.
-SoundPath::Step chord(const SoundPath& path, double time_max_s) {
+/// The next chord: it ends with the layer, at the largest sag, or at the maximum time, whichever comes first.
+SoundPath::Step next_chord(const SoundPath& path, double time_max_s) {
   const double curvature = std::abs(path.curvature_1_m());
   const double left_s = time_max_s - path.state().time_s;
   constexpr double kFastest_m_s = 1800;
@@ -49,80 +48,81 @@ SoundPath::Step chord(const SoundPath& path, double time_max_s) {
   return step.end.time_s <= time_max_s ? step : SoundPath::Step{path.ahead(path.length_after(left_s)), false};
 }
 
-void aim(RayPacket& packet, std::size_t lane, Traveller& ray, double start_depth_m) {
+void set_chord(RayPacket& packet, std::size_t lane, BentRay& ray, double start_depth_m) {
   const Eigen::Vector3d from = ray.at(ray.path.state(), start_depth_m);
   const Eigen::Vector3d along = ray.at(ray.next.end, start_depth_m) - from;
   ray.chord_m = along.norm();
-  const Eigen::Vector3f start = from.cast<float>(), way = (along / ray.chord_m).cast<float>();
+  const Eigen::Vector3f start = from.cast<float>(), direction = (along / ray.chord_m).cast<float>();
   packet.origin_x[lane] = start.x();
   packet.origin_y[lane] = start.y();
   packet.origin_z[lane] = start.z();
-  packet.direction_x[lane] = way.x();
-  packet.direction_y[lane] = way.y();
-  packet.direction_z[lane] = way.z();
+  packet.direction_x[lane] = direction.x();
+  packet.direction_y[lane] = direction.y();
+  packet.direction_z[lane] = direction.z();
   packet.near_m[lane] = 0;
   packet.far_m[lane] = static_cast<float>(ray.chord_m + kOverlap_m);
   packet.active[lane] = -1;
 }
 
-void arrive(const Traveller& ray, double distance_m, const Eigen::Vector3d& origin_world_m, SoundHit& hit) {
+void record_hit(const BentRay& ray, double distance_m, const Eigen::Vector3d& origin_world_m, SoundHit& hit) {
   const SoundState& start = ray.path.state();
   const double share = distance_m / ray.chord_m;
-  const SoundState there = ray.path.ahead((ray.next.end.length_m - start.length_m) * std::min(1.0, share));
+  const SoundState arrival = ray.path.ahead((ray.next.end.length_m - start.length_m) * std::min(1.0, share));
   const Eigen::Vector3d from = ray.at(start, -origin_world_m.z()), to = ray.at(ray.next.end, -origin_world_m.z());
-  hit.length_m = there.length_m;
-  hit.time_s = there.time_s;
+  hit.length_m = arrival.length_m;
+  hit.time_s = arrival.time_s;
   hit.point_world_m = origin_world_m + from + (to - from) * share;
-  hit.arrival_world = std::cos(there.dip_rad) * ray.level_world - std::sin(there.dip_rad) * Eigen::Vector3d::UnitZ();
+  hit.arrival_world =
+      std::cos(arrival.dip_rad) * ray.level_world - std::sin(arrival.dip_rad) * Eigen::Vector3d::UnitZ();
 }
 
 std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& origin_world_m,
                         std::span<const Eigen::Vector3d> directions_world, double time_max_s,
                         std::span<SoundHit> hits) {
-  std::array<std::optional<Traveller>, kPacketRays> rays;
+  std::array<std::optional<BentRay>, kPacketRays> rays;
   for (std::size_t k = 0; k < hits.size(); ++k) {
-    const Eigen::Vector3d& way = directions_world[k];
-    const double dip = std::atan2(-way.z(), std::hypot(way.x(), way.y()));
-    rays[k] = Traveller{level(way), SoundPath(profile, -origin_world_m.z(), dip), {}};
-    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // along the surface or out of it
-    hits[k] = {kInfinity, kInfinity, origin_world_m, Eigen::Vector3f::Zero(), way, kNothing};
+    const Eigen::Vector3d& direction = directions_world[k];
+    const double dip = std::atan2(-direction.z(), std::hypot(direction.x(), direction.y()));
+    rays[k] = BentRay{level(direction), SoundPath(profile, -origin_world_m.z(), dip), {}};
+    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // at the surface and not downwards
+    hits[k] = {kInfinity, kInfinity, origin_world_m, Eigen::Vector3f::Zero(), direction, kNothing};
   }
   RayPacket packet{};
-  HitPacket met;
+  HitPacket found;
   std::size_t cast = 0;
   for (bool going = origin_world_m.z() <= 0; going;) {
     going = false;
     packet.active.fill(0);
     for (std::size_t k = 0; k < hits.size(); ++k) {
-      Traveller& ray = *rays[k];
+      BentRay& ray = *rays[k];
       if (ray.done) continue;
-      ray.next = chord(ray.path, time_max_s);
+      ray.next = next_chord(ray.path, time_max_s);
       if (!(ray.next.end.length_m - ray.path.state().length_m > 1e-9) || ++ray.chords > kChordsMax) {
         ray.done = true;
         continue;
       }
-      aim(packet, k, ray, -origin_world_m.z());
+      set_chord(packet, k, ray, -origin_world_m.z());
       going = true;
       ++cast;
     }
     if (!going) break;
-    scene.cast(origin_world_m, packet, met);
+    scene.cast(origin_world_m, packet, found);
     for (std::size_t k = 0; k < hits.size(); ++k) {
       if (packet.active[k] == 0) continue;
-      Traveller& ray = *rays[k];
-      if (std::isfinite(met.distance_m[k])) {
-        arrive(ray, met.distance_m[k], origin_world_m, hits[k]);
-        hits[k].normal_world = {met.normal_x[k], met.normal_y[k], met.normal_z[k]};
-        hits[k].label = static_cast<Label>(met.label[k]);
+      BentRay& ray = *rays[k];
+      if (std::isfinite(found.distance_m[k])) {
+        record_hit(ray, found.distance_m[k], origin_world_m, hits[k]);
+        hits[k].normal_world = {found.normal_x[k], found.normal_y[k], found.normal_z[k]};
+        hits[k].label = static_cast<Label>(found.label[k]);
         ray.done = true;
       } else {
-        ray.done = ray.path.take(ray.next);
+        ray.done = ray.path.advance(ray.next);
       }
     }
   }
   for (SoundHit& hit : hits) {
     if (hit.label == kNothing || hit.point_world_m.z() <= 0) continue;
-    hit.length_m = hit.time_s = kInfinity;  // the overlap met what stands out of the water
+    hit.length_m = hit.time_s = kInfinity;  // the overlap hit something above the water
     hit.label = kNothing;
   }
   return cast;

@@ -11,24 +11,24 @@
 namespace uwsim {
 namespace {
 
-constexpr float kNothingSeen = std::numeric_limits<float>::infinity();
-constexpr double kMostPixels = 1 << 26;
-constexpr double kSameSurface = 0.1;  // of the depth, by which neighbouring pixels may differ to be interpolated
+constexpr float kEmpty = std::numeric_limits<float>::infinity();
+constexpr double kMaxPixels = 1 << 26;
+constexpr double kSameSurface = 0.1;  // largest relative difference of pixels that are interpolated
 
-/// Of a pixel's middle, at depth 1: leftwards of the first half of columns positive, upwards of rows.
+/// Offset of a pixel's centre from the axis at depth 1: positive to the left for columns, upwards for rows.
 double offset_of(int index, int count, double fov_rad) {
   return std::tan(fov_rad / 2) * (1 - 2 * (index + 0.5) / count);
 }
 
-float stored(double depth_m, const DepthCamera& camera) {
-  if (!(depth_m < camera.range_max_m)) return kNothingSeen;
+float quantised(double depth_m, const DepthCamera& camera) {
+  if (!(depth_m < camera.range_max_m)) return kEmpty;
   if (camera.depth_bits == 0) return static_cast<float>(depth_m);
   const double steps = std::ldexp(1.0, camera.depth_bits) - 1;
   return static_cast<float>(std::round(depth_m / camera.range_max_m * steps) / steps * camera.range_max_m);
 }
 
-/// The least of a column's rows, each depth times `stretch` of its row.
-double reduced(const DepthImage& image, int column, RowReduction reduction, double tangent) {
+/// The range that a column is reduced to; `tangent`: of the column's angle.
+double column_range(const DepthImage& image, int column, RowReduction reduction, double tangent) {
   const DepthCamera& camera = image.camera;
   const auto depth = [&](int row) {
     return double{image.depth_m[static_cast<std::size_t>(row) * static_cast<std::size_t>(camera.width) +
@@ -48,10 +48,11 @@ double reduced(const DepthImage& image, int column, RowReduction reduction, doub
 void DepthCamera::check() const {
   require(width >= 1 && width <= 65536, "camera.width", width, "must be in [1, 65536] pixels");
   require(height >= 1 && height <= 65536, "camera.height", height, "must be in [1, 65536] pixels");
-  require(1.0 * width * height <= kMostPixels, "camera.height", height, "times width must be at most 67108864 pixels");
+  require(1.0 * width * height <= kMaxPixels, "camera.height", height, "times width must be at most 67108864 pixels");
   for (const auto& [fov, name] : {std::pair{horizontal_fov_rad, "camera.horizontal_fov_rad"},
                                   std::pair{vertical_fov_rad, "camera.vertical_fov_rad"}}) {
-    require(fov > 0 && fov <= 3.1, name, fov, "must be in (0, 3.1] rad: a pinhole sees less than half of all around");
+    require(fov > 0 && fov <= 3.1, name, fov,
+            "must be in (0, 3.1] rad: a pinhole camera sees less than half of a turn");
   }
   require(range_max_m >= 0.1 && range_max_m <= 1e4, "camera.range_max_m", range_max_m, "must be in [0.1, 1e4] m");
   require(depth_bits >= 0 && depth_bits <= 32, "camera.depth_bits", depth_bits, "must be in [0, 32]");
@@ -60,7 +61,7 @@ void DepthCamera::check() const {
 DepthImage depth_image(const DepthCamera& camera, const RayScene& scene, const Pose& world_from_camera, int threads) {
   camera.check();
   const auto width = static_cast<std::size_t>(camera.width), height = static_cast<std::size_t>(camera.height);
-  DepthImage image{camera, std::vector<float>(width * height, kNothingSeen)};
+  DepthImage image{camera, std::vector<float>(width * height, kEmpty)};
   if (world_from_camera.position_m.z() > 0) return image;
   const Eigen::Matrix3d rotation = world_from_camera.rotation();
   const auto render_row = [&](std::size_t row, std::vector<Ray>& rays, std::vector<RayHit>& hits,
@@ -75,7 +76,7 @@ DepthImage depth_image(const DepthCamera& camera, const RayScene& scene, const P
     scene.cast(rays, camera.range_max_m * longest, hits);
     for (std::size_t k = 0; k < width; ++k) {
       const double z = world_from_camera.position_m.z() + hits[k].distance_m * rays[k].direction_world.z();
-      if (z <= 0) image.depth_m[row * width + k] = stored(hits[k].distance_m / lengths[k], camera);
+      if (z <= 0) image.depth_m[row * width + k] = quantised(hits[k].distance_m / lengths[k], camera);
     }
   };
   parallel_ranges(
@@ -96,18 +97,18 @@ std::vector<float> depth_image_ranges(const DepthImage& image, std::span<const d
   const double edge = std::tan(camera.horizontal_fov_rad / 2);
   const auto range_at = [&](double angle_rad) {
     const double tangent = std::tan(angle_rad);
-    if (!(std::abs(angle_rad) < std::numbers::pi / 2) || std::abs(tangent) > edge * (1 + 1e-12)) return kNothingSeen;
+    if (!(std::abs(angle_rad) < std::numbers::pi / 2) || std::abs(tangent) > edge * (1 + 1e-12)) return kEmpty;
     const double place = (1 - tangent / edge) / 2 * camera.width;  // in pixels from the left border
     const int pixel = std::clamp(static_cast<int>(std::floor(place)), 0, camera.width - 1);
-    double range = reduced(image, pixel, reduction, tangent);
+    double range = column_range(image, pixel, reduction, tangent);
     const double from_middle = place - (pixel + 0.5);
     const int other = pixel + (from_middle < 0 ? -1 : 1);
     if (interpolate && other >= 0 && other < camera.width) {
-      const double beside = reduced(image, other, reduction, tangent);
+      const double beside = column_range(image, other, reduction, tangent);
       const double weight = std::abs(from_middle);
       if (std::abs(beside - range) < kSameSurface * range) range = 1 / ((1 - weight) / range + weight / beside);
     }
-    return range < camera.range_max_m ? static_cast<float>(range) : kNothingSeen;
+    return range < camera.range_max_m ? static_cast<float>(range) : kEmpty;
   };
   std::vector<float> ranges;
   ranges.reserve(angles_rad.size());

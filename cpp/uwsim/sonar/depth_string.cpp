@@ -12,16 +12,16 @@ namespace uwsim {
 namespace {
 
 constexpr char kSeparator = 'a';
-/// A float32 in G7 takes 13 letters with its separator; other writers may spend more digits, but not without end.
+/// A float32 in G7 takes 13 letters with its separator; other writers may use more digits, within this limit.
 constexpr std::size_t kLettersMax = 32;
 constexpr std::size_t kBeamsMax = 1'000'000;
 
 constexpr int kDigits = 7;
-constexpr double kLeastPlain = 1e-4, kMostPlain = 1e6;
+constexpr double kMinPlain = 1e-4, kMaxPlain = 1e6;
 constexpr std::array<double, kDigits + 4> kTens = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10};
 
-/// As append_any_g7, for values in [kLeastPlain, kMostPlain): a float32 has 24 bits and 10^10 = 2^10 5^10 another 24,
-/// so that the product, and the half added to it, are exact in a double. Four times as fast.
+/// Like append_any_g7, for values in [kMinPlain, kMaxPlain): a float32 has 24 bits and 10^10 = 2^10 5^10 another 24, so
+/// the product and the half added to it are exact in a double. Four times as fast.
 void append_plain_g7(std::string& out, float value) {
   int exponent = -4;  // of the first digit
   while (value >= (exponent < -1 ? 1 / kTens[static_cast<std::size_t>(-exponent - 1)]
@@ -45,8 +45,8 @@ void append_plain_g7(std::string& out, float value) {
   if (all > whole) out.append(1, '.').append(text + whole, all - whole);
 }
 
-/// Appends a number that is not negative as C# does. C's %.7g has the same rules but for a capital E and for ties,
-/// which it rounds to even: one step of a double up is far below the seventh digit and turns a tie away from zero.
+/// Appends a non-negative number as C# formats it. C's %.7g has the same rules except for the capital E and ties, which
+/// it rounds to even: the next double is far below the seventh digit and breaks ties away from zero.
 void append_any_g7(std::string& out, float value) {
   double nudged = value;
   if (value != 0) nudged = std::nextafter(nudged, std::numeric_limits<double>::infinity());
@@ -57,7 +57,7 @@ void append_any_g7(std::string& out, float value) {
 }
 
 void append_g7(std::string& out, float value) {
-  if (value >= kLeastPlain && value < kMostPlain) {
+  if (value >= kMinPlain && value < kMaxPlain) {
     append_plain_g7(out, value);
   } else {
     append_any_g7(out, value);
@@ -75,7 +75,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 float parse_range(std::string_view text, std::size_t beam) {
   float value = 0;
-  // from_chars also takes "inf", ".5", "5." and "-1".
+  // from_chars also accepts "inf", ".5", "5." and "-1".
   const bool plain = !text.empty() && is_digit(text.front()) && is_digit(text.back());
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (!plain || error == std::errc::invalid_argument || end != text.data() + text.size()) {

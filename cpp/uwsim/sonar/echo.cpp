@@ -7,8 +7,8 @@ namespace {
 
 constexpr float kReach = 15.0f / 16;
 
-/// The rays side by side, as vector units like them: what each adds to the envelope at a range r is
-/// height (1 - (r - range)^2 / reach^2)^2 within its reach.
+/// The rays as a structure of arrays, for vector units: each adds height (1 - (r - range)^2 / reach^2)^2 to the
+/// envelope at a range r within its reach.
 struct Shapes {
   using Lanes = Eigen::Array<float, Eigen::Dynamic, 1, 0, kRaysMax, 1>;
   Lanes range_m, per_reach2, height;
@@ -27,13 +27,13 @@ struct Shapes {
     }
   }
 
-  /// What each adds at `at_m`.
+  /// The contribution of each ray at a range.
   auto parts(float at_m) const { return (1 - (range_m - at_m).square() * per_reach2).max(0.0f).square() * height; }
 };
 
 bool touch(const RayEcho& a, const RayEcho& b) { return b.range_m - a.range_m < kReach * (a.width_m + b.width_m); }
 
-/// By insertion: a beam has a handful, often in order already.
+/// Insertion sort: a beam has few rays, often already in order.
 void sort_by_range(std::span<RayEcho> rays) {
   for (std::size_t k = 1; k < rays.size(); ++k) {
     const RayEcho moved = rays[k];
@@ -63,7 +63,7 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
   std::size_t first = highest, last = highest;
   while (first > 0 && touch(rays[first - 1], rays[first])) --first;
   while (last + 1 < rays.size() && touch(rays[last], rays[last + 1])) ++last;
-  const float base_m = rays[highest].range_m;  // differences from it keep float's last digits
+  const float base_m = rays[highest].range_m;  // differences from it keep the precision of float
   float centre_shift = 0, strongest = 0;
   for (std::size_t k = first; k <= last; ++k) {
     echo.energy += rays[k].energy;

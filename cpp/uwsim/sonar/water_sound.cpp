@@ -9,7 +9,8 @@
 namespace uwsim {
 namespace {
 
-/// Mackenzie's speed curves with temperature by at most 0.106 (m/s)/K^2: pieces of 2 K stay within 0.05 m/s of it.
+/// The second derivative of Mackenzie's speed by temperature is at most 0.106 (m/s)/K^2: linear interpolation over 2 K
+/// is within 0.05 m/s.
 constexpr double kPiece_k = 1.9;
 
 std::vector<double> kinks_m(const Water& water) {

@@ -6,14 +6,14 @@
 
 namespace uwsim {
 
-/// The water's speed of sound by depth: as its profile gives it, else Mackenzie's of temperature, salinity and depth,
-/// straight between depths so near that it is within 0.05 m/s.
+/// The speed of sound by depth: as given by the water's profile, or else Mackenzie's, from temperature, salinity and
+/// depth, at depths that are close enough for linear interpolation to be within 0.05 m/s.
 SoundSpeedProfile sound_speed_profile(const Water& water);
 
-/// Speed of sound at a depth [m/s], as the profile above has it but without interpolation.
+/// The same at one depth [m/s], without interpolation.
 double sound_speed_m_s(const Water& water, double z_world_m);
 
-/// Francois-Garrison absorption of the water's temperature and salinity by depth, down to `bottom_m`.
+/// Francois-Garrison absorption by depth from the water's temperature and salinity, down to `bottom_m`.
 AbsorptionColumn absorption_column(const Water& water, double frequency_hz, double acidity_ph, double bottom_m);
 
 }  // namespace uwsim

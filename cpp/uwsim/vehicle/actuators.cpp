@@ -21,20 +21,22 @@ void require_unique_names(const std::vector<Part>& parts, const char* path) {
   }
 }
 
-/// (n,) of values by name, 0 where none is given; `most` is each part's limit, 0 of one that takes no command.
-template <typename Part, typename Most>
-std::vector<double> by_part(const std::vector<Part>& parts, const Actuators::Named& given, const char* path, Most most,
-                            const char* unit) {
+/// The given values in the order of the parts, 0 for parts that are not named. `limit_of(part)` is the largest
+/// magnitude that a part takes, 0 for one that takes no command. Throws InvalidValue for an unknown name or a value
+/// beyond.
+template <typename Part, typename LimitOf>
+std::vector<double> values_by_part(const std::vector<Part>& parts, const Actuators::Named& given, const char* path,
+                                   LimitOf limit_of, const char* unit) {
   std::vector<double> values(parts.size(), 0);
   for (const auto& [name, value] : given) {
     const auto part = std::find_if(parts.begin(), parts.end(),
-                                   [&](const Part& p) { return p.parameters().name == name && most(p) > 0; });
+                                   [&](const Part& p) { return p.parameters().name == name && limit_of(p) > 0; });
     if (part == parts.end()) {
       std::string known;
-      for (const Part& p : parts) known += most(p) > 0 ? (known.empty() ? "" : ", ") + p.parameters().name : "";
+      for (const Part& p : parts) known += limit_of(p) > 0 ? (known.empty() ? "" : ", ") + p.parameters().name : "";
       require(false, path, "'" + name + "'", known.empty() ? "the vehicle has none" : "must be one of " + known);
     }
-    const double limit = most(*part);
+    const double limit = limit_of(*part);
     if (!(std::abs(value) <= limit)) {
       std::ostringstream shown, rule;
       shown << value << unit;
@@ -59,8 +61,8 @@ void ActuatorsSpec::check() const {
 
 Actuators::Actuators(const ActuatorsSpec& spec) {
   spec.check();
-  full_straight_ = spec.full_wrench_body;
-  straight_ = !full_straight_.isZero(0);
+  full_direct_wrench_ = spec.full_wrench_body;
+  has_direct_wrench_ = !full_direct_wrench_.isZero(0);
   for (const ThrusterParameters& parameters : spec.thrusters) thrusters_.emplace_back(parameters);
   for (const FinParameters& parameters : spec.fins) fins_.emplace_back(parameters);
 
@@ -72,41 +74,41 @@ Actuators::Actuators(const ActuatorsSpec& spec) {
     columns.col(k) = thruster.column();
     lowest(k) = thruster.parameters().curve.lowest_n();
     highest(k) = thruster.parameters().curve.highest_n();
-    reach_m_ = std::max(reach_m_, thruster.parameters().position_body_m.norm() + thruster.parameters().diameter_m);
+    radius_m_ = std::max(radius_m_, thruster.parameters().position_body_m.norm() + thruster.parameters().diameter_m);
   }
   allocation_ = Allocation(columns, lowest, highest);
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
     for (const int side : {0, 1}) {
       const Vector6d unit = (side == 0 ? 1.0 : -1.0) * Vector6d::Unit(axis);
-      full_[static_cast<std::size_t>(side)](axis) = full_straight_(axis) + allocation_.reach(unit);
+      full_[static_cast<std::size_t>(side)](axis) = full_direct_wrench_(axis) + allocation_.largest_multiple(unit);
     }
   }
-  prepare_fins();
+  allocate_fins();
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);
     controllable_[axis] = full_[0](k) > 0 || full_[1](k) > 0 || !fin_angles_rad_.col(k).isZero(0);
   }
 }
 
-/// Fins turn the vehicle: each of roll, pitch and yaw takes the deflections of least effort that give a torque about it
-/// alone, in flow from ahead, the largest of them at its limit.
-void Actuators::prepare_fins() {
+/// Fins turn the vehicle. Full effort about roll, pitch or yaw deflects them so that in flow from ahead they give a
+/// torque about that axis alone, with the least sum of squares and the largest of them at its limit.
+void Actuators::allocate_fins() {
   const auto n = static_cast<Eigen::Index>(fins_.size());
   fin_angles_rad_.setZero(n, 6);
   Eigen::Matrix<double, 6, Eigen::Dynamic> torques(6, n);
-  Eigen::VectorXd most(n);
+  Eigen::VectorXd limit_rad(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Fin& fin = fins_[static_cast<std::size_t>(k)];
-    most(k) = fin.parameters().deflection_max_rad;
-    torques.col(k) = most(k) * fin.column();
-    reach_m_ = std::max(reach_m_, fin.parameters().position_body_m.norm() +
-                                      std::sqrt(fin.parameters().area_m2 * fin.parameters().aspect_ratio));
+    limit_rad(k) = fin.parameters().deflection_max_rad;
+    torques.col(k) = limit_rad(k) * fin.column();
+    radius_m_ = std::max(radius_m_, fin.parameters().position_body_m.norm() +
+                                        std::sqrt(fin.parameters().area_m2 * fin.parameters().aspect_ratio));
   }
   torques.topRows<3>().setZero();
-  const std::array<bool, 6> turned = independent_axes(torques);
+  const std::array<bool, 6> driven = independent_axes(torques);
   std::vector<Eigen::Index> axes;
   for (Eigen::Index axis = 3; axis < 6; ++axis) {
-    if (turned[static_cast<std::size_t>(axis)]) axes.push_back(axis);
+    if (driven[static_cast<std::size_t>(axis)]) axes.push_back(axis);
   }
   if (axes.empty()) return;
   Eigen::MatrixXd chosen(axes.size(), n);
@@ -114,7 +116,7 @@ void Actuators::prepare_fins() {
   const Eigen::MatrixXd shares = chosen.completeOrthogonalDecomposition().pseudoInverse();
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const Eigen::VectorXd share = shares.col(static_cast<Eigen::Index>(k));
-    fin_angles_rad_.col(axes[k]) = share.cwiseProduct(most) / share.cwiseAbs().maxCoeff();
+    fin_angles_rad_.col(axes[k]) = share.cwiseProduct(limit_rad) / share.cwiseAbs().maxCoeff();
   }
 }
 
@@ -124,11 +126,11 @@ void Actuators::set_effort(const Vector6d& effort) {
             "must be in [-1, 1]");
   }
   effort_ = effort;
-  straight_wrench_ = effort.cwiseProduct(full_straight_);
+  direct_wrench_ = effort.cwiseProduct(full_direct_wrench_);
   if (!thrusters_.empty()) {
     Vector6d wrench;
     for (Eigen::Index axis = 0; axis < 6; ++axis) wrench(axis) = effort(axis) * full_[effort(axis) < 0](axis);
-    share_out(wrench);
+    allocate(wrench);
   }
   deflect(effort);
 }
@@ -136,19 +138,19 @@ void Actuators::set_effort(const Vector6d& effort) {
 void Actuators::set_wrench(const Vector6d& wrench_body) {
   require(wrench_body.allFinite(), "wrench_body", wrench_body.transpose(), "must be finite");
   effort_.setZero();
-  double most = 1;
+  double scale = 1;
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
-    if (full_straight_(axis) > 0 && wrench_body(axis) != 0) {
-      most = std::min(most, full_straight_(axis) / std::abs(wrench_body(axis)));
+    if (full_direct_wrench_(axis) > 0 && wrench_body(axis) != 0) {
+      scale = std::min(scale, full_direct_wrench_(axis) / std::abs(wrench_body(axis)));
     }
   }
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
-    straight_wrench_(axis) = full_straight_(axis) > 0 ? most * wrench_body(axis) : 0;
+    direct_wrench_(axis) = full_direct_wrench_(axis) > 0 ? scale * wrench_body(axis) : 0;
   }
-  if (!thrusters_.empty()) share_out(wrench_body);
+  if (!thrusters_.empty()) allocate(wrench_body);
 }
 
-void Actuators::share_out(const Vector6d& wrench_body) {
+void Actuators::allocate(const Vector6d& wrench_body) {
   const Eigen::VectorXd thrusts = allocation_.thrusts_n(wrench_body);
   for (std::size_t k = 0; k < thrusters_.size(); ++k) {
     const double command = thrusters_[k].parameters().curve.command(thrusts(static_cast<Eigen::Index>(k)));
@@ -160,22 +162,22 @@ void Actuators::deflect(const Vector6d& effort) {
   const Eigen::VectorXd angles = fin_angles_rad_ * effort;
   double excess = 1;
   for (std::size_t k = 0; k < fins_.size(); ++k) {
-    const double most = fins_[k].parameters().deflection_max_rad;
-    if (most > 0) excess = std::max(excess, std::abs(angles(static_cast<Eigen::Index>(k))) / most);
+    const double limit_rad = fins_[k].parameters().deflection_max_rad;
+    if (limit_rad > 0) excess = std::max(excess, std::abs(angles(static_cast<Eigen::Index>(k))) / limit_rad);
   }
   for (std::size_t k = 0; k < fins_.size(); ++k) fins_[k].set_command(angles(static_cast<Eigen::Index>(k)) / excess);
 }
 
 void Actuators::set_thrusters(const Named& commands) {
-  const std::vector<double> values = by_part(
+  const std::vector<double> values = values_by_part(
       thrusters_, commands, "thrusters", [](const Thruster&) { return 1.0; }, "");
   for (std::size_t k = 0; k < thrusters_.size(); ++k) thrusters_[k].set_command(values[k]);
   effort_.setZero();
-  straight_wrench_.setZero();
+  direct_wrench_.setZero();
 }
 
 void Actuators::set_fins(const Named& angles_rad) {
-  const std::vector<double> values = by_part(
+  const std::vector<double> values = values_by_part(
       fins_, angles_rad, "fins", [](const Fin& fin) { return fin.parameters().deflection_max_rad; }, " rad");
   for (std::size_t k = 0; k < fins_.size(); ++k) fins_[k].set_command(values[k]);
 }
@@ -189,7 +191,7 @@ void Actuators::advance(double step_s, bool powered) {
 
 void Actuators::exchange_state(StateArchive& archive) {
   archive(effort_);
-  archive(straight_wrench_);
+  archive(direct_wrench_);
   archive(powered_);
   archive.same("thrusters", thrusters_.size());
   for (Thruster& thruster : thrusters_) thruster.exchange_state(archive);
@@ -197,31 +199,31 @@ void Actuators::exchange_state(StateArchive& archive) {
   for (Fin& fin : fins_) fin.exchange_state(archive);
 }
 
-/// Height of the water's surface over the origin; infinite when everything is far below it.
-double Actuators::surface_above(const Pose& world_from_body, const WaterField& water, double time_s) const {
+/// Height of the water's surface above the origin; infinite when all actuators are certainly submerged.
+double Actuators::surface_above_origin_m(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const Eigen::Vector3d& at = world_from_body.position_m;
-  if (at.z() + reach_m_ < -water.wave_bound_m()) return std::numeric_limits<double>::infinity();
+  if (at.z() + radius_m_ < -water.wave_bound_m()) return std::numeric_limits<double>::infinity();
   return water.surface_height_at(at.x(), at.y(), time_s) - at.z();
 }
 
 Vector6d Actuators::wrench_body(const BodyState& state, const WaterField& water, double time_s,
                                 double submerged) const {
-  Vector6d tau = powered_ ? (submerged * straight_wrench_).eval() : Vector6d::Zero().eval();
+  Vector6d tau = powered_ ? (submerged * direct_wrench_).eval() : Vector6d::Zero().eval();
   if (thrusters_.empty() && fins_.empty()) return tau;
   const Pose& pose = state.world_from_body;
-  const double surface = surface_above(pose, water, time_s);
+  const double surface = surface_above_origin_m(pose, water, time_s);
   const double density = water.density_at(pose.position_m.z());
   Vector6d through_water = state.velocity_body;
   through_water.head<3>() -= pose.orientation.conjugate() * water.flow_at(pose.position_m, time_s).velocity_m_s;
   const Eigen::Vector3d up = pose.rotation().row(2).transpose();  // body frame
   for (const Thruster& thruster : thrusters_) {
     const ThrusterParameters& p = thruster.parameters();
-    const double share = thruster.submerged_share(surface - up.dot(p.position_body_m), up.dot(p.axis_body));
+    const double share = thruster.submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.axis_body));
     if (share > 0) thruster.add_wrench(through_water, density, share, tau);
   }
   for (const Fin& fin : fins_) {
     const FinParameters& p = fin.parameters();
-    const double share = fin.submerged_share(surface - up.dot(p.position_body_m), up.dot(p.span_body));
+    const double share = fin.submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.span_body));
     if (share > 0) fin.add_wrench(through_water, density, share, tau);
   }
   return tau;

@@ -13,10 +13,10 @@
 
 namespace uwsim {
 
-/// What drives and steers a vehicle: either forces and torques straight along its axes, as the paper's, or thrusters;
-/// and fins.
+/// The actuators of a vehicle: thrusters, or a direct wrench (forces and torques along the body axes, without
+/// actuators that make them), as in the paper; and fins.
 struct ActuatorsSpec {
-  /// Straight along and about the body axes at full effort [N, N m]; follows at once.
+  /// The direct wrench at full effort on all axes [N, N m]; it follows commands at once.
   Vector6d full_wrench_body = Vector6d::Zero();
   std::vector<ThrusterParameters> thrusters;
   std::vector<FinParameters> fins;
@@ -25,63 +25,66 @@ struct ActuatorsSpec {
   void check() const;
 };
 
-/// A vehicle's actuators with their state. Commands are held until the next; what is refused changes nothing.
+/// A vehicle's actuators and their state. A command is held until the next one; a command that is refused changes
+/// nothing.
 class Actuators {
  public:
-  using Named = std::vector<std::pair<std::string, double>>;
+  using Named = std::vector<std::pair<std::string, double>>;  ///< values by name of a thruster or fin
 
   Actuators() : Actuators(ActuatorsSpec{}) {}
-  /// Throws InvalidValue from the spec's check.
+  /// Throws InvalidValue: see ActuatorsSpec::check.
   explicit Actuators(const ActuatorsSpec& spec);
 
   const std::vector<Thruster>& thrusters() const { return thrusters_; }
   const std::vector<Fin>& fins() const { return fins_; }
-  /// Axes, surge to yaw, about which an effort does something.
+  /// Whether an effort has an effect, by axis, surge to yaw.
   const std::array<bool, 6>& controllable() const { return controllable_; }
-  /// The largest wrenches about single axes in still water, [N, N m]: (2, 6), forward and backward, magnitudes.
+  /// Magnitudes of the largest wrenches along or about one axis alone in still water: (2, 6), forward and backward
+  /// [N, N m].
   const std::array<Vector6d, 2>& full_wrench_body() const { return full_; }
 
-  /// Surge, sway, heave, roll, pitch, yaw in [-1, 1]. Full effort of one axis alone is the largest wrench about it that
-  /// the thrusters give, and the largest deflection of the fins that turn the vehicle about it; together they are
-  /// scaled down until nothing saturates. Axes that are not controllable do nothing. Throws InvalidValue beyond.
+  /// Surge, sway, heave, roll, pitch, yaw in [-1, 1]. Full effort on one axis alone is the largest wrench along or
+  /// about it that the thrusters give, and the largest deflection of the fins that turn the vehicle about it; efforts
+  /// on several axes are scaled down together until nothing saturates. Efforts on axes that are not controllable are
+  /// ignored. Throws InvalidValue beyond [-1, 1].
   void set_effort(const Vector6d& effort);
   const Vector6d& effort() const { return effort_; }
-  /// A wrench [N, N m] of the thrusters in still water; one beyond them keeps its direction. Fins stay as they are.
-  /// Throws InvalidValue when not finite.
+  /// The wrench that the thrusters give in still water [N, N m]; one beyond their limits keeps its direction. Fins keep
+  /// their command. Throws InvalidValue for a non-finite one.
   void set_wrench(const Vector6d& wrench_body);
-  /// Commands in [-1, 1] by name, unnamed ones 0; fins stay. Throws InvalidValue.
+  /// Commands in [-1, 1] by name; thrusters that are not named get 0, fins keep their command. Throws InvalidValue.
   void set_thrusters(const Named& commands);
-  /// Deflections [rad] by name, unnamed ones 0; thrusters stay. Throws InvalidValue.
+  /// Deflections [rad] by name; fins that are not named get 0, thrusters keep their command. Throws InvalidValue.
   void set_fins(const Named& angles_rad);
 
-  /// Lets a step pass, under power or without: then the thrusters spin down and the fins stay.
+  /// Advances the state by one step. Without power, thrusters spin down and fins stay where they are.
   void advance(double step_s, bool powered);
-  /// Mean force and torque over the last step (body frame, at the origin). The water's flow and surface are taken at
-  /// the origin for all of the vehicle; `submerged` is the hull's share under water, by which straight forces scale.
+  /// Mean force and torque over the last step (body frame, at the origin). Flow and surface of the water at the origin
+  /// stand for the whole vehicle. `submerged`: the fraction of the hull under water, which scales a direct wrench.
   Vector6d wrench_body(const BodyState& state, const WaterField& water, double time_s, double submerged) const;
-  bool drives_straight() const { return straight_; }
+  bool has_direct_wrench() const { return has_direct_wrench_; }
 
-  /// Saves or restores commands and how far the actuators have followed them. Throws InvalidValue.
+  /// Saves or restores commands and the actuators' response to them. Throws InvalidValue.
   void exchange_state(StateArchive& archive);
 
  private:
-  void share_out(const Vector6d& wrench_body);
+  void allocate(const Vector6d& wrench_body);
   void deflect(const Vector6d& effort);
-  void prepare_fins();
-  double surface_above(const Pose& world_from_body, const WaterField& water, double time_s) const;
+  void allocate_fins();
+  double surface_above_origin_m(const Pose& world_from_body, const WaterField& water, double time_s) const;
 
   std::vector<Thruster> thrusters_;
   std::vector<Fin> fins_;
   Allocation allocation_;
-  Eigen::Matrix<double, Eigen::Dynamic, 6> fin_angles_rad_;  // of full effort about each axis
-  Vector6d full_straight_ = Vector6d::Zero();
+  Eigen::Matrix<double, Eigen::Dynamic, 6> fin_angles_rad_;  // for full effort on each axis
+  Vector6d full_direct_wrench_ = Vector6d::Zero();
   std::array<Vector6d, 2> full_;
   std::array<bool, 6> controllable_{};
-  double reach_m_ = 0;  // nothing is farther from the origin
-  bool straight_ = false;
+  double radius_m_ = 0;  // about the origin; holds all thrusters and fins
+  bool has_direct_wrench_ = false;
   bool powered_ = false;
   Vector6d effort_ = Vector6d::Zero();
-  Vector6d straight_wrench_ = Vector6d::Zero();
+  Vector6d direct_wrench_ = Vector6d::Zero();
 };
 
 }  // namespace uwsim

@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDependent = 1e-6;  // of a row's own length, what may remain of it beside the others
+constexpr double kDependent = 1e-6;  // a row is dependent when less than this part of it is orthogonal to the others
 constexpr std::array<Eigen::Index, 6> kOrder = {0, 1, 2, 5, 3, 4};
 
 /// (x; -x), row by row.
@@ -40,7 +40,7 @@ Allocation::Allocation(Eigen::Matrix<double, 6, Eigen::Dynamic> columns, const E
                        const Eigen::VectorXd& highest_n)
     : limit_n_(highest_n.cwiseMax(-lowest_n)) {
   for (Eigen::Index k = 0; k < limit_n_.size(); ++k) {
-    if (limit_n_(k) == 0) limit_n_(k) = 1;  // a dead thruster: its bounds are zero
+    if (limit_n_(k) == 0) limit_n_(k) = 1;  // a thruster without thrust: its bounds are zero
   }
   columns *= limit_n_.asDiagonal();
   driven_ = independent_axes(columns);
@@ -62,13 +62,13 @@ Allocation::Allocation(Eigen::Matrix<double, 6, Eigen::Dynamic> columns, const E
   idle_ = q.rightCols(n - rank);
 }
 
-/// The largest multiple of a wrench within the limits, and the idle thrusts that make room for it.
-struct Allocation::Best {
+/// The largest multiple of a wrench within the limits, and the cancelling thrusts that go with it.
+struct Allocation::Limit {
   double multiple = 0;
   Eigen::VectorXd idle;
 };
 
-Allocation::Best Allocation::best(const Eigen::VectorXd& least) const {
+Allocation::Limit Allocation::limit(const Eigen::VectorXd& least) const {
   const double size = least.cwiseAbs().maxCoeff();
   Eigen::MatrixXd moves(least.size(), 1 + idle_.cols());
   moves << least / size, idle_;
@@ -79,25 +79,25 @@ Allocation::Best Allocation::best(const Eigen::VectorXd& least) const {
 }
 
 Eigen::VectorXd Allocation::least_effort(const Vector6d& wrench_body) const {
-  Eigen::VectorXd wanted(axes_.size());
-  for (std::size_t k = 0; k < axes_.size(); ++k) wanted(static_cast<Eigen::Index>(k)) = wrench_body(axes_[k]);
-  return inverse_ * wanted;
+  Eigen::VectorXd driven(axes_.size());
+  for (std::size_t k = 0; k < axes_.size(); ++k) driven(static_cast<Eigen::Index>(k)) = wrench_body(axes_[k]);
+  return inverse_ * driven;
 }
 
-double Allocation::reach(const Vector6d& wrench_body) const {
+double Allocation::largest_multiple(const Vector6d& wrench_body) const {
   const Eigen::VectorXd least = least_effort(wrench_body);
-  return least.size() == 0 || least.isZero(0) ? 0 : best(least).multiple;
+  return least.size() == 0 || least.isZero(0) ? 0 : limit(least).multiple;
 }
 
 Eigen::VectorXd Allocation::thrusts_n(const Vector6d& wrench_body) const {
   const Eigen::VectorXd least = least_effort(wrench_body);
   if (((both_signs(least) - bounds_).array() <= 0).all()) return least.cwiseProduct(limit_n_);
-  const Best limit = best(least);
-  if (limit.multiple <= 1) return (limit.multiple * least + idle_ * limit.idle).cwiseProduct(limit_n_);
-  const Eigen::VectorXd inside = limit.idle / limit.multiple;  // feasible, for the polytope is convex and holds 0
-  const Eigen::VectorXd room = bounds_ - both_signs(least);
+  const Limit most = limit(least);
+  if (most.multiple <= 1) return (most.multiple * least + idle_ * most.idle).cwiseProduct(limit_n_);
+  const Eigen::VectorXd inside = most.idle / most.multiple;  // feasible: the polytope is convex and contains 0
+  const Eigen::VectorXd left = bounds_ - both_signs(least);
   const Eigen::VectorXd rest =
-      minimise_in_polytope(1, Eigen::VectorXd::Zero(idle_.cols()), both_signs(idle_), room, inside);
+      minimise_in_polytope(1, Eigen::VectorXd::Zero(idle_.cols()), both_signs(idle_), left, inside);
   return (least + idle_ * rest).cwiseProduct(limit_n_);
 }
 

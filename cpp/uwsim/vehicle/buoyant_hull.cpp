@@ -9,9 +9,9 @@
 namespace uwsim {
 namespace {
 
-constexpr double kEdgePerRadius = 0.25;
+constexpr double kEdgePerRadius = 0.25;  // longest edge of a triangle under waves
 
-/// 0 at x <= 0, 1 at x >= 1, with flat ends.
+/// 0 for x <= 0, 1 for x >= 1, and a cubic with horizontal ends between.
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return x * x * (3 - 2 * x);
@@ -19,20 +19,20 @@ double smooth_step(double x) {
 
 }  // namespace
 
-/// A pose with what is asked of it most: the world's up in the body frame and the height of the hull's middle.
+/// A pose with what follows from it: the world's up in the body frame and the height of the hull's middle.
 struct BuoyantHull::Placed {
   const Eigen::Vector3d& position_world_m;
   const Eigen::Matrix3d& world_from_body;
   Eigen::Vector3d up_body;
   double middle_z_m;
-  double reach_z_m;  // nothing of the hull is farther above or below its middle
+  double half_height_m;  // conservative bound of the hull above and below its middle
 
   Placed(const BuoyantHull& hull, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
       : position_world_m(position),
         world_from_body(rotation),
         up_body(rotation.row(2)),
         middle_z_m(position.z() + up_body.dot(hull.middle_body_m_)),
-        reach_z_m(std::min(hull.radius_m_, up_body.cwiseAbs().dot(hull.half_size_m_))) {}
+        half_height_m(std::min(hull.radius_m_, up_body.cwiseAbs().dot(hull.half_size_m_))) {}
 };
 
 BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_body)) {
@@ -53,12 +53,12 @@ BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_bod
     radius_m_ = std::max(radius_m_, v.norm());
   }
   volume_ = CutVolume(centred);
-  surface_ = PressedSurface(mesh_body_, kEdgePerRadius * radius_m_);
+  pressure_ = HullPressure(mesh_body_, kEdgePerRadius * radius_m_);
 }
 
 VolumeMoments BuoyantHull::moments_below(const Placed& at, double level_m, bool with_second) const {
-  if (at.middle_z_m + at.reach_z_m <= level_m) return volume_.whole();
-  if (at.middle_z_m - at.reach_z_m >= level_m) return {};
+  if (at.middle_z_m + at.half_height_m <= level_m) return volume_.whole();
+  if (at.middle_z_m - at.half_height_m >= level_m) return {};
   return volume_.below(at.up_body, level_m - at.middle_z_m, with_second);
 }
 
@@ -79,29 +79,29 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
                                const WaterField& water, double time_s) const {
   const Placed at(*this, position_world_m, world_from_body);
   const double bound_m = water.wave_bound_m();
-  if (bound_m == 0) return resting(at, water, 0);
+  if (bound_m == 0) return in_still_water(at, water, 0);
   if (at.middle_z_m + 2 * radius_m_ <= -bound_m) return below_waves(at, water, time_s);
   const Eigen::Vector3d middle = position_world_m + world_from_body * middle_body_m_;
   const SurfaceSpan span = water.surface_span_at(middle.x(), middle.y(), radius_m_, time_s);
-  if (at.middle_z_m - at.reach_z_m >= span.high_m) return {};
-  const double cover_m = span.low_m - (at.middle_z_m + at.reach_z_m);
+  if (at.middle_z_m - at.half_height_m >= span.high_m) return {};
+  const double cover_m = span.low_m - (at.middle_z_m + at.half_height_m);
   const double deep = smooth_step(cover_m / radius_m_);
   if (deep == 1) return below_waves(at, water, time_s);
-  Buoyancy cut = under_waves(at, water, time_s);
-  if (deep == 0) return cut;
+  Buoyancy sum = through_waves(at, water, time_s);
+  if (deep == 0) return sum;
   const Buoyancy below = below_waves(at, water, time_s);
-  cut.force_body_n += deep * (below.force_body_n - cut.force_body_n);
-  cut.moment_body_nm += deep * (below.moment_body_nm - cut.moment_body_nm);
-  return cut;
+  sum.force_body_n += deep * (below.force_body_n - sum.force_body_n);
+  sum.moment_body_nm += deep * (below.moment_body_nm - sum.moment_body_nm);
+  return sum;
 }
 
-/// Flat surface at `surface_m` [m], density as at rest.
-Buoyancy BuoyantHull::resting(const Placed& at, const WaterField& water, double surface_m) const {
-  const double top_m = at.middle_z_m + at.reach_z_m;
+/// Under a flat surface at z = `surface_m`, the density being that of still water.
+Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, double surface_m) const {
+  const double top_m = at.middle_z_m + at.half_height_m;
   const DensityLayer layer = water.density_layer_at(std::min(top_m, surface_m));
-  const bool in_one_layer = at.middle_z_m - at.reach_z_m >= layer.low_m;
+  const bool in_one_layer = at.middle_z_m - at.half_height_m >= layer.low_m;
   if (!in_one_layer || (layer.gradient_kg_m4 != 0 && top_m > surface_m)) {
-    return layered(at, water, surface_m, moments_below(at, surface_m, true));
+    return in_layers(at, water, surface_m, moments_below(at, surface_m, true));
   }
   Buoyancy wet;
   if (top_m <= surface_m) {
@@ -117,16 +117,17 @@ Buoyancy BuoyantHull::resting(const Placed& at, const WaterField& water, double 
   const double gravity = water.gravity();
   wet.force_body_n = layer.at(centre_z_m) * gravity * wet.volume_m3 * at.up_body;
   wet.moment_body_nm = wet.centre_body_m.cross(wet.force_body_n);
-  if (layer.gradient_kg_m4 != 0) {  // the denser side pulls the centre of the displaced mass towards it
+  if (layer.gradient_kg_m4 != 0) {  // the displaced mass is centred on the denser side of the volume
     const Eigen::Vector3d shift = second_moment_body_m5_ * at.up_body;
     wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(at.up_body);
   }
   return wet;
 }
 
-/// Through several layers: the top layer's law over all that is wet, then at each boundary what the next one changes.
-Buoyancy BuoyantHull::layered(const Placed& at, const WaterField& water, double surface_m,
-                              const VolumeMoments& wet) const {
+/// A hull in several layers of density: the top layer's density for all of the wet volume and then, for each layer
+/// below, the difference to the one above it for the volume under their boundary.
+Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, double surface_m,
+                                const VolumeMoments& wet) const {
   if (wet.volume_m3 <= 0) return {};
   double mass_kg = 0;
   Eigen::Vector3d mass_moment_kg_m = Eigen::Vector3d::Zero();  // about the hull's middle
@@ -134,8 +135,8 @@ Buoyancy BuoyantHull::layered(const Placed& at, const WaterField& water, double 
     mass_kg += density_at_middle * part.volume_m3 + gradient * at.up_body.dot(part.first_m4);
     mass_moment_kg_m += density_at_middle * part.first_m4 + gradient * (part.second_m5 * at.up_body);
   };
-  const double bottom_m = at.middle_z_m - at.reach_z_m;
-  DensityLayer layer = water.density_layer_at(std::min(at.middle_z_m + at.reach_z_m, surface_m));
+  const double bottom_m = at.middle_z_m - at.half_height_m;
+  DensityLayer layer = water.density_layer_at(std::min(at.middle_z_m + at.half_height_m, surface_m));
   add(wet, layer.at(at.middle_z_m), layer.gradient_kg_m4);
   while (layer.low_m > bottom_m) {
     const DensityLayer next =
@@ -153,8 +154,9 @@ Buoyancy BuoyantHull::layered(const Placed& at, const WaterField& water, double 
   return sum;
 }
 
-Buoyancy BuoyantHull::under_waves(const Placed& at, const WaterField& water, double time_s) const {
-  const PressedSurface::Load load = surface_.load(at.position_world_m, at.world_from_body, water, time_s);
+/// A hull that the surface may cut: pressure integrated over the wetted triangles.
+Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s) const {
+  const HullPressure::Load load = pressure_.load(at.position_world_m, at.world_from_body, water, time_s);
   const Eigen::Vector3d middle = at.position_world_m + at.world_from_body * middle_body_m_;
   const double level_m = water.surface_height_at(middle.x(), middle.y(), time_s);
   const VolumeMoments wet = moments_below(at, level_m, false);
@@ -167,14 +169,14 @@ Buoyancy BuoyantHull::under_waves(const Placed& at, const WaterField& water, dou
   return sum;
 }
 
-/// Wholly under water: at rest, with the layers where the waves have moved them, and what the waves add.
+/// A hull wholly submerged: as in still water, with the layers displaced by the waves, plus the load of the waves.
 Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s) const {
   const Eigen::Vector3d centroid = at.position_world_m + at.world_from_body * solid_.centroid_m;
   double head_m = 0;
   water.pressure_heads({&centroid, 1}, time_s, {&head_m, 1});
-  Eigen::Vector3d unmoved = at.position_world_m;
-  unmoved.z() -= centroid.z() + head_m;
-  Buoyancy sum = resting({*this, unmoved, at.world_from_body}, water, std::numeric_limits<double>::infinity());
+  Eigen::Vector3d shifted = at.position_world_m;
+  shifted.z() -= centroid.z() + head_m;
+  Buoyancy sum = in_still_water({*this, shifted, at.world_from_body}, water, std::numeric_limits<double>::infinity());
   const Eigen::Matrix3d second = at.world_from_body * second_moment_body_m5_ * at.world_from_body.transpose();
   const WaveLoad load = water.wave_load(centroid, solid_.volume_m3, second, time_s);
   const double density = water.density_at(-head_m);

@@ -16,7 +16,7 @@ void FinParameters::check() const {
   };
   require(position_body_m.allFinite(), path + ".position_m", position_body_m.transpose(), "must be finite");
   require(std::abs(span_body.norm() - 1) < 1e-6 && std::abs(span_body.x()) < 1e-6, path + ".span",
-          span_body.transpose(), "must be a unit vector across x");
+          span_body.transpose(), "must be a unit vector perpendicular to x");
   require_positive(area_m2, ".area_m2");
   require_positive(aspect_ratio, ".aspect_ratio");
   require_positive(efficiency, ".efficiency");
@@ -49,8 +49,8 @@ Vector6d Fin::column() const {
 }
 
 void Fin::advance(double step_s) {
-  const double most = parameters_.rate_max_rad_s * step_s;
-  angle_rad_ += std::clamp(command_rad_ - angle_rad_, -most, most);
+  const double turn_max_rad = parameters_.rate_max_rad_s * step_s;
+  angle_rad_ += std::clamp(command_rad_ - angle_rad_, -turn_max_rad, turn_max_rad);
 }
 
 void Fin::exchange_state(StateArchive& archive) {
@@ -63,7 +63,7 @@ Fin::Coefficients Fin::coefficients(double attack_rad) const {
   Coefficients attached{.lift = lift_slope_ * s * c};
   attached.drag = parameters_.parasitic_drag + induced_drag_ * attached.lift * attached.lift;
   if (!parameters_.stalls) return attached;
-  // From behind, the angle that counts is the one between chord and flow.
+  // In flow from behind, stall depends on the angle between chord and flow.
   const double angle = std::asin(std::min(1.0, std::abs(s)));
   const double stalled = 1 / (1 + std::exp((parameters_.stall_angle_rad - angle) / parameters_.stall_sharpness_rad));
   const double plate_lift = 2 * s * std::abs(s) * c, plate_drag = parameters_.parasitic_drag + 2 * std::abs(s * s * s);
@@ -73,26 +73,26 @@ Fin::Coefficients Fin::coefficients(double attack_rad) const {
 
 void Fin::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const {
   const Eigen::Vector3d& span = parameters_.span_body;
-  const Eigen::Vector3d there = through_water.head<3>() + through_water.tail<3>().cross(parameters_.position_body_m);
-  const Eigen::Vector3d across = there - there.dot(span) * span;
+  const Eigen::Vector3d velocity = through_water.head<3>() + through_water.tail<3>().cross(parameters_.position_body_m);
+  const Eigen::Vector3d across = velocity - velocity.dot(span) * span;
   const double speed = across.norm();
   if (speed < 1e-9) return;
-  const Eigen::Vector3d way = across / speed, lift_way = way.cross(span);
+  const Eigen::Vector3d direction = across / speed, lift_direction = direction.cross(span);
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitX();
-  // Of the flow against the hull's axis; a deflection takes as much from it as it turns the chord.
-  const double drift = std::atan2(-way.dot(ahead.cross(span)), way.dot(ahead));
+  // Angle of the flow to the hull's axis; the angle of attack is less by the deflection, which turns the chord.
+  const double drift = std::atan2(-direction.dot(ahead.cross(span)), direction.dot(ahead));
   const Coefficients c = coefficients(drift - angle_rad_);
   const double pressure_area = 0.5 * density_kg_m3 * speed * speed * parameters_.area_m2 * submerged;
-  const Eigen::Vector3d force = pressure_area * (c.lift * lift_way - c.drag * way);
+  const Eigen::Vector3d force = pressure_area * (c.lift * lift_direction - c.drag * direction);
   tau_body.head<3>() += force;
   tau_body.tail<3>() += parameters_.position_body_m.cross(force);
 }
 
-double Fin::submerged_share(double height_m, double span_up) const {
-  const double reach = half_span_m_ * std::abs(span_up);
-  if (height_m >= reach) return 1;
-  if (height_m <= -reach) return 0;
-  return 0.5 * (1 + height_m / reach);
+double Fin::submerged_fraction(double height_m, double span_up) const {
+  const double half_height = half_span_m_ * std::abs(span_up);
+  if (height_m >= half_height) return 1;
+  if (height_m <= -half_height) return 0;
+  return 0.5 * (1 + height_m / half_height);
 }
 
 }  // namespace uwsim

@@ -10,14 +10,14 @@
 namespace uwsim {
 namespace {
 
-/// y at x on the polyline through (xs, ys), constant beyond its ends; xs increase, and where they do not, the first
-/// point of equals counts.
+/// y at x on the polyline through (xs, ys), constant beyond its ends. The xs never fall; of equal ones the first
+/// counts.
 double interpolated(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
-  const auto above = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), x) - xs.begin());
-  if (above == 0) return ys.front();
-  if (above == xs.size()) return ys.back();
-  const double fraction = (x - xs[above - 1]) / (xs[above] - xs[above - 1]);
-  return ys[above - 1] + fraction * (ys[above] - ys[above - 1]);
+  const auto next = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), x) - xs.begin());
+  if (next == 0) return ys.front();
+  if (next == xs.size()) return ys.back();
+  const double fraction = (x - xs[next - 1]) / (xs[next] - xs[next - 1]);
+  return ys[next - 1] + fraction * (ys[next] - ys[next - 1]);
 }
 
 }  // namespace

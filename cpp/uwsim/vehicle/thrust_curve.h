@@ -5,8 +5,8 @@
 
 namespace uwsim {
 
-/// Thrust in still water against a command in [-1, 1], measured: linear between the table's points, constant beyond its
-/// ends. A dead band is a flat stretch of zero thrust about command 0.
+/// Measured thrust in still water as a function of a command in [-1, 1]: linear between the points of a table, constant
+/// beyond its ends. A dead band is a stretch of zero thrust about command 0.
 class ThrustCurve {
  public:
   /// thrust = command [N].
@@ -15,7 +15,7 @@ class ThrustCurve {
   ThrustCurve(std::vector<double> commands, std::vector<double> thrusts_n, std::string_view path = "thrust_curve");
 
   double thrust_n(double command) const;
-  /// A command that gives this thrust, 0 for 0 N; the table's end for a thrust beyond it.
+  /// The inverse: a command that gives this thrust. 0 for 0 N; the table's end for a thrust beyond it.
   double command(double thrust_n) const;
   double lowest_n() const { return thrusts_n_.front(); }
   double highest_n() const { return thrusts_n_.back(); }

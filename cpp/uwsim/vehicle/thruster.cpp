@@ -29,8 +29,8 @@ Thruster::Thruster(ThrusterParameters parameters) : parameters_(std::move(parame
   parameters_.check();
   const ThrusterParameters& p = parameters_;
   column_ << p.axis_body, p.position_body_m.cross(p.axis_body);
-  column_with_spin_ = column_;
-  column_with_spin_.tail<3>() -= p.spin * p.torque_per_thrust_m * p.axis_body;
+  column_with_torque_ = column_;
+  column_with_torque_.tail<3>() -= p.spin * p.torque_per_thrust_m * p.axis_body;
   loss_ = p.diameter_m * std::sqrt(p.bollard_coefficient) / p.zero_thrust_advance_ratio;
 }
 
@@ -44,11 +44,11 @@ void Thruster::advance(double step_s, bool powered) {
     const double steps = step_s / parameters_.time_constant_s;  // infinite without lag
     step_s_ = step_s;
     decay_ = std::exp(-steps);
-    mean_share_ = -std::expm1(-steps) / steps;
+    mean_decay_ = -std::expm1(-steps) / steps;
   }
   const double target = powered ? target_n_ : 0;
   const double difference = thrust_n_ - target;
-  mean_thrust_n_ = target + difference * mean_share_;
+  mean_thrust_n_ = target + difference * mean_decay_;
   thrust_n_ = target + difference * decay_;
 }
 
@@ -64,16 +64,16 @@ void Thruster::add_wrench(const Vector6d& through_water, double density_kg_m3, d
   if (mean_thrust_n_ == 0) return;
   const double inflow_m_s = column_.dot(through_water);
   const double thrust = mean_thrust_n_ - loss_ * std::sqrt(density_kg_m3 * std::abs(mean_thrust_n_)) * inflow_m_s;
-  tau_body += submerged * thrust * column_with_spin_;
+  tau_body += submerged * thrust * column_with_torque_;
 }
 
-double Thruster::submerged_share(double height_m, double axis_up) const {
+double Thruster::submerged_fraction(double height_m, double axis_up) const {
   const double radius = 0.5 * parameters_.diameter_m;
   if (height_m >= radius) return 1;
-  const double reach = radius * std::sqrt(std::max(0.0, 1 - axis_up * axis_up));
-  if (height_m >= reach) return 1;
-  if (height_m <= -reach) return 0;
-  const double s = height_m / reach;  // circular segment
+  const double half_height = radius * std::sqrt(std::max(0.0, 1 - axis_up * axis_up));
+  if (height_m >= half_height) return 1;
+  if (height_m <= -half_height) return 0;
+  const double s = height_m / half_height;  // the wet part is a circular segment
   return 0.5 + (s * std::sqrt(1 - s * s) + std::asin(s)) / std::numbers::pi;
 }
 

@@ -9,23 +9,25 @@ namespace {
 
 constexpr std::size_t kClusterSize = 8;
 
-/// The integral of r r^T over the tetrahedron of the origin, a, b, c.
-Eigen::Matrix3d spread(double volume_m3, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+/// The integral of r r^T over the tetrahedron (origin, a, b, c).
+Eigen::Matrix3d second_moment(double volume_m3, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                              const Eigen::Vector3d& c) {
   const Eigen::Vector3d sum = a + b + c;
   return volume_m3 / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
 }
 
-/// The corners of a cut triangle, turned so that the one alone on its side of the plane comes first, and the sign of
-/// its piece: + where that is wet. By the bits of the wet corners.
-struct Turned {
+/// The corners of a cut triangle, rotated so that the one that is alone on its side of the plane comes first, and the
+/// sign of its piece: + where it is wet. Indexed by the bits of the wet corners.
+struct Rotated {
   std::uint32_t first, second, third;
   double sign;
 };
-constexpr std::array<Turned, 8> kTurned = {
+constexpr std::array<Rotated, 8> kRotated = {
     {{}, {0, 1, 2, 1}, {1, 2, 0, 1}, {2, 0, 1, -1}, {2, 0, 1, 1}, {1, 2, 0, -1}, {0, 1, 2, -1}, {}}};
 
-/// Orders triangles so that neighbours in space are neighbours in the list: halved across the longest side, to the end.
-void sort_by_place(std::span<Triangle> triangles, const TriangleMesh& mesh) {
+/// Orders triangles so that neighbours in space are neighbours in the list, by repeated halving across the longest
+/// side.
+void sort_spatially(std::span<Triangle> triangles, const TriangleMesh& mesh) {
   if (triangles.size() <= kClusterSize) return;
   const auto middle = [&mesh](const Triangle& t) -> Eigen::Vector3d {
     return mesh.vertices_m[t[0]] + mesh.vertices_m[t[1]] + mesh.vertices_m[t[2]];
@@ -40,8 +42,8 @@ void sort_by_place(std::span<Triangle> triangles, const TriangleMesh& mesh) {
   const std::size_t half = (triangles.size() / kClusterSize + 1) / 2 * kClusterSize;
   std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half), triangles.end(),
                    [&](const Triangle& a, const Triangle& b) { return middle(a)(axis) < middle(b)(axis); });
-  sort_by_place(triangles.first(half), mesh);
-  sort_by_place(triangles.subspan(half), mesh);
+  sort_spatially(triangles.first(half), mesh);
+  sort_spatially(triangles.subspan(half), mesh);
 }
 
 }  // namespace
@@ -54,7 +56,7 @@ VolumeMoments& VolumeMoments::operator+=(const VolumeMoments& other) {
 }
 
 CutVolume::CutVolume(const TriangleMesh& mesh) : triangles_(mesh.triangles) {
-  sort_by_place(triangles_, mesh);
+  sort_spatially(triangles_, mesh);
   for (const Eigen::Vector3d& v : mesh.vertices_m) {
     x_m_.push_back(v.x());
     y_m_.push_back(v.y());
@@ -64,7 +66,7 @@ CutVolume::CutVolume(const TriangleMesh& mesh) : triangles_(mesh.triangles) {
     const Eigen::Vector3d &a = mesh.vertices_m[t[0]], &b = mesh.vertices_m[t[1]], &c = mesh.vertices_m[t[2]];
     const double volume_m3 = a.dot(b.cross(c)) / 6;
     facets_.push_back({volume_m3, volume_m3 / 4 * (a + b + c)});
-    facet_seconds_m5_.push_back(spread(volume_m3, a, b, c));
+    facet_seconds_m5_.push_back(second_moment(volume_m3, a, b, c));
   }
   for (std::size_t k = 0; k < triangles_.size(); k += kClusterSize) {
     add_cluster(static_cast<std::uint32_t>(k),
@@ -95,10 +97,10 @@ void CutVolume::add_cluster(std::uint32_t first, std::uint32_t last, const Trian
   clusters_.push_back(cluster);
 }
 
-/// Kept by each thread to spare allocation.
+/// Each thread keeps one, so that steps allocate nothing.
 struct CutVolume::Scratch {
-  std::vector<double> height_m;        // over the plane, of the vertices
-  std::vector<std::uint8_t> is_below;  // 1: lower
+  std::vector<double> height_m;        // of the vertices over the plane
+  std::vector<std::uint8_t> is_below;  // 1 or 0
   std::vector<CutTriangle> cut;
 };
 
@@ -118,23 +120,23 @@ VolumeMoments CutVolume::below(const Eigen::Vector3d& up, double level_m, bool w
 
   VolumeMoments sum;
   std::size_t cut_count = 0;
-  const auto look_at = [&](std::uint32_t k) {
+  const auto examine = [&](std::uint32_t k) {
     const auto [a, b, c] = triangles_[k];
     const std::uint32_t wet_corners = is_below[a] + 2u * is_below[b] + 4u * is_below[c];
     cut[cut_count] = {k, wet_corners};
     cut_count += wet_corners != 0 && wet_corners != 7;
-    // As if all of it were wet, where most is: of two wet corners the cut takes the third away.
+    // A triangle with two wet corners counts as wholly wet; correction_for_cut() takes the dry corner away.
     if (is_below[a] + is_below[b] + is_below[c] < 2) return;
     sum.volume_m3 += facets_[k].volume_m3;
     sum.first_m4 += facets_[k].first_m4;
     if (with_second) sum.second_m5 += facet_seconds_m5_[k];
   };
   for (const Cluster& cluster : clusters_) {
-    const double over = up.dot(cluster.middle_m) - level_m;
-    const double reach_m = std::min(cluster.radius_m, up.cwiseAbs().dot(cluster.half_size_m));
-    if (over >= reach_m) continue;
-    if (over > -reach_m) {
-      for (std::uint32_t k = cluster.first; k < cluster.last; ++k) look_at(k);
+    const double middle_height_m = up.dot(cluster.middle_m) - level_m;
+    const double half_height_m = std::min(cluster.radius_m, up.cwiseAbs().dot(cluster.half_size_m));
+    if (middle_height_m >= half_height_m) continue;
+    if (middle_height_m > -half_height_m) {
+      for (std::uint32_t k = cluster.first; k < cluster.last; ++k) examine(k);
       continue;
     }
     sum.volume_m3 += cluster.moments.volume_m3;
@@ -142,21 +144,23 @@ VolumeMoments CutVolume::below(const Eigen::Vector3d& up, double level_m, bool w
     if (with_second) sum.second_m5 += cluster.moments.second_m5;
   }
   const std::span<const CutTriangle> cuts(cut, cut_count);
-  sum += with_second ? change_by_cut<true>(cuts, height, up, level_m) : change_by_cut<false>(cuts, height, up, level_m);
+  sum += with_second ? correction_for_cut<true>(cuts, height, up, level_m)
+                     : correction_for_cut<false>(cuts, height, up, level_m);
   return sum;
 }
 
-/// What the cut changes of whole triangles with two wet corners or more: the odd corner's piece, added where it is wet
-/// and taken away where it is dry, with the cut face's share, seen from its foot. The piece is the triangle's
-/// tetrahedron with two of its edges shortened to where they pierce the plane. Both edges are worked out side by side.
+/// The difference between cut triangles and what below() counts for them, a whole triangle where two corners are wet
+/// and none where one is: the piece at the odd corner, added where it is wet and subtracted where it is dry, and its
+/// share of the cut face. The piece is the triangle's tetrahedron with two edges shortened to where they pierce the
+/// plane; both edges are computed side by side.
 template <bool kWithSecond>
-VolumeMoments CutVolume::change_by_cut(std::span<const CutTriangle> cut, const double* height_m,
-                                       const Eigen::Vector3d& up, double level_m) const {
+VolumeMoments CutVolume::correction_for_cut(std::span<const CutTriangle> cut, const double* height_m,
+                                            const Eigen::Vector3d& up, double level_m) const {
   using Pair = Eigen::Array2d;
   const Eigen::Vector3d foot = level_m * up;
   VolumeMoments sum;
   for (const auto& [k, wet_corners] : cut) {
-    const auto& [first, second, third, sign] = kTurned[wet_corners];
+    const auto& [first, second, third, sign] = kRotated[wet_corners];
     const Triangle& t = triangles_[k];
     const std::uint32_t a = t[first], b = t[second], c = t[third];
     const Pair share = height_m[a] / (height_m[a] - Pair(height_m[b], height_m[c]));
@@ -164,7 +168,7 @@ VolumeMoments CutVolume::change_by_cut(std::span<const CutTriangle> cut, const d
     const Pair y = y_m_[a] + share * (Pair(y_m_[b], y_m_[c]) - y_m_[a]);
     const Pair z = z_m_[a] + share * (Pair(z_m_[b], z_m_[c]) - z_m_[a]);
     const double piece = sign * share[0] * share[1] * facets_[k].volume_m3;
-    // Of the tetrahedron origin, foot, q, p: up . (q x p) times the foot's distance.
+    // Volume of the tetrahedron (origin, foot, q, p): up . (q x p) times the foot's distance over 6.
     const double face = sign * level_m / 6 *
                         (up.x() * (z[0] * y[1] - y[0] * z[1]) + up.y() * (x[0] * z[1] - z[0] * x[1]) +
                          up.z() * (y[0] * x[1] - x[0] * y[1]));
@@ -173,7 +177,7 @@ VolumeMoments CutVolume::change_by_cut(std::span<const CutTriangle> cut, const d
     sum.first_m4 += 0.25 * (piece * (corner + pierced) + face * (foot + pierced));
     if constexpr (kWithSecond) {
       const Eigen::Vector3d p(x[0], y[0], z[0]), q(x[1], y[1], z[1]);
-      sum.second_m5 += spread(piece, corner, p, q) + spread(face, foot, p, q);
+      sum.second_m5 += second_moment(piece, corner, p, q) + second_moment(face, foot, p, q);
     }
   }
   return sum;

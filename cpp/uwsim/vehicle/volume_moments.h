@@ -19,19 +19,22 @@ struct VolumeMoments {
   VolumeMoments& operator+=(const VolumeMoments& other);
 };
 
-/// The moments of what lies of a closed mesh on the lower side of a plane.
+/// The moments of the part of a closed mesh below a plane.
 ///
-/// Sum of signed tetrahedra from the origin over the triangles, each cut at the plane, and over the cut face, which is
-/// a fan of triangles from the origin's foot on the plane to the edges of the cut. What whole triangles add is tabled,
-/// and what whole clusters of neighbouring triangles add, so that only those near the plane are looked at one by one.
+/// They are the sum over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the cut
+/// face, a fan of triangles from the foot of the origin on the plane to the edges of the cut. The moments of whole
+/// triangles and of whole clusters of neighbouring triangles are tabulated, so that only the triangles near the plane
+/// are examined one by one.
 class CutVolume {
  public:
   CutVolume() = default;
-  /// `mesh` is closed; its middle should be near the origin, for accuracy.
+  /// `mesh` must be closed; for accuracy its middle should be near the origin.
   explicit CutVolume(const TriangleMesh& mesh);
 
+  /// The moments of the whole volume.
   const VolumeMoments& whole() const { return whole_; }
-  /// Of the points r with up . r < level. `up` is a unit vector. The second moment only if asked for.
+  /// The moments of the points r with up . r < level. `up` is a unit vector. The second moment is 0 unless
+  /// `with_second`.
   VolumeMoments below(const Eigen::Vector3d& up, double level_m, bool with_second) const;
 
  private:
@@ -49,16 +52,16 @@ class CutVolume {
   };
   struct CutTriangle {
     std::uint32_t triangle;
-    std::uint32_t wet_corners;  ///< bits; neither none nor all
+    std::uint32_t wet_corners;  ///< one bit each; neither none nor all of them
   };
   struct Scratch;
 
   void add_cluster(std::uint32_t first, std::uint32_t last, const TriangleMesh& mesh);
   template <bool kWithSecond>
-  VolumeMoments change_by_cut(std::span<const CutTriangle> cut, const double* height_m, const Eigen::Vector3d& up,
-                              double level_m) const;
+  VolumeMoments correction_for_cut(std::span<const CutTriangle> cut, const double* height_m, const Eigen::Vector3d& up,
+                                   double level_m) const;
 
-  std::vector<double> x_m_, y_m_, z_m_;  // of the vertices, so that heights are vector code
+  std::vector<double> x_m_, y_m_, z_m_;  // vertices, by coordinate: heights over a plane are computed by vector code
   std::vector<Triangle> triangles_;
   std::vector<Facet> facets_;
   std::vector<Eigen::Matrix3d> facet_seconds_m5_;

@@ -9,22 +9,23 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
+#include "uwsim/core/stream_name.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kFastest_m_s = 10;
+constexpr double kSpeedMax_m_s = 10;
 
 void check_velocities(const std::vector<Eigen::Vector3d>& velocities, const std::string& path) {
   for (const Eigen::Vector3d& v : velocities) {
-    require(v.allFinite() && v.norm() <= kFastest_m_s, path, v.transpose(), "m/s: must be finite and at most 10 m/s");
+    require(v.allFinite() && v.norm() <= kSpeedMax_m_s, path, v.transpose(), "m/s: must be finite and at most 10 m/s");
   }
 }
 
-double largest(const std::vector<Eigen::Vector3d>& velocities) {
-  double most_m_s = 0;
-  for (const Eigen::Vector3d& v : velocities) most_m_s = std::max(most_m_s, v.norm());
-  return most_m_s;
+double largest_speed_m_s(const std::vector<Eigen::Vector3d>& velocities) {
+  double largest_m_s = 0;
+  for (const Eigen::Vector3d& v : velocities) largest_m_s = std::max(largest_m_s, v.norm());
+  return largest_m_s;
 }
 
 void check_rising(const std::vector<double>& axis, const std::string& path) {
@@ -34,12 +35,13 @@ void check_rising(const std::vector<double>& axis, const std::string& path) {
   }
 }
 
-/// Between which two of the rising values, and how far from the first to the second; clamped to the ends.
-struct Between {
+/// The two of an axis' rising values that enclose a value, and how far it lies from the first to the second; beyond the
+/// ends, the end.
+struct Interval {
   std::size_t first = 0, second = 0;
   double fraction = 0;
 
-  Between(const std::vector<double>& axis, double value) {
+  Interval(const std::vector<double>& axis, double value) {
     const auto next = static_cast<std::size_t>(std::upper_bound(axis.begin(), axis.end(), value) - axis.begin());
     first = next == 0 ? 0 : next - 1;
     second = std::min(next, axis.size() - 1);
@@ -52,10 +54,10 @@ class LayeredCurrent : public Current {
   LayeredCurrent(std::vector<double> depths_m, std::vector<Eigen::Vector3d> velocity_m_s)
       : depths_m_(std::move(depths_m)), velocity_m_s_(std::move(velocity_m_s)) {}
   CurrentSample at(const Eigen::Vector3d& p, double) const override {
-    const Between b(depths_m_, -p.z());
+    const Interval b(depths_m_, -p.z());
     return {.velocity_m_s = velocity_m_s_[b.first] + b.fraction * (velocity_m_s_[b.second] - velocity_m_s_[b.first])};
   }
-  double bound_m_s() const override { return largest(velocity_m_s_); }
+  double bound_m_s() const override { return largest_speed_m_s(velocity_m_s_); }
 
  private:
   std::vector<double> depths_m_;
@@ -82,12 +84,13 @@ class GustyCurrent : public Current {
   GustyCurrent(const Eigen::Vector3d& sigma_m_s, double correlation_time_s, std::uint64_t seed)
       : sigma_m_s_(sigma_m_s),
         block_s_(kBlock * correlation_time_s),
-        draws_{RandomStream(seed, "water/gusts/x"), RandomStream(seed, "water/gusts/y"),
-               RandomStream(seed, "water/gusts/z")} {
+        draws_{RandomStream(seed, stream_name("water", "gusts", "x")),
+               RandomStream(seed, stream_name("water", "gusts", "y")),
+               RandomStream(seed, stream_name("water", "gusts", "z"))} {
     for (int level = 0; level < kLevels; ++level) {
       const double half = kBlock * std::pow(0.5, level + 1);  // in correlation times
-      share_[static_cast<std::size_t>(level)] = 0.5 / std::cosh(half);
-      spread_[static_cast<std::size_t>(level)] = std::sqrt(std::tanh(half));
+      mean_weight_[static_cast<std::size_t>(level)] = 0.5 / std::cosh(half);
+      std_[static_cast<std::size_t>(level)] = std::sqrt(std::tanh(half));
     }
   }
   CurrentSample at(const Eigen::Vector3d&, double time_s) const override {
@@ -97,7 +100,7 @@ class GustyCurrent : public Current {
     const auto block = static_cast<std::uint64_t>(static_cast<std::int64_t>(blocks));
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       if (sigma_m_s_(axis) == 0) continue;
-      const auto [value, slope] = walk(draws_[static_cast<std::size_t>(axis)], block, fraction);
+      const auto [value, slope] = value_and_slope(draws_[static_cast<std::size_t>(axis)], block, fraction);
       sample.velocity_m_s(axis) = sigma_m_s_(axis) * value;
       sample.rate_m_s2(axis) = sigma_m_s_(axis) * slope / block_s_;
     }
@@ -107,19 +110,19 @@ class GustyCurrent : public Current {
 
  private:
   static constexpr int kLevels = 9;
-  static constexpr double kBlock = 16;  // correlation times
+  static constexpr double kBlock = 16;  // length of a block, in correlation times
 
-  /// Value and slope (per block) at a fraction of a block, of unit variance. Index 0 of a tick draws the block's start;
-  /// the middles are numbered as in a binary heap.
-  std::pair<double, double> walk(const RandomStream& draw, std::uint64_t block, double fraction) const {
+  /// Value and slope (per block) of a process of unit variance at a fraction of a block. A draw is keyed by the block
+  /// and an index: 0 for the block's start, and for the midpoints their number in a binary heap.
+  std::pair<double, double> value_and_slope(const RandomStream& draw, std::uint64_t block, double fraction) const {
     double left = draw.normal(block, 0), right = draw.normal(block + 1, 0);
     double width = 1;
     std::uint32_t node = 1;
     for (std::size_t level = 0; level < kLevels; ++level) {
-      const double middle = share_[level] * (left + right) + spread_[level] * draw.normal(block, node);
+      const double midpoint = mean_weight_[level] * (left + right) + std_[level] * draw.normal(block, node);
       width /= 2;
       const bool upper = fraction >= width;
-      (upper ? left : right) = middle;
+      (upper ? left : right) = midpoint;
       if (upper) fraction -= width;
       node = 2 * node + (upper ? 1 : 0);
     }
@@ -130,26 +133,26 @@ class GustyCurrent : public Current {
   Eigen::Vector3d sigma_m_s_;
   double block_s_;
   std::array<RandomStream, 3> draws_;
-  std::array<double, kLevels> share_, spread_;
+  std::array<double, kLevels> mean_weight_, std_;
 };
 
 class GriddedCurrent : public Current {
  public:
   explicit GriddedCurrent(CurrentGrid grid) : grid_(std::move(grid)) {}
   CurrentSample at(const Eigen::Vector3d& p, double) const override {
-    const Between x(grid_.x_m, p.x()), y(grid_.y_m, p.y()), z(grid_.z_m, p.z());
+    const Interval x(grid_.x_m, p.x()), y(grid_.y_m, p.y()), z(grid_.z_m, p.z());
     const auto row = [&](std::size_t j, std::size_t k) -> Eigen::Vector3d {
       const Eigen::Vector3d* v = &grid_.velocity_m_s[(k * grid_.y_m.size() + j) * grid_.x_m.size()];
       return v[x.first] + x.fraction * (v[x.second] - v[x.first]);
     };
-    const auto sheet = [&](std::size_t k) -> Eigen::Vector3d {
+    const auto layer = [&](std::size_t k) -> Eigen::Vector3d {
       const Eigen::Vector3d near = row(y.first, k);
       return near + y.fraction * (row(y.second, k) - near);
     };
-    const Eigen::Vector3d low = sheet(z.first);
-    return {.velocity_m_s = low + z.fraction * (sheet(z.second) - low)};
+    const Eigen::Vector3d low = layer(z.first);
+    return {.velocity_m_s = low + z.fraction * (layer(z.second) - low)};
   }
-  double bound_m_s() const override { return largest(grid_.velocity_m_s); }
+  double bound_m_s() const override { return largest_speed_m_s(grid_.velocity_m_s); }
 
  private:
   CurrentGrid grid_;
@@ -162,7 +165,7 @@ std::shared_ptr<const Current> layered_current(std::vector<double> depths_m,
   check_rising(depths_m, "water.current.depth_m");
   check_velocities(velocity_m_s, "water.current.velocity_m_s");
   require(depths_m.size() == velocity_m_s.size(), "water.current.velocity_m_s", velocity_m_s.size(),
-          "must have one velocity a depth");
+          "must have one velocity for each depth");
   return std::make_shared<LayeredCurrent>(std::move(depths_m), std::move(velocity_m_s));
 }
 
@@ -188,7 +191,7 @@ std::shared_ptr<const Current> gridded_current(CurrentGrid grid) {
   check_rising(grid.z_m, "water.current.z_m");
   check_velocities(grid.velocity_m_s, "water.current.velocity_m_s");
   require(grid.velocity_m_s.size() == grid.x_m.size() * grid.y_m.size() * grid.z_m.size(), "water.current.velocity_m_s",
-          grid.velocity_m_s.size(), "must have one velocity a grid point");
+          grid.velocity_m_s.size(), "must have one velocity for each grid point");
   return std::make_shared<GriddedCurrent>(std::move(grid));
 }
 

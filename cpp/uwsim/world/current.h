@@ -13,31 +13,31 @@ struct CurrentSample {
   Eigen::Vector3d rate_m_s2 = Eigen::Vector3d::Zero();
 };
 
-/// A current: a pure function of place and time. The water's flow is the sum of its currents.
+/// A current: a pure function of place and time. Several add up.
 class Current {
  public:
   virtual ~Current() = default;
   virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Its largest speed anywhere, ever; of gusts, which have none, at three standard deviations [m/s].
+  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts have none: theirs is three standard deviations.
   virtual double bound_m_s() const = 0;
 };
 
-/// Steady, linear in depth between levels, constant above the first and below the last. All throw InvalidValue, naming
-/// water.current.
+/// Steady; linear in depth between levels, constant above the first and below the last. This and the functions below
+/// throw InvalidValue that names water.current.
 std::shared_ptr<const Current> layered_current(std::vector<double> depths_m, std::vector<Eigen::Vector3d> velocity_m_s);
 
 /// amplitude sin(2 pi t / period + phase): rectilinear, as in a channel.
 std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_s, double period_s, double phase_rad);
 
-/// Gauss-Markov gusts about no mean: each world axis an Ornstein-Uhlenbeck process of standard deviation sigma and
-/// autocorrelation exp(-|dt| / correlation_time), drawn at knots every 1/32 of that time and linear between them.
-/// The knots are an exact process, found by halving: knots 16 correlation times apart are drawn apart (e^-16 is left of
-/// their correlation), each middle from its two sides by the bridge's law. So a value at a time is a function of seed
-/// and time alone, in ten draws, however it was stepped to.
+/// Gauss-Markov gusts with zero mean: each world axis is an Ornstein-Uhlenbeck process of standard deviation sigma and
+/// autocorrelation exp(-|dt| / correlation_time), drawn at knots 1/32 of that time apart and linear between them. The
+/// knots are found by halving: those 16 correlation times apart are drawn independently (their correlation is e^-16),
+/// and each midpoint from its two neighbours by the law of the bridge, which is exact. So the value at a time is a
+/// function of seed and time alone, costs ten draws, and does not depend on the steps before.
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
                                              std::uint64_t seed);
 
-/// A steady field on a grid, trilinear between its points and held constant beyond its edges.
+/// A steady field on a grid: trilinear between grid points, constant beyond the edges.
 struct CurrentGrid {
   std::vector<double> x_m, y_m, z_m;          ///< rising; z up
   std::vector<Eigen::Vector3d> velocity_m_s;  ///< at (x[i], y[j], z[k]) under (k * ny + j) * nx + i

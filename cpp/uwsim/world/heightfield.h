@@ -8,10 +8,11 @@
 namespace uwsim {
 
 /// Terrain as heights over a regular grid: heights_m[j * nx + i] is z at (x0 + i spacing, y0 + j spacing), world ENU.
-/// Each cell is two triangles that meet on the diagonal from (i + 1, j) to (i, j + 1), which is how Bullet cuts its
-/// height fields too: rays and contacts meet the same surface.
+/// Each cell is two triangles that share the diagonal from (i + 1, j) to (i, j + 1). Rays and contacts both use them,
+/// so they meet the same surface.
 class Heightfield {
  public:
+  /// Throws InvalidValue that names terrain and field.
   Heightfield(std::vector<float> heights_m, std::size_t nx, std::size_t ny, double spacing_m,
               const Eigen::Vector2d& origin_m);
 
@@ -27,6 +28,7 @@ class Heightfield {
   /// Height of the triangulated surface; NaN outside the grid.
   double height_at(double x_m, double y_m) const;
 
+  /// Vertex j * nx + i.
   Eigen::Vector3d vertex(std::size_t index) const;
   /// Vertices of triangle `index`, 0 <= index < triangle_count(); counter-clockwise seen from above.
   Triangle triangle(std::size_t index) const;

@@ -7,21 +7,22 @@
 namespace uwsim {
 namespace {
 
-constexpr double kSeam_m = 1e-9;         // by which pieces overlap where they meet, so that no ray slips between
-constexpr double kSharpestCosine = 0.1;  // of half a bend
+constexpr double kSeam_m = 1e-9;         // pieces overlap by this where they meet, so that no ray slips between them
+constexpr double kSharpestCosine = 0.1;  // the cosine of half of the sharpest bend
+constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis below which a ray never meets the wall
 
 void require_round(const Eigen::Vector3d& point, double radius_m, const char* path) {
   require(point.allFinite(), std::string(path) + ".points_m", point.transpose(), "must be finite");
   require(std::isfinite(radius_m) && radius_m > 0, std::string(path) + ".radius_m", radius_m, "must be positive");
 }
 
-/// Keeps the nearest of the surfaces that a ray meets.
+/// The nearest of the surfaces that a ray meets, between two distances.
 class Nearest {
  public:
   Nearest(double near_m, double far_m) : near_m_(near_m), far_m_(far_m) {}
 
-  bool wants(double distance_m) const { return distance_m >= near_m_ && distance_m <= far_m_; }
-  void take(double distance_m, const Eigen::Vector3d& normal) {
+  bool accepts(double distance_m) const { return distance_m >= near_m_ && distance_m <= far_m_; }
+  void keep(double distance_m, const Eigen::Vector3d& normal) {
     hit_ = {distance_m, normal};
     far_m_ = distance_m;
   }
@@ -32,16 +33,17 @@ class Nearest {
   std::optional<ShapeHit> hit_;
 };
 
-void meet_sphere(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& way, Nearest& nearest) {
+void meet_sphere(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                 Nearest& nearest) {
   const Eigen::Vector3d& centre = shape.ends[0].point_world_m;
-  const double closest = (centre - origin).dot(way);
-  const Eigen::Vector3d across = origin - centre + closest * way;
+  const double closest = (centre - origin).dot(direction);
+  const Eigen::Vector3d across = origin - centre + closest * direction;
   const double half_chord_squared = shape.radius_m * shape.radius_m - across.squaredNorm();
   if (half_chord_squared < 0) return;
   const double half_chord = std::sqrt(half_chord_squared);
   for (const double distance : {closest - half_chord, closest + half_chord}) {
-    if (!nearest.wants(distance)) continue;
-    nearest.take(distance, (across + (distance - closest) * way) / shape.radius_m);
+    if (!nearest.accepts(distance)) continue;
+    nearest.keep(distance, (across + (distance - closest) * direction) / shape.radius_m);
     return;
   }
 }
@@ -50,38 +52,39 @@ bool within(const RoundShape::End& end, const Eigen::Vector3d& point) {
   return end.outward.dot(point - end.point_world_m) <= kSeam_m;
 }
 
-/// False when the ray misses the endless cylinder, and so the caps within it.
-bool meet_wall(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& way, Nearest& nearest) {
+/// Returns false when the ray misses the endless cylinder and so the caps, which are within it.
+bool meet_wall(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+               Nearest& nearest) {
   const auto off_axis = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - shape.axis.dot(v) * shape.axis; };
-  const Eigen::Vector3d start = off_axis(origin - shape.ends[0].point_world_m), turn = off_axis(way);
-  const double slope = turn.squaredNorm();
-  if (slope < 1e-24) return start.norm() <= shape.radius_m + kSeam_m;  // along the axis
-  const double closest = -start.dot(turn) / slope;
-  const Eigen::Vector3d across = start + closest * turn;
-  const double half_chord_squared = (shape.radius_m * shape.radius_m - across.squaredNorm()) / slope;
+  const Eigen::Vector3d start = off_axis(origin - shape.ends[0].point_world_m), across_axis = off_axis(direction);
+  const double sine_squared = across_axis.squaredNorm();
+  if (sine_squared < kAlongAxis) return start.norm() <= shape.radius_m + kSeam_m;
+  const double closest = -start.dot(across_axis) / sine_squared;
+  const Eigen::Vector3d across = start + closest * across_axis;
+  const double half_chord_squared = (shape.radius_m * shape.radius_m - across.squaredNorm()) / sine_squared;
   if (half_chord_squared < 0) return false;
   const double half_chord = std::sqrt(half_chord_squared);
   for (const double distance : {closest - half_chord, closest + half_chord}) {
-    const Eigen::Vector3d point = origin + distance * way;
-    if (!nearest.wants(distance) || !within(shape.ends[0], point) || !within(shape.ends[1], point)) continue;
-    nearest.take(distance, (across + (distance - closest) * turn) / shape.radius_m);
+    const Eigen::Vector3d point = origin + distance * direction;
+    if (!nearest.accepts(distance) || !within(shape.ends[0], point) || !within(shape.ends[1], point)) continue;
+    nearest.keep(distance, (across + (distance - closest) * across_axis) / shape.radius_m);
     break;
   }
   return true;
 }
 
-void meet_cap(const RoundShape& shape, std::size_t index, const Eigen::Vector3d& origin, const Eigen::Vector3d& way,
-              Nearest& nearest) {
+void meet_cap(const RoundShape& shape, std::size_t index, const Eigen::Vector3d& origin,
+              const Eigen::Vector3d& direction, Nearest& nearest) {
   const RoundShape::End& end = shape.ends[index];
   if (!end.capped) return;
-  const double along = end.outward.dot(way);
+  const double along = end.outward.dot(direction);
   if (along == 0) return;
   const double distance = end.outward.dot(end.point_world_m - origin) / along;
-  if (!nearest.wants(distance)) return;
-  const Eigen::Vector3d point = origin + distance * way;
+  if (!nearest.accepts(distance)) return;
+  const Eigen::Vector3d point = origin + distance * direction;
   const Eigen::Vector3d from_axis = point - end.point_world_m;
-  const double reach = (from_axis - shape.axis.dot(from_axis) * shape.axis).norm();
-  if (reach <= shape.radius_m + kSeam_m && within(shape.ends[1 - index], point)) nearest.take(distance, end.outward);
+  const double radius_m = (from_axis - shape.axis.dot(from_axis) * shape.axis).norm();
+  if (radius_m <= shape.radius_m + kSeam_m && within(shape.ends[1 - index], point)) nearest.keep(distance, end.outward);
 }
 
 }  // namespace
@@ -133,11 +136,11 @@ std::optional<ShapeHit> first_hit(const RoundShape& shape, const Eigen::Vector3d
 ShapeBounds bounds(const RoundShape& shape) {
   ShapeBounds box{shape.ends[0].point_world_m, shape.ends[0].point_world_m};
   for (const RoundShape::End& end : shape.ends) {
-    // A mitred end is an ellipse; its tip is this far from the axis' end.
+    // A mitred end is an ellipse, whose tip lies radius / tilt from the end of the axis.
     const double tilt = shape.is_sphere() ? 1 : std::abs(end.outward.dot(shape.axis));
-    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(shape.radius_m / tilt + kSeam_m);
-    box.low_m = box.low_m.cwiseMin(end.point_world_m - reach);
-    box.high_m = box.high_m.cwiseMax(end.point_world_m + reach);
+    const Eigen::Vector3d extent = Eigen::Vector3d::Constant(shape.radius_m / tilt + kSeam_m);
+    box.low_m = box.low_m.cwiseMin(end.point_world_m - extent);
+    box.high_m = box.high_m.cwiseMax(end.point_world_m + extent);
   }
   return box;
 }

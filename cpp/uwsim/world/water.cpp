@@ -24,10 +24,10 @@ void Water::check() const {
   require_in(salinity_psu, 0, 45, "water.salinity_psu", "must be in [0, 45]");
   require(current_world_m_s.allFinite() && current_world_m_s.norm() <= 10, "water.current_world_m_s",
           current_world_m_s.transpose(), "must be at most 10 m/s");
-  double together_m_s = current_world_m_s.norm();
-  for (const auto& current : currents) together_m_s += current->bound_m_s();
-  require(together_m_s <= 10, "water.current", together_m_s,
-          "m/s where all currents run together, gusts at three standard deviations: must be at most 10 m/s");
+  double sum_m_s = current_world_m_s.norm();
+  for (const auto& current : currents) sum_m_s += current->bound_m_s();
+  require(sum_m_s <= 10, "water.current", sum_m_s,
+          "m/s, the sum of all currents' largest speeds (gusts: three standard deviations): must be at most 10 m/s");
 }
 
 double Water::pressure_pa(double z_world_m) const {

@@ -5,14 +5,14 @@
 
 #include "uwsim/core/water_field.h"
 #include "uwsim/world/current.h"
-#include "uwsim/world/profile.h"
+#include "uwsim/world/water_profile.h"
 #include "uwsim/world/waves.h"
 
 namespace uwsim {
 
-/// The water of a world. Without more it is still and even, with one steady current, and its temperature falls linearly
-/// from the surface to `bottom_depth_m` and is constant below; waves, currents and a profile may be added. Copies are
-/// cheap: these are shared and never change.
+/// The water of a world. By default it is calm, of uniform density, with one steady current, and its temperature
+/// changes linearly from the surface to `bottom_depth_m` and is constant below. Waves, currents and a profile may be
+/// added. Copies are cheap: they share these, which never change.
 class Water : public EvenWater {
  public:
   double atmospheric_pressure_pa = 101325;
@@ -20,7 +20,7 @@ class Water : public EvenWater {
   double bottom_temperature_deg_c = 6;
   double bottom_depth_m = 40;
   double salinity_psu = 0;
-  std::shared_ptr<const Waves> waves;           ///< null: still
+  std::shared_ptr<const Waves> waves;           ///< null: a flat surface
   std::shared_ptr<const WaterProfile> profile;  ///< null: density_kg_m3, salinity_psu and the temperatures above
   std::vector<std::shared_ptr<const Current>> currents;  ///< added to current_world_m_s
 
@@ -28,13 +28,13 @@ class Water : public EvenWater {
   void check() const;
 
   static double depth_m(double z_world_m) { return -z_world_m; }
-  /// Absolute pressure of the water at rest, p_atm + the integral of rho g; p_atm above the surface.
+  /// Absolute pressure of still water: p_atm + the integral of rho g; p_atm above the surface.
   double pressure_pa(double z_world_m) const;
-  /// The same under the waves of the moment.
+  /// Absolute pressure under the waves of the moment.
   double pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const;
   double temperature_deg_c(double z_world_m) const;
   double salinity_at_psu(double z_world_m) const;
-  /// Where the profile gives it; else 0, and it follows from temperature, salinity and depth.
+  /// The profile's sound speed; 0 where none is given: it then follows from temperature, salinity and depth.
   double given_sound_speed_m_s(double z_world_m) const;
 
   bool calm_and_even() const override { return !waves && (!profile || profile->even()); }

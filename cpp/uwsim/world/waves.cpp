@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFeltDepth = 25;  // in 1 / k: below it less than 2e-11 of a wave is left
+constexpr double kDepthOfMotion = 25;  // in units of 1 / k; deeper, less than 2e-11 of a wave's motion is left
 
 }  // namespace
 
@@ -20,7 +20,7 @@ double wave_number_rad_m(double omega, double depth_m, double gravity_m_s2) {
   if (!std::isfinite(depth_m)) return deep;
   double kh = deep * depth_m;
   kh = kh < 1 ? std::sqrt(kh) : kh;
-  for (int k = 0; k < 50; ++k) {  // Newton on kh tanh(kh) = omega^2 h / g: monotone and convex from here
+  for (int k = 0; k < 50; ++k) {  // Newton's method on kh tanh(kh) = omega^2 h / g, which is monotone and convex here
     const double t = std::tanh(kh);
     const double step = (kh * t - deep * depth_m) / (t + kh * (1 - t * t));
     kh -= step;
@@ -31,7 +31,7 @@ double wave_number_rad_m(double omega, double depth_m, double gravity_m_s2) {
 
 Waves::Waves(std::span<const WaveComponent> components, double depth_m, double gravity_m_s2)
     : depth_m_(depth_m), gravity_m_s2_(gravity_m_s2) {
-  require(!components.empty() && components.size() <= kMost, "water.surface.components", components.size(),
+  require(!components.empty() && components.size() <= kMaxComponents, "water.surface.components", components.size(),
           "must be 1 to 512 components");
   require(depth_m > 0.1, "water.surface.depth_m", depth_m, "must be more than 0.1 m");
   require(gravity_m_s2 > 0, "water.gravity_m_s2", gravity_m_s2, "must be positive where there are waves");
@@ -44,7 +44,7 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
             "must be finite");
     const double k = wave_number_rad_m(c.angular_frequency_rad_s, depth_m, gravity_m_s2);
     require(c.amplitude_m * k <= 0.45, "water.surface.amplitude_m", c.amplitude_m,
-            "m: steeper than a wave can be: amplitude times wave number must be at most 0.44");
+            "m: the wave would break: amplitude times wave number must be at most 0.44");
     require(c.amplitude_m < 0.5 * depth_m, "water.surface.amplitude_m", c.amplitude_m,
             "m: must be less than half the depth of the water");
     waves_.push_back({c.amplitude_m, c.angular_frequency_rad_s, k, k * std::cos(c.heading_rad),
@@ -56,7 +56,7 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
   }
   std::stable_sort(waves_.begin(), waves_.end(),
                    [](const Wave& a, const Wave& b) { return a.number_rad_m < b.number_rad_m; });
-  require(bound_m_ < depth_m, "water.surface", bound_m_, "m of waves' heights together: must be less than the depth");
+  require(bound_m_ < depth_m, "water.surface", bound_m_, "m, the sum of the amplitudes: must be less than the depth");
 }
 
 double Waves::significant_height_m() const {
@@ -73,16 +73,16 @@ std::vector<WaveComponent> Waves::components() const {
   return out;
 }
 
-std::size_t Waves::felt_at(double z_m) const {
-  const double cover_m = -z_m - 2 * bound_m_;
+std::size_t Waves::count_reaching(double z_m) const {
+  const double cover_m = -z_m - 2 * bound_m_;  // below the deepest trough, stretching included
   if (cover_m <= 0) return waves_.size();
-  const double limit = kFeltDepth / cover_m;
+  const double limit = kDepthOfMotion / cover_m;
   const auto end =
       std::partition_point(waves_.begin(), waves_.end(), [limit](const Wave& w) { return w.number_rad_m < limit; });
   return static_cast<std::size_t>(end - waves_.begin());
 }
 
-/// Fills the crests of the first `count` waves and returns their height together.
+/// Fills in the crests of the first `count` waves; returns the surface's height, which is the sum of their cosines.
 double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const {
   double height = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -94,26 +94,26 @@ double Waves::crests_at(double x, double y, double time_s, std::size_t count, Cr
   return height;
 }
 
-/// Wheeler: the height at which linear theory is asked, 0 at the surface and above.
+/// Wheeler's stretching: the z at which linear theory is evaluated; 0 at the surface and above it.
 double Waves::unstretched(double z_m, double height_m) const {
   const double z = std::min(z_m - height_m, 0.0);
   return std::isfinite(depth_m_) ? std::max(z * depth_m_ / (depth_m_ + height_m), -depth_m_) : z;
 }
 
 double Waves::height_at(double x, double y, double time_s) const {
-  std::array<Crest, kMost> crests;
+  std::array<Crest, kMaxComponents> crests;
   return crests_at(x, y, time_s, waves_.size(), crests.data());
 }
 
 SurfaceSpan Waves::span_at(double x, double y, double radius_m, double time_s) const {
-  const double height = height_at(x, y, time_s), reach = slope_ * radius_m;
-  return {std::max(-bound_m_, height - reach), std::min(bound_m_, height + reach)};
+  const double height = height_at(x, y, time_s), change = slope_ * radius_m;
+  return {std::max(-bound_m_, height - change), std::min(bound_m_, height + change)};
 }
 
 double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
-  const std::size_t count = felt_at(p.z());
+  const std::size_t count = count_reaching(p.z());
   if (count == 0) return -p.z();
-  std::array<Crest, kMost> crests;
+  std::array<Crest, kMaxComponents> crests;
   const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
   if (p.z() >= height) return height - p.z();
   const double z = unstretched(p.z(), height);
@@ -128,15 +128,15 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
 }
 
 void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
-  const std::size_t count = felt_at(p.z());
+  const std::size_t count = count_reaching(p.z());
   if (count == 0) return;
-  std::array<Crest, kMost> crests;
+  std::array<Crest, kMaxComponents> crests;
   const double z = unstretched(p.z(), crests_at(p.x(), p.y(), time_s, count, crests.data()));
   for (std::size_t k = 0; k < count; ++k) {
     const Wave& w = waves_[k];
     const double up = w.deep * std::exp(w.number_rad_m * z);
     const double down = w.deep < 1 ? w.deep * std::exp(-w.number_rad_m * (z + 2 * depth_m_)) : 0;
-    const double along = w.omega_rad_s * w.shallow * (up + down) / w.number_rad_m;  // along / k, towards the heading
+    const double along = w.omega_rad_s * w.shallow * (up + down) / w.number_rad_m;  // over k, along the heading
     const double rise = w.omega_rad_s * w.shallow * (up - down);
     const double c = crests[k].cosine, s = crests[k].sine;
     flow.velocity_m_s += Eigen::Vector3d(along * c * w.number_x_rad_m, along * c * w.number_y_rad_m, rise * s);
@@ -145,13 +145,14 @@ void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) c
   }
 }
 
-/// Each wave is eta exp(kappa . r) with kappa = (i k_x, i k_y, +-k): over a volume about c its pressure's gradient sums
-/// to kappa (V + kappa^T C kappa / 2), its moment to (C kappa) x kappa, C the second moment of the volume.
+/// Each wave is eta exp(kappa . r) with kappa = (i k_x, i k_y, +-k). Integrated over a volume about its centroid, to
+/// second order, the gradient of its pressure is kappa (V + kappa^T C kappa / 2) and its moment (C kappa) x kappa,
+/// where C is the second moment of the volume.
 WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Matrix3d& second, double time_s) const {
   WaveLoad sum;
-  const std::size_t count = felt_at(c.z());
+  const std::size_t count = count_reaching(c.z());
   if (count == 0) return sum;
-  std::array<Crest, kMost> crests;
+  std::array<Crest, kMaxComponents> crests;
   const double z = unstretched(c.z(), crests_at(c.x(), c.y(), time_s, count, crests.data()));
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d h = second.col(2);

@@ -10,84 +10,90 @@
 
 namespace uwsim {
 
-/// One linear wave: height a cos(k (x . direction) - omega t + phase).
+/// One linear wave: the surface is a cos(k (x . direction) - omega t + phase) high.
 struct WaveComponent {
   double amplitude_m = 0;
   double angular_frequency_rad_s = 1;
-  double heading_rad = 0;  ///< towards which it runs, from east, counter-clockwise
+  double heading_rad = 0;  ///< the direction it runs towards, counter-clockwise from east
   double phase_rad = 0;
 };
 
-/// A sea by its spectrum (Hasselmann et al. 1973, "JONSWAP"): S(omega) as omega^-5 exp(-1.25 (omega_p / omega)^4)
-/// gamma^b, b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)), sigma 0.07 below the peak and 0.09 above, scaled so that
-/// the components together have the significant height exactly (4 sqrt(m0)). Spreading cos^n about the heading
-/// (DNV-RP-C205, 3.5.8), 0 for long-crested.
+/// A sea given by its spectrum (Hasselmann et al. 1973, "JONSWAP"): S(omega) is proportional to
+///
+///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b,   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
+///
+/// sigma 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the significant
+/// height (4 sqrt(m0)). Directions spread about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
 struct JonswapSea {
   double significant_height_m = 0.5;
   double peak_period_s = 4;
-  double peak_enhancement = 3.3;  ///< gamma, JONSWAP's mean
+  double peak_enhancement = 3.3;  ///< gamma; the default is JONSWAP's mean
   double heading_rad = 0;
   double spreading_exponent = 0;
   int component_count = 64;
   std::uint64_t seed = 0;
 };
 
-/// omega^2 = g k tanh(k h), solved for k [rad/m]. `depth_m` may be infinite.
+/// The solution k of omega^2 = g k tanh(k h) [rad/m]. `depth_m` may be infinite.
 double wave_number_rad_m(double angular_frequency_rad_s, double depth_m, double gravity_m_s2);
 
-/// Linear (Airy) waves on water of constant depth, summed (Dean and Dalrymple 1991, ch. 3 and 4). Near the surface by
-/// Wheeler's stretching (1970): what linear theory says of z in [-h, 0] is taken at z = (z' - eta) h / (h + eta), so
-/// that pressure is the atmosphere's at the wave's own surface. Valid for small steepness: the slopes' sum bounds it,
-/// and waves steeper than 0.142 wave lengths (k a = 0.44) would break. Above the bed at z = -depth_m only.
+/// A sum of linear (Airy) waves on water of constant depth (Dean and Dalrymple 1991, ch. 3 and 4), with Wheeler's
+/// stretching (1970) near the surface: linear theory holds for z in [-h, 0] and is evaluated at
+/// z = (z' - eta) h / (h + eta) for a point at z', so that the pressure at the wave's own surface is that of the
+/// atmosphere. Valid for small steepness, which the sum of the slopes bounds: a wave higher than 0.142 wave lengths
+/// (k a = 0.44) would break. Valid above the bed at z = -depth_m only.
 class Waves {
  public:
-  static constexpr std::size_t kMost = 512;  ///< components
+  static constexpr std::size_t kMaxComponents = 512;
 
-  /// Throws InvalidValue, naming water.surface.
+  /// Throws InvalidValue that names water.surface.
   Waves(std::span<const WaveComponent> components, double depth_m, double gravity_m_s2 = 9.80665);
   static Waves jonswap(const JonswapSea& sea, double depth_m, double gravity_m_s2 = 9.80665);
 
+  /// Sum of the amplitudes: no crest is higher, no trough deeper.
   double bound_m() const { return bound_m_; }
   double depth_m() const { return depth_m_; }
-  /// 4 sqrt(m0) of its components [m].
+  /// 4 sqrt(m0) of the components [m].
   double significant_height_m() const;
   std::vector<WaveComponent> components() const;
 
   double height_at(double x_world_m, double y_world_m, double time_s) const;
   SurfaceSpan span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const;
-  /// eta K(z) - z, K the decay of pressure with depth; above the surface eta - z.
+  /// Pressure head (WaterField::pressure_heads): eta K(z) - z, K the decay of the waves' pressure with depth; above the
+  /// surface eta - z.
   double head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  /// Of many points together: where they are close together against the waves' lengths, by one polynomial for all,
-  /// within 5e-4 of the amplitudes' sum.
+  /// Pressure heads of many points. Where these are close together compared with the wave lengths, one polynomial
+  /// serves all of them, within 5e-4 of the sum of the amplitudes.
   void heads(std::span<const Eigen::Vector3d> points_world_m, double time_s, std::span<double> heads_m) const;
-  /// Adds the orbits' velocity and local acceleration.
+  /// Adds velocity and local acceleration of the orbital motion.
   void add_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow) const;
+  /// See WaterField::wave_load.
   WaveLoad load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
                 double time_s) const;
 
  private:
   struct Wave {
     double amplitude_m, omega_rad_s, number_rad_m, number_x_rad_m, number_y_rad_m, phase_rad;
-    double deep;     // 1 / (1 + exp(-2 k h)): the share of the upper exponential of cosh(k (z + h)) / cosh(k h)
-    double shallow;  // 1 / tanh(k h): of velocity over pressure
+    double deep;     // 1 / (1 + exp(-2 k h)): weight of exp(k z) in cosh(k (z + h)) / cosh(k h); 1 in deep water
+    double shallow;  // 1 / tanh(k h): velocity relative to pressure; 1 in deep water
   };
   struct Crest {
-    double cosine, sine;  // of the phase, times the amplitude
+    double cosine, sine;  // amplitude times cosine and sine of the phase
   };
-  /// Number of waves, long ones first, that are felt at a depth of `z_m` below the troughs.
-  std::size_t felt_at(double z_m) const;
+  /// Number of waves, the longest first, whose motion reaches down to `z_m`.
+  std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
   double unstretched(double z_m, double height_m) const;
-  int patch_order(double radius_m) const;
+  int polynomial_order(double radius_m) const;
   template <int kOrder>
-  void patch_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double time_s,
-                   std::span<double> heads_m) const;
+  void polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double time_s,
+                        std::span<double> heads_m) const;
 
   std::vector<Wave> waves_;  // longest first
   double depth_m_;
   double gravity_m_s2_;
   double bound_m_ = 0;
-  double slope_ = 0;
+  double slope_ = 0;                  // upper bound of the surface's slope: sum of a k
   std::array<double, 11> moments_{};  // sum of a k^n, n = 0 .. 10
 };
 

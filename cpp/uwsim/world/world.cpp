@@ -28,11 +28,11 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
 }
 
 const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
-  constexpr double kOnce = 1 - 1e-6;  // an open mesh goes round nothing wholly
+  constexpr double kEnclosed = 1 - 1e-6;  // the winding number is 1 within rounding; less for an open mesh
   for (const auto& solid : solids_) {
     const bool in_box = (point_world_m.array() >= solid->low_world_m.array()).all() &&
                         (point_world_m.array() <= solid->high_world_m.array()).all();
-    if (in_box && std::abs(winding_number(solid->mesh_world, point_world_m)) > kOnce) return solid.get();
+    if (in_box && std::abs(winding_number(solid->mesh_world, point_world_m)) > kEnclosed) return solid.get();
   }
   return nullptr;
 }

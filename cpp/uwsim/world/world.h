@@ -12,22 +12,22 @@
 
 namespace uwsim {
 
-/// What a ray met or a vehicle touched: 0 nothing, 1 the terrain, 2.. the solids in the order they were added.
+/// Tells surfaces apart: 0 nothing, 1 the terrain, 2 and up the solids in the order in which they were added.
 using Label = std::uint16_t;
 inline constexpr Label kNothing = 0;
 inline constexpr Label kTerrain = 1;
 
-/// A fixed thing in the world: its mesh in world coordinates. Rays meet `shapes` where there are any, and the mesh
-/// otherwise; contacts and the true surface are the mesh's, which follows the shapes as closely as its maker says.
+/// A fixed solid. Rays meet its `shapes` if it has any, and its mesh otherwise. Contacts and the true surface of scores
+/// are those of the mesh, which approximates the shapes as closely as its maker chose.
 struct Solid {
   std::string name;
   TriangleMesh mesh_world;
   std::vector<RoundShape> shapes;
-  Eigen::Vector3d low_world_m, high_world_m;  ///< the box round it
+  Eigen::Vector3d low_world_m, high_world_m;  ///< corners of its bounding box
 };
 
-/// The one world that feeds physics and rays: what the sonar sees is what the vehicle hits.
-/// Copies are cheap; terrain and solids are shared and never change.
+/// The world that dynamics and rays share: the sonar sees what the vehicle hits. Copies are cheap: they share terrain
+/// and solids, which never change.
 class World {
  public:
   Water water;
@@ -38,7 +38,7 @@ class World {
 
   const std::shared_ptr<const Heightfield>& terrain() const { return terrain_; }
   const std::vector<std::shared_ptr<const Solid>>& solids() const { return solids_; }
-  /// The first closed solid that the point is inside of, or null. Open meshes have no inside.
+  /// The first closed solid that encloses the point, or null. An open mesh encloses nothing.
   const Solid* solid_around(const Eigen::Vector3d& point_world_m) const;
   /// Names by label: "nothing", "terrain", then the solids'.
   std::vector<std::string> label_names() const;

@@ -1,4 +1,4 @@
-"""Heading, height, velocity and level hold by efforts: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
+"""An autopilot for heading, height, velocity and level: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from uwsim.control.protocols import SteeredVehicle
 
 Vector = NDArray[np.float64]
-STEADY_RATE_LOOP = 0.4
+STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `_steady`
 
 
 @dataclass(frozen=True)
 class Gains:
-    """Share of full effort for each unit of error. The defaults suit vehicles that reach about 1 m/s and 0.5 rad/s."""
+    """Share of full effort for each unit of error. The defaults suit vehicles that reach some 1 m/s and 0.5 rad/s."""
 
     speed: float = 1.5  # per m/s
     speed_integral: float = 0.6  # per m
@@ -31,21 +31,21 @@ class Gains:
 
 
 class Autopilot:
-    """Turns wanted heading, horizontal velocity and height into efforts, and keeps the vehicle level.
+    """Turns a commanded heading, horizontal velocity and height into efforts, and keeps the vehicle level.
 
-    Call steer once a control period.
+    Call `steer` once in each control period.
     """
 
     def __init__(self, vehicle: SteeredVehicle, period_s: float = 0.1, gains: Gains | None = None) -> None:
         self.vehicle = vehicle
         self.period_s = period_s
         self.gains = gains or _steady(Gains(), getattr(vehicle, "authority", None), period_s)
-        self._surge_sum = self._sway_sum = self._height_sum = 0.0
+        self._surge_integral = self._sway_integral = self._height_integral = 0.0
 
     def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Vector, z_world_m: float) -> None:
-        """One control period towards a heading, a horizontal velocity (2,) and a height (z, negative under water)."""
+        """Set the efforts of one control period for a heading, a horizontal velocity (2,) and a height z."""
         gains, pose, velocity = self.gains, self.vehicle.pose, self.vehicle.velocity
-        # Plain numbers: arrays of three cost a control loop many times their arithmetic.
+        # Plain numbers: for arrays of three, NumPy's overhead is many times their arithmetic.
         surge_m_s, sway_m_s, heave_m_s = velocity.linear_body_m_s.tolist()
         roll_rad_s, pitch_rad_s, yaw_rad_s = velocity.angular_body_rad_s.tolist()
         up_x, up_y, up_z = pose.world_from_body[2, :3].tolist()
@@ -55,40 +55,40 @@ class Autopilot:
 
         surge_error = cos * east_m_s + sin * north_m_s - surge_m_s
         sway_error = cos * north_m_s - sin * east_m_s - sway_m_s
-        surge = gains.speed * surge_error + self._surge_sum
-        sway = gains.speed * sway_error + self._sway_sum
+        surge = gains.speed * surge_error + self._surge_integral
+        sway = gains.speed * sway_error + self._sway_integral
         share = gains.speed_integral * self.period_s
-        self._surge_sum = _clip(self._surge_sum + share * surge_error, 1.0)
-        self._sway_sum = _clip(self._sway_sum + share * sway_error, 1.0)
+        self._surge_integral = _clip(self._surge_integral + share * surge_error, 1.0)
+        self._sway_integral = _clip(self._sway_integral + share * sway_error, 1.0)
 
         yaw = gains.heading * wrap_angle(heading_rad - yaw_rad) - gains.heading_rate * yaw_rad_s
 
         height_error = float(z_world_m - pose.position_world_m[2])
         climb_m_s = up_x * surge_m_s + up_y * sway_m_s + up_z * heave_m_s
-        heave = gains.height * height_error - gains.height_rate * climb_m_s + self._height_sum
+        heave = gains.height * height_error - gains.height_rate * climb_m_s + self._height_integral
         step = gains.height_integral * self.period_s * _clip(height_error, 1.0)
-        self._height_sum = _clip(self._height_sum + step, 0.5)
+        self._height_integral = _clip(self._height_integral + step, 0.5)
 
-        # A slender vehicle's own flow noses it over (Munk's moment): turn the body's z back to the world's.
+        # The Munk moment noses a slender vehicle over: turn the body's z back to the world's.
         roll = -gains.level * up_y - gains.level_rate * roll_rad_s
         pitch = gains.level * up_x - gains.level_rate * pitch_rad_s
 
         self.vehicle.set_effort(*(_clip(effort, 1.0) for effort in (surge, sway, heave, roll, pitch, yaw)))
 
     @property
-    def sums(self) -> tuple[float, float, float]:
-        """What the integrals of surge, sway and height hold, in effort: all that one period leaves to the next."""
-        return self._surge_sum, self._sway_sum, self._height_sum
+    def integrals(self) -> tuple[float, float, float]:
+        """The integrals of surge, sway and height, in effort: the only state that one period leaves to the next."""
+        return self._surge_integral, self._sway_integral, self._height_integral
 
-    @sums.setter
-    def sums(self, sums: tuple[float, float, float]) -> None:
-        self._surge_sum, self._sway_sum, self._height_sum = sums
+    @integrals.setter
+    def integrals(self, integrals: tuple[float, float, float]) -> None:
+        self._surge_integral, self._sway_integral, self._height_integral = integrals
 
 
 def _steady(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
-    """Gains lowered where the vehicle turns too briskly for a loop of this period; authority: see uwsim's Vehicle.
+    """Lower the gains if the vehicle turns too fast for a loop of this period; authority: see uwsim.vehicle.Vehicle.
 
-    A rate loop sampled at T is steady while rate gain x authority x T < 2; without overshoot well below 1.
+    A rate loop sampled at T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.
     """
     if authority is None:
         return gains
@@ -108,7 +108,7 @@ def _steady(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
 
 
 def wrap_angle(angle_rad: float) -> float:
-    """The same angle in [-pi, pi)."""
+    """Return the same angle in [-pi, pi)."""
     return float((angle_rad + math.pi) % (2 * math.pi) - math.pi)
 
 

@@ -1,4 +1,4 @@
-"""What a mission needs of a vehicle and a clock. uwsim.Simulator and its vehicles fit; so may a remote vehicle."""
+"""The interfaces of vehicle and clock that missions use; uwsim.Simulator has them, and a remote vehicle may."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class Clock(Protocol):
 
     @property
     def time_s(self) -> float:
-        """Seconds since some start."""
+        """Seconds since any fixed time."""
 
     def wait(self, duration_s: float) -> None:
-        """Return when duration_s seconds have passed."""
+        """Return after duration_s seconds."""
 
 
 class PoseLike(Protocol):
@@ -54,21 +54,21 @@ class SonarLike(Protocol):
     """A head that tilts and pings."""
 
     def aim(self, elevation_rad: float) -> None:
-        """Positive is up."""
+        """Turn the head to an elevation; positive is up."""
 
     def ping(self) -> PingLike:
-        """One ping from here and now."""
+        """Ping from the present pose."""
 
 
 class SensorLike(Protocol):
     """A sensor whose reading is a number."""
 
     def read(self) -> Any:
-        """In the sensor's SI unit."""
+        """Return the reading in the sensor's SI unit."""
 
 
 class PanelLike(Protocol):
-    """What a mission looks at on the vehicle's panel."""
+    """The part of the vehicle's panel that missions use."""
 
     @property
     def battery_percent(self) -> float: ...
@@ -90,11 +90,11 @@ class SteeredVehicle(Protocol):
         pitch: float = 0.0,
         yaw: float = 0.0,
     ) -> None:
-        """In [-1, 1], held until the next call."""
+        """Command efforts in [-1, 1], held until the next call."""
 
 
 class SurveyVehicle(SteeredVehicle, Protocol):
-    """A vehicle that can be sent to survey."""
+    """A vehicle that can fly a survey."""
 
     @property
     def sonar(self) -> SonarLike: ...
@@ -106,4 +106,4 @@ class SurveyVehicle(SteeredVehicle, Protocol):
         """Leave the station."""
 
     def telemetry(self) -> PanelLike:
-        """The vehicle's panel."""
+        """Read the vehicle's panel."""

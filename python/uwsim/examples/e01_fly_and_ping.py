@@ -1,4 +1,4 @@
-"""Leave the dock, dive, look at the panel and ping."""
+"""Leave the dock, dive, read the panel and ping."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ import uwsim
 
 
 def main() -> None:
-    """Fly for half a minute and print what the vehicle sees."""
+    """Fly for half a minute and print what the sonar sees."""
     with uwsim.Simulator("lake", seed=7) as sim:
         rov = sim.rov
         rov.release()
@@ -17,7 +17,7 @@ def main() -> None:
             print(f"{sim.time_s:4.0f} s: {panel.depth_m:5.2f} m deep, {panel.speed_m_s:.2f} m/s, {efforts}")
 
         rov.sonar.aim(elevation_rad=-0.7)
-        sim.advance(3.0)  # the head turns by 5 degrees a second
+        sim.advance(3.0)  # the head turns at 5 degrees per second
         ping = rov.sonar.ping()
         names = [sim.world.label_names[label] for label in np.unique(ping.labels[ping.valid])]
         print(f"{ping.valid.sum()} of {len(ping.ranges_m)} beams came back, from: {', '.join(names)}")

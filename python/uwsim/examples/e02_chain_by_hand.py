@@ -1,4 +1,4 @@
-"""The chain from one ping to an OctoMap, a link a line: string, floats, LaserScan, cloud, world, map."""
+"""The chain from pings to an OctoMap, one link on each line: text, ranges, LaserScan, cloud, world, map."""
 
 import tempfile
 from pathlib import Path
@@ -9,7 +9,7 @@ from uwsim.mapping import OccupancyMap
 
 
 def main() -> None:
-    """Ping in the pool from eight headings and write the map."""
+    """Ping in the pool at eight headings and write the map."""
     sim = uwsim.Simulator("pool", sonar_model=2)
     rov = sim.rov
     rov.release()

@@ -1,4 +1,4 @@
-"""A mission of one's own: circle a point, looking at it, on the vehicle's public names and a clock."""
+"""A mission of your own: circle a point while facing it, using only a vehicle's public names and a clock."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from uwsim.control import Autopilot, Clock, SteeredVehicle
 
 
 def circle(vehicle: SteeredVehicle, clock: Clock, centre_m: np.ndarray, radius_m: float, z_m: float) -> None:
-    """Once round `centre_m` (2,) at 0.5 m/s, nose inwards, at height z_m."""
+    """Fly once round `centre_m` (2,) at 0.5 m/s, nose inwards, at height z_m."""
     autopilot = Autopilot(vehicle)
     for angle in np.arange(0.0, 2 * np.pi, 0.5 * autopilot.period_s / radius_m):
         out = np.array([np.cos(angle), np.sin(angle)])
@@ -23,9 +23,8 @@ def main() -> None:
     sim.rov.release()
     sim.rov.place([7.0, 0.0, -3.5], [0.0, 0.0, 1.0, 0.0])
     circle(sim.rov, sim, np.array([3.0, 0.0]), radius_m=4.0, z_m=-3.5)
-    print(
-        f"round in {sim.time_s:.0f} s, {sim.rov.collisions} collisions, now at {sim.rov.pose.position_world_m.round(2)}"
-    )
+    position_m = sim.rov.pose.position_world_m.round(2)
+    print(f"once round in {sim.time_s:.0f} s, {sim.rov.collisions} collisions, now at {position_m}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Switch the front lamps on, take pictures ahead and down, and measure the height above the bed in them."""
+"""Switch on the front lamps, take pictures ahead and down, and measure the height above the bed."""
 
 import tempfile
 from pathlib import Path
@@ -9,7 +9,7 @@ import uwsim
 
 
 def main() -> None:
-    """Look at the pool's box in the evening."""
+    """Look at the box in the pool in the evening."""
     sim = uwsim.Simulator("pool", seed=3)
     rov = sim.rov
     rov.place((0.0, 0.0, -3.0))

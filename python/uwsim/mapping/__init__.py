@@ -1,4 +1,4 @@
-"""Occupancy maps: OctoMap's octree to the bit, its probabilities and its files.
+"""Occupancy maps: OctoMap's octree bit for bit, its probabilities and its files.
 
 world = OccupancyMap(resolution_m=0.2)
 world.insert_scan(points_world_m, origin_world_m, max_range_m=55.0)
@@ -15,7 +15,8 @@ from uwsim.mapping.occupancy_map import (
     OccupancyMap,
     OnOutside,
 )
-from uwsim.mapping.results import Cubes, MapChanges, MapStatistics, OccupancyModel, RayCasts
+from uwsim.mapping.occupancy_model import OccupancyModel
+from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, RayCasts
 
 __all__ = [
     "ENGINES",

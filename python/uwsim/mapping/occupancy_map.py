@@ -1,4 +1,4 @@
-"""The map itself: the face of `_core.OccupancyMap`."""
+"""OccupancyMap, the probabilistic voxel map: the Python interface of `_core.OccupancyMap`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
-from uwsim.mapping.results import Cubes, MapChanges, MapStatistics, OccupancyModel, RayCasts, probability
+from uwsim.mapping.occupancy_model import OccupancyModel, probability
+from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, RayCasts
 
 MapFormat = Literal["bt", "ot"]
 MapEngine = Literal["bricks", "octomap"]
@@ -32,26 +33,27 @@ class OccupancyMap:
     """A probabilistic voxel map: OctoMap's octree with OctoMap's sensor model.
 
     resolution_m: edge of a voxel. OctoMap's cube reaches 2**15 voxels from its origin along each axis (+-6.5 km at
-    0.2 m); origin_world_m (3,) moves it to where the survey is. Files hold world minus origin, so whoever moves the
-    origin passes it to `read` again.
+    0.2 m); origin_world_m (3,) moves it to where the survey is. Files hold world minus origin, so pass the same origin
+    to `read` again.
 
     engine: "octomap" is the system's octomap::OcTree and its insertPointCloud, the reference; "bricks" is ours, much
-    faster and smaller. After the same scans both give the same bytes, .bt and .ot, and either's .bt is written by an
-    octomap::OcTree (with a memory_limit_mb, or from 30 million nodes on, by us, as its tree would take gigabytes; the
-    same bytes).
-    hit, miss: probabilities of a voxel that holds a point, in [0.5, 1), and of one that a ray goes through, in
-    (0, 0.5]. clamping: the limits of what scans may make of a voxel. The defaults are OctoMap's.
-    instruction_set: of the bricks' inner loops, for tests and benchmarks; the bytes do not depend on it.
-    on_outside: whether scans with points outside the cube "raise" ValueError and are not inserted, or lose those points
-    (all, if the origin is outside), which statistics() "count"s.
-    memory_limit_mb: what the bricks may take of memory, near enough: a batch of scans comes on top, and what is kept
-    for changed_voxels. The parts of the map that were not used for longest go to a file without a name in spill_dir (by
-    default the system's folder for temporary files, which must not itself be in memory), gone with the process however
-    it ends, and come back when they are used. The bytes do not depend on it. Inserting raises OSError, having inserted
-    nothing, while that file cannot be written; the map is whole.
-    What maps that are gone leave of their memory is kept for the next ones, 64 MB of voxels at most and rays' tables.
+    faster and smaller. After the same scans both give the same bytes, .bt and .ot. Either's .bt is written by an
+    octomap::OcTree (with a memory_limit_mb, or from 30 million nodes on, by our own writer, since OctoMap's tree would
+    take gigabytes; the bytes are the same).
+    hit: probability that a voxel that holds a point is occupied, in [0.5, 1). miss: the same for a voxel that a ray
+    passes through, in (0, 0.5]. clamping: the limits of the probability that scans may give a voxel. The defaults are
+    OctoMap's.
+    instruction_set: for the bricks' kernels, to be set by tests and benchmarks; the bytes do not depend on it.
+    on_outside: "raise" refuses a scan with points outside the cube, with ValueError and nothing inserted; "count"
+    discards those points (all points, if the origin is outside) and counts them in statistics().
+    memory_limit_mb: approximate limit of the bricks' memory; one batch of scans and the states kept for changed_voxels
+    come on top. The least recently used parts of the map are moved to an unnamed file in spill_dir (default: the
+    system's folder for temporary files; it must not itself be in memory) and come back when they are used. The file
+    disappears with the process however it ends. The bytes of the map do not depend on the limit. While that file cannot
+    be written, inserting raises OSError with nothing inserted, and the map stays intact.
+    The memory of deleted maps is kept for new ones: at most 64 MB of voxels, and the tables of rays.
 
-    The bytes of a map depend on the scans and their order alone. Calls release the GIL and wait for each other.
+    The bytes of a map depend only on the scans and their order. Calls release the GIL and wait for each other.
     """
 
     def __init__(
@@ -86,11 +88,11 @@ class OccupancyMap:
         memory_limit_mb: float | None = None,
         spill_dir: str | os.PathLike[str] | None = None,
     ) -> Self:
-        """Read a .bt or .ot file, told apart by its first line, not by its name.
+        """Read a .bt or .ot file; the format is recognised by the first line, not by the name.
 
-        Raises OSError if the file cannot be read, ValueError if it is no sound map, or one that may need more than half
-        of this machine's memory and has no memory_limit_mb. A .bt knows occupied and free, no degrees: its voxels come
-        back at the limits of certainty.
+        Raises OSError if the file cannot be read; ValueError if it is not a valid map, or without a memory_limit_mb
+        one that may need more than half of this machine's memory. A .bt holds only occupied or free: its voxels come
+        back at the clamping limits.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
@@ -105,21 +107,22 @@ class OccupancyMap:
 
     @property
     def origin_world_m(self) -> NDArray[np.float64]:
-        """Where the tree's zero lies, (3,) float64."""
+        """The world coordinates of the tree's zero, (3,) float64."""
         return self._map.origin_world_m
 
     @property
     def engine(self) -> MapEngine:
-        """What the map is made of."""
+        """The engine that holds the map: "bricks" or "octomap"."""
         return "octomap" if self._map.engine == _core.MapEngine.OCTOMAP else "bricks"
 
     def insert_scan(self, points_world_m: ArrayLike, origin_world_m: ArrayLike, max_range_m: float = math.inf) -> None:
-        """Add one ping: voxels from the origin to each point are seen free once, those that hold a point occupied once.
+        """Insert one ping: voxels between the origin and a point are updated as free, those that hold one as occupied.
 
-        points_world_m: (n, 3) float32; NaN and inf are no echo and are skipped. origin_world_m: (3,), where the ping
-        was sent from. Of points farther than max_range_m only the free part of the way counts; the ways and points are
-        float32, so leave it a centimetre more than the longest range that may arrive.
-        Raises ValueError, inserting nothing, if the origin is not finite, or it or a point lies outside the cube.
+        Each voxel is updated once; occupied wins. points_world_m: (n, 3) float32; non-finite points mean no echo and
+        are skipped. origin_world_m: (3,), where the ping was sent from. A point farther than max_range_m only frees
+        voxels up to that range; rays and points are float32, so make it a centimetre longer than the longest range
+        that may arrive.
+        Raises ValueError, with nothing inserted, if the origin is not finite, or it or a point lies outside the cube.
         """
         self._map.insert_scan(points_world_m, origin_world_m, max_range_m)
 
@@ -131,61 +134,61 @@ class OccupancyMap:
         max_range_m: float = math.inf,
         threads: int = 1,
     ) -> None:
-        """Add many pings in their order, which is faster than one by one and gives the same map.
+        """Insert many pings in order: faster than one by one, and gives the same map.
 
-        points_world_m: (n, 3) float32, the points of all pings one after the other, not copied. counts: (m,), how many
-        of them each ping has; they add up to n. origins_world_m: (m, 3). threads: of the bricks; the map does not
+        points_world_m: (n, 3) float32, the points of all pings one after the other, not copied. counts: (m,), number of
+        points of each ping; they add up to n. origins_world_m: (m, 3). threads: used by the bricks; the map does not
         depend on it.
-        Raises ValueError as insert_scan does, inserting none of them.
+        Raises ValueError as insert_scan does, with none of the pings inserted.
         """
         self._map.insert_scans(points_world_m, counts, origins_world_m, max_range_m, threads)
 
     def occupied_voxels(self) -> NDArray[np.float64]:
-        """Centres of the occupied voxels, (n, 3) float64, world, at the finest level, in Morton order.
+        """Return the centres of the occupied voxels, (n, 3) float64, world, at the finest level, in Morton order.
 
-        Raises ValueError past 100 million of them.
+        Raises ValueError for more than 100 million.
         """
         return self._map.occupied_voxels()
 
     def free_voxels(self) -> NDArray[np.float64]:
-        """Centres of the voxels seen free, (n, 3) float64, world, at the finest level, in Morton order.
+        """Return the centres of the free voxels, (n, 3) float64, world, at the finest level, in Morton order.
 
-        Raises ValueError past 100 million of them.
+        Raises ValueError for more than 100 million.
         """
         return self._map.free_voxels()
 
     def statistics(self) -> MapStatistics:
-        """Voxels, nodes and memory. It goes through the whole map."""
+        """Return the numbers of voxels and nodes, and the memory. Visits the whole map."""
         return MapStatistics(*self._map.statistics())
 
     def state_at(self, points_world_m: ArrayLike) -> NDArray[np.int8]:
-        """State of the voxels that hold points_world_m, (n, 3): 1 occupied, 0 free, -1 unknown or outside the cube."""
+        """Return the states (n,) of the voxels at points_world_m (n, 3): 1 occupied, 0 free, -1 unknown or outside."""
         return self._map.state_at(points_world_m)
 
     def log_odds_at(self, points_world_m: ArrayLike) -> NDArray[np.float32]:
-        """Log-odds, (n,) float32, that the voxels of points_world_m, (n, 3), are occupied; NaN where unknown."""
+        """Return the log-odds (n,) float32 of the voxels at points_world_m (n, 3); NaN where unknown."""
         return self._map.log_odds_at(points_world_m)
 
     def probability_at(self, points_world_m: ArrayLike) -> NDArray[np.float64]:
-        """Probability, (n,) float64, that the voxels of points_world_m, (n, 3), are occupied; NaN where unknown."""
+        """Return the probabilities (n,) float64 of the voxels at points_world_m (n, 3); NaN where unknown."""
         return probability(self.log_odds_at(points_world_m))
 
     def leaves(self) -> Cubes:
-        """The leaves of OctoMap's pruned tree: cubes of voxels that are equal, as large as they can be."""
+        """Return the leaves of OctoMap's pruned tree: cubes of equal voxels, as large as possible."""
         return Cubes(*self._map.leaves())
 
     def cells(self, depth: int) -> Cubes:
-        """Cubes at a depth of the tree, 1 to 16 (the finest), of which something is known.
+        """Return the cubes at a depth of the tree, 1 to 16 (the finest), that hold known voxels.
 
-        Their log-odds are the greatest of the voxels in them, as in OctoMap's inner nodes: a cube counts as occupied if
-        any part of it is. Raises ValueError past 100 million.
+        Their log-odds are the maximum over their voxels, as in OctoMap's inner nodes: a cube is occupied if any part of
+        it is. Raises ValueError for more than 100 million.
         """
         return Cubes(*self._map.cells(depth))
 
     def voxels_in(self, low_world_m: ArrayLike, high_world_m: ArrayLike) -> Cubes:
-        """The known voxels of the finest level whose centres lie in a box, corners (3,), its faces included.
+        """Return the known voxels of the finest level whose centres lie in a box, corners (3,), faces included.
 
-        Raises ValueError past 100 million.
+        Raises ValueError for more than 100 million.
         """
         return Cubes(*self._map.voxels_in(low_world_m, high_world_m))
 
@@ -196,29 +199,30 @@ class OccupancyMap:
         max_range_m: float = math.inf,
         ignore_unknown: bool = False,
     ) -> RayCasts:
-        """Follow rays to the first occupied voxel, the same as octomap::OcTree::castRay, in float32.
+        """Cast rays to the first occupied voxel, exactly as octomap::OcTree::castRay does, in float32.
 
-        origins_world_m, directions_world: (n, 3), of any length but zero. max_range_m: to a voxel's centre. With
-        ignore_unknown rays go on through the unknown. An origin in an occupied voxel ends there. Raises ValueError on
-        an origin outside the cube.
+        origins_world_m, directions_world: (n, 3); directions of any length but zero. max_range_m: to a voxel's centre.
+        ignore_unknown: rays pass through unknown voxels. A ray from inside an occupied voxel ends there. Raises
+        ValueError for an origin outside the cube.
         """
         return RayCasts(*self._map.cast_rays(origins_world_m, directions_world, ignore_unknown, max_range_m))
 
     def changed_voxels(self) -> MapChanges:
-        """The voxels whose state, unknown, free or occupied, is another than at the last call: for a live view.
+        """Return the voxels whose state (unknown, free, occupied) differs from that at the last call: for a live view.
 
-        The first call gives all that are known. A voxel that changed and changed back is not given, nor one whose
-        probability alone changed. From the first call on the map keeps a copy of the states, two bits a voxel where
-        they are mixed. Raises ValueError past 100 million; the next call then gives them.
+        The first call returns all known voxels. A voxel that changed and changed back is not returned, nor one whose
+        probability alone changed. From the first call on the map keeps a copy of the states, two bits per voxel where
+        they are mixed. Raises ValueError for more than 100 million; the next call then returns them.
         """
         return MapChanges(*self._map.changed_voxels())
 
     def merge(self, other: OccupancyMap) -> None:
         """Add another map's log-odds, voxel by voxel; the sum is clamped to this map's limits.
 
-        What is unknown to one takes the other's value. The other must be of this resolution and about this origin or
-        one a whole number of voxels away. Raises ValueError, having changed nothing, if it is not, is this very map or
-        reaches outside this map's cube; OSError if what must leave memory cannot; TypeError if it is no OccupancyMap.
+        A voxel that is unknown to one map takes the other's value. The other map must have the same resolution, and the
+        same origin or one a whole number of voxels away. Raises ValueError, with nothing changed, if it has not, if it
+        is this very map or reaches outside this map's cube; OSError if voxels cannot be moved to disk; TypeError if it
+        is not an OccupancyMap.
         """
         if not isinstance(other, OccupancyMap):
             raise TypeError(f"other = {other!r}: must be an OccupancyMap")
@@ -226,7 +230,7 @@ class OccupancyMap:
 
     @property
     def model(self) -> OccupancyModel:
-        """Probabilities and limits for the scans to come: voxels stay as they are until a scan changes them."""
+        """The sensor model for later scans; present voxels keep their values until a scan changes them."""
         hit, miss, lowest, highest = self._map.model()
         return OccupancyModel(hit, miss, (lowest, highest))
 
@@ -235,14 +239,14 @@ class OccupancyMap:
         self._map.set_model(model.hit, model.miss, *model.clamping)
 
     def to_bytes(self, map_format: MapFormat) -> bytes:
-        """Return what `write` would put into a file of that suffix."""
+        """Return the bytes that `write` would put into a file of that suffix."""
         return self._map.to_bytes(map_format)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a .bt (maximum likelihood, small) or an .ot (with all probabilities), by the path's suffix.
+        """Write a .bt (occupied or free only, small) or an .ot (all probabilities), by the path's suffix.
 
-        The map stays as it is, so that this may be done in the middle of a survey. The file is replaced whole or not
-        at all: on OSError an older one is still there. Raises ValueError on another suffix.
+        The map does not change, so it may be written in the middle of a survey. The file is replaced atomically: after
+        an OSError the old one is still there. Raises ValueError for another suffix.
         """
         target = os.fsdecode(path)
         suffix = Path(target).suffix

@@ -1,4 +1,4 @@
-"""Lawn-mower lanes over a polygon."""
+"""Parallel lanes that cover a polygon, as a lawn-mower flies them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Lane:
 
     @cached_property
     def heading_rad(self) -> float:
-        """From east, counter-clockwise."""
+        """Direction of the lane from east, counter-clockwise."""
         return math.atan2(self.direction[1], self.direction[0])
 
     @cached_property
@@ -36,25 +36,25 @@ class Lane:
         return (self.end_m - self.start_m) / self.length_m
 
     def locate(self, point_m: Point) -> tuple[float, float]:
-        """(along, across) of a point: metres past the start, and metres to port of the line."""
+        """Return (along, across) of a point: metres past the start, metres to port of the line."""
         along_x, along_y, start_x, start_y = self._line
         dx, dy = float(point_m[0]) - start_x, float(point_m[1]) - start_y
         return along_x * dx + along_y * dy, along_x * dy - along_y * dx
 
     @cached_property
     def _line(self) -> tuple[float, ...]:
-        """Direction and start as plain numbers, which a control loop is quicker with."""
+        """Direction and start as plain numbers, which are faster than arrays in a control loop."""
         return (*self.direction.tolist(), *np.asarray(self.start_m, np.float64).tolist())
 
 
 def lawn_mower_lanes(
     area_m: Sequence[Sequence[float]] | Point, spacing_m: float, run_out_m: float, near_m: Point
 ) -> list[Lane]:
-    """Parallel lanes that cover a simple polygon, flown there and back, the first one at the corner nearest to near_m.
+    """Cover a simple polygon with parallel lanes, flown back and forth from the corner nearest to near_m.
 
-    The lanes run along the polygon's longest edge, at most spacing_m apart and half of that from its sides, and go
+    The lanes run along the polygon's longest edge, at most spacing_m apart and half of that from its sides, and extend
     run_out_m past it at both ends, so that a forward-looking sonar sees the polygon's rim.
-    Raises ValueError when no lane fits.
+    Raises ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)
     edges = np.roll(area, -1, axis=0) - area
@@ -72,11 +72,11 @@ def lawn_mower_lanes(
     ]
     if not lanes:
         raise ValueError(f"survey.area_m = {area.tolist()} m: no lane fits into it")
-    return _there_and_back(lanes, near_m)
+    return _back_and_forth(lanes, near_m)
 
 
 def _span(along: Point, across: Point, offset: float) -> tuple[float, float]:
-    """Where the line at `offset` enters and leaves the polygon, given its corners' coordinates."""
+    """Return where the line at `offset` enters and leaves the polygon, given its corners along and across the lanes."""
     crossings = []
     for k in range(len(along)):
         a, b = across[k - 1], across[k]
@@ -85,8 +85,8 @@ def _span(along: Point, across: Point, offset: float) -> tuple[float, float]:
     return (min(crossings), max(crossings)) if crossings else (0.0, 0.0)
 
 
-def _there_and_back(lanes: list[Lane], near_m: Point) -> list[Lane]:
-    """Orders and turns the lanes so that the way begins nearest to near_m and each starts where the last one ended."""
+def _back_and_forth(lanes: list[Lane], near_m: Point) -> list[Lane]:
+    """Order and turn the lanes so that the first starts nearest to near_m and each next one where the last ended."""
 
     def reversed_lane(lane: Lane) -> Lane:
         return Lane(lane.end_m, lane.start_m)

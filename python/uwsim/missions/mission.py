@@ -1,4 +1,4 @@
-"""What a survey needs of a mission."""
+"""The interface of a mission: what a survey needs of it."""
 
 from __future__ import annotations
 
@@ -7,25 +7,28 @@ from typing import Any, Protocol, runtime_checkable
 
 
 class Mission(Protocol):
-    """Flies its vehicle when it is run; see AdaptiveLawnMower for one."""
+    """Flies its vehicle when it is run; AdaptiveLawnMower is one."""
 
     @property
     def progress(self) -> float:
-        """Share of the way that lies behind, 0..1."""
+        """Share of the mission that has been flown, 0..1."""
 
     def run(self) -> str:
-        """Fly to the end; return what ended it."""
+        """Fly to the end; return why it ended."""
 
 
 @runtime_checkable
 class ResumableMission(Mission, Protocol):
-    """A mission that another process may take up where this one left it. One that is not still flies."""
+    """A mission that another process can continue. A mission need not be resumable to fly."""
 
     def save(self) -> dict[str, Any]:
-        """All that its way ahead depends on beside vehicle and clock, as JSON knows it.
+        """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock.
 
-        Asked for while the mission is in the clock's `wait`: what it will do when that returns must follow from this.
+        Called while the mission is in the clock's `wait`: what it does when that returns must follow from this state.
         """
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Take up what `save` gave; `run` then goes on as if `wait` had just returned. Raises ValueError."""
+        """Continue from a state that `save` returned; `run` then goes on as if `wait` had just returned.
+
+        Raises ValueError.
+        """

@@ -1,14 +1,17 @@
-"""Scenarios: what a YAML file may say, how it is checked, and the world that is built from it."""
+"""Scenarios: their YAML files are read (`read`), checked (`spec`) and turned into core objects (`build`)."""
 
-from uwsim.scenario.build import build_world, start_pose
-from uwsim.scenario.closing import closed_mesh
-from uwsim.scenario.errors import RepairWarning, ScenarioError
-from uwsim.scenario.loading import load, packaged_scenarios
-from uwsim.scenario.meshes import load_mesh
-from uwsim.scenario.schema import Scenario, Survey
-from uwsim.scenario.terrain import Terrain, build_terrain
-from uwsim.scenario.vehicle_model import VehicleModel
-from uwsim.scenario.vehicles import RigidBody, load_vehicle, rigid_body, vehicle_hull
+from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
+from uwsim.scenario.build.start_pose import start_pose
+from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.scenario.build.world import build_world
+from uwsim.scenario.load import load, packaged_scenarios
+from uwsim.scenario.read.errors import RepairWarning, ScenarioError
+from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.survey import Survey
+from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 __all__ = [
     "RepairWarning",
@@ -17,6 +20,7 @@ __all__ = [
     "ScenarioError",
     "Survey",
     "Terrain",
+    "VehicleEntry",
     "VehicleModel",
     "build_terrain",
     "build_world",

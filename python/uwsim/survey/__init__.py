@@ -1,1 +1,1 @@
-"""Fly a survey, score its map against the truth, and tell of it in pictures, a report and a table."""
+"""Flies a survey, maps what the sonar sees, scores the map, and writes a report. Start reading at run.py and fly.py."""

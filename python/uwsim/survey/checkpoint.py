@@ -1,8 +1,8 @@
-"""A survey saved in its output folder: the map of the moment for everyone, and what it takes to fly on.
+"""A survey saved in its output folder: the present map for everyone to read, and what is needed to resume the survey.
 
 OUT/map.bt                    readable at any time
-OUT/checkpoint/survey.state   the flight, and which maps belong to it: replaced last, and at once
-OUT/checkpoint/map-N.ot       the map after N pings with all its log-odds; reference-N.ot where there is one
+OUT/checkpoint/survey.state   the flight, and which maps belong to it: replaced last, atomically
+OUT/checkpoint/map-N.ot       the map after N pings with all its log-odds; reference-N.ot if there is a reference
 """
 
 from __future__ import annotations
@@ -12,49 +12,26 @@ import hashlib
 import os
 import re
 import shutil
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from uwsim.atomic_file import write_atomically
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.survey.flight_state import FlightState, from_bytes, to_bytes
+from uwsim.survey.request import SurveyRequest
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "survey.state", "checkpoint.old"
 LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.(survey\.state|report\.html|[\w-]+\.png)\.\w+")
 
 
 @dataclass(frozen=True)
-class SurveyOrder:
-    """What was asked for, resolved: scenario is a packaged one's name or an absolute path."""
-
-    scenario: str
-    seed: int
-    sonar_model: int | str | None
-    sonar_frequency_khz: float | None
-    mission_time_s: float | None
-    voxel_m: float
-    engine: MapEngine
-    verify_map: bool
-
-    def new_map(self, memory_limit_mb: float | None = None) -> OccupancyMap:
-        """An empty one, as ordered. memory_limit_mb: see OccupancyMap. Raises ValueError."""
-        return OccupancyMap(resolution_m=self.voxel_m, engine=self.engine, memory_limit_mb=memory_limit_mb)
-
-    def new_reference(self) -> OccupancyMap | None:
-        """Stock OctoMap's, where the map is to be compared with it."""
-        return OccupancyMap(resolution_m=self.voxel_m, engine="octomap") if self.verify_map else None
-
-    __pydantic_config__ = ConfigDict(extra="forbid")
-
-
-@dataclass(frozen=True)
 class SavedSurvey:
-    """A flight to be resumed, with its maps as they were."""
+    """A survey to be resumed, with its maps as they were when it was saved."""
 
-    order: SurveyOrder
+    request: SurveyRequest
     state: FlightState
     occupancy: OccupancyMap
     reference: OccupancyMap | None
@@ -69,13 +46,13 @@ class Checkpoint:
 
     @property
     def exists(self) -> bool:
-        """Whether there is a survey to fly on."""
+        """Whether there is a survey to resume."""
         return (self.folder / STATE).exists()
 
     def write(
-        self, order: SurveyOrder, state: FlightState, occupancy: OccupancyMap, reference: OccupancyMap | None
+        self, request: SurveyRequest, state: FlightState, occupancy: OccupancyMap, reference: OccupancyMap | None
     ) -> None:
-        """Replace what is saved, all of it or nothing. Raises OSError."""
+        """Replace the saved survey, as a whole or not at all. Raises OSError."""
         occupancy.write(self.out / MAP)
         count = len(state.log.positions_world_m)
         maps = {f"map-{count}.ot": occupancy}
@@ -86,51 +63,53 @@ class Checkpoint:
             for name, each in maps.items():
                 each.write(self.folder / name)
             digests = {name: _digest(self.folder / name) for name in maps}
-            content = to_bytes(state, {"order": asdict(order), "maps": digests})
+            content = to_bytes(state, {"order": asdict(request), "maps": digests})
             write_atomically(self.folder / STATE, content)
         except BaseException:
-            self._tidy()
+            self._remove_other_maps(self._maps_of_state())
             raise
-        self._tidy(maps)
+        self._remove_other_maps(maps)
 
     def read(self, memory_limit_mb: float | None = None) -> SavedSurvey:
-        """memory_limit_mb: of the map.
+        """Return the saved survey. memory_limit_mb: limit of its map's memory.
 
-        Raises ValueError when there is none, or it is damaged; OSError when it cannot be read.
+        Raises ValueError when there is none or it is damaged, OSError when it cannot be read.
         """
         if not self.exists:
-            why = f"{MAP} in it is of a survey that has ended" if (self.out / MAP).exists() else "nothing is in it"
+            ended = (self.out / MAP).exists()
+            why = f"its {MAP} belongs to a survey that has ended" if ended else "the folder holds no survey"
             raise ValueError(f"--resume: no unfinished survey is saved in '{self.out}': {why}")
         path = self.folder / STATE
         try:
             state, more = from_bytes(path.read_bytes())
-            order = TypeAdapter(SurveyOrder).validate_python(more.get("order"))
+            request = TypeAdapter(SurveyRequest).validate_python(more.get("order"))
             digests = TypeAdapter(dict[str, str]).validate_python(more.get("maps"))
         except ValidationError as error:
             raise ValueError(f"--resume: '{path}': {error.errors()[0]['msg']}") from None
         except ValueError as error:
             raise ValueError(f"--resume: '{path}': {error}") from None
-        engines: dict[str, MapEngine] = {"map": order.engine, "reference": "octomap"}
+        engines: dict[str, MapEngine] = {"map": request.engine, "reference": "octomap"}
         maps = {
             kind: self._read_map(name, digest, engines[kind], memory_limit_mb if kind == "map" else None)
             for name, digest in digests.items()
             if (kind := name.split("-")[0]) in engines
         }
-        if "map" not in maps or ("reference" in maps) != order.verify_map:
-            raise ValueError(f"--resume: '{path}': names {sorted(maps)}: must name its maps")
-        return SavedSurvey(order, state, maps["map"], maps.get("reference"))
+        if "map" not in maps or ("reference" in maps) != request.verify_map:
+            expected = "map and reference" if request.verify_map else "map"
+            raise ValueError(f"--resume: '{path}': maps = {sorted(maps)}: expected {expected}")
+        return SavedSurvey(request, state, maps["map"], maps.get("reference"))
 
-    def sweep(self) -> None:
+    def remove_leftovers(self) -> None:
         """Remove the temporary files of a survey that was killed while it wrote."""
         for folder in (self.out, self.folder):
             _remove_leftovers(folder)
 
     def remove(self) -> None:
-        """The survey has ended."""
+        """Remove the saved survey, because it has ended."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def set_aside(self) -> Path | None:
-        """Make room for another survey; returns where the one that was there is now, None when there was none.
+        """Rename the saved survey to make room for another; returns its new path, None when there was none.
 
         Raises OSError.
         """
@@ -145,16 +124,19 @@ class Checkpoint:
         if not path.exists():
             raise ValueError(f"--resume: '{path}': is missing")
         if _digest(path) != digest:
-            raise ValueError(f"--resume: '{path}': is damaged: its checksum is not the one that was saved")
+            raise ValueError(f"--resume: '{path}': is damaged: its checksum differs from the one that was saved")
         return OccupancyMap.read(path, engine=engine, memory_limit_mb=memory_limit_mb)
 
-    def _tidy(self, keep: Any = None) -> None:
-        """Drop maps that belong to no state: all but `keep`, or but those the present state names."""
-        if keep is None:
-            try:
-                keep = from_bytes((self.folder / STATE).read_bytes())[1]["maps"]
-            except (OSError, ValueError, KeyError):
-                keep = ()
+    def _maps_of_state(self) -> Collection[str]:
+        """Return the names of the maps that belong to the present state; none if it cannot be read."""
+        try:
+            maps: dict[str, str] = from_bytes((self.folder / STATE).read_bytes())[1]["maps"]
+        except (OSError, ValueError, KeyError):
+            return ()
+        return maps
+
+    def _remove_other_maps(self, keep: Collection[str]) -> None:
+        """Remove maps that belong to no state, and the folder if nothing is kept."""
         with contextlib.suppress(OSError):
             for path in self.folder.glob("*.ot"):
                 if path.name not in keep:
@@ -167,11 +149,11 @@ def _remove_leftovers(folder: Path) -> None:
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             found = LEFTOVER.fullmatch(path.name)
-            if found and not (found[1] and _runs(int(found[1]))):
+            if found and not (found[1] and _is_running(int(found[1]))):
                 path.unlink()
 
 
-def _runs(process: int) -> bool:
+def _is_running(process: int) -> bool:
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -1,4 +1,4 @@
-"""A survey in mid-flight, its map apart, as a file: what another process needs to fly on."""
+"""The state of a survey in flight, apart from its maps, as bytes: what another process needs to continue it."""
 
 from __future__ import annotations
 
@@ -13,17 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Base64Bytes, BaseModel, ConfigDict, Field, ValidationError
 
-from uwsim.survey.log import SurveyLog
+from uwsim.survey.ping_log import PingLog
 from uwsim.survey.record import PingSample
 
 TITLE = "uwsim survey 1"
-Packed = str
-"""An array: NumPy's .npy in base64."""
+EncodedArray = str
+"""An array as NumPy's .npy format in base64."""
 
 
 @dataclass
 class FlightState:
-    """simulation: of Simulator.save_state. mission: of its save, None where it has none. wall_s: flown so far."""
+    """A survey in flight.
+
+    simulation: bytes of Simulator.save_state. mission: its saved state, None if it has none. begun_s: simulated time at
+    the start of the survey. wall_s: wall time flown so far.
+    """
 
     simulation: bytes
     mission: dict[str, Any] | None
@@ -31,19 +35,19 @@ class FlightState:
     begun_s: float
     wall_s: float
     stage_wall_s: dict[str, float]
-    log: SurveyLog
+    log: PingLog
 
 
-class _Sample(BaseModel):
+class _SampleFile(BaseModel):
     model_config = ConfigDict(extra="forbid")
-    ranges_m: Packed
-    angles_rad: Packed
-    world_from_sonar: Packed
-    points_world_m: Packed
+    ranges_m: EncodedArray
+    angles_rad: EncodedArray
+    world_from_sonar: EncodedArray
+    points_world_m: EncodedArray
 
 
-class _Written(BaseModel):
-    """The file's content; the rest of what it holds, of the checkpoint, goes by `more`."""
+class _StateFile(BaseModel):
+    """The content of the file; the names are its keys. more: the checkpoint's own data."""
 
     model_config = ConfigDict(extra="forbid")
     simulation: Base64Bytes
@@ -52,16 +56,16 @@ class _Written(BaseModel):
     begun_s: float
     wall_s: Annotated[float, Field(ge=0)]
     stage_wall_s: dict[str, float]
-    area_world_m: Packed
-    path_world_m: Packed
+    area_world_m: EncodedArray
+    path_world_m: EncodedArray
     echo_count: int
-    richest: _Sample | None
+    richest: _SampleFile | None
     richest_score: float
     more: dict[str, Any]
 
 
 def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
-    """The state, and more that JSON knows, under a title with a checksum."""
+    """Return the state and more JSON data as bytes that begin with a title and a checksum."""
     log = state.log
     content = {
         "simulation": base64.b64encode(state.simulation).decode(),
@@ -70,11 +74,11 @@ def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
         "begun_s": state.begun_s,
         "wall_s": state.wall_s,
         "stage_wall_s": state.stage_wall_s,
-        "area_world_m": _packed(log.area_world_m),
-        "path_world_m": _packed(log.path_world_m),
+        "area_world_m": _encoded(log.area_world_m),
+        "path_world_m": _encoded(log.path_world_m),
         "echo_count": log.echo_count,
-        "richest": None if log.richest is None else {name: _packed(a) for name, a in vars(log.richest).items()},
-        "richest_score": log.richest_score,
+        "richest": None if log.sample is None else {name: _encoded(a) for name, a in vars(log.sample).items()},
+        "richest_score": log.sample_score,
         "more": more,
     }
     text = json.dumps(content).encode()
@@ -82,24 +86,24 @@ def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
 
 
 def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
-    """What to_bytes was given. Raises ValueError when the bytes are damaged, truncated or of another version."""
+    """Return the arguments of to_bytes. Raises ValueError when the bytes are damaged or of another version."""
     title, _, text = data.partition(b"\n")
     if not title.startswith(TITLE.encode() + b" "):
-        raise ValueError(f"does not begin with '{TITLE}': another program or version wrote it")
+        raise ValueError(f"does not begin with '{TITLE}': written by another program or version")
     if title.split(b" ")[-1] != hashlib.blake2b(text).hexdigest().encode():
-        raise ValueError("is damaged or truncated: its checksum is not that of its content")
+        raise ValueError("is damaged or truncated: its checksum does not match its content")
     try:
-        read = _Written.model_validate(json.loads(text))
+        read = _StateFile.model_validate(json.loads(text))
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{'.'.join(str(part) for part in first['loc'])}: {first['msg']}") from None
-    sample = None if read.richest is None else {name: _unpacked(packed) for name, packed in dict(read.richest).items()}
-    log = SurveyLog(
-        area_world_m=_unpacked(read.area_world_m),
-        positions_world_m=list(_unpacked(read.path_world_m).reshape(-1, 3)),
+    sample = None if read.richest is None else {name: _decoded(array) for name, array in dict(read.richest).items()}
+    log = PingLog(
+        area_world_m=_decoded(read.area_world_m),
+        positions_world_m=list(_decoded(read.path_world_m).reshape(-1, 3)),
         echo_count=read.echo_count,
-        richest=None if sample is None else PingSample(**sample),
-        richest_score=read.richest_score,
+        sample=None if sample is None else PingSample(**sample),
+        sample_score=read.richest_score,
     )
     state = FlightState(
         read.simulation, read.mission, read.steps_to_ping, read.begun_s, read.wall_s, read.stage_wall_s, log
@@ -107,15 +111,15 @@ def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
     return state, read.more
 
 
-def _packed(array: NDArray[Any]) -> Packed:
+def _encoded(array: NDArray[Any]) -> EncodedArray:
     file = io.BytesIO()
     np.save(file, array, allow_pickle=False)
     return base64.b64encode(file.getvalue()).decode()
 
 
-def _unpacked(packed: Packed) -> NDArray[Any]:
+def _decoded(encoded: EncodedArray) -> NDArray[Any]:
     try:
-        array: NDArray[Any] = np.load(io.BytesIO(base64.b64decode(packed, validate=True)), allow_pickle=False)
+        array: NDArray[Any] = np.load(io.BytesIO(base64.b64decode(encoded, validate=True)), allow_pickle=False)
     except (ValueError, EOFError, OSError) as error:
-        raise ValueError(f"holds an array that is none: {error}") from None
+        raise ValueError(f"holds an invalid array: {error}") from None
     return array

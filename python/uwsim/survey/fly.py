@@ -1,4 +1,4 @@
-"""Fly a survey: a mission steers the vehicle, every ping goes through the chain into a map."""
+"""Flies a survey: a mission steers the vehicle, and every ping passes through the chain into a map."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
 from uwsim.simulator import Simulator
-from uwsim.survey.chain import ScanChain, SelfBox
-from uwsim.survey.clock import PingingClock
 from uwsim.survey.flight_state import FlightState
-from uwsim.survey.log import SurveyLog
+from uwsim.survey.ping_log import PingLog
+from uwsim.survey.ping_to_map import HullBox, PingToMap
+from uwsim.survey.pinging_clock import PingingClock
 from uwsim.survey.record import INTERRUPTED, SurveyRecord
-from uwsim.survey.stages import AUTOSAVE, StageTimer
+from uwsim.survey.wall_time import AUTOSAVE, WallTimer
 
-SELF_MARGIN_M = 0.05
+HULL_MARGIN_M = 0.05
 MakeMission = Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission]
 
 
-class FlightWatch(Protocol):
-    """Looks on whenever the mission waits: may save the flight, or stop it."""
+class FlightSupervisor(Protocol):
+    """Called whenever the mission waits: may save the flight or stop it."""
 
     def save_due(self) -> bool:
-        """Whether `save` is wanted now."""
+        """Whether to call `save` now."""
 
     def save(self, state: FlightState, occupancy: OccupancyMap, reference: OccupancyMap | None) -> None:
-        """Keep the state and its maps, which hold every scan until then. May be called by the map's thread."""
+        """Save the state and its maps, which hold every scan until then. May be called on the map's thread."""
 
-    def stopping(self) -> bool:
-        """Whether the flight is to end here, as by Ctrl-C. It is saved before."""
+    def stop_requested(self) -> bool:
+        """Whether to end the flight here, as by Ctrl-C; `save` is called first."""
 
 
 def fly_survey(
@@ -45,31 +45,31 @@ def fly_survey(
     *,
     mission: MakeMission = AdaptiveLawnMower,
     on_progress: Callable[[float], None] = lambda share: None,
-    tamper: Callable[[str], str] | None = None,
+    transmit: Callable[[str], str] | None = None,
     reference: OccupancyMap | None = None,
-    watch: FlightWatch | None = None,
+    supervisor: FlightSupervisor | None = None,
     resume: FlightState | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
-    """Fly the scenario's survey to its end, or to Ctrl-C; either way the map of what was seen and the record come back.
+    """Fly the scenario's survey to its end or to Ctrl-C; returns the map and the record in both cases.
 
-    occupancy: the map to fill; by default a new one of the scenario's voxel_m. mission: makes the mission to fly.
-    on_progress: called at every ping with the share flown, 0..1. tamper: stands for the channel between sonar and
-    decoder; gets each string, returns another. reference: a second map, which gets every scan one by one.
-    watch: may save the flight or stop it whenever the mission waits. resume: flies on from there, given the maps as
-    they were then.
+    occupancy: the map to fill; by default a new one with the scenario's voxel_m. mission: makes the mission to fly.
+    on_progress: called at every ping with the share flown, 0 to 1. transmit: simulates the channel between sonar and
+    decoder; receives each depth string and returns the string that arrives. reference: a second map, which gets every
+    scan one by one. supervisor: may save or stop the flight whenever the mission waits. resume: a saved flight to
+    continue; `occupancy` and `reference` must be the maps that were saved with it.
     Raises ScenarioError when the scenario has no survey, ValueError when the flight cannot be resumed.
     """
     survey = required_survey(sim.scenario)
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
-    flight = _Flight(sim, occupancy, reference, watch, resume)
-    with ScanChain(
+    flight = _Flight(sim, occupancy, reference, supervisor, resume)
+    with PingToMap(
         occupancy,
         sim.rov.sonar.model,
-        _self_box(sim.scenario),
+        _hull_box(sim.scenario),
         threads=sim.threads,
         timer=flight.timer,
-        tamper=tamper,
+        transmit=transmit,
         reference=reference,
     ) as chain:
         stopped_because = flight.fly(chain, mission, survey, on_progress)
@@ -77,32 +77,32 @@ def fly_survey(
 
 
 class _Flight:
-    """A survey being flown, from its start or from where it was saved."""
+    """A survey in flight, begun now or resumed from a saved state."""
 
     def __init__(
         self,
         sim: Simulator,
         occupancy: OccupancyMap,
         reference: OccupancyMap | None,
-        watch: FlightWatch | None,
+        supervisor: FlightSupervisor | None,
         resume: FlightState | None,
     ) -> None:
         self._sim, self._occupancy, self._reference = sim, occupancy, reference
-        self._watch, self._resume = watch, resume
-        self._begun = time.perf_counter()
+        self._supervisor, self._resume = supervisor, resume
+        self._wall_start_s = time.perf_counter()
         if resume is None:
-            self._begun_s, self._log = sim.time_s, SurveyLog(np.asarray(required_survey(sim.scenario).area_m))
-            self.timer = StageTimer()
+            self._begun_s, self._log = sim.time_s, PingLog(np.asarray(required_survey(sim.scenario).area_m))
+            self.timer = WallTimer()
         else:
             sim.restore_state(resume.simulation)
-            self._begun -= resume.wall_s
+            self._wall_start_s -= resume.wall_s
             self._begun_s, self._log = resume.begun_s, resume.log
-            self.timer = StageTimer(resume.stage_wall_s)
+            self.timer = WallTimer(resume.stage_wall_s)
 
     def fly(
-        self, chain: ScanChain, make_mission: MakeMission, survey: Survey, on_progress: Callable[[float], None]
+        self, chain: PingToMap, make_mission: MakeMission, survey: Survey, on_progress: Callable[[float], None]
     ) -> str:
-        """Returns what ended it."""
+        """Fly the mission; returns the reason why it ended."""
         self._chain = chain
         self._clock = PingingClock(
             self._sim,
@@ -115,24 +115,24 @@ class _Flight:
         self._mission = make_mission(self._sim.rov, self._clock, _plan(survey))
         if self._resume is not None:
             self._clock.steps_to_ping = self._resume.steps_to_ping
-            _take_up(self._mission, self._resume)
+            _restore_mission(self._mission, self._resume)
         try:
             return self._mission.run()
         except KeyboardInterrupt:
             return INTERRUPTED
 
     def _on_pause(self) -> None:
-        if self._watch is None:
+        if self._supervisor is None:
             return
-        stopping = self._watch.stopping()
-        if stopping or self._watch.save_due():
-            self._chain.when_mapped(partial(self._save, self._watch, self._state()))
-        if stopping:
+        stop = self._supervisor.stop_requested()
+        if stop or self._supervisor.save_due():
+            self._chain.when_mapped(partial(self._save, self._supervisor, self._state()))
+        if stop:
             raise KeyboardInterrupt
 
-    def _save(self, watch: FlightWatch, state: FlightState) -> None:
+    def _save(self, supervisor: FlightSupervisor, state: FlightState) -> None:
         with self.timer.measure(AUTOSAVE):
-            watch.save(state, self._occupancy, self._reference)
+            supervisor.save(state, self._occupancy, self._reference)
 
     def _state(self) -> FlightState:
         return FlightState(
@@ -140,13 +140,13 @@ class _Flight:
             mission=self._mission.save() if isinstance(self._mission, ResumableMission) else None,
             steps_to_ping=self._clock.steps_to_ping,
             begun_s=self._begun_s,
-            wall_s=time.perf_counter() - self._begun,
+            wall_s=time.perf_counter() - self._wall_start_s,
             stage_wall_s=dict(self.timer.wall_s),
             log=self._log.copy(),
         )
 
     def record(self, stopped_because: str) -> SurveyRecord:
-        """What the survey hands over, its map apart."""
+        """Return the record of the flight so far."""
         sim, log = self._sim, self._log
         survey = required_survey(sim.scenario)
         return SurveyRecord(
@@ -158,7 +158,7 @@ class _Flight:
             threads=sim.threads,
             stopped_because=stopped_because,
             simulated_s=sim.time_s - self._begun_s,
-            wall_s=time.perf_counter() - self._begun,
+            wall_s=time.perf_counter() - self._wall_start_s,
             ping_count=len(log.positions_world_m),
             echo_count=log.echo_count,
             collision_count=sim.rov.collisions,
@@ -166,21 +166,21 @@ class _Flight:
             area_world_m=log.area_world_m,
             range_max_m=sim.rov.sonar.model.range_limit_m,
             ping_interval_s=_ping_interval_s(sim, survey),
-            ping_interval_asked_s=1.0 / survey.ping_rate_hz,
-            sample_ping=log.richest,
+            ping_interval_requested_s=1.0 / survey.ping_rate_hz,
+            sample_ping=log.sample,
             stage_wall_s=self.timer.wall_s,
             ended_early=stopped_because != COVERED,
         )
 
 
-def _take_up(flown: Mission, state: FlightState) -> None:
-    if state.mission is None or not isinstance(flown, ResumableMission):
-        raise ValueError(f"mission {type(flown).__name__}: cannot be resumed: it has no save and restore")
-    flown.restore(state.mission)
+def _restore_mission(mission: Mission, state: FlightState) -> None:
+    if state.mission is None or not isinstance(mission, ResumableMission):
+        raise ValueError(f"mission {type(mission).__name__}: cannot be resumed: it has no save and restore")
+    mission.restore(state.mission)
 
 
 def required_survey(scenario: Scenario) -> Survey:
-    """The scenario's survey. Raises ScenarioError when it has none."""
+    """Return the scenario's survey. Raises ScenarioError when it has none."""
     if scenario.survey is None:
         raise ScenarioError(
             f"scenario '{scenario.name}': no survey: give it area_m, altitude_m, line_spacing_m, speed_m_s"
@@ -189,7 +189,7 @@ def required_survey(scenario: Scenario) -> Survey:
 
 
 def _ping_interval_s(sim: Simulator, survey: Survey) -> float:
-    """The scenario's, or what two-way travel time allows where that is longer; whole steps."""
+    """Return the scenario's ping interval, or the two-way travel time in whole steps where that is longer."""
     least_s = 1.0 / sim.rov.sonar.ping_rate_max_hz
     return max(1.0 / survey.ping_rate_hz, math.ceil(least_s / sim.step_s) * sim.step_s)
 
@@ -204,6 +204,6 @@ def _plan(survey: Survey) -> LawnMowerPlan:
     )
 
 
-def _self_box(scenario: Scenario) -> SelfBox:
+def _hull_box(scenario: Scenario) -> HullBox:
     vertices, _ = vehicle_hull(scenario.vehicles[0].model)
-    return SelfBox(vertices.min(axis=0) - SELF_MARGIN_M, vertices.max(axis=0) + SELF_MARGIN_M)
+    return HullBox(vertices.min(axis=0) - HULL_MARGIN_M, vertices.max(axis=0) + HULL_MARGIN_M)

@@ -1,4 +1,4 @@
-"""What a survey hands over when it ends, whether it finished or was interrupted."""
+"""The result of a survey apart from its map, whether it finished or was interrupted."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.survey.stages import MAP_THREAD
+from uwsim.scoring.survey_track import SurveyTrack
+from uwsim.survey.wall_time import MAP_THREAD_STAGES
 
 INTERRUPTED = "interrupted (Ctrl-C)"
 FloatArray = NDArray[np.floating]
@@ -15,9 +16,9 @@ FloatArray = NDArray[np.floating]
 
 @dataclass(frozen=True, eq=False)
 class PingSample:
-    """One ping kept for the picture of the sonar's fan.
+    """One ping, kept for the figure of the sonar's fan.
 
-    ranges_m: (beams,), inf where no echo came back. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
+    ranges_m: (beams,), inf for no echo. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
     world_from_sonar: (4, 4). points_world_m: (echoes, 3).
     """
 
@@ -29,13 +30,12 @@ class PingSample:
 
 @dataclass(frozen=True, eq=False)
 class SurveyRecord:
-    """A survey from above: what was asked for, what was flown and what it cost.
+    """The request, the flight and the time it took.
 
-    path_world_m: (n, 3), where the sonar was at each ping, in order. area_world_m: (k, 2), the polygon that was to be
-    covered. sample_ping is None when the survey ended before its first ping. stage_wall_s: wall seconds by stage
-    (physics, rays, codec, conversion, map, waiting for the map; autosave and verification where there are any).
-    ping_interval_s: longer than what was asked where sound takes longer there and back.
-    verified: whether the map is stock OctoMap's, byte by byte; None when it was not compared.
+    path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
+    ping_interval_s: longer than requested where sound takes longer to the maximum range and back. sample_ping: None
+    when the survey ended too early for one. stage_wall_s: wall seconds by stage, see wall_time.py. verified: whether
+    the map equals stock OctoMap's byte for byte; None when it was not compared.
     """
 
     scenario_name: str
@@ -54,7 +54,7 @@ class SurveyRecord:
     area_world_m: NDArray[np.float64]
     range_max_m: float
     ping_interval_s: float
-    ping_interval_asked_s: float
+    ping_interval_requested_s: float
     sample_ping: PingSample | None = None
     stage_wall_s: dict[str, float] = field(default_factory=dict)
     ended_early: bool = False
@@ -62,19 +62,24 @@ class SurveyRecord:
 
     @property
     def interrupted(self) -> bool:
-        """Whether Ctrl-C ended it."""
+        """Whether Ctrl-C ended the survey."""
         return self.stopped_because == INTERRUPTED
 
     @property
     def real_time_factor(self) -> float:
-        """Simulated seconds for each second of wall time; 0 before anything ran."""
+        """Simulated seconds per second of wall time; 0 before anything ran."""
         return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
 
     @property
     def mission_wall_s(self) -> float:
-        """Wall time of the flying thread that no stage accounts for. With more threads the map has one of its own."""
-        flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD or self.threads == 1]
+        """Wall time of the flying thread that belongs to no stage. With several threads the map has its own."""
+        flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD_STAGES or self.threads == 1]
         return max(self.wall_s - sum(flying), 0.0)
+
+    @property
+    def track(self) -> SurveyTrack:
+        """The part of the record that the score of the map depends on."""
+        return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario_name)
 
     @property
     def path_length_m(self) -> float:

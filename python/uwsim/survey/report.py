@@ -1,4 +1,4 @@
-"""The survey's report: one HTML file that needs nothing but itself."""
+"""Writes the survey's report: one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 
 from uwsim.atomic_file import write_atomically
-from uwsim.survey.pictures import Picture
+from uwsim.scoring.map_score import MapScore
+from uwsim.scoring.score_text import coverage_text, distance_text, order_met, order_rows
 from uwsim.survey.record import SurveyRecord
-from uwsim.survey.score import MapScore
-from uwsim.survey.table import coverage, distance, key_figures, minutes, order_met, order_rows, survey_warnings
+from uwsim.survey.report_figures import ReportFigure
+from uwsim.survey.summary import duration_text, key_figures, survey_warnings
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -22,27 +23,27 @@ def write_report(
     record: SurveyRecord,
     score: MapScore,
     free_voxel_count: int,
-    pictures: Sequence[Picture],
+    figures: Sequence[ReportFigure],
 ) -> None:
-    """Write the report atomically, with the pictures inside it as data URIs. Raises OSError where it cannot."""
+    """Write the report atomically, with the figures inside it as data URIs. Raises OSError if that fails."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     page = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         record=record,
         highlights=_highlights(record, score),
         warnings=survey_warnings(record, score),
-        figures=key_figures(record, score, free_voxel_count),
+        key_figures=key_figures(record, score, free_voxel_count),
         orders=order_rows(score),
         order_met=order_met(score),
-        judged=_judged(score),
+        judged=_judged_cells(score),
         setup=_setup(record),
         stages=_stages(record),
-        pictures=[(picture, _data_uri(picture.path)) for picture in pictures],
+        figures=[(figure, _data_uri(figure.path)) for figure in figures],
     )
     write_atomically(path, page.encode("utf-8"))
 
 
-def _judged(score: MapScore) -> str:
-    """Say which cells of the seabed were judged, and which were not."""
+def _judged_cells(score: MapScore) -> str:
+    """Return a sentence on how many cells of the seabed were judged, and how many were not."""
     if score.seabed is None:
         return "The map is empty."
     judged, obstructed = int(score.seabed.judged.sum()), int(score.seabed.obstructed.sum())
@@ -51,11 +52,11 @@ def _judged(score: MapScore) -> str:
 
 
 def _highlights(record: SurveyRecord, score: MapScore) -> list[tuple[str, str]]:
-    share = coverage(score).split(" of ")[0] if score.visible_truth_voxels else "-"
+    share = coverage_text(score).split(" of ")[0] if score.visible_truth_voxels else "-"
     return [
         (share, "of the visible surface mapped"),
-        (distance(score.distance_mean_m), "mean distance to the truth"),
-        (minutes(record.simulated_s), "simulated"),
+        (distance_text(score.distance_mean_m), "mean distance to the truth"),
+        (duration_text(record.simulated_s), "simulated"),
         (f"{record.real_time_factor:.1f} x", "real time"),
     ]
 
@@ -75,11 +76,11 @@ def _setup(record: SurveyRecord) -> list[tuple[str, str]]:
 
 
 def _stages(record: SurveyRecord) -> list[tuple[str, str, float]]:
-    """Return (stage, wall time, share of the survey's wall time in per cent), the mission last."""
+    """Return rows of (stage, wall time, per cent of the survey's wall time), the mission last."""
     stages = {**record.stage_wall_s, "mission and the rest": record.mission_wall_s}
     if record.threads > 1 and "map" in stages:
-        stages = {("map (beside the rest)" if name == "map" else name): wall_s for name, wall_s in stages.items()}
-    return [(name, minutes(wall_s), 100.0 * wall_s / max(record.wall_s, 1e-9)) for name, wall_s in stages.items()]
+        stages = {("map (in parallel)" if name == "map" else name): wall_s for name, wall_s in stages.items()}
+    return [(name, duration_text(wall_s), 100.0 * wall_s / max(record.wall_s, 1e-9)) for name, wall_s in stages.items()]
 
 
 def _data_uri(path: Path) -> str:

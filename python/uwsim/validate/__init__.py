@@ -1,6 +1,6 @@
-"""Validation as a shipped tool: closed forms and published data against the code that runs, as tables and curves.
+"""Validation: compares the simulator with closed forms and published data, as tables and curves.
 
-A suite is one module with `run(out) -> list[Check]`, and one line in SUITES.
+A suite is a module with `run(out) -> list[Check]` and a line in SUITES.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SUITES = {
 
 
 def run_suite(name: str, out: Path | None = None) -> list[Check]:
-    """All checks of one suite; its curves go into the folder `out`. Raises ValueError for an unknown name."""
+    """Return all checks of one suite; draw its curves into the folder `out`. Raises ValueError for an unknown name."""
     if name not in SUITES:
         raise ValueError(f"validation '{name}': unknown; there are: {', '.join(SUITES)}")
     if out is not None:

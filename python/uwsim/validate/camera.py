@@ -1,6 +1,6 @@
 """The camera suite: pictures against the laws of light in water, the sonar's rays and OpenCV's projection.
 
-Every law is measured in pictures of small worlds: a grey wall, a level plate, a lamp, the sky through the surface.
+Each law is measured in pictures of a small world: a grey wall, a level plate, a lamp, the sky through the surface.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ BANDS = ("red", "green", "blue")
 TYPES = ("I", "III", "5C")
 NIGHT_DEG = -6.0
 SIDE = 33
-"""Pixels of the small pictures: odd, so that one looks straight ahead."""
+"""Width and height of the small pictures [pixels]: odd, so that one pixel looks straight ahead."""
 
 
 @dataclass(frozen=True)
 class Light:
-    """A water and its sun."""
+    """A water type and a solar elevation."""
 
     jerlov: str = "III"
     sun_deg: float = 50.0
 
     @property
     def water(self) -> _core.WaterOptics:
-        """Its coefficients."""
+        """The water's coefficients."""
         return _core.WaterOptics.jerlov(self.jerlov)
 
     @property
     def optics(self) -> _core.Optics:
-        """For the renderer: no wind, nothing adrift."""
+        """The native optics: no wind, no particles."""
         return _core.Optics(self.water, float(np.radians(self.sun_deg)), 0.7, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class View:
-    """A place to look from, at a scene: position (3,), yaw, pitch (down is positive) and roll."""
+    """A scene and a camera in it: position (3,), yaw, pitch (down is positive) and roll; focal length in pixels."""
 
     scene: _core.CameraScene
     position_m: Sequence[float]
@@ -53,8 +53,8 @@ class View:
     focal: float = 200.0
     side: int = SIDE
 
-    def picture(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.LampLight] = ()) -> _core.Picture:
-        """Take it, with radiance."""
+    def picture(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.SpotLamp] = ()) -> _core.Picture:
+        """Render it, with radiance."""
         centre = 0.5 * (self.side - 1)
         lens = _core.Lens(self.side, self.side, self.focal, self.focal, centre, centre)
         turn = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_quat()
@@ -70,43 +70,43 @@ class View:
             keep_radiance=True,
         )
 
-    def ahead(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.LampLight] = ()) -> Floats:
-        """(3,) radiance of the middle pixel."""
+    def ahead(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.SpotLamp] = ()) -> Floats:
+        """Return the radiance (3,) of the middle pixel."""
         middle = self.side // 2
         return np.asarray(self.picture(light, effects, lamps).radiance[middle, middle], np.float64)
 
 
 def box_scene(centre_m: Sequence[float], size_m: Sequence[float]) -> _core.CameraScene:
-    """A world of one even grey box (albedo 0.5) in open water."""
+    """Return a world of one uniformly grey box (albedo 0.5) in open water."""
     world = _core.World()
     box = trimesh.creation.box(size_m)
     box.apply_translation(centre_m)
     label = world.add_solid("box", box.vertices, box.faces)
     scene = _core.CameraScene(world, _core.RayScene(world), 0)
-    scene.set_look(label, "plain", "structure")
+    scene.set_appearance(label, "plain", "structure")
     return scene
 
 
 def wall_at(range_m: float, depth_m: float = 6.0) -> View:
-    """Look level at a wall that stands across, range_m ahead."""
+    """Return a level view of a wall that faces the camera, range_m ahead."""
     return View(box_scene((range_m + 0.5, 0, -depth_m), (1, 40, 8)), (0, 0, -depth_m))
 
 
 def wall_against_range() -> list[Check]:
-    """L(r) = L0 exp(-c r) + V (1 - exp(-c r)), c = a + b: L0 the wall's own light, V the veil of open water."""
+    """L(r) = L0 exp(-c r) + B (1 - exp(-c r)), c = a + b: L0 the wall's own light, B the backscatter of open water."""
     checks = []
     ranges = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 16.0])
     for jerlov in TYPES:
         light = Light(jerlov)
         c = np.asarray(light.water.absorption) + np.asarray(light.water.scattering)
-        veil = wall_at(2000.0).ahead(light, ["sunlight", "attenuation", "backscatter"])
+        backscatter = wall_at(2000.0).ahead(light, ["sunlight", "attenuation", "backscatter"])
         seen, own = [], []
         for r in ranges:
             view = wall_at(r)
             seen.append(view.ahead(light, ["sunlight", "attenuation", "backscatter"]))
             own.append(view.ahead(light, ["sunlight"]))
-        left = np.exp(-np.outer(ranges, c))
-        expected = np.array(own) * left + veil * (1 - left)
+        transmitted = np.exp(-np.outer(ranges, c))
+        expected = np.array(own) * transmitted + backscatter * (1 - transmitted)
         for band, name in enumerate(BANDS):
             scale = float(expected[:, band].max())
             got = np.array(seen)[:, band]
@@ -115,7 +115,7 @@ def wall_against_range() -> list[Check]:
 
 
 def sunlight_against_depth() -> list[Check]:
-    """A level plate's light falls as exp(-Kd z), from what Fresnel and the sky let in at the surface."""
+    """A level plate's light falls as exp(-Kd z) from the daylight that enters the water."""
     checks = []
     depths = np.array([1.0, 3.0, 6.0, 12.0, 24.0])
     for jerlov in TYPES:
@@ -134,7 +134,7 @@ def sunlight_against_depth() -> list[Check]:
 
 
 def lamp_against_distance() -> list[Check]:
-    """A lamp beside the camera, on a wall: I cos / d^2 exp(-c d) on the wall, exp(-c r) back to the eye."""
+    """A lamp beside the camera lights a wall by I cos / d^2 exp(-c d), of which exp(-c r) returns to the camera."""
     flux_lm, half, soft, aside = 20_000.0, 0.6, 0.5, 0.2
     light = Light("III", NIGHT_DEG)
     c = np.asarray(light.water.absorption) + np.asarray(light.water.scattering)
@@ -143,20 +143,20 @@ def lamp_against_distance() -> list[Check]:
     ranges = np.array([1.0, 2.0, 4.0, 8.0])
     got, expected = [], []
     for r in ranges:
-        lamp = _core.LampLight((0, aside, -6.0), (0, 0, 0, 1), flux_lm, half, soft, (1, 1, 1))
+        lamp = _core.SpotLamp((0, aside, -6.0), (0, 0, 0, 1), flux_lm, half, soft, (1, 1, 1))
         got.append(wall_at(r).ahead(light, ["attenuation", "lamps", "sunlight"], [lamp]))
         distance = np.hypot(r, aside)
         lit = intensity * (r / distance) / distance**2 * np.exp(-c * distance)
         expected.append(0.5 / np.pi * lit * np.exp(-c * r))
     ratio = np.array(got) / np.array(expected)
     return [
-        along("lamp, 1 / d^2 and two ways of water", name, np.ones(len(ranges)), ratio[:, band], 1.0, 1e-3)
+        along("lamp, 1 / d^2 and attenuation both ways", name, np.ones(len(ranges)), ratio[:, band], 1.0, 1e-3)
         for band, name in enumerate(BANDS)
     ]
 
 
 def refraction_at_the_surface() -> list[Check]:
-    """Snell's law: of the sun's beam, and of the edge of the window through which the sky is seen from below."""
+    """Snell's law, for the sun's beam and for the edge of the window through which the sky is seen from below."""
     checks = []
     for sun_deg in (15.0, 45.0, 75.0):
         optics = Light("I", sun_deg).optics
@@ -175,7 +175,7 @@ def refraction_at_the_surface() -> list[Check]:
 
 
 def lake_depths() -> list[Check]:
-    """Each pixel's depth against the sonar's ray along it, solved in double: relative to the range."""
+    """Each pixel's depth equals the range of the sonar's ray along it, solved in double; relative to the range."""
     from uwsim.simulator import Simulator
 
     sim = Simulator("lake")
@@ -183,31 +183,31 @@ def lake_depths() -> list[Check]:
     frame = sim.rov.cameras["front"].capture("off")
     centre, focal = frame.info.k[:2, 2], frame.info.k[0, 0]
     v, u = np.mgrid[5 : frame.info.height : 7, 3 : frame.info.width : 9].reshape(2, -1)
-    ways = np.column_stack([(u - centre[0]) / focal, (v - centre[1]) / focal, np.ones(len(u))])
-    lengths = np.linalg.norm(ways, axis=1)
+    directions = np.column_stack([(u - centre[0]) / focal, (v - centre[1]) / focal, np.ones(len(u))])
+    lengths = np.linalg.norm(directions, axis=1)
     optical = frame.world_from_optical
-    ranges = sim.scene.cast(optical[None, :3, 3], ways @ optical[:3, :3].T, 1e4).ranges_m.astype(np.float64)
+    ranges = sim.scene.cast(optical[None, :3, 3], directions @ optical[:3, :3].T, 1e4).ranges_m.astype(np.float64)
     got = frame.depth_m[v, u] * lengths
     both = np.isfinite(ranges) & np.isfinite(got)
     missed = int(np.count_nonzero(np.isfinite(ranges) != np.isfinite(got)))
     error = (got[both] - ranges[both]) / np.maximum(ranges[both], 1.0)
-    # A pixel at an outline may fall to either side of it.
+    # A pixel on an outline may hit either side of it.
     error = np.sort(np.abs(error))[: int(0.995 * both.sum())]
     return [
         along("depth against the sonar's rays", f"{both.sum()} rays", np.zeros(len(error)), error, 1.0, 1e-5),
-        within("depth against the sonar's rays", "hits that the other misses", 0, missed, len(u), 5e-3),
+        within("depth against the sonar's rays", "hits that only one of them finds", 0, missed, len(u), 5e-3),
     ]
 
 
 CHECKERS = (9, 6)
-"""Inner corners."""
+"""Inner corners along each side."""
 SQUARE_M = 0.05
 
 
 def checkerboard_scene(distance_m: float) -> tuple[_core.CameraScene, Floats]:
-    """A printed board across the view, tilted; and its inner corners (n, 3), world."""
+    """Return a scene with a tilted checkerboard ahead, and the board's inner corners (n, 3), world."""
     columns, rows = CHECKERS[0] + 3, CHECKERS[1] + 3
-    texels = 12  # an edge is blurred over one of them, some three pixels: what corner finders are made for
+    texels = 12  # interpolation blurs an edge over one of them, about three pixels: corner finders expect that
     tiles = np.add.outer(np.arange(rows), np.arange(columns)) % 2
     tiles[[0, -1]], tiles[:, [0, -1]] = 1, 1  # a white border
     image = np.kron(np.where(tiles, 235, 20).astype(np.uint8), np.ones((texels, texels), np.uint8))
@@ -219,14 +219,14 @@ def checkerboard_scene(distance_m: float) -> tuple[_core.CameraScene, Floats]:
     label = world.add_solid("board", turn.apply(corners) + place, [[0, 1, 2], [0, 2, 3]])
     scene = _core.CameraScene(world, _core.RayScene(world), 0)
     uv = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], np.float32)
-    scene.set_look(label, "plain", "structure", None, np.repeat(image[..., None], 3, axis=2), uv)
+    scene.set_appearance(label, "plain", "structure", None, np.repeat(image[..., None], 3, axis=2), uv)
     j, i = np.mgrid[2 : rows - 1, 2 : columns - 1].reshape(2, -1)
     inner = np.column_stack([np.zeros(len(i)), 0.5 * width - i * SQUARE_M, 0.5 * height - j * SQUARE_M])
     return scene, turn.apply(inner) + place
 
 
 def checkerboard_corners() -> list[Check]:
-    """Corners found in a picture through a distorting lens, against OpenCV's projectPoints. Needs OpenCV."""
+    """Corners found in a picture through a distorting lens are where OpenCV's projectPoints puts them. Needs OpenCV."""
     try:
         import cv2
     except ImportError:
@@ -238,7 +238,7 @@ def checkerboard_corners() -> list[Check]:
     picture = scene.render(
         _core.Camera("check", lens), light, (0, 0, -3), (0, 0, 0, 1), 0.0, 0, ["distortion"], keep_radiance=True
     )
-    # Before the transfer curve, which widens white edges and so pulls what the finder finds.
+    # Linear light: the transfer curve would widen white edges and so shift the corners that the finder finds.
     linear = np.asarray(picture.radiance)[..., 1]
     grey = np.clip(linear / linear.max() * 250, 0, 255).astype(np.uint8)
     found, pixels = cv2.findChessboardCorners(grey, CHECKERS)
@@ -250,12 +250,12 @@ def checkerboard_corners() -> list[Check]:
     camera = np.array([[focal, 0, 319.5], [0, focal, 239.5], [0, 0, 1]])
     expected = cv2.projectPoints(optical, np.zeros(3), np.zeros(3), camera, np.array(distortion))[0].reshape(-1, 2)
     nearest = np.linalg.norm(expected[:, None] - pixels[None], axis=2).min(axis=1)
-    what = f"{len(nearest)} corners against projectPoints"
-    return [along("checkerboard", what, np.zeros(len(nearest)), nearest, 1.0, 0.1, "pixels")]
+    name = f"{len(nearest)} corners against projectPoints"
+    return [along("checkerboard", name, np.zeros(len(nearest)), nearest, 1.0, 0.1, "pixels")]
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """All checks."""
+    """Return all checks of the suite."""
     return [
         *wall_against_range(),
         *sunlight_against_depth(),

@@ -1,4 +1,4 @@
-"""One figure that is compared: what it should be, what it is, and how far apart they may be."""
+"""One comparison of a validation: the expected value, the simulator's, the error and its tolerance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Check:
-    """A comparison. error and tolerance are relative to a scale that the maker chose; see relative() and along()."""
+    """A comparison. error and tolerance are relative to a scale; see relative(), within() and along()."""
 
     group: str
     name: str
@@ -23,24 +23,24 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is a number within the tolerance."""
+        """Whether the error is finite and within the tolerance."""
         return math.isfinite(self.error) and self.error <= self.tolerance
 
 
 def relative(group: str, name: str, expected: float, got: float, tolerance: float, unit: str = "") -> Check:
-    """Compare one figure with its expected value, which must not be zero; the error is relative to it."""
+    """Compare a value with its expected value, which must not be zero; the error is relative to it."""
     return Check(group, name, expected, got, abs(got - expected) / abs(expected), tolerance, unit)
 
 
 def within(group: str, name: str, expected: float, got: float, scale: float, tolerance: float, unit: str = "") -> Check:
-    """Compare one figure that may be zero; the error is relative to `scale`."""
+    """Compare a value with one that may be zero; the error is relative to `scale`."""
     return Check(group, name, expected, got, abs(got - expected) / scale, tolerance, unit)
 
 
 def along(
     group: str, name: str, expected: ArrayLike, got: ArrayLike, scale: float, tolerance: float, unit: str = ""
 ) -> Check:
-    """Compare two curves; the error is their largest distance relative to `scale`. Shows the values where that is."""
+    """Compare two curves; the error is their largest distance relative to `scale`, and the values are those there."""
     reference, found = np.asarray(expected, np.float64), np.asarray(got, np.float64)
     distance = np.abs(found - reference) / scale
     worst = int(np.argmax(np.where(np.isfinite(distance), distance, np.inf)))

@@ -1,4 +1,4 @@
-"""Bodies whose motion has a closed form: spheres, boxes and the tumbling body, made here and flown by the simulator."""
+"""Bodies whose motion has a closed form (spheres, a box, a tumbling body), flown by the simulator."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uwsim.simulator import Simulator
 from uwsim.validate.check import Check, along, relative, within
 from uwsim.validate.flights import attitude_error_rad, deep_water, fly
 from uwsim.validate.published import BLUEROV2_HEAVY
-from uwsim.validate.reference import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
+from uwsim.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
 
 GROUP = "closed forms"
 WATER_KG_M3 = 1000.0
@@ -26,11 +26,11 @@ TUMBLING_S = 100.0
 
 
 def closed_forms() -> list[Check]:
-    """All of them."""
+    """Return all checks."""
     return [*sphere_from_rest(), *terminal_speed(), *floating_box(), *tumbling()]
 
 
-def simulator_of(
+def simulator_with_body(
     body: Coefficients,
     mesh: trimesh.Trimesh,
     *,
@@ -39,7 +39,7 @@ def simulator_of(
     friction: float = 0.5,
     restitution: float = 0.1,
 ) -> Simulator:
-    """A simulator with a vehicle of these coefficients and this hull: the same files and checks as a user's."""
+    """Return a simulator with a vehicle of these coefficients and this hull, through the same files as a user's."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hull.obj"
         _write_obj(mesh, path)
@@ -64,7 +64,7 @@ def simulator_of(
 
 
 def _write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
-    """To the last digit, which trimesh's own exporters round away."""
+    """Write all digits; trimesh's own exporters round."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -73,14 +73,14 @@ def _write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
 def sphere_from_rest() -> list[Check]:
     """A sphere released at rest accelerates as if it carried half the water it displaces (Lamb 1932, art. 92)."""
     sim, body = _sphere(density_kg_m3=2000.0, quadratic_damping=0.0)
-    flight_z = _after_one_step(sim)
+    got = _first_acceleration(sim)
     displaced = WATER_KG_M3 * body.volume_m3
     expected = -(body.mass_kg - displaced) * GRAVITY_M_S2 / (body.mass_kg + 0.5 * displaced)
-    return [relative(GROUP, "sphere from rest: acceleration", expected, flight_z, 1e-9, "m/s2")]
+    return [relative(GROUP, "sphere from rest: acceleration", expected, got, 1e-9, "m/s2")]
 
 
 def terminal_speed() -> list[Check]:
-    """A falling sphere's weight in water equals its drag; an effort's force does so ahead."""
+    """At terminal speed a falling sphere's drag equals its weight in water, a driven one's the force of the effort."""
     sim, body = _sphere(density_kg_m3=2000.0, quadratic_damping=50.0)
     weight_n = (body.mass_kg - WATER_KG_M3 * body.volume_m3) * GRAVITY_M_S2
     fallen = fly(sim, ZERO_6, 20.0).velocities[-1, 2]
@@ -94,9 +94,9 @@ def terminal_speed() -> list[Check]:
 
 
 def floating_box() -> list[Check]:
-    """A box of two fifths of the water's density floats two fifths deep; heeled, it rights by the wall-sided formula.
+    """A box with two fifths of the water's density floats two fifths deep; its righting moment is the wall-sided one.
 
-    M = m g sin(heel) (GM + BM tan^2(heel) / 2), GM = BM - BG: exact while the edges stay on their sides of the water
+    M = m g sin(heel) (GM + BM tan^2(heel) / 2), GM = BM - BG: exact while each edge stays on its side of the surface
     (Rawson and Tupper 2001, Basic Ship Theory, ch. 4).
     """
     length, beam, height, share = 2.0, 1.0, 0.4, 0.4
@@ -116,8 +116,8 @@ def floating_box() -> list[Check]:
     heel = np.radians(8.0)
     righting = metacentric_height + 0.5 * metacentric_radius * np.tan(heel) ** 2
     torque_nm = mass * GRAVITY_M_S2 * np.sin(heel) * righting
-    # Straight torques act by the hull's share under water, as its thrusters would.
-    sim = simulator_of(body, hull, max_torque_nm=(torque_nm / share, 0.0, 0.0))
+    # An effort's torque is scaled by the share of the hull under water, as a thruster's would be.
+    sim = simulator_with_body(body, hull, max_torque_nm=(torque_nm / share, 0.0, 0.0))
     sim.rov.place((0.0, 0.0, 0.1))
     sim.advance(30.0)
     afloat_m = sim.rov.pose.position_world_m[2]
@@ -132,13 +132,13 @@ def floating_box() -> list[Check]:
 
 
 def tumbling() -> list[Check]:
-    """BlueROV2 Heavy, neutral, r_G = r_B, without damping, tumbles for 100 s: what Kirchhoff's equations keep is kept.
+    """BlueROV2 Heavy, neutral, r_G = r_B, undamped, tumbles for 100 s: the constants of Kirchhoff's equations hold.
 
-    Energy, |P|^2 and P.L are constants of the motion; the attitude is compared with an integration of high order.
+    Energy, |P|^2 and P.L are constants of the motion; the attitude is compared with a high-order integration.
     """
     body = undamped_heavy()
     side = body.volume_m3 ** (1 / 3)
-    sim = simulator_of(body, trimesh.creation.box((side, side, side)))
+    sim = simulator_with_body(body, trimesh.creation.box((side, side, side)))
     flown = fly(sim, TUMBLE, TUMBLING_S)
     expected = integrate(body, TUMBLE, flown.times_s)
     checks = [
@@ -151,7 +151,7 @@ def tumbling() -> list[Check]:
 
 
 def undamped_heavy() -> Coefficients:
-    """BlueROV2 Heavy in inviscid water, neutral, its centres of mass and buoyancy at the origin."""
+    """Return BlueROV2 Heavy in inviscid water, neutral, with the centres of mass and buoyancy at the origin."""
     return replace(
         BLUEROV2_HEAVY,
         mass_kg=WATER_KG_M3 * BLUEROV2_HEAVY.volume_m3,
@@ -162,7 +162,7 @@ def undamped_heavy() -> Coefficients:
 
 
 def constants_of_motion(body: Coefficients, flight: Flight) -> list[tuple[str, Array, str]]:
-    """Energy, |P|^2 and P.L along a flight: name, (n,) values, unit."""
+    """Return energy, |P|^2 and P.L along a flight as (name, values (n,), unit)."""
     momenta = flight.velocities @ body.mass
     linear, angular = momenta[:, :3], momenta[:, 3:]
     return [
@@ -186,11 +186,11 @@ def _sphere(
         linear_damping=ZERO_6,
         quadratic_damping=(quadratic_damping,) * 6,
     )
-    return simulator_of(body, ball, max_force_n=max_force_n), body
+    return simulator_with_body(body, ball, max_force_n=max_force_n), body
 
 
-def _after_one_step(sim: Simulator) -> float:
-    """Mean vertical acceleration over the first step from rest."""
+def _first_acceleration(sim: Simulator) -> float:
+    """Return the mean vertical acceleration over the first step from rest [m/s2]."""
     sim.rov.place((0.0, 0.0, -400.0))
     sim.step()
     return float(sim.rov.velocity.linear_body_m_s[2] / sim.step_s)

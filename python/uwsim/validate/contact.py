@@ -1,4 +1,4 @@
-"""Laws of contact with the bed: the impulse that the whole mass gives, energy that never grows, rest."""
+"""Laws of contact with the bed: the impulse with the full mass matrix, energy that never grows, and rest."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.simulator import Simulator
 from uwsim.validate.check import Check, relative, within
-from uwsim.validate.closed_forms import ZERO_6, simulator_of
+from uwsim.validate.closed_forms import ZERO_6, simulator_with_body
 from uwsim.validate.flights import BED_DEPTH_M
-from uwsim.validate.reference import GRAVITY_M_S2, Array, Coefficients
+from uwsim.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients
 
 GROUP = "contact"
 SIZE_M = (1.2, 0.8, 0.6)
 ADDED_MASS = (300.0, 2000.0, 4000.0, 150.0, 250.0, 500.0)
 SPEED_M_S = 1.0
-REST_GAP_M = 1e-3  # what a resting body may keep from the bed
+REST_GAP_M = 1e-3  # largest gap between a resting body and the bed
 
 
 def contact_laws() -> list[Check]:
-    """All of them."""
+    """Return all checks."""
     return [*impulses(), *energy(), *rest()]
 
 
 def impulses() -> list[Check]:
-    """J = (1 + e) v / (n^T M^-1 n) with the full M of body and water, where a face, an edge and a corner strike."""
+    """The impulse when a face, an edge or a corner strikes: J = (1 + e) v / (n^T M^-1 n), M of body and water."""
     checks = []
     for name, pitch, roll in (("face", 0.0, 0.0), ("edge", 0.3, 0.0), ("corner", 0.3, 0.25)):
         for restitution in (0.0, 0.5):
@@ -37,9 +37,9 @@ def impulses() -> list[Check]:
 
 
 def energy() -> list[Check]:
-    """A tumbling body with ten times its mass added in heave strikes the bed again and again: energy only falls."""
+    """A tumbling body, its added mass in heave ten times its mass, strikes the bed repeatedly: energy never grows."""
     body = _body(density_kg_m3=1500.0, added_mass=(300.0, 3000.0, 8600.0, 100.0, 250.0, 400.0))
-    sim = simulator_of(body, trimesh.creation.box(SIZE_M), restitution=0.5)
+    sim = simulator_with_body(body, trimesh.creation.box(SIZE_M), restitution=0.5)
     weight_n = (body.mass_kg - 1000.0 * body.volume_m3) * GRAVITY_M_S2
 
     def energy_j() -> float:
@@ -54,18 +54,18 @@ def energy() -> list[Check]:
         now = energy_j()
         grown, least = max(grown, now - least), min(least, now)
     if not sim.rov.collisions:
-        grown = np.inf  # nothing was tested
+        grown = np.inf  # no contact, so nothing was tested
     return [within(GROUP, "energy gained over 10 s of striking", 0.0, grown, start, 1e-4, "J")]
 
 
 def rest() -> list[Check]:
-    """A sinking body lies still within a millimetre of the bed, whatever its added mass."""
+    """A sinking body comes to rest within a millimetre of the bed, whatever its added mass."""
     checks = []
     for factor in (0.0, 10.0):
         body = _body(
             density_kg_m3=2000.0, added_mass=(factor * 2000.0 * float(np.prod(SIZE_M)),) * 3 + (factor * 100.0,) * 3
         )
-        body_damped = simulator_of(_damped(body), trimesh.creation.box(SIZE_M))
+        body_damped = simulator_with_body(_damped(body), trimesh.creation.box(SIZE_M))
         body_damped.rov.place((0.3, 0.2, -BED_DEPTH_M + 0.6))
         body_damped.advance(20.0)
         gap_m = body_damped.rov.pose.position_world_m[2] + BED_DEPTH_M - SIZE_M[2] / 2
@@ -94,9 +94,9 @@ def _damped(body: Coefficients) -> Coefficients:
 
 
 def _impulse(pitch_rad: float, roll_rad: float, restitution: float) -> tuple[float, float]:
-    """Expected and got, of a box that comes straight down without turning and strikes with its lowest point."""
+    """Return expected and got for a box that moves straight down and strikes with its lowest point."""
     body = _body(density_kg_m3=1000.0, added_mass=ADDED_MASS)
-    sim = simulator_of(body, trimesh.creation.box(SIZE_M), friction=0.0, restitution=restitution)
+    sim = simulator_with_body(body, trimesh.creation.box(SIZE_M), friction=0.0, restitution=restitution)
     turn = Rotation.from_euler("yx", [pitch_rad, roll_rad])
     normal = turn.inv().apply([0.0, 0.0, 1.0])
     lowest = -np.sign(np.where(np.abs(normal) < 1e-12, 0.0, normal)) * np.array(SIZE_M) / 2

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from uwsim.validate.actuators import thruster_checks
 from uwsim.validate.check import Check
 from uwsim.validate.closed_forms import closed_forms
 from uwsim.validate.contact import contact_laws
-from uwsim.validate.curves import draw_decays, draw_turning
 from uwsim.validate.fins import fin_checks
 from uwsim.validate.published import PUBLISHED
+from uwsim.validate.thrusters import thruster_checks
+from uwsim.validate.vehicle_curves import draw_decays, draw_turning
 from uwsim.validate.vehicles import vehicle_checks
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """All checks; each vehicle's decay and turning curves go into the folder `out`."""
+    """Return all checks; draw each vehicle's decay and turning curves into the folder `out`."""
     checks = [*closed_forms(), *contact_laws(), *thruster_checks(), *fin_checks()]
     for name in PUBLISHED:
         found, curves = vehicle_checks(name)

@@ -1,7 +1,7 @@
-"""REMUS 100's fins and hull lift, each alone and in a turn under its propeller, against published figures and law.
+"""REMUS 100's fins and hull lift, each alone and in a turn under propulsion, compared with published figures and law.
 
-Figures are written here apart from the YAML file, and the law (Beard and McLain 2012, Small Unmanned Aircraft, ch. 4)
-apart from the core. The turn is integrated by SciPy.
+The figures are written here apart from the YAML file, and the law (Beard and McLain 2012, Small Unmanned Aircraft,
+ch. 4) apart from the core. The turn is integrated by SciPy.
 """
 
 from __future__ import annotations
@@ -13,14 +13,16 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from uwsim.scenario import VehicleModel, load_vehicle
-from uwsim.validate.actuators import MOUNTS, STILL, Probe, wrench_checks
+from uwsim.validate.actuator_probe import STILL, Probe, wrench_checks
 from uwsim.validate.check import Check, along, relative
 from uwsim.validate.flights import deep_water, fly, times
 from uwsim.validate.published import REMUS_100
-from uwsim.validate.reference import GRAVITY_M_S2, Array, cross_matrix
+from uwsim.validate.published_thrusters import MOUNTS
+from uwsim.validate.reference_solution import GRAVITY_M_S2, Array, cross_matrix
 
-# Tail: Prestero 2001. Hull, vertical and lateral: Fossen's remus100.py, 0.7 L D and D^2 / S, efficiency 0.7. Ours, with
-# their reasons in the YAML file: places, profile drag, stall (2 degrees wide), rate, the tail's efficiency.
+# Tail fins: Prestero 2001. Hull, vertical and lateral: Fossen's remus100.py, area 0.7 L D, aspect ratio D^2 / S,
+# efficiency 0.7. Our own values, with reasons in the YAML file: positions, profile drag, stall (2 degrees wide), rate,
+# the tail's efficiency.
 FINS = ("port", "starboard", "top", "bottom")
 _SPAN = np.array([(0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (0, 1, 0), (0, 0, 1)], np.float64)
 _PLACE = np.array([(-0.73, 0, 0)] * 4 + [(-0.24, 0, 0)] * 2) + 0.1 * _SPAN * np.array([[1]] * 4 + [[0]] * 2)
@@ -33,7 +35,7 @@ _MOST_DEG, _RATE_DEG_S = 15.0, 90.0
 
 
 def fins_wrench(velocity: Array, angles_rad: Mapping[str, float]) -> Array:
-    """REMUS 100's fins and hull: lift and drag at each one's place, in the flow there, across its span: (6,)."""
+    """Return the wrench (6,) of REMUS 100's fins and hull: lift and drag of each in the flow at its position."""
     there = velocity[:3] + _PLACE @ cross_matrix(velocity[3:]).T
     ahead, across = there[:, 0], np.einsum("ni,ni->n", there, _ACROSS)
     speed2 = ahead**2 + across**2
@@ -55,7 +57,7 @@ _PLACE_CROSS = np.array([cross_matrix(place) for place in _PLACE])
 
 
 def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Drag at no deflection, each fin's lift at 10 degrees and in its stall, and the hull's lift and drag in drift."""
+    """Drag without deflection, each fin's lift at 10 degrees and in stall, and the hull's lift and drag in drift."""
     probe, ahead = Probe(name, model), np.array([2.0, 0, 0, 0, 0, 0])
     cases: list[tuple[str, Array, dict[str, float]]] = [("fins centred", ahead, {})]
     cases += [(f"{fin} at 10 deg", ahead, {fin: 10.0}) for fin in FINS]
@@ -73,7 +75,7 @@ def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> I
 
 
 def fin_travel(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Full effort: the fins turn at their rate, to their limit, the way that turns the vehicle: to port, nose down."""
+    """At full effort the fins turn at their rate to their limit, in the sense that turns to port or nose down."""
     probe = Probe(name, model)
     for effort, sides in (("yaw", {"top": -1, "bottom": 1}), ("pitch", {"port": -1, "starboard": 1})):
         probe.rov.set_effort(**{effort: 1.0})
@@ -91,7 +93,7 @@ PATH_TOLERANCE, STEADY_TOLERANCE = 4e-3, 1e-3
 
 @lru_cache(maxsize=1)
 def _turn() -> tuple[Array, Array]:
-    """Positions (n, 3) and velocities (n, 6) of REMUS 100 from rest under TURN_SURGE and TURN_YAW."""
+    """Return positions (n, 3) and velocities (n, 6) of REMUS 100 from rest under TURN_SURGE and TURN_YAW."""
     body, mount = REMUS_100, MOUNTS["remus100"]["propeller"]
     mass, inverse = body.mass, np.linalg.inv(body.mass)
     weight_n = body.mass_kg * GRAVITY_M_S2
@@ -99,12 +101,12 @@ def _turn() -> tuple[Array, Array]:
     def rate(t: float, y: Array) -> Array:
         attitude, momentum = y[3:12].reshape(3, 3), y[12:]
         nu = inverse @ momentum
-        still_n = TURN_SURGE * mount.kind.table[-1][1] * -np.expm1(-t / mount.kind.time_constant_s)
+        still_n = TURN_SURGE * mount.propeller.table[-1][1] * -np.expm1(-t / mount.propeller.time_constant_s)
         rudder = np.radians(min(_RATE_DEG_S * t, TURN_YAW * _MOST_DEG))
-        thrust_n = mount.kind.thrust_n(still_n, mount.inflow_m_s(nu), body.water_density_kg_m3)
+        thrust_n = mount.propeller.thrust_n(still_n, mount.inflow_m_s(nu), body.water_density_kg_m3)
         wrench = mount.wrench(thrust_n) + fins_wrench(nu, {"top": -rudder, "bottom": rudder})
         wrench -= (np.asarray(body.linear_damping) + np.asarray(body.quadratic_damping) * np.abs(nu)) * nu
-        wrench[3:] += np.cross(body.centre_of_mass_m, -weight_n * attitude[2])  # neutral: no force is left
+        wrench[3:] += np.cross(body.centre_of_mass_m, -weight_n * attitude[2])  # neutral: the net force is zero
         turning = cross_matrix(nu[3:])
         force = wrench[:3] - turning @ momentum[:3]
         moment = wrench[3:] - turning @ momentum[3:] - np.cross(nu[:3], momentum[:3])
@@ -116,7 +118,7 @@ def _turn() -> tuple[Array, Array]:
 
 
 def fin_turn(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """From rest into a steady turn by propeller and rudders: path, speed and yaw rate."""
+    """Path, speed and yaw rate from rest into a steady turn by propeller and rudders."""
     positions, velocities = _turn()
     sim = deep_water(model or load_vehicle(name), density_kg_m3=REMUS_100.water_density_kg_m3)
     sim.rov.set_effort(surge=TURN_SURGE, yaw=TURN_YAW)
@@ -132,5 +134,5 @@ def fin_turn(name: str = "remus100", model: VehicleModel | None = None) -> Itera
 
 
 def fin_checks() -> list[Check]:
-    """All of them."""
+    """Return all checks."""
     return [*fin_wrenches(), *fin_travel(), *fin_turn()]

@@ -1,4 +1,4 @@
-"""Motions flown by the simulator itself, in deep still water, for comparison with their references."""
+"""Motions flown by the simulator in deep still water, to be compared with reference solutions."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.simulator import Simulator
-from uwsim.validate.reference import Array, Flight
+from uwsim.validate.reference_solution import Array, Flight
 
 START_M = (0.0, 0.0, -400.0)
 BED_DEPTH_M = 1000.0
@@ -16,7 +16,7 @@ SAMPLE_S = 0.05
 
 
 def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0) -> Simulator:
-    """A simulator with one free vehicle of this model, far from surface and flat bed in still water of one density."""
+    """Return a simulator with one free vehicle in still water of one density, far from the surface and the flat bed."""
     return Simulator(
         Scenario.model_validate(
             {
@@ -31,12 +31,12 @@ def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0) -> Simulat
 
 
 def times(duration_s: float) -> Array:
-    """Sample times from 0 to the end."""
+    """Return the sample times from 0 to duration_s."""
     return np.linspace(0.0, duration_s, round(duration_s / SAMPLE_S) + 1)
 
 
 def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: float) -> Flight:
-    """The motion from a level attitude with velocity_body (6,) at START_M, under the efforts as they are."""
+    """Return the motion from START_M, level, with velocity_body (6,), under the present efforts."""
     rov = sim.rov
     rov.place(START_M, velocity_body=np.asarray(velocity_body, np.float64))
     samples = times(duration_s)
@@ -54,7 +54,7 @@ def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: floa
 
 
 def attitude_error_rad(got: Array, expected: Array) -> Array:
-    """Angles (n,) between attitudes (n, 3, 3)."""
+    """Return the angles (n,) between attitudes (n, 3, 3)."""
     between = np.einsum("nji,njk->nik", expected, got)
     axis = np.stack(
         [

@@ -1,6 +1,6 @@
 """The imaging suite: the packaged imaging sonars over a flat bed, against the sonar equation and plain geometry.
 
-Expected figures are worked out here, from the models' published formulas, not by the code that runs.
+Expected values are computed here from published formulas, not by the code under test.
 """
 
 from __future__ import annotations
@@ -13,24 +13,25 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from uwsim import _core, imaging
-from uwsim.figure_style import save_figure
-from uwsim.imaging import Acoustics, ForwardLooking, SideScan, SingleBeam
+from uwsim import _core
+from uwsim.figures.style import save_figure
+from uwsim.sonars import imaging
+from uwsim.sonars.imaging import Acoustics, ForwardLooking, SideScan, SingleBeam
 from uwsim.validate.check import Check, along, relative, within
 
 Array = NDArray[np.float64]
 BED_M, HEIGHT_M = -30.0, 6.0
-BED_DB, BOX_DB = -30.0, -15.0  # any that differ
+BED_DB, BOX_DB = -30.0, -15.0  # arbitrary, but different
 SILENCE_DB = -200.0
-AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # as the packaged models sample their beams
-HAMMING = 0.46  # of the vertical patterns' windows
-EDGE_SHARE = 0.04  # of the aperture's angles, left out at both ends of its main lobe
+AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # the sampling error of the packaged models
+HAMMING = 0.46  # taper of the vertical patterns' windows
+EDGE_SHARE = 0.04  # of the aperture's angles, excluded at both ends of its main lobe
 EVEN_APERTURE_RAD = np.radians(170.0)
 
 
 @dataclass(frozen=True)
 class Basin:
-    """What a sonar needs of a simulator: a flat bed and boxes on it."""
+    """A flat bed with boxes: an uwsim.sonars.imaging.Place."""
 
     world: _core.World
     scene: _core.RayScene
@@ -41,8 +42,8 @@ class Basin:
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """All checks; the bed's level over range goes into the folder `out`."""
-    curves = [bed_seen_ahead(ForwardLooking()), bed_seen_aside(SideScan())]
+    """Return all checks; draw the bed's level over range into the folder `out`."""
+    curves = [bed_level_ahead(ForwardLooking()), bed_level_aside(SideScan())]
     if out is not None:
         draw_levels(curves, out / "imaging_bed_level.png")
     checks = [
@@ -54,7 +55,7 @@ def run(out: Path | None = None) -> list[Check]:
 
 @dataclass(frozen=True)
 class Level:
-    """Received levels of a flat bed by range, expected and got [dB re 1 uPa]."""
+    """Received level of a flat bed by range, expected and simulated [dB re 1 uPa]."""
 
     name: str
     ranges_m: Array
@@ -63,7 +64,7 @@ class Level:
 
 
 def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Basin:
-    """A flat bed with boxes (middle, size)."""
+    """Return a flat bed with boxes (centre, size)."""
     world = _core.World()
     world.set_terrain(np.full((2, 2), BED_M, np.float32), 600.0, (-300.0, -300.0))
     for k, (middle_m, size_m) in enumerate(boxes):
@@ -74,7 +75,7 @@ def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]])
 
 
 def pattern_power(off_axis_rad: Array, width_rad: float, taper: float) -> Array:
-    """A line array's power pattern with a raised-cosine window, by direct summation over its aperture."""
+    """Return a line array's power pattern with a raised-cosine window, by direct summation over the aperture."""
     places = (np.arange(2000) + 0.5) / 2000 - 0.5
     window = (1 - taper) + taper * np.cos(2 * np.pi * places)
 
@@ -87,9 +88,9 @@ def pattern_power(off_axis_rad: Array, width_rad: float, taper: float) -> Array:
 
 
 def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, vertical: Array, per_range: Array) -> Array:
-    """Level of a flat bed: SL - 40 log R - 2 alpha R + BS + 20 log cos i + 10 log (cell's area x pattern).
+    """Return the level of a flat bed: SL - 40 log R - 2 alpha R + BS + 20 log cos i + 10 log (cell area x pattern).
 
-    width_rad: the beam's equivalent width; per_range: metres of bed across the beam for each metre of range.
+    width_rad: the beam's equivalent width. per_range: metres of bed along the range for each metre of slant range.
     """
     water = _core.Water()
     depth_m = -(BED_M + HEIGHT_M)
@@ -103,11 +104,14 @@ def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, verti
     return np.asarray(model.source_level_db - lost_db + lambert_db + 10 * np.log10(area_m2 * vertical), np.float64)
 
 
-def bed_seen_ahead(model: ForwardLooking, believed: ForwardLooking | None = None) -> Level:
-    """The middle beam of a forward-looking sonar. believed: of what the expected levels are; the model itself."""
+def bed_level_ahead(model: ForwardLooking, believed: ForwardLooking | None = None) -> Level:
+    """Return the level in the middle beam of a forward-looking sonar.
+
+    believed: the model that the expected levels assume, by default the same.
+    """
     tilt_rad = np.radians(12.0)
-    heard = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, beams=model.beams | 1)
-    image = imaging.look_ahead(basin(), imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=tilt_rad), heard)
+    quiet = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, beams=model.beams | 1)
+    image = imaging.look_ahead(basin(), imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=tilt_rad), quiet)
     believed = believed or model
     off_axis_rad = np.arcsin(np.minimum(HEIGHT_M / image.ranges_m, 1.0)) - tilt_rad
     shown = np.abs(off_axis_rad) < believed.vertical_width_rad * (1 - EDGE_SHARE)
@@ -117,17 +121,17 @@ def bed_seen_ahead(model: ForwardLooking, believed: ForwardLooking | None = None
     )
     ranges_m, off_axis_rad = image.ranges_m[shown], off_axis_rad[shown]
     vertical = np.maximum(pattern_power(off_axis_rad, believed.vertical_width_rad, HAMMING), 1e-4)
-    # Beams are planes through the tilted head's z axis: they spread by the cosine of the elevation off its level.
+    # Beams are planes through the tilted head's z axis: they widen by the cosine of the elevation from its level plane.
     spread = np.cos(off_axis_rad) / np.sqrt(1 - (HEIGHT_M / ranges_m) ** 2)
     expected = sonar_equation_db(believed, ranges_m, width_rad, vertical, spread)
-    return Level("forward-looking", ranges_m, expected, image.level_db[shown, heard.beams // 2].astype(np.float64))
+    return Level("forward-looking", ranges_m, expected, image.level_db[shown, quiet.beams // 2].astype(np.float64))
 
 
-def bed_seen_aside(model: SideScan, believed: SideScan | None = None) -> Level:
-    """A side-scan's port beam."""
+def bed_level_aside(model: SideScan, believed: SideScan | None = None) -> Level:
+    """Return the level in the port beam of a side-scan sonar."""
     planes = 15  # enough to integrate the pattern along the track
-    heard = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, planes=planes)
-    waterfall = imaging.look_aside(basin(), [imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))], heard)
+    quiet = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, planes=planes)
+    waterfall = imaging.look_aside(basin(), [imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))], quiet)
     believed = believed or model
     shown = waterfall.ranges_m > 1.3 * HEIGHT_M
     ranges_m = waterfall.ranges_m[shown]
@@ -140,13 +144,13 @@ def bed_seen_aside(model: SideScan, believed: SideScan | None = None) -> Level:
 
 
 def gain_checks() -> list[Check]:
-    """Time-varied gain evens out a flat bed; without it, two frequencies differ by absorption alone."""
+    """Time-varied gain makes a flat bed even; without it, two frequencies differ only by absorption."""
     even = ForwardLooking(looks=0, noise_level_db=SILENCE_DB, vertical_width_rad=float(EVEN_APERTURE_RAD), beams=3,
                           field_of_view_rad=0.05, rays_per_column=3000)  # fmt: skip
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))
     level_db = imaging.look_ahead(basin(), head, even).level_db[:, 1]
-    seen = level_db[even.bin_centres_m > 3 * HEIGHT_M]
-    checks = [within("gain", "unevenness of a flat bed", 0.0, float(np.ptp(seen)), 1.0, 0.5, "dB")]
+    far_bed = level_db[even.bin_centres_m > 3 * HEIGHT_M]
+    checks = [within("gain", "unevenness of a flat bed", 0.0, float(np.ptp(far_bed)), 1.0, 0.5, "dB")]
     raw = [
         imaging.look_ahead(basin(), head, replace(even, time_varied_gain=False, frequency_hz=hertz)).level_db[:, 1]
         for hertz in (300e3, 900e3)
@@ -165,7 +169,7 @@ def gain_checks() -> list[Check]:
 
 
 def geometry_checks() -> list[Check]:
-    """Where the shadow of a box ends, where a small target is, how high a side-scan flies."""
+    """Check the end of a box's shadow, the place of a small target, and the altitude of a side-scan."""
     top, back = 1.5, 15.0
     sim = basin(((back - 0.5, 0.0, BED_M + top / 2), (1.0, 10.0, top)))
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=0.2)
@@ -194,7 +198,7 @@ def geometry_checks() -> list[Check]:
 
 
 def speckle_checks() -> list[Check]:
-    """Noise alone: amplitude is Rayleigh, power is a gamma variate of as many looks."""
+    """Noise alone has a Rayleigh amplitude, and a power that is a gamma variate of the number of looks."""
     checks = []
     deep = imaging.pose_matrix((0, 0, BED_M / 2), pitch_rad=-1.2)
     for looks in (1, 4):
@@ -211,7 +215,7 @@ def speckle_checks() -> list[Check]:
 
 
 def profile_checks() -> list[Check]:
-    """The pencil beam finds a flat bed at height over cosine, averaged over pings against speckle."""
+    """The pencil beam measures a flat bed at height over cosine, averaged over pings to reduce speckle."""
     checks = []
     down = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=np.pi / 2)
     model = SingleBeam()
@@ -225,7 +229,7 @@ def profile_checks() -> list[Check]:
 
 
 def draw_levels(levels: list[Level], path: Path) -> None:
-    """Expected and simulated levels of the flat bed over range."""
+    """Draw the expected and simulated levels of the flat bed over range."""
     figure, panel = plt.subplots(figsize=(9, 4.5), layout="constrained", dpi=120)
     for level, colour in zip(levels, ("C1", "C0"), strict=True):
         panel.plot(level.ranges_m, level.expected, lw=4, alpha=0.35, color=colour, label=f"{level.name}, expected")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uwsim.validate.reference import Coefficients
+from uwsim.validate.reference_solution import Coefficients
 
 BLUEROV2_HEAVY = Coefficients(
     mass_kg=13.5,
@@ -23,7 +23,7 @@ BLUEROV2_WU = Coefficients(
     linear_damping=(4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
     quadratic_damping=(18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
     centre_of_buoyancy_m=(0.0, 0.0, 0.02),
-    source="Wu 2018, Flinders University, as OsloMet OceanLab has it; volume of MarineGym; mass assumed",
+    source="Wu 2018, Flinders University, as used by OsloMet OceanLab; volume of MarineGym; mass assumed",
 )
 
 BLUEROV2_TANK = Coefficients(
@@ -37,8 +37,8 @@ BLUEROV2_TANK = Coefficients(
     source="Nan Fernandez-Ayala 2025, bluerov2_dynamics, fossen/parameters.py; centre of buoyancy assumed",
 )
 
-# Fossen takes the hull for a spheroid; damping in sway, heave, pitch and yaw is its cross-flow drag (Prestero 2001, as
-# Ariza Ramirez 2018 works it through).
+# Fossen models the hull as a spheroid; damping in sway, heave, pitch and yaw is its cross-flow drag (Prestero 2001, as
+# worked out by Ariza Ramirez 2018).
 REMUS_100 = Coefficients(
     mass_kg=31.03,
     volume_m3=31.03 / 1026,

@@ -1,6 +1,6 @@
-"""The sonar suite: maximum depths against the manufacturer's, the simulated instrument against its formula, refraction.
+"""The sonar suite: maximum depths against the manufacturer's table, physics mode against its formula, refraction.
 
-Assumed water: 4 deg C from top to bottom; the ocean of 35 psu and pH 8.0, fresh water of 0 psu. Nadir, flat rock.
+Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. Nadir, flat rock.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ INSTRUMENT_TOLERANCE = 0.05
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """All checks; depths, shares of detections and refraction's smile go into the folder `out` as pictures."""
+    """Return all checks; draw depths, detection rates and the smile of refraction into the folder `out`."""
     fit = fit_table()
     simulated = {cell: half_detected_m(cell) for cell in TABLE_M}
     if out is not None:
@@ -30,7 +30,7 @@ def run(out: Path | None = None) -> list[Check]:
 
 
 def table_checks(fit: Fit) -> list[Check]:
-    """Each of the manufacturer's 20 depths, by the sonar equation with the fitted constants."""
+    """Check each of the manufacturer's 20 depths against the sonar equation with fitted constants."""
     return [
         relative(
             f"{cell.array} {WATERS[cell.water].text}",
@@ -45,7 +45,7 @@ def table_checks(fit: Fit) -> list[Check]:
 
 
 def constant_checks(fit: Fit) -> list[Check]:
-    """Each fitted constant against SL + PG + DI + BS - NL - DT of the model's file, in dB; the error is in dB."""
+    """Check each fitted constant against SL + PG + DI + BS - NL - DT of the model's file; values and errors in dB."""
     first, second = ARRAYS
     group = "fitted constants (expected: SL + PG + DI + BS - NL - DT)"
     checks = [
@@ -61,7 +61,7 @@ def constant_checks(fit: Fit) -> list[Check]:
 
 
 def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
-    """The depth at which physics mode detects half of the time, against the formula of the same, stated figures."""
+    """Check the depth at which physics mode detects half of the beams against the formula with the same figures."""
     return [
         relative(
             f"{cell.array} simulated, {cell.water}",

@@ -1,8 +1,8 @@
-"""How deep an EM 2040 reaches: the manufacturer's table, and the sonar equation with constants fitted to it.
+"""The maximum depth of an EM 2040: the manufacturer's table, and the sonar equation with constants fitted to it.
 
-At nadir, SL + PG + DI + BS - NL - DT = 40 log R + 2 alpha R - 10 log A(R): a constant of the instrument against what
-the way costs. The area A that scatters a range cell's worth (_core.nadir_area_m2) grows as R^2 while relief is lower
-than a range cell and as R beyond, from some 30 m of depth on: 30 log R for nearly the whole table.
+At nadir, SL + PG + DI + BS - NL - DT = 40 log R + 2 alpha R - 10 log A(R): a constant of the instrument equals the
+losses along the path. The area A that contributes to one range cell (_core.nadir_area_m2) grows as R^2 while relief is
+lower than a range cell and as R beyond, from about 30 m of depth on: 30 log R for nearly the whole table.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from uwsim import _core
-from uwsim.scenario.material_spec import ROCK
-from uwsim.scenario.sonar_spec import load_sonar
+from uwsim.scenario.build.multibeam import acoustic_spec, bottom_material
+from uwsim.scenario.spec.material import ROCK
+from uwsim.scenario.spec.sonar import load_sonar
 
 ARRAYS = ("em2040-04", "em2040-07")
 FREQUENCIES_KHZ = (200, 300, 400, 600, 700)
@@ -27,18 +28,18 @@ DEEPEST_M = 4000.0
 
 @dataclass(frozen=True)
 class ColdWater:
-    """Water of the table, as assumed here."""
+    """Assumed water of the table."""
 
     text: str
     salinity_psu: float
 
     @property
     def sound_speed_m_s(self) -> float:
-        """At the head, which is at the surface."""
+        """The speed of sound at the head, which is at the surface."""
         return _core.sound_speed_m_s(TEMPERATURE_DEG_C, self.salinity_psu, 0.0)
 
     def core_water(self) -> _core.Water:
-        """As the core takes it."""
+        """Return the core's water."""
         water = _core.Water()
         water.surface_temperature_deg_c = water.bottom_temperature_deg_c = TEMPERATURE_DEG_C
         water.salinity_psu = self.salinity_psu
@@ -54,25 +55,25 @@ WATERS = {
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of the table."""
+    """A cell of the manufacturer's table."""
 
     array: str
     frequency_khz: int
     water: str
 
     def depth_m(self, constant_db: float) -> float:
-        """How deep an instrument of this constant reaches here."""
+        """Return the maximum depth of an instrument with this constant."""
         return float(brentq(lambda depth_m: self.loss_db(depth_m) - constant_db, 0.5, DEEPEST_M, xtol=1e-6))
 
     def loss_db(self, depth_m: float) -> float:
-        """40 log R + 2 alpha R - 10 log A, alpha the mean from top to bottom."""
+        """Return 40 log R + 2 alpha R - 10 log A, with the mean alpha over depth."""
         figures, water = acoustics(self.array, self.frequency_khz).figures, WATERS[self.water]
-        area_m2 = _core.nadir_area_m2(figures, ROCK.core_material(), depth_m, water.sound_speed_m_s)
+        area_m2 = _core.nadir_area_m2(figures, bottom_material(ROCK), depth_m, water.sound_speed_m_s)
         absorbed_db = 2e-3 * self.mean_absorption_db_km(depth_m) * depth_m
         return 40 * math.log10(depth_m) + absorbed_db - 10 * math.log10(area_m2)
 
     def mean_absorption_db_km(self, depth_m: float) -> float:
-        """Francois and Garrison, integrated by Gauss and Legendre: smooth in depth."""
+        """Return the mean absorption (Francois and Garrison) by Gauss-Legendre quadrature, smooth in depth."""
         places, weights = np.polynomial.legendre.leggauss(4)
         salinity_psu = WATERS[self.water].salinity_psu
         hertz = 1e3 * self.frequency_khz
@@ -84,7 +85,7 @@ class Cell:
         )
 
     def stated_depth_m(self) -> float:
-        """By the figures of the model's file."""
+        """Return the maximum depth by the figures of the model's file."""
         return self.depth_m(stated_db(self.array, self.frequency_khz))
 
 
@@ -104,49 +105,49 @@ TABLE_M = {
 
 @lru_cache(maxsize=32)
 def acoustics(array: str, frequency_khz: int) -> _core.AcousticSpec:
-    """The shipped model's figures."""
-    return load_sonar(array).core_acoustics(frequency_khz)
+    """Return the figures of the packaged model."""
+    return acoustic_spec(load_sonar(array), frequency_khz)
 
 
 def stated_db(array: str, frequency_khz: int) -> float:
-    """SL + PG + DI + BS - NL - DT of the model's file and of rock."""
+    """Return SL + PG + DI + BS - NL - DT of the model's file and of rock."""
     figures = acoustics(array, frequency_khz).figures
     return figures.figure_db + ROCK.strength_db - figures.detection_threshold_db
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Six constants: one a frequency, of the first array, and by how much the second's are less."""
+    """Six constants: one for each frequency of the first array, and the difference of the second array."""
 
     constants_db: dict[int, float]
     array_difference_db: float
 
     def depth_m(self, cell: Cell) -> float:
-        """By the sonar equation."""
+        """Return the maximum depth by the sonar equation."""
         less_db = 0.0 if cell.array == ARRAYS[0] else self.array_difference_db
         return cell.depth_m(self.constants_db[cell.frequency_khz] - less_db)
 
 
 def fit_table() -> Fit:
-    """The constants whose largest relative miss of the table is least."""
+    """Return the constants that minimise the largest relative error."""
 
     def fit_frequency(khz: int, difference_db: float) -> tuple[float, float]:
-        """The constant, and the largest miss that is left: where two cells miss alike, one each way."""
+        """Return the constant and its largest relative error, where two cells have equal errors of opposite sign."""
         cells = [cell for cell in TABLE_M if cell.frequency_khz == khz]
 
-        def largest_miss(constant_db: float) -> float:
+        def largest_error(constant_db: float) -> float:
             fit = Fit({khz: constant_db}, difference_db)
             return max(abs(fit.depth_m(cell) / TABLE_M[cell] - 1) for cell in cells)
 
-        asked = [cell.loss_db(TABLE_M[cell]) + (0.0 if cell.array == ARRAYS[0] else difference_db) for cell in cells]
+        required = [cell.loss_db(TABLE_M[cell]) + (0.0 if cell.array == ARRAYS[0] else difference_db) for cell in cells]
         found = minimize_scalar(
-            largest_miss, bounds=(min(asked), max(asked)), method="bounded", options={"xatol": 1e-3}
+            largest_error, bounds=(min(required), max(required)), method="bounded", options={"xatol": 1e-3}
         )
         return float(found.x), float(found.fun)
 
-    def largest_miss(difference_db: float) -> float:
+    def largest_error(difference_db: float) -> float:
         return max(fit_frequency(khz, difference_db)[1] for khz in FREQUENCIES_KHZ)
 
-    difference = minimize_scalar(largest_miss, bounds=(0.0, 12.0), method="bounded", options={"xatol": 1e-2})
+    difference = minimize_scalar(largest_error, bounds=(0.0, 12.0), method="bounded", options={"xatol": 1e-2})
     difference_db = float(difference.x)
     return Fit({khz: fit_frequency(khz, difference_db)[0] for khz in FREQUENCIES_KHZ}, difference_db)

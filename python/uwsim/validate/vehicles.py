@@ -1,7 +1,7 @@
-"""The packaged vehicles against their published equations: decay from speed, turning, free fall, terminal speeds.
+"""The packaged vehicles compared with their published equations: decay of speed, turning, free fall, terminal speed.
 
-Every coefficient that a source prints bears on some check by more than its tolerance: 5 % more or less of any of them
-is a miss. Straight forces stand in for thrusters and fins, whose own laws are not in these equations.
+Every coefficient that a source prints affects some check by more than its tolerance: 5 % more or less of any of them is
+a miss. Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from uwsim.simulator import Simulator
 from uwsim.validate.check import Check, along, relative
 from uwsim.validate.flights import deep_water, fly, times
 from uwsim.validate.published import PUBLISHED
-from uwsim.validate.reference import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
+from uwsim.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
 
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 UNITS = ("m/s",) * 3 + ("rad/s",) * 3
 FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
-SLOWEST, SLOW = 0.01, 0.3  # where linear damping shows: at most these speeds
+SLOWEST, SLOW = 0.01, 0.3  # limits of the slow starting speeds, at which linear damping shows
 DECAY_S, FALL_S, TURN_S = 6.0, 60.0, 40.0
-PUSH_M_S2, PUSH_S = 0.01, 0.05  # gentle and short, so that drag counts for less than 1e-4
+PUSH_M_S2, PUSH_S = 0.01, 0.05  # gentle and short, so that drag is less than 1e-4 of the force
 DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE, MASS_TOLERANCE = 1e-4, 1e-4, 1e-3, 2e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A manoeuvre, flown and as published."""
+    """A manoeuvre, as flown and as published."""
 
     vehicle: str
     name: str
@@ -38,10 +38,10 @@ class Curve:
 
 
 def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[Check], list[Curve]]:
-    """Every check of one packaged vehicle, and its curves. model: another in its place, to see it miss."""
+    """Return all checks of one packaged vehicle, and its curves. model: replaces it, to show that checks can miss."""
     body = PUBLISHED[name]
     used = model or load_vehicle(name)
-    sim = deep_water(_straight(used, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
+    sim = deep_water(_with_body_forces(used, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
     fall = _free_fall(name, sim)
     curves = [*_decays(name, sim), fall]
     turn = _turning(name, used)
@@ -50,7 +50,7 @@ def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[C
 
 
 def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
-    """Starts along each axis: fast, and as slow as makes linear damping count as much as quadratic."""
+    """Return starting velocities along each axis: fast, and slow enough that linear damping equals the quadratic."""
     starts = []
     for axis, name in enumerate(AXES):
         linear, quadratic = body.linear_damping[axis], body.quadratic_damping[axis]
@@ -74,13 +74,13 @@ def _decays(name: str, sim: Simulator) -> list[Curve]:
 
 
 def _free_fall(name: str, sim: Simulator) -> Curve:
-    """From rest, level: its weight in water moves it."""
+    """Fly from rest, level, under the weight in water."""
     still = (0.0,) * 6
     return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
 
 
 def _decay_check(curve: Curve) -> Check:
-    """All six velocities, each relative to the largest of its kind in the reference."""
+    """Compare the worst of the six velocities, relative to the largest linear or angular speed of the reference."""
     expected, got = curve.published.velocities, curve.flown.velocities
     linear = max(float(np.abs(expected[:, :3]).max()), 1e-6)
     angular = max(float(np.abs(expected[:, 3:]).max()), 1e-6)
@@ -98,31 +98,33 @@ def _decay_check(curve: Curve) -> Check:
 
 
 def _leading_axis(curve: Curve, scales: Array) -> int:
-    """The axis that is worst by its own kind's scale, where the manoeuvre has speeds of that kind at all."""
+    """Return the axis with the largest scaled error among those along which the manoeuvre moves."""
     distance = np.abs(curve.flown.velocities - curve.published.velocities).max(axis=0) / scales
     moves = np.abs(curve.published.velocities).max(axis=0) > 1e-5
     return int(np.argmax(np.where(moves, distance, -1.0)))
 
 
-def _straight(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
-    """The same vehicle with straight forces and torques in place of its thrusters and fins."""
+def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
+    """Return the vehicle with forces and torques along the body axes in place of thrusters and fins."""
     return model.model_copy(
         update={"max_force_n": wrench[:3], "max_torque_nm": wrench[3:], "thrusters": {}, "fins": {}}
     )
 
 
 def _mass_check(name: str, model: VehicleModel) -> Check:
-    """The mass, from the speed that a known force ahead gives in a short time, less the published added mass.
+    """Compare the mass: a known force over the acceleration that it causes, less the published added mass.
 
-    A centre of mass below the line of the force lets the body pitch, which makes it a little lighter to push. A vehicle
-    that is trimmed neutral has no mass in its file: its volume and the water say it.
+    A centre of mass below the line of the force makes the body pitch, and so seem slightly lighter. A vehicle that is
+    trimmed neutral has no mass in its file: it follows from the volume and the water's density.
     """
     body = PUBLISHED[name]
     force_n = PUSH_M_S2 * (body.mass_kg + body.added_mass[0])
-    sim = deep_water(_straight(model, (force_n, 0.0, 0.0, 0.0, 0.0, 0.0)), density_kg_m3=body.water_density_kg_m3)
+    sim = deep_water(
+        _with_body_forces(model, (force_n, 0.0, 0.0, 0.0, 0.0, 0.0)), density_kg_m3=body.water_density_kg_m3
+    )
     sim.rov.set_effort(surge=1.0)
     reached = fly(sim, (0.0,) * 6, PUSH_S).velocities[-1, 0]
-    slowed_n = 0.5 * body.linear_damping[0] * reached  # on average over the push
+    slowed_n = 0.5 * body.linear_damping[0] * reached  # mean over the push
     moved_kg = (force_n - slowed_n) * PUSH_S / reached
     pitched_kg = body.mass[0, 4] ** 2 / body.mass[4, 4]
     mass_kg = float(moved_kg + pitched_kg - body.added_mass[0])
@@ -130,19 +132,19 @@ def _mass_check(name: str, model: VehicleModel) -> Check:
 
 
 def _turning(name: str, model: VehicleModel) -> Curve:
-    """A turning circle: constant surge force and yaw torque, from rest."""
+    """Fly a turning circle from rest, under constant surge force and yaw torque."""
     body = PUBLISHED[name]
     surge = _steady_wrench(body, 0, 0.8)
     yaw = _steady_wrench(body, 5, 0.3)
     wrench = (surge, 0.0, 0.0, 0.0, 0.0, yaw)
-    sim = deep_water(_straight(model, wrench), density_kg_m3=body.water_density_kg_m3)
+    sim = deep_water(_with_body_forces(model, wrench), density_kg_m3=body.water_density_kg_m3)
     sim.rov.set_effort(surge=1.0, yaw=1.0)
     still = (0.0,) * 6
     return Curve(name, "turning circle", fly(sim, still, TURN_S), _published(name, still, TURN_S, wrench))
 
 
 def _turning_checks(curve: Curve) -> list[Check]:
-    """The path, relative to the circle's diameter, and the yaw rate."""
+    """Compare the path, relative to the circle's diameter."""
     expected = curve.published.positions_m
     diameter = max(float(np.ptp(expected[:, 0])), float(np.ptp(expected[:, 1])))
     return [
@@ -160,7 +162,7 @@ def _turning_checks(curve: Curve) -> list[Check]:
 
 
 def _terminal_check(fall: Curve) -> list[Check]:
-    """Falling or rising: where damping equals the weight in water; none of a neutral vehicle."""
+    """Compare the speed of falling or rising at which damping equals the weight in water; no check if neutral."""
     body = PUBLISHED[fall.vehicle]
     weight_n = (body.mass_kg - body.water_density_kg_m3 * body.volume_m3) * GRAVITY_M_S2
     if abs(weight_n) < 1e-3:

@@ -1,5 +1,5 @@
-// Bullet's bare stepSimulation of one free body: the peer that `uwsim bench dynamics` measures against.
-// Usage: bullet_bare_step STEPS. Prints the processor seconds that so many steps of 5 ms took.
+// Bullet's bare stepSimulation with one free body, with which `uwsim bench dynamics` compares.
+// Usage: bullet_bare_step STEPS. Prints the processor time of that many steps of 5 ms, in seconds.
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
 // Bullet's rayTest over the same fans: a peer of `uwsim bench sonar`. Usage: bullet_fan CASE, then a line on stdin for
-// every run.
+// each run.
 #include <btBulletCollisionCommon.h>
 
 #include "ray_case.h"
@@ -29,14 +29,14 @@ int main(int count, char** arguments) {
   btCollisionWorld world(&dispatcher, &broadphase, &configuration);
   world.addCollisionObject(&object);
 
-  answer(rays, [&](const double* pose) {
+  run_on_request(rays, [&](const double* pose) {
     const btVector3 from(pose[9], pose[10], pose[11]);
     double sum = 0;
     for (std::uint64_t k = 0; k < rays.beam_count; ++k) {
       const double* beam = &rays.beams[2 * k];
-      const btVector3 way(pose[0] * beam[0] + pose[1] * beam[1], pose[3] * beam[0] + pose[4] * beam[1],
-                          pose[6] * beam[0] + pose[7] * beam[1]);
-      const btVector3 to = from + rays.range_max_m * way;
+      const btVector3 direction(pose[0] * beam[0] + pose[1] * beam[1], pose[3] * beam[0] + pose[4] * beam[1],
+                                pose[6] * beam[0] + pose[7] * beam[1]);
+      const btVector3 to = from + rays.range_max_m * direction;
       btCollisionWorld::ClosestRayResultCallback hit(from, to);
       world.rayTest(from, to, hit);
       if (hit.hasHit()) sum += rays.range_max_m * hit.m_closestHitFraction;

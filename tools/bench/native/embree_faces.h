@@ -7,13 +7,14 @@
 #include <cstring>
 #include <vector>
 
-/// A surface as Embree takes it, for the peers.
+/// Builds Embree's scene from a triangle mesh, for the peers.
 namespace embree_faces {
 
 template <std::size_t corners>
 using Faces = std::vector<std::array<std::uint32_t, corners>>;
 
-/// Takes the pairs a, b, d and b, c, d that follow each other as quads a, b, c, d; Embree cuts these from b to d.
+/// Sorts faces into triangles and quads: with `pair`, triangles a, b, d and b, c, d that follow each other become the
+/// quad a, b, c, d, which Embree cuts from b to d.
 inline void sort(const std::vector<std::uint32_t>& indices, bool pair, Faces<3>& triangles, Faces<4>& quads) {
   for (std::size_t k = 0; k + 3 <= indices.size(); k += 3) {
     const std::uint32_t* t = &indices[k];
@@ -42,7 +43,7 @@ void attach(RTCDevice device, RTCScene scene, const std::vector<float>& vertices
   rtcReleaseGeometry(geometry);
 }
 
-/// `as_quads`: pairs of triangles that make up a quad are handed over as one, which is faster.
+/// `as_quads`: Embree gets pairs of triangles that make up a quad as one quad, which is faster.
 inline RTCScene build(RTCDevice device, const std::vector<float>& vertices_m, const std::vector<std::uint32_t>& indices,
                       bool as_quads) {
   RTCScene scene = rtcNewScene(device);

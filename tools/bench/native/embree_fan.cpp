@@ -1,6 +1,6 @@
-// The limit that `uwsim bench sonar` measures against: rays built from pose and angle table, cast in Embree's 16-wide
-// packets, and nothing else. Usage: embree_fan CASE [coherent] [quads], then a line on stdin for every run. `quads`:
-// pairs of triangles that make up a quad are handed over as one, which is faster.
+// The limit that `uwsim bench sonar` measures against: rays built from poses and an angle table, cast in Embree's
+// packets of sixteen, and nothing else. Usage: embree_fan CASE [coherent] [quads], then a line on stdin for each run.
+// `quads`: Embree gets pairs of triangles that make up a quad as one quad, which is faster.
 #include <embree3/rtcore.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace {
 
-bool asked(int count, char** arguments, const char* word) {
+bool has_argument(int count, char** arguments, const char* word) {
   return std::any_of(arguments + 2, arguments + count, [&](const char* a) { return std::strcmp(a, word) == 0; });
 }
 
@@ -22,12 +22,13 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "usage: embree_fan CASE [coherent] [quads]\n");
     return 2;
   }
-  const bool coherent = asked(count, arguments, "coherent");
+  const bool coherent = has_argument(count, arguments, "coherent");
   const RayCase rays(arguments[1]);
   RTCDevice device = rtcNewDevice(nullptr);
-  RTCScene scene = embree_faces::build(device, rays.vertices_m, rays.triangles, asked(count, arguments, "quads"));
+  RTCScene scene =
+      embree_faces::build(device, rays.vertices_m, rays.triangles, has_argument(count, arguments, "quads"));
 
-  answer(rays, [&](const double* pose) {
+  run_on_request(rays, [&](const double* pose) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;

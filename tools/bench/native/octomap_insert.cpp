@@ -1,7 +1,7 @@
-// Stock OctoMap's insertPointCloud: the peer that `uwsim bench mapping` measures against.
-// Usage: octomap_insert SCANS RESOLUTION_M MAX_RANGE_M eager|lazy. SCANS: for each scan an int32 count, three float32
-// of its origin and count times three float32. Prints the processor seconds and the wall seconds of a scan. Lazy leaves
-// out the updateInnerOccupancy that it asks for at the end.
+// Stock OctoMap's insertPointCloud, with which `uwsim bench mapping` compares the brick engine.
+// Usage: octomap_insert SCANS RESOLUTION_M MAX_RANGE_M eager|lazy. SCANS holds for each scan: its number of points
+// (int32), its origin (three float32) and its points (three float32 each). Prints the processor seconds and the wall
+// seconds for one scan. With `lazy` the updateInnerOccupancy that lazy insertion needs at the end is not counted.
 #include <octomap/OcTree.h>
 
 #include <chrono>
@@ -12,7 +12,7 @@
 #include <fstream>
 #include <vector>
 
-// The tree's code is Debian's own, linked from its archives.
+// The tree's code is Debian's, linked from its archives.
 extern template class octomap::OcTreeDataNode<float>;
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
 extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;

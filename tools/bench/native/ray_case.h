@@ -6,7 +6,7 @@
 #include <ctime>
 #include <vector>
 
-/// What the native peers of `uwsim bench sonar` cast: a surface, a fan of beams, and heads to cast it from.
+/// The input of the native peers of `uwsim bench sonar`: a surface, a fan of beams, and poses to cast it from.
 struct RayCase {
   std::uint64_t vertex_count, triangle_count, beam_count, pose_count;
   double range_max_m;
@@ -18,7 +18,7 @@ struct RayCase {
   template <typename T>
   static void read(std::FILE* file, T* into, std::size_t count) {
     if (std::fread(into, sizeof(T), count, file) == count) return;
-    std::fprintf(stderr, "the case ends early\n");
+    std::fprintf(stderr, "the case file is too short\n");
     std::exit(2);
   }
 
@@ -45,9 +45,9 @@ struct RayCase {
   }
 };
 
-/// Runs `cast` over the poses once for each line on stdin; answers with its processor seconds and the sum it returns.
+/// Calls `cast` for every pose once for each line on stdin; prints the processor time [s] and the sum of its results.
 template <typename Cast>
-void answer(const RayCase& rays, const Cast& cast) {
+void run_on_request(const RayCase& rays, const Cast& cast) {
   std::printf("ready\n");
   std::fflush(stdout);
   char line[64];

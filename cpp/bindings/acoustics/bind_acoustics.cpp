@@ -1,0 +1,122 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "bindings/binders.h"
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/sonar_equation.h"
+#include "uwsim/acoustics/sound_path.h"
+#include "uwsim/acoustics/sound_speed_profile.h"
+
+namespace uwsim::bindings {
+
+namespace py = pybind11;
+
+namespace {
+
+std::span<const double> values_of(const DoubleArray& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+SoundSpeedProfile profile(const py::object& depths_m, const py::object& speeds_m_s) {
+  return SoundSpeedProfile(values_of(as_array<double>(depths_m, "depths_m", {-1})),
+                           values_of(as_array<double>(speeds_m_s, "speeds_m_s", {-1})));
+}
+
+/// The end of each ray after half of its travel time; NaN for a travel time that is not finite.
+py::array_t<double> soundings(const py::object& directions_world, const py::object& travel_time_s,
+                              const py::object& origin_world_m, const SoundSpeedProfile& profile) {
+  const auto directions = as_array<double>(directions_world, "directions_world", {-1, 3});
+  const auto times = as_array<double>(travel_time_s, "travel_time_s", {directions.shape(0)});
+  const Eigen::Vector3d origin = as_vector3(origin_world_m, "origin_world_m");
+  require(origin.allFinite() && origin.z() <= 0, "origin_world_m", origin.transpose(),
+          "must be finite and under water");
+  const auto n = static_cast<std::size_t>(directions.shape(0));
+  std::vector<double> points(3 * n, std::nan(""));
+  {
+    const double *direction = directions.data(), *time = times.data();
+    const py::gil_scoped_release unlocked;
+    for (std::size_t k = 0; k < n; ++k, direction += 3) {
+      const double level = std::hypot(direction[0], direction[1]);
+      if (!std::isfinite(time[k]) || !(std::hypot(level, direction[2]) > 0)) continue;
+      require(time[k] >= 0 && time[k] <= 60, "travel_time_s[" + std::to_string(k) + "]", time[k],
+              "s: must be in [0, 60] s, or not finite for no echo");
+      const SoundState end = travel(profile, -origin.z(), std::atan2(-direction[2], level), 0.5 * time[k]);
+      const double share = level > 0 ? end.across_m / level : 0;
+      points[3 * k] = origin.x() + share * direction[0];
+      points[3 * k + 1] = origin.y() + share * direction[1];
+      points[3 * k + 2] = -end.depth_m;
+    }
+  }
+  return move_out(std::move(points), {static_cast<py::ssize_t>(n), 3});
+}
+
+void bind_water_sound(py::module_& m) {
+  m.def("sound_speed_m_s", &sound_speed_m_s, py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("depth_m"),
+        "Speed of sound in water [m/s], Mackenzie 1981.");
+  m.def("absorption_db_km", &absorption_db_km, py::arg("frequency_hz"), py::arg("temperature_deg_c"),
+        py::arg("salinity_psu"), py::arg("depth_m"), py::arg("acidity_ph") = 8.0,
+        "Absorption of sound in water [dB/km], Francois and Garrison 1982.");
+  py::class_<SoundSpeedProfile>(m, "SoundSpeedProfile",
+                                "Speed of sound by depth: linear between levels, constant above and below them.")
+      .def(py::init(&profile), py::arg("depths_m"), py::arg("speeds_m_s"),
+           "Each (n,), with increasing depths. Raises ValueError that names the level.")
+      .def_static("even", &SoundSpeedProfile::even, py::arg("speed_m_s"),
+                  "The same speed at all depths: straight rays.")
+      .def("at", &SoundSpeedProfile::at, py::arg("depth_m"), "Speed [m/s] at a depth [m].");
+  m.def(
+      "soundings", &soundings, py::arg("directions_world"), py::arg("travel_time_s"), py::arg("origin_world_m"),
+      py::arg("profile"),
+      "Soundings as a survey computes them, (n, 3) float64, world: rays traced from the transmitted directions_world\n"
+      "(n, 3) for half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN for "
+      "a\n"
+      "time that is not finite. Raises ValueError. Releases the GIL.");
+}
+
+void bind_sonar_equation(py::module_& m) {
+  py::class_<SonarFigures>(m, "SonarFigures",
+                           "Figures of an active sonar: transmitter, receiver, detector. Levels re 1 uPa (at 1 m).")
+      .def(py::init<>())
+      .def_readwrite("frequency_hz", &SonarFigures::frequency_hz)
+      .def_readwrite("beam_width_along_rad", &SonarFigures::beam_width_along_rad,
+                     "-3 dB, one way: the transmitter's, across the fan's plane")
+      .def_readwrite("beam_width_across_rad", &SonarFigures::beam_width_across_rad,
+                     "-3 dB, one way: a receiving beam's, within the fan's plane")
+      .def_readwrite("pulse_length_s", &SonarFigures::pulse_length_s)
+      .def_readwrite("bandwidth_hz", &SonarFigures::bandwidth_hz)
+      .def_readwrite("source_level_db", &SonarFigures::source_level_db)
+      .def_readwrite("directivity_index_db", &SonarFigures::directivity_index_db)
+      .def_readwrite("noise_level_db", &SonarFigures::noise_level_db, "In the receiver's band.")
+      .def_readwrite("detection_threshold_db", &SonarFigures::detection_threshold_db,
+                     "Signal-to-noise ratio with a detection probability of one half.")
+      .def_property_readonly("processing_gain_db", &SonarFigures::processing_gain_db, "10 log10 (bandwidth x length)")
+      .def_property_readonly("figure_db", &SonarFigures::figure_db, "SL + processing gain + DI - NL")
+      .def("range_cell_m", &SonarFigures::range_cell_m, py::arg("sound_speed_m_s"))
+      .def("check", &SonarFigures::check, "Raises ValueError that names the field.");
+  py::class_<BottomMaterial>(m, "BottomMaterial", "How a bottom scatters sound back.")
+      .def(py::init<double, double>(), py::arg("strength_db") = -30.0, py::arg("relief") = 0.1)
+      .def_readonly("strength_db", &BottomMaterial::strength_db,
+                    "Backscatter of a square metre at normal incidence; Lambert's law.")
+      .def_readonly("relief", &BottomMaterial::relief, "rms slope of the relief across a footprint");
+  m.def("nadir_area_m2", &nadir_area_m2, py::arg("sonar"), py::arg("bottom"), py::arg("range_m"),
+        py::arg("sound_speed_m_s"), "Area of bottom straight below that contributes to one range cell [m2].");
+  m.def("nadir_snr_db", &nadir_snr_db, py::arg("sonar"), py::arg("bottom"), py::arg("range_m"),
+        py::arg("sound_speed_m_s"), py::arg("absorption_db_m"),
+        "Signal-to-noise ratio of the bottom straight below, by the active sonar equation [dB].");
+  m.def("detection_probability", &detection_probability, py::arg("snr"), py::arg("looks"),
+        py::arg("detection_threshold_db"), "snr: a ratio, not dB. looks: number of independent looks in the echo.");
+}
+
+}  // namespace
+
+void bind_acoustics(py::module_& m) {
+  bind_water_sound(m);
+  bind_sonar_equation(m);
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+/// One binder for each folder of cpp/uwsim, called by module.cpp. A folder whose bindings take several files declares
+/// the binders of these in a binders.h of its own.
+namespace uwsim::bindings {
+
+void bind_core(pybind11::module_& m);
+void bind_world(pybind11::module_& m);
+void bind_rays(pybind11::module_& m);
+void bind_acoustics(pybind11::module_& m);
+void bind_vehicle(pybind11::module_& m);
+void bind_sensors(pybind11::module_& m);
+void bind_sonar(pybind11::module_& m);
+void bind_camera(pybind11::module_& m);
+void bind_mapping(pybind11::module_& m);
+void bind_sim(pybind11::module_& m);
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,77 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "bindings/binders.h"
+#include "bindings/camera/bands.h"
+#include "bindings/camera/binders.h"
+#include "bindings/core/convert.h"
+#include "uwsim/camera/camera.h"
+#include "uwsim/camera/lamp.h"
+
+namespace uwsim::bindings {
+namespace {
+
+void bind_lens(py::module_& m) {
+  py::class_<Lens>(m, "Lens", "As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.")
+      .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
+                       const std::array<double, 5>& distortion) {
+             const auto& [k1, k2, p1, p2, k3] = distortion;
+             return Lens{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3};
+           }),
+           py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"),
+           py::arg("distortion") = std::array<double, 5>{}, "distortion: k1, k2, p1, p2, k3.");
+  py::class_<Camera, std::shared_ptr<Camera>>(m, "Camera",
+                                              "Lens and image sensor. Raises ValueError that names the field.")
+      .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
+                       double vignetting, double wobble_rad) {
+             const py::gil_scoped_release unlocked;  // the tables of rays take time
+             return std::make_shared<Camera>(std::move(name), lens,
+                                             ImageSensor{exposure, full_well, read_noise, vignetting, wobble_rad});
+           }),
+           py::arg("name"), py::arg("lens"), py::arg("exposure") = ImageSensor{}.exposure,
+           py::arg("full_well") = ImageSensor{}.full_well, py::arg("read_noise") = ImageSensor{}.read_noise,
+           py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = ImageSensor{}.wobble_rad)
+      .def_property_readonly("name", &Camera::name);
+}
+
+void bind_lamp(py::module_& m) {
+  m.def(
+      "mounted_pose",
+      [](const py::object& position_m, const py::object& orientation_xyzw, const py::object& mount_position_m,
+         const py::object& mount_orientation_xyzw) {
+        const Pose pose = as_pose(position_m, orientation_xyzw, "carrier") *
+                          as_pose(mount_position_m, mount_orientation_xyzw, "mount");
+        return std::tuple(pose.position_m, Eigen::Vector4d(pose.orientation.coeffs()), pose.matrix());
+      },
+      py::arg("position_m"), py::arg("orientation_xyzw"), py::arg("mount_position_m"),
+      py::arg("mount_orientation_xyzw"),
+      "The pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).");
+  py::class_<SpotLamp>(m, "SpotLamp", "A spot lamp that shines along its x; 1e5 lx count as irradiance 1.")
+      .def(py::init([](const py::object& position_m, const py::object& orientation_xyzw, double flux_lm,
+                       double half_angle_rad, double soft_share, const py::object& colour) {
+             SpotLamp lamp{as_pose(position_m, orientation_xyzw, "lamp"), flux_lm, half_angle_rad, soft_share,
+                           as_bands(colour, "lamp.colour")};
+             lamp.check();
+             return lamp;
+           }),
+           py::arg("position_m"), py::arg("orientation_xyzw"), py::arg("flux_lm"), py::arg("half_angle_rad"),
+           py::arg("soft_share"), py::arg("colour"));
+}
+
+}  // namespace
+
+void bind_camera(py::module_& m) {
+  bind_optics(m);
+  bind_lens(m);
+  bind_lamp(m);
+  bind_picture(m);
+  bind_camera_scene(m);
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,136 @@
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings/camera/bands.h"
+#include "bindings/camera/binders.h"
+#include "bindings/camera/picture_arrays.h"
+#include "bindings/core/convert.h"
+#include "uwsim/camera/renderer.h"
+#include "uwsim/core/names.h"
+
+namespace uwsim::bindings {
+namespace {
+
+camera::Material as_material(const std::string& name, const py::object& colour) {
+  return colour.is_none() ? material(name) : material(name, as_bands(colour, "material.colour"));
+}
+
+Effects as_effects(const std::vector<std::string>& names) {
+  Effects effects = Effects::none();
+  for (const std::string& name : names) effects.set(static_cast<Effect>(index_of("effects", name, kEffectNames)), true);
+  return effects;
+}
+
+std::shared_ptr<const Texture> as_texture(const py::object& image, const py::object& corners) {
+  if (image.is_none()) return nullptr;
+  const auto pixels = py::array_t<std::uint8_t, py::array::c_style>::ensure(image);
+  require(pixels && pixels.ndim() == 3 && pixels.shape(2) == 3, "texture.image", "another shape",
+          "must be (H, W, 3) uint8");
+  const auto places = as_array<float>(corners, "texture.corners", {-1, 3, 2});
+  auto texture = std::make_shared<Texture>();
+  texture->width = static_cast<int>(pixels.shape(1));
+  texture->height = static_cast<int>(pixels.shape(0));
+  texture->rgb.assign(pixels.data(), pixels.data() + pixels.size());
+  texture->corners.assign(places.data(), places.data() + places.size());
+  return texture;
+}
+
+PictureArrays render_picture(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                             const py::object& position_m, const py::object& orientation_xyzw, double time_s,
+                             std::uint64_t tick, const std::vector<std::string>& effects, std::vector<SpotLamp> lamps,
+                             const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
+                             std::optional<std::size_t> hidden_vehicle, bool geometry_only, bool keep_radiance,
+                             bool measure, bool record, int threads) {
+  PictureRequest request;
+  request.world_from_camera = as_pose(position_m, orientation_xyzw, "camera");
+  require(std::isfinite(time_s), "time_s", time_s, "must be finite");
+  request.time_s = time_s;
+  request.tick = tick;
+  request.effects = as_effects(effects);
+  request.lamps = std::move(lamps);
+  if (!vehicle_positions_m.is_none()) {
+    request.world_from_vehicles = as_poses(vehicle_positions_m, vehicle_orientations_xyzw, "vehicles");
+  }
+  request.hidden_vehicle = hidden_vehicle;
+  request.geometry_only = geometry_only;
+  request.keep_radiance = keep_radiance;
+  request.measure = measure;
+  require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
+  request.threads = threads;
+  RayRecord packets;
+  if (record) request.record = &packets;
+  RenderCost cost;
+  Picture picture = without_gil([&] { return render(scene, camera, optics, request, &cost); });
+  return {std::move(picture), cost, packets};
+}
+
+void bind_names(py::module_& m) {
+  m.def("material_names", &material_names, "The names of the materials.");
+  m.def(
+      "effect_names", [] { return std::vector<std::string>(kEffectNames.begin(), kEffectNames.end()); },
+      "The names of the effects.");
+  m.def(
+      "surface_class_names",
+      [] { return std::vector<std::string>(kSurfaceClassNames.begin(), kSurfaceClassNames.end()); },
+      "The names of the surface classes, by the numbers in Picture.classes.");
+}
+
+}  // namespace
+
+void bind_camera_scene(py::module_& m) {
+  bind_names(m);
+  py::class_<CameraScene, std::shared_ptr<CameraScene>>(
+      m, "CameraScene", "A snapshot of the world with its materials and textures; and the vehicles.")
+      .def(py::init([](const World& world, std::shared_ptr<RayScene> rays, std::uint64_t seed) {
+             return std::make_shared<CameraScene>(world, std::move(rays), seed);
+           }),
+           py::arg("world"), py::arg("rays").none(false), py::arg("seed"))
+      .def(
+          "set_appearance",
+          [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
+             const py::object& colour, const py::object& image, const py::object& corners) {
+            const auto kind = static_cast<SurfaceClass>(index_of("class", surface_class, kSurfaceClassNames));
+            scene.set_appearance(label, {as_material(material_name, colour), kind, as_texture(image, corners)});
+          },
+          py::arg("label"), py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
+          py::arg("texture_image") = py::none(), py::arg("texture_corners") = py::none(),
+          "Sets a solid's. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, "
+          "2), "
+          "from the lower left. Raises ValueError.")
+      .def(
+          "set_ground",
+          [](CameraScene& scene, const std::string& bed, const std::string& steep, const std::string& land) {
+            scene.set_ground(material(bed), material(steep), material(land));
+          },
+          py::arg("bed"), py::arg("steep"), py::arg("land"),
+          "Sets the terrain's materials: under water, where it is steep, above water. Raises ValueError.")
+      .def(
+          "add_vehicle",
+          [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,
+             const std::string& material_name, const py::object& colour) {
+            return scene.add_vehicle(
+                std::move(name), {as_points(vertices_body_m, "vertices_body_m"), as_triangles(triangles, "triangles")},
+                {as_material(material_name, colour), SurfaceClass::kVehicle, nullptr});
+          },
+          py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
+          py::arg("colour") = py::none(),
+          "Adds a hull, vertices (n, 3) and triangles (m, 3), and returns the vehicle's index. Raises ValueError.")
+      .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, then the vehicles.")
+      .def("render", &render_picture, py::arg("camera"), py::arg("optics"), py::arg("position_m"),
+           py::arg("orientation_xyzw"), py::arg("time_s"), py::arg("tick"), py::arg("effects"),
+           py::arg("lamps") = std::vector<SpotLamp>{}, py::arg("vehicle_positions_m") = py::none(),
+           py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
+           py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
+           py::arg("record") = false, py::arg("threads") = 1,
+           "One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. "
+           "vehicle_positions_m: (n, 3), vehicle_orientations_xyzw: (n, 4), of all vehicles or none. The bytes do not "
+           "depend on the number of threads. Releases the GIL. Raises ValueError.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,60 @@
+#include <pybind11/typing.h>
+
+#include <utility>
+
+#include "bindings/camera/binders.h"
+#include "bindings/camera/picture_arrays.h"
+
+namespace uwsim::bindings {
+namespace {
+
+py::typing::Dict<py::str, py::int_> ray_counts(const PictureArrays& picture) {
+  py::dict rays;
+  rays["primary"] = picture.cost.primary_rays;
+  rays["onward"] = picture.cost.onward_rays;
+  rays["sun"] = picture.cost.sun_rays;
+  rays["lamp"] = picture.cost.lamp_rays;
+  rays["shaft"] = picture.cost.shaft_rays;
+  return rays;
+}
+
+py::typing::Dict<py::str, py::float_> task_seconds(const PictureArrays& picture) {
+  py::dict tasks;
+  for (std::size_t k = 0; k < kRenderTaskNames.size(); ++k) tasks[kRenderTaskNames[k]] = picture.cost.seconds[k];
+  return tasks;
+}
+
+}  // namespace
+
+PictureArrays::PictureArrays(Picture&& picture, const RenderCost& render_cost, const RayRecord& record)
+    : gain(picture.gain), cost(render_cost) {
+  const py::ssize_t height = picture.height, width = picture.width;
+  const py::ssize_t rgb_height = picture.rgb.empty() ? 0 : height;
+  const py::ssize_t radiance_height = picture.radiance.empty() ? 0 : height;
+  rgb = read_only(move_out(std::move(picture.rgb), {rgb_height, width, 3}));
+  radiance = read_only(move_out(std::move(picture.radiance), {radiance_height, width, 3}));
+  depth_m = read_only(move_out(std::move(picture.depth_m), {height, width}));
+  normals_world = read_only(move_out(std::move(picture.normals_world), {height, width, 3}));
+  labels = read_only(move_out(std::move(picture.labels), {height, width}));
+  classes = read_only(move_out(std::move(picture.classes), {height, width}));
+  static_assert(sizeof(RayRecord::Packet) == 580);
+  packets = py::bytes(reinterpret_cast<const char*>(record.packets.data()),
+                      record.packets.size() * sizeof(RayRecord::Packet));
+}
+
+void bind_picture(py::module_& m) {
+  py::class_<PictureArrays>(m, "Picture", "Read-only arrays from one pass, rows from the top; see picture.h.")
+      .def_readonly("rgb", &PictureArrays::rgb, "(H, W, 3) uint8, sRGB; (0, W, 3) if only geometry was requested")
+      .def_readonly("radiance", &PictureArrays::radiance, "(H, W, 3) float32 before exposure, if requested")
+      .def_readonly("depth_m", &PictureArrays::depth_m, "(H, W) float32 along the optical axis, inf = nothing")
+      .def_readonly("normals_world", &PictureArrays::normals_world, "(H, W, 3) float32, 0 = nothing")
+      .def_readonly("labels", &PictureArrays::labels, "(H, W) uint16, see CameraScene.label_names")
+      .def_readonly("classes", &PictureArrays::classes, "(H, W) uint8, see surface_class_names()")
+      .def_readonly("gain", &PictureArrays::gain, "factor from radiance to exposed signal")
+      .def_property_readonly("rays", &ray_counts, "The number of rays cast, by kind.")
+      .def_readonly("packets", &PictureArrays::packets,
+                    "The packets of rays cast, as tools/bench/native/embree_bare_rays reads them, if recorded")
+      .def_property_readonly("task_s", &task_seconds, "Seconds by rendering task, summed over threads, if measured.");
+}
+
+}  // namespace uwsim::bindings

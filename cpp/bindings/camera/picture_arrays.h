@@ -1,0 +1,20 @@
+#pragma once
+
+#include "bindings/core/arrays.h"
+#include "uwsim/camera/picture.h"
+#include "uwsim/camera/ray_record.h"
+#include "uwsim/camera/render_cost.h"
+
+namespace uwsim::bindings {
+
+/// A picture as read-only arrays, which own its memory.
+struct PictureArrays {
+  PictureArrays(Picture&& picture, const RenderCost& cost, const RayRecord& record);
+
+  py::array rgb, radiance, depth_m, normals_world, labels, classes;
+  double gain;
+  RenderCost cost;
+  py::bytes packets;
+};
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,84 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings/sim/binders.h"
+#include "uwsim/vehicle/actuators.h"
+
+namespace uwsim::bindings {
+namespace {
+
+/// (name, value(part)) of each thruster or fin.
+template <typename Part, typename Value>
+std::vector<std::pair<std::string, double>> by_name(const std::vector<Part>& parts, Value value) {
+  std::vector<std::pair<std::string, double>> named;
+  for (const Part& part : parts) named.emplace_back(part.parameters().name, value(part));
+  return named;
+}
+
+/// A method of the simulation that reads a vehicle's actuators with the GIL released.
+template <typename Read>
+auto reading(Read read) {
+  return [read](OwnedSimulation& owned, std::size_t vehicle) {
+    return owned.with([&](Simulation& sim) { return read(std::as_const(sim).actuators(vehicle)); });
+  };
+}
+
+}  // namespace
+
+void bind_commands(py::class_<OwnedSimulation>& simulation) {
+  const auto vehicle = py::arg("vehicle");
+  simulation
+      .def(
+          "set_effort",
+          [](OwnedSimulation& o, std::size_t v, const Vector6d& effort) {
+            o.with([&](Simulation& s) { s.actuators(v).set_effort(effort); });
+          },
+          vehicle, py::arg("effort"), "(6,) surge sway heave roll pitch yaw in [-1, 1]. Raises ValueError.")
+      .def("effort", reading([](const Actuators& a) { return Vector6d(a.effort()); }), vehicle)
+      .def(
+          "set_wrench",
+          [](OwnedSimulation& o, std::size_t v, const Vector6d& wrench_body) {
+            o.with([&](Simulation& s) { s.actuators(v).set_wrench(wrench_body); });
+          },
+          vehicle, py::arg("wrench_body"),
+          "(6,) [N, N m]; beyond the thrusters' limits it keeps its direction. Raises ValueError.")
+      .def(
+          "set_thrusters",
+          [](OwnedSimulation& o, std::size_t v, const Actuators::Named& commands) {
+            o.with([&](Simulation& s) { s.actuators(v).set_thrusters(commands); });
+          },
+          vehicle, py::arg("commands"), "(name, command in [-1, 1]) pairs; the others stop. Raises ValueError.")
+      .def(
+          "set_fins",
+          [](OwnedSimulation& o, std::size_t v, const Actuators::Named& angles_rad) {
+            o.with([&](Simulation& s) { s.actuators(v).set_fins(angles_rad); });
+          },
+          vehicle, py::arg("angles_rad"), "(name, deflection [rad]) pairs; the others centre. Raises ValueError.")
+      .def("controllable", reading([](const Actuators& a) { return a.controllable(); }), vehicle,
+           "Whether an effort has an effect, by axis, surge to yaw.")
+      .def("full_wrench_body", reading([](const Actuators& a) { return a.full_wrench_body(); }), vehicle,
+           "Two (6,): magnitudes of the largest wrench along or about each axis alone, forward and backward [N, N m].")
+      .def("thruster_commands", reading([](const Actuators& a) {
+             return by_name(a.thrusters(), [](const Thruster& t) { return t.command(); });
+           }),
+           vehicle, "(name, command) pairs.")
+      .def("thrusts_n", reading([](const Actuators& a) {
+             return by_name(a.thrusters(), [](const Thruster& t) { return t.thrust_n(); });
+           }),
+           vehicle, "(name, present still-water thrust [N]) pairs.")
+      .def("fin_angles_rad", reading([](const Actuators& a) {
+             std::vector<Fin> movable;
+             std::copy_if(a.fins().begin(), a.fins().end(), std::back_inserter(movable),
+                          [](const Fin& f) { return f.parameters().deflection_max_rad > 0; });
+             return by_name(movable, [](const Fin& f) { return f.angle_rad(); });
+           }),
+           vehicle, "(name, present deflection [rad]) pairs of the fins that move.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,250 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/sim/binders.h"
+#include "bindings/sim/owned_simulation.h"
+#include "bindings/sonar/physics_ping.h"
+#include "uwsim/core/parallel.h"
+
+namespace uwsim::bindings {
+namespace {
+
+constexpr std::size_t kPingsBetweenSignals = 1024;
+constexpr std::size_t kPingsPerBatch = 8;
+constexpr double kWorldEnd_m = 1e6;
+
+using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+
+/// One block of memory for the results of one or several pings; the arrays made from it share it.
+class PingMemory {
+ public:
+  PingMemory(std::size_t pings, std::size_t beams)
+      : count_(pings * beams), bytes_(std::make_unique_for_overwrite<std::byte[]>(count_ * kBytesPerBeam)) {}
+
+  PingRows rows() {
+    const auto floats = reinterpret_cast<float*>(bytes_.get());
+    const auto labels = reinterpret_cast<Label*>(floats + 6 * count_);
+    return {floats,
+            floats + count_,
+            floats + 4 * count_,
+            floats + 5 * count_,
+            labels,
+            reinterpret_cast<std::uint8_t*>(labels + count_)};
+  }
+
+ private:
+  static constexpr std::size_t kBytesPerBeam = 6 * sizeof(float) + sizeof(Label) + 1;
+  std::size_t count_;
+  std::unique_ptr<std::byte[]> bytes_;
+};
+
+struct PingArrays {
+  py::array ranges_m, points_sonar_m, incidence_rad, intensity_db, labels, valid;
+};
+
+template <typename T>
+py::array view(std::vector<py::ssize_t> shape, const T* data, const py::capsule& owner) {
+  py::array array(py::dtype::of<T>(), std::move(shape), data, owner);
+  forbid_writing(array);
+  return array;
+}
+
+PingArrays arrays_of(std::unique_ptr<PingMemory> memory, const std::vector<py::ssize_t>& shape) {
+  const PingRows rows = memory->rows();
+  const py::capsule owner(memory.release(), [](void* p) { delete static_cast<PingMemory*>(p); });
+  std::vector<py::ssize_t> with_xyz = shape;
+  with_xyz.push_back(3);
+  return {view(shape, rows.ranges_m, owner),      view(with_xyz, rows.points_sonar_m, owner),
+          view(shape, rows.incidence_rad, owner), view(shape, rows.intensity_db, owner),
+          view(shape, rows.labels, owner),        view(shape, reinterpret_cast<const bool*>(rows.valid), owner)};
+}
+
+py::array angles_of(const Multibeam& sonar) {
+  const std::vector<float>& angles = sonar.angles_rad();
+  py::array array(py::dtype::of<float>(), {static_cast<py::ssize_t>(angles.size())}, angles.data());
+  forbid_writing(array);
+  return array;
+}
+
+struct Ping : PingArrays {
+  int model;
+  std::uint64_t time_ns;
+  Eigen::Matrix4d world_from_sonar;
+  py::array angles_rad;
+};
+
+struct PingBatch : PingArrays {
+  int model;
+  py::array world_from_sonar, angles_rad;
+};
+
+Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index) {
+  Ping out;
+  const Multibeam* sonar = nullptr;
+  std::unique_ptr<PingMemory> memory;
+  owned.with([&](Simulation& sim) {
+    sonar = &sim.sonar(vehicle, index).multibeam();
+    memory = std::make_unique<PingMemory>(1, sonar->beams());
+    sim.ping(vehicle, index, memory->rows());
+    out.time_ns = sim.time_ns();
+    out.world_from_sonar = sim.world_from_sonar(vehicle, index).matrix();
+  });
+  out.model = sonar->model().number;
+  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {static_cast<py::ssize_t>(sonar->beams())});
+  out.angles_rad = angles_of(*sonar);
+  return out;
+}
+
+PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index, int threads) {
+  AcousticPing ping;
+  Pose world_from_sonar;
+  std::uint64_t time_ns = 0;
+  const MultibeamModel* fan = nullptr;
+  owned.with([&](Simulation& sim) {
+    ping = sim.acoustic_ping(vehicle, index, threads);
+    world_from_sonar = sim.world_from_sonar(vehicle, index);
+    time_ns = sim.time_ns();
+    fan = &sim.sonar(vehicle, index).multibeam().model();
+  });
+  return physics_ping(std::move(ping), *fan, world_from_sonar, time_ns);
+}
+
+/// Rigid transforms (n, 4, 4). Throws InvalidValue for anything else.
+std::vector<Pose> as_poses(const py::object& object, const char* name) {
+  const auto array = as_array<double>(object, name, {-1, 4, 4});
+  std::vector<Pose> poses;
+  for (py::ssize_t k = 0; k < array.shape(0); ++k) {
+    const Eigen::Map<const RowMajor4> matrix(array.data(k));
+    const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+    const Eigen::Vector3d position = matrix.topRightCorner<3, 1>();
+    const std::string path = std::string(name) + "[" + std::to_string(k) + "]";
+    require(matrix.allFinite(), path, "non-finite", "must be finite");
+    const double error = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    require(error < 1e-6 && rotation.determinant() > 0 && matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1), path,
+            "not a rigid transform", "must be a rotation and a translation over a row 0, 0, 0, 1");
+    require(position.cwiseAbs().maxCoeff() <= kWorldEnd_m, path, position.transpose(),
+            "must be within 1000 km of the origin");
+    poses.push_back({position, Eigen::Quaterniond(rotation).normalized()});
+  }
+  return poses;
+}
+
+int threads_or_all(const std::optional<int>& threads) {
+  if (!threads) return usable_threads();
+  require(*threads >= 1 && *threads <= 1024, "threads", *threads, "must be in [1, 1024]");
+  return *threads;
+}
+
+PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t index, const py::object& world_from_body,
+                     const std::optional<int>& requested_threads) {
+  const std::vector<Pose> poses = as_poses(world_from_body, "poses");
+  const int threads = threads_or_all(requested_threads);
+  const auto n = static_cast<py::ssize_t>(poses.size());
+  std::vector<RowMajor4> heads(poses.size());
+  const Multibeam* sonar = nullptr;
+  std::unique_ptr<PingMemory> memory;
+  owned.with([&](Simulation& sim) {
+    const SonarHead& head = sim.sonar(vehicle, index);
+    sonar = &head.multibeam();
+    const std::size_t beams = sonar->beams();
+    memory = std::make_unique<PingMemory>(poses.size(), beams);
+    const PingRows rows = memory->rows();
+    for (std::size_t done = 0; done < poses.size(); done += kPingsBetweenSignals) {
+      const std::size_t count = std::min(kPingsBetweenSignals, poses.size() - done);
+      parallel_batches(count, kPingsPerBatch, threads, [&](std::size_t first, std::size_t last, std::size_t) {
+        for (std::size_t k = done + first; k < done + last; ++k) {
+          head.ping(sim.scene(), sim.water(), poses[k], rows.row(k, beams));
+          heads[k] = (poses[k] * head.body_from_sonar()).matrix();
+        }
+      });
+      const py::gil_scoped_acquire locked;
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  });
+  PingBatch out;
+  out.model = sonar->model().number;
+  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {n, static_cast<py::ssize_t>(sonar->beams())});
+  out.world_from_sonar = py::array_t<double>({n, py::ssize_t{4}, py::ssize_t{4}}, heads.data()->data());
+  forbid_writing(out.world_from_sonar);
+  out.angles_rad = angles_of(*sonar);
+  return out;
+}
+
+}  // namespace
+
+void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
+  py::class_<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, one value for each beam.")
+      .def_readonly("model", &Ping::model, "EM 2040 variant 1..4; 0: another sonar")
+      .def_readonly("time_ns", &Ping::time_ns)
+      .def_readonly("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")
+      .def_readonly("angles_rad", &Ping::angles_rad, "(beams,) float32, about the sonar's +z, positive to port")
+      .def_readonly("ranges_m", &Ping::ranges_m, "(beams,) float32, inf = no echo")
+      .def_readonly("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN = no echo")
+      .def_readonly("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
+      .def_readonly("intensity_db", &Ping::intensity_db,
+                    "(beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo")
+      .def_readonly("labels", &Ping::labels, "(beams,) uint16, see World.label_names")
+      .def_readonly("valid", &Ping::valid, "(beams,) bool");
+
+  py::class_<PingBatch>(m, "PingBatch",
+                        "Several pings of one sonar. Arrays are read-only, one row for each ping; see Ping.")
+      .def_readonly("model", &PingBatch::model, "EM 2040 variant 1..4; 0: another sonar")
+      .def_readonly("world_from_sonar", &PingBatch::world_from_sonar, "(n, 4, 4) float64")
+      .def_readonly("angles_rad", &PingBatch::angles_rad, "(beams,) float32, common to all pings")
+      .def_readonly("ranges_m", &PingBatch::ranges_m, "(n, beams) float32, inf = no echo")
+      .def_readonly("points_sonar_m", &PingBatch::points_sonar_m, "(n, beams, 3) float32, NaN = no echo")
+      .def_readonly("incidence_rad", &PingBatch::incidence_rad, "(n, beams) float32 in [0, pi/2], NaN = no echo")
+      .def_readonly("intensity_db", &PingBatch::intensity_db, "(n, beams) float32, -inf = no echo")
+      .def_readonly("labels", &PingBatch::labels, "(n, beams) uint16")
+      .def_readonly("valid", &PingBatch::valid, "(n, beams) bool");
+
+  simulation
+      .def(
+          "aim",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sonar, double elevation_rad) {
+            o.with([&](Simulation& s) { s.aim(v, sonar, elevation_rad); });
+          },
+          py::arg("vehicle"), py::arg("sonar"), py::arg("elevation_rad"),
+          "Set the elevation to which the head turns as time passes; positive is up. Raises ValueError.")
+      .def(
+          "sonar_elevation_rad",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
+            return o.with([&](Simulation& s) { return s.sonar(v, sonar).elevation_rad(); });
+          },
+          py::arg("vehicle"), py::arg("sonar"), "The present elevation of the head.")
+      .def(
+          "sonar_ping_rate_max_hz",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
+            return o.with([&](Simulation& s) {
+              return s.sonar(v, sonar).multibeam().ping_rate_max_hz(s.water(),
+                                                                    s.world_from_sonar(v, sonar).position_m.z());
+            });
+          },
+          py::arg("vehicle"), py::arg("sonar"),
+          "Limit by two-way travel time, c / (2 range) with c at the head, and by the electronics.")
+      .def(
+          "in_physics_mode",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
+            return o.with([&](Simulation& s) { return s.sonar(v, sonar).in_physics_mode(); });
+          },
+          py::arg("vehicle"), py::arg("sonar"))
+      .def("acoustic_ping", &acoustic_ping, py::arg("vehicle"), py::arg("sonar"), py::arg("threads") = 1,
+           "Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.")
+      .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"), "Ping in geometry mode. Releases the GIL.")
+      .def(
+          "ping_batch", &ping_batch, py::arg("vehicle"), py::arg("sonar"), py::arg("world_from_body"),
+          py::arg("threads") = py::none(),
+          "Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its present\n"
+          "elevation. threads: by default all; results do not depend on it. Raises ValueError. Releases the GIL, "
+          "answers\n"
+          "Ctrl-C.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,177 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <utility>
+
+#include "bindings/binders.h"
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/sensors/sensor_reading.h"
+#include "bindings/sim/binders.h"
+#include "bindings/sim/owned_simulation.h"
+
+namespace uwsim::bindings {
+namespace {
+
+SensorReading read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor, bool with_noise) {
+  Sample sample;
+  const SensorKind* kind = nullptr;
+  owned.with([&](Simulation& sim) {
+    sample = sim.read_sensor(vehicle, sensor, with_noise);
+    kind = &sim.vehicle(vehicle).sensors.at(sensor).kind();
+  });
+  return sensor_reading(*kind, sample);
+}
+
+void bind_specs(py::module_& m) {
+  py::class_<SimulationSpec>(m, "SimulationSpec")
+      .def(py::init<>())
+      .def_readwrite("step_s", &SimulationSpec::step_s)
+      .def_readwrite("seed", &SimulationSpec::seed)
+      .def_readwrite("mission_time_s", &SimulationSpec::mission_time_s)
+      .def_readwrite("station_world_m", &SimulationSpec::station_world_m)
+      .def_readwrite("range_warning_m", &SimulationSpec::range_warning_m)
+      .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m);
+
+  py::class_<SonarSpec>(m, "SonarSpec")
+      .def(py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,
+                       const py::object& orientation_xyzw, double elevation_rad,
+                       const std::optional<AcousticSpec>& acoustics) {
+             return SonarSpec{std::move(name), model, as_pose(position_m, orientation_xyzw, "sonar"), elevation_rad,
+                              acoustics};
+           }),
+           py::arg("name"), py::arg("model"), py::arg("position_m"), py::arg("orientation_xyzw"),
+           py::arg("elevation_rad") = 0.0, py::arg("acoustics") = py::none(),
+           "acoustics: makes it a sonar in physics mode; without, it is in geometry mode.")
+      .def_readonly("name", &SonarSpec::name)
+      .def_readonly("model", &SonarSpec::model);
+
+  py::enum_<CollisionShape>(m, "CollisionShape")
+      .value("HULL", CollisionShape::kHull)
+      .value("BOX", CollisionShape::kBox)
+      .value("PIECES", CollisionShape::kPieces);
+
+  py::class_<VehicleSpec>(m, "VehicleSpec")
+      .def(py::init<>())
+      .def_readwrite("name", &VehicleSpec::name)
+      .def_property(
+          "craft", [](const VehicleSpec& v) { return std::const_pointer_cast<Craft>(v.craft); },
+          [](VehicleSpec& v, std::shared_ptr<Craft> craft) { v.craft = std::move(craft); })
+      .def_readwrite("actuators", &VehicleSpec::actuators)
+      .def_readwrite("shape", &VehicleSpec::shape)
+      .def(
+          "set_collision_pieces",
+          [](VehicleSpec& v, const std::vector<py::array>& pieces_body_m) {
+            v.shape = CollisionShape::kPieces;
+            v.collision_pieces_body_m.clear();
+            for (const py::array& piece : pieces_body_m)
+              v.collision_pieces_body_m.push_back(as_points(piece, "pieces_body_m"));
+          },
+          py::arg("pieces_body_m"), "Each (n, 3): corners of a convex piece, body frame [m]. Sets the shape to PIECES.")
+      .def_readwrite("friction", &VehicleSpec::friction)
+      .def_readwrite("restitution", &VehicleSpec::restitution)
+      .def(
+          "set_start",
+          [](VehicleSpec& v, const py::object& position_m, const py::object& orientation_xyzw) {
+            v.start_world_from_body = as_pose(position_m, orientation_xyzw, "start");
+          },
+          py::arg("position_m"), py::arg("orientation_xyzw"))
+      .def_readwrite("docked", &VehicleSpec::docked)
+      .def_readwrite("sensors", &VehicleSpec::sensors)
+      .def_readwrite("sonars", &VehicleSpec::sonars);
+}
+
+void bind_results(py::module_& m) {
+  py::class_<Telemetry>(m, "Telemetry", "The instrument panel of a vehicle, as in the paper.")
+      .def_readonly("time_s", &Telemetry::time_s)
+      .def_readonly("speed_m_s", &Telemetry::speed_m_s)
+      .def_readonly("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
+      .def_readonly("acceleration_m_s2", &Telemetry::acceleration_m_s2)
+      .def_readonly("temperature_deg_c", &Telemetry::temperature_deg_c)
+      .def_readonly("pressure_pa", &Telemetry::pressure_pa, "absolute")
+      .def_readonly("depth_m", &Telemetry::depth_m)
+      .def_readonly("distance_to_station_m", &Telemetry::distance_to_station_m)
+      .def_readonly("distance_to_seabed_m", &Telemetry::distance_to_seabed_m,
+                    "straight down; inf where there is nothing")
+      .def_readonly("mission_time_s", &Telemetry::mission_time_s, "since the release")
+      .def_readonly("battery_percent", &Telemetry::battery_percent, "what is left of the mission time")
+      .def_readonly("range_warning", &Telemetry::range_warning)
+      .def_readonly("proximity_warning", &Telemetry::proximity_warning)
+      .def_readonly("collision_warning", &Telemetry::collision_warning);
+}
+
+}  // namespace
+
+void bind_sim(py::module_& m) {
+  bind_specs(m);
+  bind_results(m);
+  py::class_<OwnedSimulation> simulation(m, "Simulation",
+                                         "A world with vehicles, which are given by index, advanced by fixed steps.");
+  bind_commands(simulation);
+  bind_pings(m, simulation);
+  simulation
+      .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
+           py::arg("scene").none(false), py::arg("spec"))
+      .def(
+          "add_vehicle",
+          [](OwnedSimulation& owned, VehicleSpec spec) {
+            require(spec.craft != nullptr, "vehicles.craft", "none", "must be set");
+            return owned.with([&](Simulation& sim) { return sim.add_vehicle(spec); });
+          },
+          py::arg("spec"), "Returns the vehicle's index.")
+      .def("step", &OwnedSimulation::step, py::arg("count") = 1,
+           "Advances by fixed steps. Releases the GIL, answers Ctrl-C.")
+      .def_property_readonly("time_ns",
+                             [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.time_ns(); }); })
+      .def_property_readonly(
+          "version", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.version(); }); },
+          "Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.")
+      .def_property_readonly("tick", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.tick(); }); })
+      .def(
+          "state", [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.state(v); }); },
+          py::arg("vehicle"))
+      .def(
+          "set_state",
+          [](OwnedSimulation& o, std::size_t v, const BodyState& state) {
+            o.with([&](Simulation& s) { s.set_state(v, state); });
+          },
+          py::arg("vehicle"), py::arg("state"))
+      .def(
+          "release", [](OwnedSimulation& o, std::size_t v) { o.with([&](Simulation& s) { s.release(v); }); },
+          py::arg("vehicle"))
+      .def(
+          "released",
+          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.released(v); }); },
+          py::arg("vehicle"))
+      .def(
+          "collisions",
+          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.collisions(v); }); },
+          py::arg("vehicle"), "How often the vehicle has begun to touch something.")
+      .def(
+          "telemetry",
+          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
+          py::arg("vehicle"))
+      .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
+           "Repeated at one time, the same sample. Without noise: the present value, without rate, latency and "
+           "drop-outs.")
+      .def(
+          "save_state",
+          [](OwnedSimulation& o, const std::string& scenario, const std::string& build, const std::string& notes) {
+            return py::bytes(o.with([&](Simulation& s) { return s.save_state({scenario, build}, notes); }));
+          },
+          py::arg("scenario"), py::arg("build"), py::arg("notes") = "",
+          "Everything that the future depends on apart from what the simulation was built from, with fingerprints of "
+          "that.\n"
+          "notes: stored with it.")
+      .def(
+          "restore_state",
+          [](OwnedSimulation& o, const py::bytes& state, const std::string& scenario, const std::string& build) {
+            const std::string_view bytes = state;
+            return o.with([&](Simulation& s) { return s.restore_state(bytes, {scenario, build}); });
+          },
+          py::arg("state"), py::arg("scenario"), py::arg("build"),
+          "Returns the notes. Raises ValueError, changing nothing, for a damaged state or other fingerprints.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "bindings/sim/owned_simulation.h"
+
+/// The methods of a simulation that are bound in files of their own.
+namespace uwsim::bindings {
+
+/// Commands to a vehicle's actuators, and their state.
+void bind_commands(py::class_<OwnedSimulation>& simulation);
+/// Sonar heads and their pings in both modes.
+void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,135 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/sonar/binders.h"
+#include "bindings/sonar/physics_ping.h"
+#include "uwsim/sonar/acoustic_multibeam.h"
+#include "uwsim/sonar/water_sound.h"
+
+namespace uwsim::bindings {
+namespace {
+
+void bind_ping(py::module_& m) {
+  py::enum_<Detection>(m, "Detection", "How the range of a beam was detected.")
+      .value("NONE", Detection::kNone)
+      .value("AMPLITUDE", Detection::kAmplitude)
+      .value("PHASE", Detection::kPhase)
+      .value("FALSE", Detection::kFalse, "Noise was detected as an echo.");
+  py::class_<PhysicsPing>(
+      m, "PhysicsPing",
+      "One multibeam ping in physics mode: the arrays of Ping and more, read-only, one value for each beam.")
+      .def_readonly("model", &PhysicsPing::model, "EM 2040 variant 1..4; 0: not on the wire")
+      .def_readonly("time_ns", &PhysicsPing::time_ns)
+      .def_readonly("world_from_sonar", &PhysicsPing::world_from_sonar, "(4, 4) float64, at transmission")
+      .def_readonly("ranges_m", &PhysicsPing::ranges_m,
+                    "(beams,) float32, sound speed at the head x half the travel time; inf = no detection")
+      .def_readonly("angles_rad", &PhysicsPing::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
+      .def_readonly("points_sonar_m", &PhysicsPing::points_sonar_m,
+                    "(beams, 3) float32, the range along the beam's axis; NaN = no detection")
+      .def_readonly("incidence_rad", &PhysicsPing::incidence_rad,
+                    "(beams,) float32 in [0, pi/2], true value; NaN = no detection, or a false one")
+      .def_readonly("intensity_db", &PhysicsPing::intensity_db,
+                    "(beams,) float32, received level less source level, with speckle and noise; -inf = no detection")
+      .def_readonly("snr_db", &PhysicsPing::snr_db,
+                    "(beams,) float32, signal-to-noise ratio at the detector; -inf = no detection")
+      .def_readonly("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf = no detection")
+      .def_readonly("labels", &PhysicsPing::labels,
+                    "(beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one")
+      .def_readonly("valid", &PhysicsPing::valid, "(beams,) bool: detected, false detections included")
+      .def_readonly("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection");
+}
+
+void bind_spec(py::module_& m) {
+  py::class_<AcousticSpec>(m, "AcousticSpec", "The acoustic figures of a multibeam in physics mode.")
+      .def(py::init<>())
+      .def_readwrite("figures", &AcousticSpec::figures)
+      .def_readwrite("rays_per_beam", &AcousticSpec::rays_per_beam, "1, or 4 to 64")
+      .def_readwrite("false_detections", &AcousticSpec::false_detections)
+      .def_readwrite("range_noise", &AcousticSpec::range_noise)
+      .def_readwrite("bending", &AcousticSpec::bending, "Whether rays follow the sound-speed profile.")
+      .def_readwrite("acidity_ph", &AcousticSpec::acidity_ph)
+      .def_readwrite("bottom", &AcousticSpec::bottom, "For labels beyond `materials`.")
+      .def_readwrite("materials", &AcousticSpec::materials, "By label, see World.label_names.")
+      .def("check", &AcousticSpec::check, "Raises ValueError that names the field.");
+}
+
+void bind_instrument(py::module_& m) {
+  py::class_<AcousticMultibeam, std::shared_ptr<AcousticMultibeam>>(
+      m, "AcousticMultibeam",
+      "A multibeam in physics mode without a vehicle. Pings do not depend on the number of threads.")
+      .def(py::init([](const MultibeamModel& model, const AcousticSpec& spec, const Water& water, std::uint64_t seed,
+                       const std::string& name) {
+             model.check();
+             return std::make_shared<AcousticMultibeam>(model, spec, water, water.bottom_depth_m,
+                                                        RandomStream(seed, name));
+           }),
+           py::arg("model"), py::arg("spec"), py::arg("water"), py::arg("seed") = 0, py::arg("name") = "sonar",
+           "Raises ValueError that names the field.")
+      .def_property_readonly("profile", &AcousticMultibeam::profile, "Sound-speed profile of its water.")
+      .def(
+          "ping",
+          [](const AcousticMultibeam& sonar, const RayScene& scene, const py::object& position_world_m,
+             const py::object& orientation_xyzw, const py::object& velocity_world_m_s,
+             const py::object& rate_world_rad_s, std::uint64_t tick, int threads) {
+            const Pose pose = as_pose(position_world_m, orientation_xyzw, "sonar");
+            const HeadMotion motion{as_vector3(velocity_world_m_s, "velocity_world_m_s"),
+                                    as_vector3(rate_world_rad_s, "rate_world_rad_s")};
+            require(motion.velocity_world_m_s.allFinite() && motion.velocity_world_m_s.norm() <= 100,
+                    "velocity_world_m_s", motion.velocity_world_m_s.transpose(), "must be at most 100 m/s");
+            require(motion.rate_world_rad_s.allFinite() && motion.rate_world_rad_s.norm() <= 100, "rate_world_rad_s",
+                    motion.rate_world_rad_s.transpose(), "must be at most 100 rad/s");
+            AcousticPing raw;
+            {
+              const py::gil_scoped_release unlocked;
+              raw = sonar.ping(scene, pose, motion, tick, threads);
+            }
+            return physics_ping(std::move(raw), sonar.fan(), pose, 0);
+          },
+          py::arg("scene"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
+          py::arg("velocity_world_m_s") = py::make_tuple(0.0, 0.0, 0.0),
+          py::arg("rate_world_rad_s") = py::make_tuple(0.0, 0.0, 0.0), py::arg("tick") = 0, py::arg("threads") = 1,
+          "Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random draws "
+          "are\n"
+          "keyed by tick. Raises ValueError. Releases the GIL.");
+  m.def("sound_speed_profile", &sound_speed_profile, py::arg("water"),
+        "The speed of sound by depth: as given by the water's profile, else Mackenzie's.");
+}
+
+}  // namespace
+
+PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const Pose& world_from_sonar,
+                         std::uint64_t time_ns) {
+  const auto beams = static_cast<py::ssize_t>(ping.ranges_m.size());
+  std::vector<float> angles;
+  for (int beam = 0; beam < fan.beams; ++beam) angles.push_back(static_cast<float>(fan.angles().at(beam)));
+  PhysicsPing out;
+  out.model = fan.number;
+  out.time_ns = time_ns;
+  out.world_from_sonar = world_from_sonar.matrix();
+  out.ranges_m = read_only(move_out(std::move(ping.ranges_m)));
+  out.angles_rad = read_only(move_out(std::move(angles)));
+  out.points_sonar_m = read_only(move_out(std::move(ping.points_sonar_m), {beams, 3}));
+  out.incidence_rad = read_only(move_out(std::move(ping.incidence_rad)));
+  out.intensity_db = read_only(move_out(std::move(ping.intensity_db)));
+  out.snr_db = read_only(move_out(std::move(ping.snr_db)));
+  out.travel_time_s = read_only(move_out(std::move(ping.travel_time_s)));
+  out.labels = read_only(move_out(std::move(ping.labels)));
+  out.valid = read_only(move_out(std::move(ping.valid)).attr("view")("bool").cast<py::array_t<bool>>());
+  out.detections = read_only(move_out(std::move(ping.detections)));
+  return out;
+}
+
+void bind_acoustic_multibeam(py::module_& m) {
+  bind_ping(m);
+  bind_spec(m);
+  bind_instrument(m);
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,59 @@
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "bindings/sonar/binders.h"
+#include "uwsim/sonar/multibeam_model.h"
+
+namespace uwsim::bindings {
+
+namespace py = pybind11;
+
+namespace {
+
+MultibeamModel checked_model(std::string name, int beams, double field_of_view_rad, double range_max_m,
+                             double frequency_hz, std::optional<double> range_limit_m, int number, bool dual_swath,
+                             double ping_rate_max_hz, double tilt_rate_rad_s) {
+  MultibeamModel model{number,
+                       std::move(name),
+                       beams,
+                       field_of_view_rad,
+                       range_max_m,
+                       range_limit_m.value_or(range_max_m),
+                       frequency_hz,
+                       dual_swath,
+                       ping_rate_max_hz,
+                       tilt_rate_rad_s};
+  model.check();
+  return model;
+}
+
+}  // namespace
+
+void bind_multibeam(py::module_& m) {
+  py::class_<MultibeamModel>(m, "MultibeamModel",
+                             "A multibeam's fan: beams evenly spaced about the head's forward axis.")
+      .def(py::init(&checked_model), py::kw_only(), py::arg("name"), py::arg("beams"), py::arg("field_of_view_rad"),
+           py::arg("range_max_m"), py::arg("frequency_hz"), py::arg("range_limit_m") = py::none(),
+           py::arg("number") = 0, py::arg("dual_swath") = false, py::arg("ping_rate_max_hz") = 50.0,
+           py::arg("tilt_rate_rad_s") = MultibeamModel{}.tilt_rate_rad_s, "Raises ValueError that names the field.")
+      .def_readonly("number", &MultibeamModel::number, "1..4, as on the wire; 0: not on the wire")
+      .def_readonly("name", &MultibeamModel::name)
+      .def_readonly("beams", &MultibeamModel::beams)
+      .def_readonly("field_of_view_rad", &MultibeamModel::field_of_view_rad)
+      .def_readonly("range_max_m", &MultibeamModel::range_max_m, "A range at or beyond it is no echo.")
+      .def_readonly("range_limit_m", &MultibeamModel::range_limit_m,
+                    "The published decoder's limit: a range above it is no echo.")
+      .def_readonly("frequency_hz", &MultibeamModel::frequency_hz)
+      .def_readonly("dual_swath", &MultibeamModel::dual_swath)
+      .def_readonly("ping_rate_max_hz", &MultibeamModel::ping_rate_max_hz, "Limit of the electronics.")
+      .def_readonly("tilt_rate_rad_s", &MultibeamModel::tilt_rate_rad_s)
+      .def_property_readonly("angle_min_rad", [](const MultibeamModel& m) { return m.angles().first_rad; })
+      .def_property_readonly("angle_increment_rad", [](const MultibeamModel& m) { return m.angles().spacing_rad; });
+  m.def("multibeam_model", &em2040, py::arg("number"), py::return_value_policy::reference,
+        "The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "uwsim/sonar/acoustic_multibeam.h"
+
+namespace uwsim::bindings {
+
+/// A ping in physics mode as Python sees it: read-only arrays, one value for each beam.
+struct PhysicsPing {
+  int model = 0;
+  std::uint64_t time_ns = 0;
+  Eigen::Matrix4d world_from_sonar;
+  pybind11::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, snr_db, travel_time_s, labels,
+      valid, detections;
+};
+
+/// Moves the results of a ping into arrays.
+PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const Pose& world_from_sonar,
+                         std::uint64_t time_ns);
+
+}  // namespace uwsim::bindings

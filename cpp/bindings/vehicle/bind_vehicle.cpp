@@ -1,0 +1,58 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+
+#include "bindings/binders.h"
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/vehicle/binders.h"
+#include "uwsim/vehicle/hydrodynamics.h"
+#include "uwsim/world/water.h"
+
+namespace uwsim::bindings {
+void bind_vehicle(py::module_& m) {
+  py::class_<CraftParameters>(
+      m, "CraftParameters",
+      "Mass and hydrodynamic coefficients in Fossen's order: surge, sway, heave, roll, pitch, yaw.")
+      .def(py::init<>())
+      .def_readwrite("mass_kg", &CraftParameters::mass_kg)
+      .def_readwrite("centre_of_mass_body_m", &CraftParameters::centre_of_mass_body_m, "(3,) [m]")
+      .def_readwrite("inertia_kg_m2", &CraftParameters::inertia_kg_m2, "(3, 3), about the centre of mass")
+      .def_readwrite("added_mass", &CraftParameters::added_mass, "(6, 6) M_A [kg, kg m, kg m^2]")
+      .def_readwrite("linear_damping", &CraftParameters::linear_damping, "(6, 6) [N s/m, N m s/rad]")
+      .def_readwrite("quadratic_damping", &CraftParameters::quadratic_damping, "(6, 6) [N s^2/m^2, N m s^2/rad^2]");
+
+  py::class_<Craft, std::shared_ptr<Craft>>(
+      m, "Craft", "A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.")
+      .def(py::init(
+               [](const CraftParameters& parameters, const py::object& vertices_body_m, const py::object& triangles) {
+                 return std::make_shared<Craft>(parameters, BuoyantHull({as_points(vertices_body_m, "vertices_body_m"),
+                                                                         as_triangles(triangles, "triangles")}));
+               }),
+           py::arg("parameters"), py::arg("vertices_body_m"), py::arg("triangles"),
+           "vertices_body_m: (n, 3); triangles: (m, 3), closed and winding outward. Raises ValueError.")
+      .def(
+          "acceleration_body",
+          [](const Craft& craft, const BodyState& state, const Vector6d& tau_body, const Water& water, double time_s) {
+            return craft.acceleration_body(state, tau_body, water, time_s);
+          },
+          py::arg("state"), py::arg("tau_body"), py::arg("water"), py::arg("time_s") = 0.0,
+          "nu' (6,) under the actuators' wrench tau_body (6,).")
+      .def(
+          "submerged_fraction",
+          [](const Craft& craft, const BodyState& state, const std::optional<Water>& water, double time_s) {
+            return craft.submerged_fraction(state.world_from_body, water ? *water : Water(), time_s);
+          },
+          py::arg("state"), py::arg("water") = py::none(), py::arg("time_s") = 0.0,
+          "From 0 (dry) to 1 (wholly submerged). Without water: under z = 0.")
+      .def("kinetic_energy_j", &Craft::kinetic_energy_j, py::arg("state"),
+           "Kinetic energy of the body and the still water around it.")
+      .def_property_readonly(
+          "volume_m3", [](const Craft& craft) { return craft.hull().solid().volume_m3; },
+          "The volume displaced when submerged.");
+  bind_actuators(m);
+}
+
+}  // namespace uwsim::bindings

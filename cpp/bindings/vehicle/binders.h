@@ -1,0 +1,9 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace uwsim::bindings {
+
+void bind_actuators(pybind11::module_& m);
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,71 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/world/binders.h"
+#include "uwsim/world/current.h"
+
+namespace uwsim::bindings {
+namespace {
+
+/// velocity_m_s: (nz, ny, nx, 3).
+std::shared_ptr<const Current> gridded(const py::object& x_m, const py::object& y_m, const py::object& z_m,
+                                       const py::object& velocity_m_s) {
+  CurrentGrid grid{as_numbers(x_m, "x_m"), as_numbers(y_m, "y_m"), as_numbers(z_m, "z_m"), {}};
+  const auto size = [](const std::vector<double>& axis) { return static_cast<py::ssize_t>(axis.size()); };
+  const auto velocity =
+      as_array<double>(velocity_m_s, "velocity_m_s", {size(grid.z_m), size(grid.y_m), size(grid.x_m), 3});
+  for (py::ssize_t k = 0; k < velocity.size(); k += 3) grid.velocity_m_s.emplace_back(velocity.data() + k);
+  return gridded_current(std::move(grid));
+}
+
+}  // namespace
+
+void bind_currents(py::module_& m) {
+  py::class_<Current, std::shared_ptr<Current>>(
+      m, "Current", "A current: a function of place and time. Its constructors raise ValueError.")
+      .def_static(
+          "layered",
+          [](const py::object& depth_m, const py::object& velocity_m_s) {
+            return std::const_pointer_cast<Current>(
+                layered_current(as_numbers(depth_m, "depth_m"), as_points(velocity_m_s, "velocity_m_s")));
+          },
+          py::arg("depth_m"), py::arg("velocity_m_s"),
+          "depth_m: (n,) rising; velocity_m_s: (n, 3). Linear between levels.")
+      .def_static(
+          "tidal",
+          [](const py::object& amplitude, double period_s, double phase_rad) {
+            return std::const_pointer_cast<Current>(
+                tidal_current(as_vector3(amplitude, "amplitude_m_s"), period_s, phase_rad));
+          },
+          py::arg("amplitude_m_s"), py::arg("period_s"), py::arg("phase_rad") = 0.0,
+          "amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).")
+      .def_static(
+          "gusty",
+          [](const py::object& sigma, double correlation_time_s, std::uint64_t seed) {
+            return std::const_pointer_cast<Current>(
+                gusty_current(as_vector3(sigma, "sigma_m_s"), correlation_time_s, seed));
+          },
+          py::arg("sigma_m_s"), py::arg("correlation_time_s"), py::arg("seed") = 0,
+          "Gauss-Markov gusts of standard deviation sigma_m_s (3,) with zero mean.")
+      .def_static(
+          "gridded",
+          [](const py::object& x_m, const py::object& y_m, const py::object& z_m, const py::object& velocity_m_s) {
+            return std::const_pointer_cast<Current>(gridded(x_m, y_m, z_m, velocity_m_s));
+          },
+          py::arg("x_m"), py::arg("y_m"), py::arg("z_m"), py::arg("velocity_m_s"),
+          "A steady field, velocity_m_s (nz, ny, nx, 3) on rising axes: trilinear, constant beyond the edges.")
+      .def(
+          "velocity_m_s",
+          [](const Current& current, const py::object& point_m, double time_s) {
+            return current.at(as_vector3(point_m, "point_world_m"), time_s).velocity_m_s;
+          },
+          py::arg("point_world_m"), py::arg("time_s") = 0.0, "(3,)");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,135 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/world/binders.h"
+#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/world/water.h"
+
+namespace uwsim::bindings {
+namespace {
+
+/// pybind11 cannot hold pointers to const; the bound classes have no setters.
+template <typename T>
+std::optional<std::shared_ptr<T>> or_none(const std::shared_ptr<const T>& part) {
+  if (!part) return std::nullopt;
+  return std::const_pointer_cast<T>(part);
+}
+
+std::shared_ptr<WaterProfile> profile(const py::object& depth_m, const py::object& temperature_deg_c,
+                                      const py::object& salinity_psu, const py::object& density_kg_m3,
+                                      const py::object& sound_speed_m_s) {
+  const auto depth = as_numbers(depth_m, "depth_m");
+  const auto n = static_cast<py::ssize_t>(depth.size());
+  const auto temperature = as_array<double>(temperature_deg_c, "temperature_deg_c", {n});
+  const auto salinity = as_array<double>(salinity_psu, "salinity_psu", {n});
+  const auto density = as_array<double>(density_kg_m3, "density_kg_m3", {n});
+  std::vector<WaterLevel> levels(depth.size());
+  for (py::ssize_t k = 0; k < n; ++k) {
+    levels[static_cast<std::size_t>(k)] = {depth[static_cast<std::size_t>(k)], temperature.at(k), salinity.at(k),
+                                           density.at(k), 0};
+  }
+  if (!sound_speed_m_s.is_none()) {
+    const auto speed = as_array<double>(sound_speed_m_s, "sound_speed_m_s", {n});
+    for (py::ssize_t k = 0; k < n; ++k) levels[static_cast<std::size_t>(k)].sound_speed_m_s = speed.at(k);
+  }
+  return std::make_shared<WaterProfile>(levels);
+}
+
+/// (n,) values of a function at points (n, width).
+template <typename Function>
+py::array_t<double> values_at(const py::object& points_m, const char* name, py::ssize_t width, Function function) {
+  const auto points = as_array<double>(points_m, name, {-1, width});
+  std::vector<double> values(static_cast<std::size_t>(points.shape(0)));
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = function(points.data(static_cast<py::ssize_t>(k), 0));
+  return move_out(std::move(values));
+}
+
+py::array_t<double> surface_height(const Water& water, const py::object& xy_m, double time_s) {
+  return values_at(xy_m, "xy_m", 2, [&](const double* p) { return water.surface_height_at(p[0], p[1], time_s); });
+}
+
+py::array_t<double> pressure_at(const Water& water, const py::object& points_m, double time_s) {
+  return values_at(points_m, "points_world_m", 3,
+                   [&](const double* p) { return water.pressure_pa(Eigen::Vector3d(p[0], p[1], p[2]), time_s); });
+}
+
+py::array_t<double> velocity_at(const Water& water, const py::object& points_m, double time_s) {
+  const auto points = as_points(points_m, "points_world_m");
+  std::vector<double> values;
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d v = water.flow_at(p, time_s).velocity_m_s;
+    values.insert(values.end(), v.begin(), v.end());
+  }
+  return move_out(std::move(values), {static_cast<py::ssize_t>(points.size()), 3});
+}
+
+double sound_speed(const Water& water, double z_world_m) {
+  const double given = water.given_sound_speed_m_s(z_world_m);
+  if (given > 0) return given;
+  return sound_speed_m_s(water.temperature_deg_c(z_world_m), water.salinity_at_psu(z_world_m),
+                         std::max(0.0, Water::depth_m(z_world_m)));
+}
+
+}  // namespace
+
+void bind_water(py::module_& m) {
+  bind_waves(m);
+  bind_currents(m);
+  py::class_<WaterProfile, std::shared_ptr<WaterProfile>>(
+      m, "WaterProfile", "Temperature, salinity, density and sound speed, linear in depth between levels.")
+      .def(py::init(&profile), py::arg("depth_m"), py::arg("temperature_deg_c"), py::arg("salinity_psu"),
+           py::arg("density_kg_m3"), py::arg("sound_speed_m_s") = py::none(),
+           "Each (n,), depths rising; without sound_speed_m_s it follows from the others. Raises ValueError.");
+  m.def("sea_water_density_kg_m3", &sea_water_density_kg_m3, py::arg("temperature_deg_c"), py::arg("salinity_psu"),
+        "Density at atmospheric pressure by EOS-80 (UNESCO 44, 1983).");
+
+  py::class_<Water>(
+      m, "Water", "The water: calm, uniform and with one steady current, unless waves, a profile or currents are set.")
+      .def(py::init<>())
+      .def_readwrite("density_kg_m3", &Water::density_kg_m3)
+      .def_readwrite("gravity_m_s2", &Water::gravity_m_s2)
+      .def_readwrite("atmospheric_pressure_pa", &Water::atmospheric_pressure_pa)
+      .def_readwrite("surface_temperature_deg_c", &Water::surface_temperature_deg_c)
+      .def_readwrite("bottom_temperature_deg_c", &Water::bottom_temperature_deg_c)
+      .def_readwrite("bottom_depth_m", &Water::bottom_depth_m)
+      .def_readwrite("salinity_psu", &Water::salinity_psu)
+      .def_readwrite("current_world_m_s", &Water::current_world_m_s)
+      .def_property(
+          "waves", [](const Water& water) { return or_none<Waves>(water.waves); },
+          [](Water& water, std::optional<std::shared_ptr<Waves>> waves) { water.waves = waves.value_or(nullptr); },
+          "None: a flat surface")
+      .def_property(
+          "profile", [](const Water& water) { return or_none<WaterProfile>(water.profile); },
+          [](Water& water, std::optional<std::shared_ptr<WaterProfile>> profile) {
+            water.profile = profile.value_or(nullptr);
+          },
+          "None: one density and salinity, temperature linear down to bottom_depth_m")
+      .def(
+          "add_current",
+          [](Water& water, std::shared_ptr<Current> current) { water.currents.push_back(std::move(current)); },
+          py::arg("current"), "Adds a current to current_world_m_s and to those added before.")
+      .def("check", &Water::check, "Raises ValueError that names the field, its value, unit and rule.")
+      .def("pressure_pa", py::overload_cast<double>(&Water::pressure_pa, py::const_), py::arg("z_world_m"),
+           "Absolute pressure of still water: p_atm + the integral of rho g.")
+      .def("pressure_at_pa", &pressure_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
+           "(n, 3) -> (n,) absolute pressure under the waves of the moment.")
+      .def("density_at_kg_m3", &Water::density_at, py::arg("z_world_m"), "Density of still water.")
+      .def("temperature_deg_c", &Water::temperature_deg_c, py::arg("z_world_m"))
+      .def("salinity_at_psu", &Water::salinity_at_psu, py::arg("z_world_m"))
+      .def("sound_speed_m_s", &sound_speed, py::arg("z_world_m"),
+           "That of the profile, else by temperature, salinity and depth (Mackenzie 1981).")
+      .def("surface_height_m", &surface_height, py::arg("xy_m"), py::arg("time_s") = 0.0, "(n, 2) -> (n,)")
+      .def("velocity_m_s", &velocity_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
+           "(n, 3) -> (n, 3), currents and waves together.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,141 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+#include <pybind11/typing.h>
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bindings/binders.h"
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "bindings/world/binders.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim::bindings {
+namespace {
+
+void set_terrain(World& world, const py::object& heights_m, double spacing_m, const py::object& origin_m) {
+  const auto heights = as_array<float>(heights_m, "heights_m", {-1, -1});
+  const auto origin = as_array<double>(origin_m, "origin_m", {2});
+  world.set_terrain(Heightfield({heights.data(), heights.data() + heights.size()},
+                                static_cast<std::size_t>(heights.shape(1)), static_cast<std::size_t>(heights.shape(0)),
+                                spacing_m, {origin.at(0), origin.at(1)}));
+}
+
+py::array_t<double> height_at(const World& world, const py::object& xy_m) {
+  const auto points = as_array<double>(xy_m, "xy_m", {-1, 2});
+  std::vector<double> heights(static_cast<std::size_t>(points.shape(0)), std::numeric_limits<double>::quiet_NaN());
+  if (world.terrain()) {
+    for (py::ssize_t k = 0; k < points.shape(0); ++k) {
+      heights[static_cast<std::size_t>(k)] = world.terrain()->height_at(points.at(k, 0), points.at(k, 1));
+    }
+  }
+  return move_out(std::move(heights));
+}
+
+using SurfaceMesh = py::typing::Tuple<py::array_t<double>, py::array_t<std::uint32_t>, py::array_t<Label>>;
+
+SurfaceMesh surface_mesh(const World& world) {
+  std::vector<double> vertices;
+  std::vector<std::uint32_t> triangles;
+  std::vector<Label> labels;
+  const auto add = [&](Label label, std::size_t vertex_count, auto vertex, std::size_t triangle_count, auto triangle) {
+    const auto base = static_cast<std::uint32_t>(vertices.size() / 3);
+    for (std::size_t k = 0; k < vertex_count; ++k) {
+      const Eigen::Vector3d v = vertex(k);
+      vertices.insert(vertices.end(), v.begin(), v.end());
+    }
+    for (std::size_t k = 0; k < triangle_count; ++k) {
+      for (const std::uint32_t index : triangle(k)) triangles.push_back(base + index);
+    }
+    labels.insert(labels.end(), triangle_count, label);
+  };
+  if (const auto& terrain = world.terrain()) {
+    add(
+        kTerrain, terrain->nx() * terrain->ny(), [&](std::size_t k) { return terrain->vertex(k); },
+        terrain->triangle_count(), [&](std::size_t k) { return terrain->triangle(k); });
+  }
+  Label label = kTerrain;
+  for (const auto& solid : world.solids()) {
+    const TriangleMesh& mesh = solid->mesh_world;
+    add(
+        ++label, mesh.vertices_m.size(), [&](std::size_t k) { return mesh.vertices_m[k]; }, mesh.triangles.size(),
+        [&](std::size_t k) { return mesh.triangles[k]; });
+  }
+  const auto vertex_rows = static_cast<py::ssize_t>(vertices.size() / 3);
+  const auto triangle_rows = static_cast<py::ssize_t>(labels.size());
+  return py::make_tuple(move_out(std::move(vertices), {vertex_rows, 3}),
+                        move_out(std::move(triangles), {triangle_rows, 3}), move_out(std::move(labels)));
+}
+
+}  // namespace
+
+void bind_world(py::module_& m) {
+  bind_water(m);
+
+  py::class_<RoundShape>(m, "RoundShape",
+                         "A sphere or a straight piece of round pipe, which rays meet exactly instead of as facets.")
+      .def_static(
+          "sphere",
+          [](const py::object& centre, double radius_m) {
+            return sphere(as_vector3(centre, "centre_world_m"), radius_m);
+          },
+          py::arg("centre_world_m"), py::arg("radius_m"), "centre_world_m: (3,). Raises ValueError.")
+      .def_static(
+          "cylinder",
+          [](const py::object& start, const py::object& end, double radius_m) {
+            return cylinder(as_vector3(start, "start_world_m"), as_vector3(end, "end_world_m"), radius_m);
+          },
+          py::arg("start_world_m"), py::arg("end_world_m"), py::arg("radius_m"),
+          "Between two points (3,) on its axis, with flat caps. Raises ValueError.")
+      .def_static(
+          "pipe",
+          [](const py::object& line, double radius_m) { return pipe(as_points(line, "line_world_m"), radius_m); },
+          py::arg("line_world_m"), py::arg("radius_m"),
+          "Pieces along a line (n, 3) with caps at both ends and mitred bends. Raises ValueError.")
+      .def_readonly("radius_m", &RoundShape::radius_m);
+
+  py::class_<World, std::shared_ptr<World>>(
+      m, "World", "The world that dynamics and rays share. ENU, z up, water surface at z = 0.")
+      .def(py::init<>())
+      .def_readwrite("water", &World::water)
+      .def("set_terrain", &set_terrain, py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"),
+           "heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). "
+           "Raises ValueError on shape, non-finite heights or spacing.")
+      .def(
+          "add_solid",
+          [](World& world, std::string name, const py::object& vertices_world_m, const py::object& triangles,
+             std::vector<RoundShape> shapes) {
+            return world.add_solid(
+                std::move(name),
+                {as_points(vertices_world_m, "vertices_world_m"), as_triangles(triangles, "triangles")},
+                std::move(shapes));
+          },
+          py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
+          py::arg("shapes") = std::vector<RoundShape>(),
+          "vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes: rays meet these instead of the mesh,\n"
+          "which then serves contacts and the true surface. Returns the label. Raises ValueError.")
+      .def_property_readonly("label_names", &World::label_names, "Names by label: nothing, terrain, then the solids.")
+      .def(
+          "solid_around",
+          [](const World& world, const Eigen::Vector3d& point_world_m) -> std::optional<std::string> {
+            const Solid* const solid = world.solid_around(point_world_m);
+            return solid ? std::optional(solid->name) : std::nullopt;
+          },
+          py::arg("point_world_m"), "(3,) -> the name of a closed solid that encloses the point, or None.")
+      .def("height_at", &height_at, py::arg("xy_m"), "(n, 2) -> (n,) float64, height of the terrain; NaN outside.")
+      .def_property_readonly(
+          "terrain_extent_m",
+          [](const World& world) {
+            require(world.terrain() != nullptr, "world.terrain", "none", "must be set");
+            const Eigen::Vector2d near = world.terrain()->origin_m(), far = world.terrain()->far_corner_m();
+            return py::make_tuple(near.x(), near.y(), far.x(), far.y());
+          },
+          "(x0, y0, x1, y1) [m]")
+      .def("surface_mesh", &surface_mesh,
+           "(vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain and all solids.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace uwsim::bindings {
+
+void bind_currents(pybind11::module_& m);
+void bind_water(pybind11::module_& m);
+void bind_waves(pybind11::module_& m);
+
+}  // namespace uwsim::bindings

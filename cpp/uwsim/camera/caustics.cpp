@@ -1,0 +1,130 @@
+#include "uwsim/camera/caustics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "uwsim/camera/parallel_rows.h"
+#include "uwsim/camera/ripples.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kSunRadius_rad = 0.00465;
+constexpr int kCells = Ripples::kCells;
+constexpr int kLevels = camera::kCausticLevels;
+constexpr int kWrap = kCells - 1;
+constexpr double kCell_m = Ripples::kTile_m / kCells;
+constexpr int kFine = 2;  // rays per cell along an axis
+constexpr int kRays = kFine * kCells;
+
+using Grid = std::vector<float>;
+
+const float* slope_at(const Grid& slopes, int x, int y) {
+  return slopes.data() + 2 * ((y & kWrap) * kCells + (x & kWrap));
+}
+
+/// Slopes at a lattice of kRays x kRays rays, interpolated between the nodes.
+struct RaySlopes {
+  Grid x, y;
+};
+
+void fill_ray_slopes(const Grid& slopes, int row, RaySlopes& rays) {
+  const int y = row / kFine;
+  const float v = static_cast<float>(row % kFine) / kFine;
+  const auto between = [](const float* a, const float* b, float share, int part) {
+    return (1 - share) * a[part] + share * b[part];
+  };
+  for (int x = 0; x < kCells; ++x) {
+    const float *a = slope_at(slopes, x, y), *b = slope_at(slopes, x + 1, y);
+    const float *c = slope_at(slopes, x, y + 1), *d = slope_at(slopes, x + 1, y + 1);
+    for (int sub = 0; sub < kFine; ++sub) {
+      const float u = static_cast<float>(sub) / kFine;
+      const int at = row * kRays + x * kFine + sub;
+      rays.x[at] = (1 - v) * between(a, b, u, 0) + v * between(c, d, u, 0);
+      rays.y[at] = (1 - v) * between(a, b, u, 1) + v * between(c, d, u, 1);
+    }
+  }
+}
+
+int floor_int(float x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
+}
+
+/// Where the rays of one row meet a level: shares of their light for the four cells around each.
+struct Landings {
+  std::array<std::array<int, kRays>, 4> cell;
+  std::array<std::array<float, kRays>, 4> share;
+
+  void fill(const RaySlopes& rays, int row, float reach) {
+    constexpr float kShare = 1.0f / (kFine * kFine), kStep = 1.0f / kFine;
+    const float *slope_x = rays.x.data() + row * kRays, *slope_y = rays.y.data() + row * kRays;
+    for (int k = 0; k < kRays; ++k) {
+      const float x = static_cast<float>(k) * kStep + reach * slope_x[k];
+      const float y = static_cast<float>(row) * kStep + reach * slope_y[k];
+      const int i = floor_int(x), j = floor_int(y);
+      const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
+      const int left = i & kWrap, right = (i + 1) & kWrap;
+      const int low = (j & kWrap) * kCells, high = ((j + 1) & kWrap) * kCells;
+      cell[0][k] = low + left, share[0][k] = kShare * (1 - u) * (1 - v);
+      cell[1][k] = low + right, share[1][k] = kShare * u * (1 - v);
+      cell[2][k] = high + left, share[2][k] = kShare * (1 - u) * v;
+      cell[3][k] = high + right, share[3][k] = kShare * u * v;
+    }
+  }
+};
+
+/// One pass of the filter (w, 1 - 2 w, w) along each axis, wrapping round at the tile's edges.
+void blur(Grid& light, float w) {
+  Grid other(light.size());
+  const auto mixed = [w](float before, float here, float after) { return (1 - 2 * w) * here + w * (before + after); };
+  for (int y = 0; y < kCells; ++y) {
+    const float* row = light.data() + y * kCells;
+    float* out = other.data() + y * kCells;
+    for (int x = 1; x < kWrap; ++x) out[x] = mixed(row[x - 1], row[x], row[x + 1]);
+    out[0] = mixed(row[kWrap], row[0], row[1]);
+    out[kWrap] = mixed(row[kWrap - 1], row[kWrap], row[0]);
+  }
+  for (int y = 0; y < kCells; ++y) {
+    const float* before = other.data() + ((y - 1) & kWrap) * kCells;
+    const float* here = other.data() + y * kCells;
+    const float* after = other.data() + ((y + 1) & kWrap) * kCells;
+    for (int x = 0; x < kCells; ++x) light[y * kCells + x] = mixed(before[x], here[x], after[x]);
+  }
+}
+
+Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
+  Grid light(kCells * kCells, 0.0f);
+  const auto reach = static_cast<float>(depth_m * bend / kCell_m);
+  std::array<Landings, 2> both;
+  // Alternate between rows far apart, so that an addition rarely waits for the previous one to the same cell.
+  for (int row = 0; row < kRays / 2; ++row) {
+    for (int half = 0; half < 2; ++half) both[half].fill(rays, row + half * (kRays / 2), reach);
+    for (int k = 0; k < kRays; ++k) {
+      for (int corner = 0; corner < 4; ++corner) {
+        for (const Landings& one : both) light[one.cell[corner][k]] += one.share[corner][k];
+      }
+    }
+  }
+  // A disc of radius r has the variance r^2 / 4 along each axis; a pass has 2 w cells^2.
+  const double sigma = 0.5 * kSunRadius_rad * depth_m / kCell_m;
+  double variance = std::max(sigma * sigma, 0.15);  // the minimum hides the lattice of rays
+  for (; variance > 0; variance -= 0.5) blur(light, static_cast<float>(0.5 * std::min(variance, 0.5)));
+  return light;
+}
+
+}  // namespace
+
+std::vector<float> caustics_under(const std::vector<float>& slopes, double refractive_index, int threads) {
+  RaySlopes rays{Grid(kRays * kRays), Grid(kRays * kRays)};
+  for (int row = 0; row < kRays; ++row) fill_ray_slopes(slopes, row, rays);
+  std::vector<float> caustics(static_cast<std::size_t>(kCells) * kCells * kLevels);
+  for_rows(kLevels, threads, [&](int level, int) {
+    const Grid light = caustic_level(rays, kFirstCausticLevel_m * std::exp2(level), 1 - 1 / refractive_index);
+    for (std::size_t k = 0; k < light.size(); ++k) caustics[k * kLevels + level] = light[k];
+  });
+  return caustics;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "uwsim/camera/kernels/water_surface.h"
+
+/// Caustics: sunlight focused by ripples and waves. Included by the kernels only.
+namespace uwsim::camera {
+namespace {
+
+/// Light on its way down over its mean: focused and spread by the slopes of the ripples (Ripples::Snapshot) and, where
+/// there are waves, by theirs: 1 / |det(1 + d bend H)| with H the curvature of the surface above, at most 3.
+UWSIM_LANES Float caustic_at(const View& view, Vector point) {
+  const Float depth = max(view.surface_z - (point.z + view.camera_z), Float{});
+  const Float path = depth * (1 / view.to_sun_in_water[2]);
+  Float x = point.x + path * view.to_sun_in_water[0], y = point.y + path * view.to_sun_in_water[1];
+  Float swell = splat(1);
+  if (view.waves.values != nullptr) {
+    const Float step = splat(view.waves.spacing_m);
+    const WaveSample here = waves_at(view, x, y), east = waves_at(view, x + step, y),
+                     north = waves_at(view, x, y + step);
+    const Float lens = path * view.bend / step;
+    const Float xx = 1 + lens * (east.slope_x - here.slope_x), yy = 1 + lens * (north.slope_y - here.slope_y);
+    const Float xy = lens * (north.slope_x - here.slope_x);
+    swell = 1 / max(abs(xx * yy - xy * xy), splat(1.0f / 3));
+    x -= path * view.bend * here.slope_x;
+    y -= path * view.bend * here.slope_y;
+  }
+  const RippleCell cell = ripple_cell(view, x, y);
+  const Float level = 1.44269504f * logarithm(max(path * (1 / kFirstCausticLevel_m), splat(1)));
+  const Float bounded = clamp(level, 0, kCausticLevels - 1.001f);
+  const Int lower = to_int(bounded);
+  const Float between = bounded - to_float(lower);
+  const auto layer = [&](int above) {
+    return interpolate(cell, [&](Int at) { return gather(view.caustics + above, at * kCausticLevels + lower); });
+  };
+  const Float light = mix(layer(0), layer(1), between);
+  // The pattern forms between the surface and the first level.
+  return swell * mix(splat(1), light, clamp(path * (1 / kFirstCausticLevel_m), 0, 1));
+}
+
+}  // namespace
+}  // namespace uwsim::camera

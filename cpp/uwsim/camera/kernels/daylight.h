@@ -1,0 +1,62 @@
+#pragma once
+
+#include "uwsim/camera/kernels/caustics.h"
+#include "uwsim/camera/kernels/materials.h"
+
+/// Daylight on surfaces, and the light that passes its shadow test. Included by the kernels only.
+namespace uwsim::camera {
+namespace {
+
+constexpr float kShadowReach_m = 5.0f;        // above the water: what stands higher casts no shadow into it
+constexpr float kShadowRayThreshold = 2e-3f;  // light that adds less to what a pixel already has is not tested
+
+UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
+  return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
+}
+
+/// Daylight on surfaces: the sky's is added at once, the sun's becomes the light to be tested by a shadow ray. Level
+/// ground receives beam and sky by Kd; slopes by their cosine to the sun and by how much sky and upwelling light they
+/// face.
+void shade_daylight(const View& view, Block& block) {
+  apply_material(view, block);
+  const Vector point = load(block.point), normal = load(block.normal);
+  const Int lit = load(block.lit.at);
+  const Float height = point.z + view.camera_z;
+  const Float surface = waves_at(view, point.x, point.y).height;
+  const Int under = view.has_sunlight ? height < surface : Int{};
+  const Float depth = surface - height;
+  const DaylightAtDepth day = daylight_at_depth(view, depth);
+  const Float facing_up = 0.5f + 0.5f * normal.z;
+  const Float cosine_in_air = max(dot(normal, broadcast(view.to_sun)), Float{});
+  const Float cosine_in_water =
+      max(dot(normal, broadcast(view.to_sun_in_water)), Float{}) * (1 / view.to_sun_in_water[2]);
+  const Vector in_water = (day.total - day.beam) * facing_up + broadcast(view.upwelling) * day.total * (1 - facing_up);
+  // In air, the surroundings reflect 0.15 of the daylight: assumed.
+  const Vector on_level =
+      broadcast(view.beam) * splat(view.to_sun[2] > 0 ? view.to_sun[2] : 0.0f) + broadcast(view.sky);
+  const Vector in_air = broadcast(view.sky) * facing_up + on_level * (0.15f * (1 - facing_up));
+  const Vector reflected = reflected_per_irradiance(block);
+  const Vector light = load(block.radiance);
+  store(block.radiance, select(lit, light + reflected * select(under, in_water, in_air), light));
+  Vector beam_in_water = day.beam * cosine_in_water;
+  if (view.has_caustics && any(lit & under)) beam_in_water = beam_in_water * caustic_at(view, point);
+  const Vector beam = reflected * select(under, beam_in_water, broadcast(view.beam) * cosine_in_air);
+  store(block.unshadowed, beam);
+  const Vector to_sun = select(under, broadcast(view.to_sun_in_water), broadcast(view.to_sun));
+  store(block.to_light, to_sun);
+  store(block.light_distance.at,
+        select(under, max(depth, Float{}) * (1 / view.to_sun_in_water[2]) + kShadowReach_m, splat(3000.0f)));
+  const Float sunlight = beam.x + beam.y + beam.z;
+  const Float so_far = light.x + light.y + light.z;
+  store(block.needs_shadow_ray.at, lit & (sunlight > kShadowRayThreshold * so_far) & (sunlight > 1e-9f));
+}
+
+/// Adds the light under test on lanes whose shadow ray was not blocked.
+void add_unblocked_light(const View&, const BlockMask& blocked, Block& block) {
+  const Int reaches = load(block.needs_shadow_ray.at) & ~load(blocked.at);
+  const Vector light = load(block.radiance);
+  store(block.radiance, select(reaches, light + load(block.unshadowed), light));
+}
+
+}  // namespace
+}  // namespace uwsim::camera

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstddef>
+
+#include "uwsim/camera/kernels/block_lanes.h"
+#include "uwsim/camera/kernels/kernels.h"
+#include "uwsim/camera/kernels/view.h"
+
+/// Development: from radiance to 8-bit sRGB, with vignetting and noise. Included by the kernels only.
+namespace uwsim::camera {
+namespace {
+
+struct PhiloxWords {
+  Unsigned word[4];
+};
+
+/// Philox4x32-10 as in core/random.h, for sixteen counters at once: the same words. Numbers stay in the low halves of
+/// wide lanes; what accumulates in the high halves is never read.
+UWSIM_LANES PhiloxWords philox(Wide c0, Wide c1, Wide c2, Wide c3, std::uint64_t key) {
+  auto k0 = static_cast<std::uint32_t>(key), k1 = static_cast<std::uint32_t>(key >> 32);
+  for (int round = 0; round < 10; ++round) {
+    const Wide p0 = times_low(c0, 0xD2511F53u), p1 = times_low(c2, 0xCD9E8D57u);
+    c0 = (p1 >> 32) ^ c1 ^ k0;
+    c1 = p1;
+    c2 = (p0 >> 32) ^ c3 ^ k1;
+    c3 = p0;
+    k0 += 0x9E3779B9u;
+    k1 += 0xBB67AE85u;
+  }
+  const auto low = [](Wide c) { return narrowed<std::uint32_t>(c); };
+  return {{low(c0), low(c1), low(c2), low(c3)}};
+}
+UWSIM_LANES Float open_unit(Unsigned word) { return (to_float(bits_as<std::int32_t>(word >> 8)) + 0.5f) * 0x1p-24f; }
+
+/// Standard normal numbers for the three bands of sixteen pixels, keyed by tick and pixel (Box and Muller 1958).
+UWSIM_LANES Vector standard_normals(const Development& d, int pixel) {
+  Unsigned index;
+  for (int k = 0; k < kLanes; ++k) index[k] = static_cast<std::uint32_t>(pixel + k);
+  const PhiloxWords words = philox(Wide(d.tick & 0xffffffffu), Wide(d.tick >> 32), widened<std::uint64_t>(index),
+                                   Wide(std::uint64_t{d.stream}), d.key);
+  const Float r1 = square_root(-2 * logarithm(open_unit(words.word[0])));
+  const Float r2 = square_root(-2 * logarithm(open_unit(words.word[2])));
+  const SineCosine first = sine_cosine_of_turns(open_unit(words.word[1])),
+                   second = sine_cosine_of_turns(open_unit(words.word[3]));
+  return {r1 * first.cosine, r1 * first.sine, r2 * second.cosine};
+}
+
+/// The sRGB transfer curve (IEC 61966-2-1), within 4e-5: its power function as a polynomial in the fourth root of the
+/// signal.
+UWSIM_LANES Float srgb(Float linear) {
+  const Float x = clamp(linear, 0, 1), q = square_root(square_root(x));
+  const Float power = -6.4611606e-2f + q * (0.19613619f + q * (1.1226813f + q * (-0.33550179f + q * 8.1330307e-2f)));
+  return select(x <= 0.0031308f, x * 12.92f, power);
+}
+
+UWSIM_LANES Float load_some(const float* from, int count) {
+  if (count == kLanes) return load(from);
+  Float value;
+  for (int k = 0; k < count; ++k) value[k] = from[k];
+  return value;
+}
+
+UWSIM_LANES void write_bytes(Int red, Int green, Int blue, int count, std::uint8_t* rgb) {
+  alignas(64) std::int32_t pixels[kLanes];
+  store(pixels, red | green << 8 | blue << 16);
+  // Four bytes each: the next pixel overwrites the last of them.
+  for (int k = 0; k + 1 < count; ++k) __builtin_memcpy(rgb + 3 * k, pixels + k, 4);
+  __builtin_memcpy(rgb + 3 * (count - 1), pixels + count - 1, 3);
+}
+
+/// From one row of radiance to bytes: vignetting (cos^4 of the angle off the axis, in part), gain, photon and read
+/// noise (variance iso x / full_well + (iso read / full_well)^2 for a signal x whose full scale is 1), the transfer
+/// curve.
+void develop_row(const View& view, const Development& d, const RadiancePlanes& planes, int row, std::uint8_t* rgb) {
+  const float shot_noise = d.iso / d.full_well, read = d.iso * d.read_noise / d.full_well;
+  for (int first = 0; first < view.width; first += kLanes) {
+    const int count = view.width - first < kLanes ? view.width - first : kLanes;
+    const int at = row * view.width + first;
+    Vector light = {load_some(planes.red + at, count), load_some(planes.green + at, count),
+                    load_some(planes.blue + at, count)};
+    const Float x = load_some(view.ray_x + at, count), y = load_some(view.ray_y + at, count);
+    const Float cos2 = 1 / (1 + x * x + y * y);
+    light = light * (d.gain * (1 - d.vignetting + d.vignetting * cos2 * cos2));
+    if (d.has_noise) {
+      const Vector drawn = standard_normals(d, at);
+      const auto noisy = [&](Float value, Float normal) {
+        return value + normal * square_root(max(value, Float{}) * shot_noise + read * read);
+      };
+      light = {noisy(light.x, drawn.x), noisy(light.y, drawn.y), noisy(light.z, drawn.z)};
+    }
+    const auto level = [](Float linear) { return to_int(srgb(linear) * 255.0f + 0.5f); };
+    write_bytes(level(light.x), level(light.y), level(light.z), count, rgb + 3 * static_cast<std::size_t>(at));
+  }
+}
+
+}  // namespace
+}  // namespace uwsim::camera

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+
+#include "uwsim/camera/kernels/block.h"
+#include "uwsim/camera/kernels/view.h"
+
+/// The pixel kernels, which renderer.cpp calls for one block at a time. `left`, `top`: the block's first pixel.
+namespace uwsim::camera {
+
+/// Light before exposure, width x height.
+struct RadiancePlanes {
+  float *red, *green, *blue;
+};
+
+/// Images of geometry, width x height; normals x 3.
+struct GeometryPlanes {
+  float *depth, *normals;
+  std::uint16_t* labels;
+  std::uint8_t* classes;
+  const std::uint8_t* class_of_label;
+};
+
+/// From radiance to bytes: the settings of the image sensor.
+struct Development {
+  float gain, iso, vignetting;
+  float full_well, read_noise;  ///< electrons
+  int has_noise;
+  std::uint64_t key, tick;
+  std::uint32_t stream;
+};
+
+struct Kernels {
+  const char* name;
+  // From pixels to rays; from hits to geometry.
+  void (*primary_rays)(const View&, int left, int top, Block&);
+  void (*shaft_rays)(const View&, int left, int top, int scale, Block&);
+  void (*start_paths)(const View&, Block&);
+  void (*locate_hits)(const View&, Block&);
+  void (*write_geometry)(const View&, int left, int top, const Block&, const GeometryPlanes&);
+  // Light along and at the end of one segment.
+  void (*apply_water)(const View&, Block&);
+  void (*refract_or_reflect)(const View&, Block&);
+  void (*add_sky)(const View&, Block&);
+  void (*shade_daylight)(const View&, Block&);
+  void (*shade_lamp)(const View&, int lamp, Block&);
+  void (*add_unblocked_light)(const View&, const BlockMask& blocked, Block&);
+  void (*add_lamp_backscatter)(const View&, int lamp, Block&);
+  void (*shaft_sample_point)(const View&, float share, Block&);
+  void (*shaft_sample_light)(const View&, const Block&, BlockFloats& weight, BlockFloats& caustic);
+  // From paths to radiance and from radiance to bytes.
+  void (*write_radiance)(const View&, int left, int top, const Block&, const RadiancePlanes&,
+                         BlockFloats& root_luminance);
+  void (*develop_row)(const View&, const Development&, const RadiancePlanes&, int row, std::uint8_t* rgb);
+};
+
+/// Those for the widest instruction set that this CPU has; all give the same bits.
+const Kernels& kernels();
+const Kernels& baseline_kernels();
+const Kernels& avx2_kernels();
+const Kernels& avx512_kernels();
+
+}  // namespace uwsim::camera

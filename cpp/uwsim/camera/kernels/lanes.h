@@ -1,0 +1,259 @@
+#pragma once
+
+#include <cstdint>
+
+/// Arithmetic on sixteen pixels at once, in the compiler's vector types of the CPU's own width: one source, compiled
+/// for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane, without fused multiply-add,
+/// so that all builds give the same bits. Only for those files: everything here is local to the file that includes it.
+namespace uwsim::camera {
+namespace {
+
+constexpr int kLanes = 16;
+#if defined(__AVX512F__)
+constexpr int kNativeBytes = 64;
+#elif defined(__AVX2__)
+constexpr int kNativeBytes = 32;
+#else
+constexpr int kNativeBytes = 16;
+#endif
+
+#define UWSIM_LANES static inline __attribute__((always_inline))
+#define UWSIM_INLINE inline __attribute__((always_inline))
+#define UWSIM_UNROLLED _Pragma("GCC unroll 8") for (int p = 0; p < kParts; ++p)
+
+template <typename T>
+struct Lanes;
+using Float = Lanes<float>;
+using Int = Lanes<std::int32_t>;
+using Unsigned = Lanes<std::uint32_t>;
+using Double = Lanes<double>;
+using Wide = Lanes<std::uint64_t>;
+
+/// A vector of the CPU's own width.
+template <typename T>
+struct Native;
+template <>
+struct Native<float> {
+  using Part = float __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<std::int32_t> {
+  using Part = std::int32_t __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<std::uint32_t> {
+  using Part = std::uint32_t __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<double> {
+  using Part = double __attribute__((vector_size(kNativeBytes)));
+};
+template <>
+struct Native<std::uint64_t> {
+  using Part = std::uint64_t __attribute__((vector_size(kNativeBytes)));
+};
+
+/// Sixteen numbers. Comparisons of 32-bit numbers give masks: -1 for true, 0 for false.
+template <typename T>
+struct Lanes {
+  static constexpr int kParts = kLanes * static_cast<int>(sizeof(T)) / kNativeBytes;
+  using Part = typename Native<T>::Part;
+
+  Part part[kParts];
+
+  UWSIM_INLINE Lanes() { UWSIM_UNROLLED part[p] = Part{}; }
+  UWSIM_INLINE Lanes(T value) {  // NOLINT(google-explicit-constructor): numbers mix with lanes
+    UWSIM_UNROLLED part[p] = Part{} + value;
+  }
+
+  UWSIM_INLINE T operator[](int k) const { return reinterpret_cast<const T*>(part)[k]; }
+  UWSIM_INLINE T& operator[](int k) { return reinterpret_cast<T*>(part)[k]; }
+
+#define UWSIM_OPERATOR(op)                                       \
+  friend UWSIM_INLINE Lanes operator op(Lanes a, Lanes b) {      \
+    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];           \
+    return a;                                                    \
+  }                                                              \
+  friend UWSIM_INLINE Lanes& operator op##=(Lanes& a, Lanes b) { \
+    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];           \
+    return a;                                                    \
+  }
+  UWSIM_OPERATOR(+)
+  UWSIM_OPERATOR(-)
+  UWSIM_OPERATOR(*)
+  UWSIM_OPERATOR(/)
+  UWSIM_OPERATOR(&)
+  UWSIM_OPERATOR(|)
+  UWSIM_OPERATOR(^)
+#undef UWSIM_OPERATOR
+#define UWSIM_COMPARISON(op)                              \
+  friend UWSIM_INLINE Int operator op(Lanes a, Lanes b) { \
+    Int mask;                                             \
+    UWSIM_UNROLLED mask.part[p] = a.part[p] op b.part[p]; \
+    return mask;                                          \
+  }
+  UWSIM_COMPARISON(<)
+  UWSIM_COMPARISON(>)
+  UWSIM_COMPARISON(<=)
+  UWSIM_COMPARISON(>=)
+  UWSIM_COMPARISON(==)
+#undef UWSIM_COMPARISON
+  friend UWSIM_INLINE Lanes operator>>(Lanes a, int bits) {
+    UWSIM_UNROLLED a.part[p] = a.part[p] >> bits;
+    return a;
+  }
+  friend UWSIM_INLINE Lanes operator<<(Lanes a, int bits) {
+    UWSIM_UNROLLED a.part[p] = a.part[p] << bits;
+    return a;
+  }
+  friend UWSIM_INLINE Lanes operator-(Lanes a) {
+    UWSIM_UNROLLED a.part[p] = -a.part[p];
+    return a;
+  }
+  friend UWSIM_INLINE Lanes operator~(Lanes a) {
+    UWSIM_UNROLLED a.part[p] = ~a.part[p];
+    return a;
+  }
+};
+
+template <typename T>
+struct HalfNative;
+template <>
+struct HalfNative<float> {
+  using Part = float __attribute__((vector_size(kNativeBytes / 2)));
+};
+template <>
+struct HalfNative<std::uint32_t> {
+  using Part = std::uint32_t __attribute__((vector_size(kNativeBytes / 2)));
+};
+
+/// Conversion to numbers of twice or half the size: each part of the wider holds half a part of the narrower.
+template <typename To, typename From>
+requires(sizeof(To) == 2 * sizeof(From)) UWSIM_LANES Lanes<To> widened(Lanes<From> x) {
+  constexpr int kParts = Lanes<To>::kParts;
+  using Half = typename HalfNative<From>::Part;
+  Lanes<To> y;
+  UWSIM_UNROLLED {
+    Half half;
+    __builtin_memcpy(&half, reinterpret_cast<const char*>(x.part) + p * sizeof(half), sizeof(half));
+    y.part[p] = __builtin_convertvector(half, typename Native<To>::Part);
+  }
+  return y;
+}
+template <typename To, typename From>
+requires(2 * sizeof(To) == sizeof(From)) UWSIM_LANES Lanes<To> narrowed(Lanes<From> x) {
+  constexpr int kParts = Lanes<From>::kParts;
+  using Half = typename HalfNative<To>::Part;
+  Lanes<To> y;
+  UWSIM_UNROLLED {
+    const Half half = __builtin_convertvector(x.part[p], Half);
+    __builtin_memcpy(reinterpret_cast<char*>(y.part) + p * sizeof(half), &half, sizeof(half));
+  }
+  return y;
+}
+UWSIM_LANES Int to_int(Float x) {
+  constexpr int kParts = Int::kParts;
+  Int y;
+  UWSIM_UNROLLED y.part[p] = __builtin_convertvector(x.part[p], Int::Part);
+  return y;
+}
+UWSIM_LANES Float to_float(Int x) {
+  constexpr int kParts = Int::kParts;
+  Float y;
+  UWSIM_UNROLLED y.part[p] = __builtin_convertvector(x.part[p], Float::Part);
+  return y;
+}
+/// The same bits as another type's.
+template <typename To, typename From>
+UWSIM_LANES Lanes<To> bits_as(Lanes<From> x) {
+  constexpr int kParts = Lanes<To>::kParts;
+  Lanes<To> y;
+  UWSIM_UNROLLED y.part[p] = (typename Native<To>::Part)x.part[p];
+  return y;
+}
+
+/// Products of the low halves.
+UWSIM_LANES Wide times_low(Wide a, std::uint32_t b) {
+  constexpr int kParts = Wide::kParts;
+  using PhiloxWords = Native<std::int32_t>::Part;
+  const Wide many(std::uint64_t{b});
+#if defined(__AVX512F__)
+  using Product = long long __attribute__((vector_size(64)));
+  UWSIM_UNROLLED a.part[p] =
+      (Wide::Part)__builtin_ia32_pmuludq512_mask((PhiloxWords)a.part[p], (PhiloxWords)many.part[p], Product{}, -1);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq256((PhiloxWords)a.part[p], (PhiloxWords)many.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq128((PhiloxWords)a.part[p], (PhiloxWords)many.part[p]);
+#endif
+  return a;
+}
+
+UWSIM_LANES Float splat(float value) { return Float(value); }
+UWSIM_LANES Float load(const float* from) {
+  Float value;
+  __builtin_memcpy(value.part, from, sizeof(value.part));
+  return value;
+}
+UWSIM_LANES void store(float* to, Float value) { __builtin_memcpy(to, value.part, sizeof(value.part)); }
+UWSIM_LANES Int load(const std::int32_t* from) {
+  Int value;
+  __builtin_memcpy(value.part, from, sizeof(value.part));
+  return value;
+}
+UWSIM_LANES void store(std::int32_t* to, Int value) { __builtin_memcpy(to, value.part, sizeof(value.part)); }
+
+template <typename T>
+requires(sizeof(T) == 4) UWSIM_LANES Lanes<T> select(Int mask, Lanes<T> yes, Lanes<T> no) {
+  constexpr int kParts = Int::kParts;
+  UWSIM_UNROLLED yes.part[p] = mask.part[p] ? yes.part[p] : no.part[p];
+  return yes;
+}
+UWSIM_LANES bool any(Int mask) {
+  std::int32_t found = 0;
+  for (int k = 0; k < kLanes; ++k) found |= mask[k];
+  return found != 0;
+}
+/// a < b ? a : b and a > b ? a : b, as one instruction of the CPU.
+UWSIM_LANES Float min(Float a, Float b) {
+  constexpr int kParts = Float::kParts;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps256(a.part[p], b.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps(a.part[p], b.part[p]);
+#endif
+  return a;
+}
+UWSIM_LANES Float max(Float a, Float b) {
+  constexpr int kParts = Float::kParts;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps256(a.part[p], b.part[p]);
+#else
+  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps(a.part[p], b.part[p]);
+#endif
+  return a;
+}
+UWSIM_LANES Float clamp(Float x, float low, float high) { return min(max(x, splat(low)), splat(high)); }
+UWSIM_LANES Float abs(Float x) { return select(x < 0.0f, -x, x); }
+UWSIM_LANES Int floor_int(Float x) {
+  const Int whole = to_int(x);
+  return whole + (to_float(whole) > x);
+}
+UWSIM_LANES Float square_root(Float x) {
+  constexpr int kParts = Float::kParts;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps512_mask(x.part[p], x.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps256(x.part[p]);
+#else
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps(x.part[p]);
+#endif
+  return x;
+}
+
+}  // namespace
+}  // namespace uwsim::camera

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "uwsim/camera/kernels/scattering.h"
+
+/// Procedural materials: albedo and relief of surfaces. Included by the kernels only.
+namespace uwsim::camera {
+namespace {
+
+constexpr float kPatch_per_m = 0.7f;
+
+/// Value noise in [0, 1]: hashed values at integer points, interpolated smoothly. Repeats every 256 m at integer
+/// frequencies.
+UWSIM_LANES Float value_noise(Vector p, std::uint32_t salt) {
+  const Int i = floor_int(p.x), j = floor_int(p.y), k = floor_int(p.z);
+  const Float u = p.x - to_float(i), v = p.y - to_float(j), w = p.z - to_float(k);
+  const Float su = u * u * (3 - 2 * u), sv = v * v * (3 - 2 * v), sw = w * w * (3 - 2 * w);
+  const Unsigned x0 = bits_as<std::uint32_t>(i) * 0x8da6b343u, x1 = x0 + 0x8da6b343u;
+  const Unsigned y0 = bits_as<std::uint32_t>(j) * 0xd8163841u, y1 = y0 + 0xd8163841u;
+  const Unsigned z0 = bits_as<std::uint32_t>(k) * 0xcb1ab31fu + salt, z1 = z0 + 0xcb1ab31fu;
+  const auto row = [&](Unsigned y, Unsigned z) { return mix(hash_unit(x0 ^ y ^ z), hash_unit(x1 ^ y ^ z), su); };
+  return mix(mix(row(y0, z0), row(y1, z0), sv), mix(row(y0, z1), row(y1, z1), sv), sw);
+}
+
+/// A Material for each lane.
+struct MaterialLanes {
+  Vector base, other;
+  Float contrast, fine_per_m, bump, ripple_m, ripple_tilt;
+};
+UWSIM_LANES MaterialLanes material_lanes(const Material& m) {
+  return {broadcast(m.base), broadcast(m.other), splat(m.contrast),   splat(m.fine_per_m),
+          splat(m.bump),     splat(m.ripple_m),  splat(m.ripple_tilt)};
+}
+UWSIM_LANES MaterialLanes material_lanes(const Material* materials, Int index) {
+  bool alike = true;
+  for (int k = 1; k < kLanes; ++k) alike = alike && index[k] == index[0];
+  if (alike) return material_lanes(materials[index[0]]);
+  MaterialLanes all{};
+  for (int k = 0; k < kLanes; ++k) {
+    const Material& m = materials[index[k]];
+    all.base.x[k] = m.base[0], all.base.y[k] = m.base[1], all.base.z[k] = m.base[2];
+    all.other.x[k] = m.other[0], all.other.y[k] = m.other[1], all.other.z[k] = m.other[2];
+    all.contrast[k] = m.contrast, all.fine_per_m[k] = m.fine_per_m, all.bump[k] = m.bump;
+    all.ripple_m[k] = m.ripple_m, all.ripple_tilt[k] = m.ripple_tilt;
+  }
+  return all;
+}
+
+/// Sets the albedo and tilts the normal: patches of two sizes, grain, sand ripples. Each fades out as it gets smaller
+/// than a pixel.
+void apply_material(const View& view, Block& block) {
+  const Vector point = load(block.point), direction = load(block.direction);
+  Vector normal = load(block.normal);
+  normal = select(dot(normal, direction) > 0, normal * splat(-1), normal);
+  const Vector at = {point.x + view.texture_x, point.y + view.texture_y, point.z + view.camera_z};
+  const Float pixel_m = square_root(dot(point, point)) * view.pixel_rad;
+  const Float large = value_noise(at * splat(kPatch_per_m), 17u);
+  Int material = load(block.material.at);
+  const Int on_terrain = material == 0;
+  const Int on_land = on_terrain & (at.z > 0.2f + 1.5f * large),
+            steep = on_terrain & (normal.z < 0.72f + 0.16f * large);
+  material = select(on_land, Int(view.land_material), select(steep, Int(view.steep_material), material));
+  const MaterialLanes look = material_lanes(view.materials, material);
+  const Float fine_near = clamp(1.5f - 1.5f * pixel_m * look.fine_per_m, 0, 1);
+  const Float fine = value_noise(at * look.fine_per_m, 91u) - 0.5f;
+  const Float grain = value_noise(at * (look.fine_per_m * 9.0f), 53u) - 0.5f;
+  const Float grain_near = clamp(1.5f - 13.0f * pixel_m * look.fine_per_m, 0, 1);
+  const Float patches = (large - 0.5f) * 0.9f + fine * fine_near * 0.7f + grain * grain_near * 0.9f;
+  const Float share = clamp(0.5f + look.contrast * patches, 0, 1);
+  Vector albedo = {mix(look.base.x, look.other.x, share), mix(look.base.y, look.other.y, share),
+                   mix(look.base.z, look.other.z, share)};
+  albedo = select(load(block.has_texture.at), load(block.texture_albedo), albedo);
+  const Float ripple_near = clamp(1.5f - 4.0f * pixel_m / max(look.ripple_m, splat(1e-3f)), 0, 1);
+  const Float crest = (at.x * 0.83f + at.y * 0.56f + 0.35f * large) * (2 * kPi) / max(look.ripple_m, splat(0.02f));
+  const Float ripple =
+      select(look.ripple_m > 0, look.ripple_tilt * ripple_near * cosine(crest) * (0.4f + large), Float{});
+  const Vector tilted = {normal.x - ripple * 0.83f + look.bump * fine_near * fine,
+                         normal.y - ripple * 0.56f + look.bump * grain_near * grain, normal.z};
+  store(block.normal, unit(tilted));
+  store(block.albedo, albedo);
+}
+
+}  // namespace
+}  // namespace uwsim::camera

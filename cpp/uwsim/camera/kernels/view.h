@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+
+/// The constants of one picture: camera, terrain, water, light, lamps. Units and axes as in block.h.
+namespace uwsim::camera {
+
+inline constexpr int kRippleCells = 128, kCausticLevels = 6;
+inline constexpr float kRippleTile_m = 6.4f, kFirstCausticLevel_m = 0.5f;
+
+/// A procedural material: two colours mixed in patches of two sizes, and relief.
+struct Material {
+  float base[3], other[3];  ///< albedo
+  float contrast;           ///< of the patches, 0: none
+  float fine_per_m;         ///< small patches per metre; the large ones measure 1.4 m in all materials
+  float bump;               ///< tilt of the normal by the small patches [rad]
+  float ripple_m;           ///< length of sand ripples, 0: none
+  float ripple_tilt;        ///< their steepest slope
+};
+
+/// A spot lamp: intensity [irradiance m2], axis away from the lamp.
+struct SpotLight {
+  float position[3], axis[3], intensity[3];
+  float cos_outer, cos_inner;  ///< dark outside the outer cone, uniform within the inner
+};
+
+/// Heights and slopes of the world's waves at the nodes of a grid around the camera, [y][x][height, slope x, slope y].
+struct WaveNodes {
+  const float* values;  ///< null: still water
+  int side;
+  float spacing_m, left_m, bottom_m;  ///< of the first node, relative to the camera
+};
+
+struct View {
+  int width, height;
+  const float *ray_x, *ray_y;              ///< each pixel's direction at unit depth
+  const float *block_ray_x, *block_ray_y;  ///< the same for whole blocks, block by block
+  float right[3], down[3], ahead[3];
+  float pixel_rad;  ///< angle across one pixel, approximately
+  float wobble_rad, wobble_phase;
+  float camera_z, surface_z;    ///< world; of the surface above or below the camera
+  float texture_x, texture_y;   ///< camera in the frame of textures and ripples, which repeat
+  double terrain_x, terrain_y;  ///< first node relative to the camera
+  double terrain_spacing, anchor_z;
+  const float* heights;  ///< null: no terrain
+  int terrain_nx;
+  std::uint32_t terrain_label;
+
+  int has_surface, camera_in_water, has_sunlight, has_attenuation, has_backscatter, has_caustics;
+  float refractive_index;
+  float c[3], kd[3], kb[3];             ///< attenuation [1/m] of a beam, of daylight, of daylight's direct beam
+  float particle_b[3], molecule_b[3];   ///< scattering [1/m]
+  float upwelling[3];                   ///< share of downwelling light that returns
+  float beam_level[3], total_level[3];  ///< irradiance on a level surface just below the water's surface
+  float to_sun_in_water[3];
+  float beam[3], sky[3], to_sun[3];  ///< in air
+  const float *caustics, *slopes;    ///< Ripples::Snapshot's, null: no ripples
+  float bend;                        ///< 1 - 1 / refractive_index
+  WaveNodes waves;
+
+  const Material* materials;
+  int steep_material, land_material;  ///< indices for steep and for dry ground; the bed's is 0
+  int lamp_count;
+  const SpotLight* lamps;
+  int shaft_width;  ///< blocks in a row of the shafts' image, 0: no shafts
+  const float* shafts;
+};
+
+}  // namespace uwsim::camera

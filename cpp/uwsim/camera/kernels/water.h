@@ -1,0 +1,55 @@
+#pragma once
+
+#include "uwsim/camera/kernels/water_surface.h"
+
+/// The water along one straight segment of a ray. Included by the kernels only.
+namespace uwsim::camera {
+namespace {
+
+constexpr float kFarthest_m = 2e4f;
+constexpr float kNegligible = 1e-3f;  // throughput below which a path is not continued
+
+/// Ends each ray's segment at its hit or at the surface, adds the backscatter of the water along it, and attenuates
+/// what lies beyond.
+void apply_water(const View& view, Block& block) {
+  const Vector origin = load(block.origin), direction = load(block.direction);
+  const Float distance = load(block.distance.at);
+  const Int active = load(block.active.at), in_water = load(block.in_water.at);
+  const Int hit = distance < 1e30f;
+  Int crosses = Int{};
+  Float end = min(distance, splat(kFarthest_m));
+  if (view.has_surface) {
+    const Float height = origin.z + view.camera_z;
+    const Int approaches = select(in_water, direction.z > 1e-4f, direction.z < -1e-4f);
+    Float surface = splat(view.surface_z);
+    Float reach = (surface - height) / select(approaches, direction.z, splat(1));
+    for (int k = 0; view.waves.values != nullptr && k < 3; ++k) {
+      surface = waves_at(view, origin.x + direction.x * reach, origin.y + direction.y * reach).height;
+      reach = max((surface - height) / select(approaches, direction.z, splat(1)), Float{});
+    }
+    crosses = active & approaches & (reach >= 0) & (reach < end);
+    end = select(crosses, reach, end);
+  }
+  Vector throughput = load(block.throughput), light = load(block.radiance);
+  if (any(in_water & active)) {
+    const Vector before = throughput;
+    if (view.has_attenuation) throughput = throughput * exponential(broadcast(view.c) * (-end));
+    throughput = select(in_water, throughput, before);
+    if (view.has_backscatter) {
+      Vector diffuse, beam;
+      daylight_backscatter(view, origin, direction, end, diffuse, beam);
+      light = select(in_water, light + before * diffuse, light);
+      const Vector sunlit = select(in_water, load(block.sun_backscatter) + before * beam, load(block.sun_backscatter));
+      store(block.sun_backscatter, sunlit);
+    }
+  }
+  const Float strongest = max(throughput.x, max(throughput.y, throughput.z));
+  store(block.throughput, throughput);
+  store(block.radiance, light);
+  store(block.lit.at, active & hit & ~crosses & (strongest > 0.2f * kNegligible));
+  store(block.onward.at, crosses & (strongest > kNegligible));
+  store(block.reach.at, end);
+}
+
+}  // namespace
+}  // namespace uwsim::camera

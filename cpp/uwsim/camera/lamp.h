@@ -1,0 +1,20 @@
+#pragma once
+
+#include "uwsim/camera/water_optics.h"
+#include "uwsim/core/pose.h"
+
+namespace uwsim {
+
+/// A spot lamp: uniform within the inner angle, dark from the outer angle on, smooth between.
+struct SpotLamp {
+  Pose world_from_lamp;  ///< shines along x
+  double flux_lm = 10'000;
+  double half_angle_rad = 0.6;   ///< the outer angle
+  double soft_share = 0.4;       ///< of the half angle, over which the light falls off
+  Bands colour = Bands::Ones();  ///< relative to daylight's white
+
+  /// Throws InvalidValue that names the field.
+  void check() const;
+};
+
+}  // namespace uwsim

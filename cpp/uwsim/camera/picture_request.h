@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "uwsim/camera/effects.h"
+#include "uwsim/camera/kernels/kernels.h"
+#include "uwsim/camera/lamp.h"
+#include "uwsim/camera/ray_record.h"
+#include "uwsim/core/pose.h"
+
+namespace uwsim {
+
+/// One picture to render: from where, when, with what light and effects.
+struct PictureRequest {
+  Pose world_from_camera;
+  double time_s = 0;
+  std::uint64_t tick = 0;  ///< keys the noise
+  Effects effects = Effects::all();
+  std::vector<SpotLamp> lamps;                ///< those that are on
+  std::vector<Pose> world_from_vehicles;      ///< of all CameraScene::vehicles, or empty
+  std::optional<std::size_t> hidden_vehicle;  ///< the one that carries the camera, which does not see it
+  bool geometry_only = false, keep_radiance = false;
+  bool measure = false;                      ///< fill RenderCost::seconds
+  RayRecord* record = nullptr;               ///< if set, needs one thread
+  const camera::Kernels* kernels = nullptr;  ///< null: the fastest that this CPU runs; all give the same bits
+  int threads = 1;
+};
+
+}  // namespace uwsim

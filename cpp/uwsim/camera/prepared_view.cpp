@@ -1,0 +1,139 @@
+#include "uwsim/camera/prepared_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kTextureRepeat_m = 256;  // a whole number of ripple tiles: 40 of 6.4 m
+// Share of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees and
+// still casts shadows. Assumed, by the order of Petzold's 1972 measurements.
+constexpr double kScatteredAway = 0.2;
+constexpr double kSunlight_lx = 1e5;  // irradiance 1 in daylight.h
+
+void assign(float (&to)[3], const Eigen::Vector3d& from) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from(k));
+}
+void assign(float (&to)[3], const Bands& from) { assign(to, Eigen::Vector3d(from.matrix())); }
+
+float wrapped(double x) { return static_cast<float>(x - kTextureRepeat_m * std::floor(x / kTextureRepeat_m)); }
+
+}  // namespace
+
+PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const Optics& optics,
+                           const PictureRequest& request)
+    : anchor_world_m(request.world_from_camera.position_m) {
+  const Effects& on = request.effects;
+  const bool has_water = on.has(Effect::kAttenuation) || on.has(Effect::kBackscatter) || on.has(Effect::kSunlight) ||
+                         on.has(Effect::kSurface);
+  set_rays(camera, request);
+  set_terrain(scene.world());
+  view.camera_z = static_cast<float>(anchor_world_m.z());
+  view.surface_z =
+      static_cast<float>(scene.world().water.surface_height_at(anchor_world_m.x(), anchor_world_m.y(), request.time_s));
+  view.texture_x = wrapped(anchor_world_m.x());
+  view.texture_y = wrapped(anchor_world_m.y());
+  view.camera_in_water = has_water && view.camera_z < view.surface_z;
+  view.has_surface = on.has(Effect::kSurface);
+  if (has_water && !request.geometry_only) {
+    view.waves = waves_.emplace(scene.world().water, anchor_world_m, request.time_s, request.threads).nodes();
+  }
+  set_light(optics, on);
+  const bool has_ripples =
+      !request.geometry_only && optics.wind_m_s > 0 && (view.has_surface || on.has(Effect::kCaustics));
+  if (has_ripples) {
+    ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, request.time_s, optics.water.refractive_index,
+                             request.threads);
+    view.slopes = ripples_->slopes.data();
+    view.caustics = ripples_->caustics.data();
+  }
+  view.has_caustics = has_ripples && on.has(Effect::kCaustics) && view.has_sunlight && view.beam_level[1] > 0;
+  set_lamps(request);
+  view.materials = scene.materials().data();
+  view.steep_material = 1;
+  view.land_material = 2;
+}
+
+void PreparedView::set_rays(const Camera& camera, const PictureRequest& request) {
+  const Lens& lens = camera.lens();
+  const RayTable& rays = camera.rays(request.effects.has(Effect::kDistortion));
+  const Eigen::Matrix3d turn = request.world_from_camera.rotation();
+  view.width = lens.width;
+  view.height = lens.height;
+  view.ray_x = rays.x.data();
+  view.ray_y = rays.y.data();
+  view.block_ray_x = rays.block_x.data();
+  view.block_ray_y = rays.block_y.data();
+  assign(view.right, Eigen::Vector3d(-turn.col(1)));
+  assign(view.down, Eigen::Vector3d(-turn.col(2)));
+  assign(view.ahead, Eigen::Vector3d(turn.col(0)));
+  view.pixel_rad = static_cast<float>(1 / lens.fx);
+  const bool wobbles = request.effects.has(Effect::kWobble);
+  view.wobble_rad = wobbles ? static_cast<float>(camera.sensor().wobble_rad) : 0;
+  view.wobble_phase = static_cast<float>(std::fmod(request.time_s, 20 * std::numbers::pi));
+}
+
+void PreparedView::set_terrain(const World& world) {
+  view.terrain_label = kTerrain;
+  view.anchor_z = anchor_world_m.z();
+  if (const auto& terrain = world.terrain()) {
+    view.terrain_x = terrain->origin_m().x() - anchor_world_m.x();
+    view.terrain_y = terrain->origin_m().y() - anchor_world_m.y();
+    view.terrain_spacing = terrain->spacing_m();
+    view.heights = terrain->heights_m().data();
+    view.terrain_nx = static_cast<int>(terrain->nx());
+  }
+}
+
+void PreparedView::set_light(const Optics& optics, const Effects& on) {
+  const WaterOptics& water = optics.water;
+  const Daylight above = daylight(optics.sun);
+  const DaylightBelow below = daylight_below(above, water.refractive_index);
+  const Bands molecules = molecular_scattering().min(water.scattering);
+  const bool sunlight = on.has(Effect::kSunlight);
+  view.has_sunlight = sunlight;
+  view.has_attenuation = on.has(Effect::kAttenuation);
+  view.has_backscatter = on.has(Effect::kBackscatter);
+  view.refractive_index = static_cast<float>(water.refractive_index);
+  view.bend = static_cast<float>(1 - 1 / water.refractive_index);
+  assign(view.c, water.beam_attenuation());
+  assign(view.kd, sunlight ? water.diffuse_attenuation : Bands::Zero().eval());
+  assign(view.kb, sunlight
+                      ? Bands(water.diffuse_attenuation + kScatteredAway * water.scattering / below.to_sun_world.z())
+                      : Bands::Zero().eval());
+  assign(view.particle_b, Bands(water.scattering - molecules));
+  assign(view.molecule_b, molecules);
+  assign(view.upwelling, upwelling_share(water));
+  assign(view.beam_level, below.beam_level);
+  assign(view.total_level, Bands(below.beam_level + below.sky_level));
+  assign(view.to_sun_in_water, below.to_sun_world);
+  assign(view.beam, above.beam);
+  assign(view.sky, above.sky);
+  assign(view.to_sun, above.to_sun_world);
+}
+
+void PreparedView::set_lamps(const PictureRequest& request) {
+  if (!request.effects.has(Effect::kLamps)) return;
+  for (const SpotLamp& lamp : request.lamps) {
+    lamp.check();
+    camera::SpotLight light{};
+    const Pose& pose = lamp.world_from_lamp;
+    assign(light.position, Eigen::Vector3d(pose.position_m - anchor_world_m));
+    assign(light.axis, pose.direction(Eigen::Vector3d::UnitX()));
+    const double inner = lamp.half_angle_rad * (1 - lamp.soft_share);
+    light.cos_outer = static_cast<float>(std::cos(lamp.half_angle_rad));
+    light.cos_inner = static_cast<float>(std::cos(inner));
+    // A smoothstep over the cosine emits as much light as a uniform cone out to the mean of the soft edge's cosines.
+    const double steradians = 2 * std::numbers::pi * (1 - 0.5 * (light.cos_outer + light.cos_inner));
+    assign(light.intensity, Bands(lamp.colour * (lamp.flux_lm / steradians / kSunlight_lx)));
+    lamps_.push_back(light);
+  }
+  view.lamps = lamps_.data();
+  view.lamp_count = static_cast<int>(lamps_.size());
+}
+
+}  // namespace uwsim

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "uwsim/camera/camera.h"
+#include "uwsim/camera/camera_scene.h"
+#include "uwsim/camera/optics.h"
+#include "uwsim/camera/picture_request.h"
+#include "uwsim/camera/wave_grid.h"
+
+namespace uwsim {
+
+/// The constants of one picture, as the kernels need them, with the memory that they point to.
+class PreparedView {
+ public:
+  PreparedView(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request);
+  PreparedView(const PreparedView&) = delete;
+  PreparedView& operator=(const PreparedView&) = delete;
+
+  camera::View view{};
+  Eigen::Vector3d anchor_world_m;  ///< the origin of View's positions: the camera
+
+ private:
+  void set_rays(const Camera& camera, const PictureRequest& request);
+  void set_terrain(const World& world);
+  void set_light(const Optics& optics, const Effects& effects);
+  void set_lamps(const PictureRequest& request);
+
+  std::optional<WaveGrid> waves_;  // where light meets the surface
+  std::shared_ptr<const Ripples::Snapshot> ripples_;
+  std::vector<camera::SpotLight> lamps_;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "uwsim/rays/ray_scene.h"
+
+namespace uwsim {
+
+/// The packets of rays that a picture casts through the world, in order, for benchmarks against Embree alone.
+struct RayRecord {
+  struct Packet {
+    std::int32_t kind;  ///< 0 cast, 1 occluded; + 2 if coherent
+    std::array<std::int32_t, kPacketRays> active;
+    std::array<RayPacket::Lanes, 8> rows;  ///< origin x, y, z, direction x, y, z, near, far; relative to the camera
+  };
+  std::vector<Packet> packets;
+};
+
+}  // namespace uwsim

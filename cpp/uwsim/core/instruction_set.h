@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+namespace uwsim {
+
+/// The instruction sets that kernels are compiled for: *_avx2.cpp, *_avx512.cpp and a portable one. `best` is a request
+/// for the widest that the processor has.
+enum class InstructionSet : std::uint8_t { best, portable, avx2, avx512 };
+
+/// Whether this processor has every instruction that the compiler may use in the kernels of `set`. The flags tested are
+/// those of cpp/uwsim/CMakeLists.txt; tests/python/test_architecture.py compares the two.
+bool processor_has(InstructionSet set);
+/// The widest that this processor has: portable, avx2 or avx512.
+InstructionSet widest_instruction_set();
+
+/// The table of kernels for the widest set that this processor has.
+template <typename Kernels>
+const Kernels& widest(const Kernels& portable, const Kernels& avx2, const Kernels& avx512) {
+  switch (widest_instruction_set()) {
+    case InstructionSet::avx512:
+      return avx512;
+    case InstructionSet::avx2:
+      return avx2;
+    default:
+      return portable;
+  }
+}
+
+}  // namespace uwsim

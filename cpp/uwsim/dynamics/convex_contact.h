@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <span>
+
+#include "uwsim/core/pose.h"
+#include "uwsim/dynamics/collision_shape.h"
+
+namespace uwsim {
+
+/// A convex piece of a body, prepared for distance queries; without Bullet's margin.
+class ConvexShape {
+ public:
+  /// Keeps only the corners of the convex hull of the points.
+  explicit ConvexShape(const ConvexPiece& points_body_m);
+  ~ConvexShape();
+  ConvexShape(ConvexShape&&) noexcept;
+  ConvexShape& operator=(ConvexShape&&) noexcept;
+
+  const ConvexPiece& corners_body_m() const { return corners_body_m_; }
+
+ private:
+  friend class ConvexContact;
+  struct Impl;
+  ConvexPiece corners_body_m_;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A point of contact or near contact: on the second shape, with the unit normal from there towards the first.
+struct ContactPoint {
+  Eigen::Vector3d point_world_m, normal_world;
+  double distance_m;  ///< negative where they overlap
+};
+
+/// Finds where two convex shapes are nearest and, where two faces meet, the corners of the area that they share. By
+/// Bullet: GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. A pure function of the poses. A result is
+/// valid until the next call.
+class ConvexContact {
+ public:
+  ConvexContact();
+  ~ConvexContact();
+  ConvexContact(ConvexContact&&) noexcept;
+  ConvexContact& operator=(ConvexContact&&) noexcept;
+
+  /// Empty when the shapes are farther apart than `reach_m`.
+  std::span<const ContactPoint> with_triangle(const ConvexShape& shape, const Pose& world_from_shape,
+                                              const std::array<Eigen::Vector3d, 3>& corners_world_m, double reach_m);
+  std::span<const ContactPoint> with_shape(const ConvexShape& shape, const Pose& world_from_shape,
+                                           const ConvexShape& other, const Pose& world_from_other, double reach_m);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace uwsim

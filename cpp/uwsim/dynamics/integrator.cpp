@@ -1,0 +1,57 @@
+#include "uwsim/dynamics/integrator.h"
+
+namespace uwsim {
+namespace {
+
+struct Rate {
+  Eigen::Vector3d position;
+  Eigen::Vector4d quaternion;  // x y z w
+  Vector6d velocity;
+};
+
+Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s) {
+  const Eigen::Quaterniond& q = state.world_from_body.orientation;
+  Vector6d tau_body = loads.body;
+  tau_body.head<3>() += q.conjugate() * loads.world.head<3>();
+  tau_body.tail<3>() += q.conjugate() * loads.world.tail<3>();
+  const Eigen::Vector3d w = state.angular_body_rad_s();
+  const Eigen::Quaterniond spin = q * Eigen::Quaterniond(0, w.x(), w.y(), w.z());
+  return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), craft.acceleration_body(state, tau_body, water, time_s)};
+}
+
+BodyState moved(const BodyState& state, const Rate& rate, double time_s) {
+  BodyState next;
+  next.world_from_body.position_m = state.world_from_body.position_m + time_s * rate.position;
+  next.world_from_body.orientation.coeffs() =
+      (state.world_from_body.orientation.coeffs() + time_s * rate.quaternion).normalized();
+  next.velocity_body = state.velocity_body + time_s * rate.velocity;
+  return next;
+}
+
+}  // namespace
+
+Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_s) {
+  const Eigen::Vector3d rotation = duration_s * velocity_body.tail<3>();
+  const double angle = rotation.norm();
+  Pose moved;
+  moved.position_m = pose.position_m + duration_s * (pose.orientation * velocity_body.head<3>());
+  moved.orientation =
+      angle == 0 ? pose.orientation
+                 : (pose.orientation * Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle))).normalized();
+  return moved;
+}
+
+BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
+                  double time_s, double step_s) {
+  const double middle_s = time_s + step_s / 2;
+  const Rate k1 = rate_of(craft, state, loads, water, time_s);
+  const Rate k2 = rate_of(craft, moved(state, k1, step_s / 2), loads, water, middle_s);
+  const Rate k3 = rate_of(craft, moved(state, k2, step_s / 2), loads, water, middle_s);
+  const Rate k4 = rate_of(craft, moved(state, k3, step_s), loads, water, time_s + step_s);
+  const Rate mean = {(k1.position + 2 * k2.position + 2 * k3.position + k4.position) / 6,
+                     (k1.quaternion + 2 * k2.quaternion + 2 * k3.quaternion + k4.quaternion) / 6,
+                     (k1.velocity + 2 * k2.velocity + 2 * k3.velocity + k4.velocity) / 6};
+  return moved(state, mean, step_s);
+}
+
+}  // namespace uwsim

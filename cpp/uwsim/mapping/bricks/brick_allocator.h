@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "uwsim/mapping/bricks/brick_store.h"
+#include "uwsim/mapping/bricks/uninitialised_vector.h"
+
+namespace uwsim::bricks {
+
+/// One thread's free bricks and blocks of a store. It takes them from the store many at a time, so that threads rarely
+/// wait for each other, and gives them back when it is destroyed.
+class BrickAllocator {
+ public:
+  explicit BrickAllocator(BrickStore& store) : store_(store) {}
+  ~BrickAllocator();
+  BrickAllocator(const BrickAllocator&) = delete;
+  BrickAllocator& operator=(const BrickAllocator&) = delete;
+
+  /// With `at_least` free blocks, and space for as many to be given back.
+  BlockPool& blocks(std::size_t at_least);
+  /// The brick of a slot, for writing; made if the slot is kNone or uniform.
+  Brick& writable(std::uint32_t& slot);
+  /// The block of a word, for writing. If it is new, known voxels are `known_log_odds` in it and unknown ones 0.
+  float* writable_block(Brick& brick, int word, float known_log_odds);
+  /// Frees the brick of a slot and makes the slot uniform, if all its voxels are known and at clamping_min.
+  void compact(std::uint32_t& slot);
+
+ private:
+  BrickStore& store_;
+  BlockPool pool_{};  ///< pool_.free points into free_blocks_
+  UninitialisedVector<std::uint32_t> free_blocks_;
+  std::vector<std::uint32_t> free_bricks_;
+};
+
+}  // namespace uwsim::bricks

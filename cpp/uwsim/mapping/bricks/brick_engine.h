@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/mapping/map_engine.h"
+
+namespace uwsim {
+
+/// OctoMap's map kept as bricks of voxels: it gives the same bytes as OctomapEngine in a fraction of the time and
+/// memory. README.md in this folder explains it. tree_origin_world_m: where the tree's zero is. memory_limit_bytes: how
+/// much memory the voxels may take before the least recently used go to a nameless file in spill_folder (empty: the
+/// system's); 0 for no limit. Throws InvalidValue if the processor does not have the instruction set, FileError if the
+/// file cannot be made.
+std::unique_ptr<MapEngine> make_brick_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
+                                             const OccupancyModel& model, InstructionSet instruction_set,
+                                             std::size_t memory_limit_bytes, const std::string& spill_folder);
+
+}  // namespace uwsim

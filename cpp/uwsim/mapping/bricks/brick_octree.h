@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "uwsim/mapping/bricks/brick_store.h"
+#include "uwsim/mapping/map_engine.h"
+
+namespace uwsim {
+class AtomicFile;
+}
+
+/// A store of bricks seen as OctoMap's octree: to list leaves, and to write and read OctoMap's files. The inner nodes
+/// and the pruning exist only while a function here runs.
+namespace uwsim::bricks {
+
+// brick_octree_leaves.cpp
+
+/// In Morton order.
+void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
+
+/// The leaves that have voxels of the box.
+void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf);
+
+// brick_octree_write.cpp
+
+/// The tree that OctoMap would have after the same scans, as an .ot: eight equal leaves are pruned to one, an inner
+/// node is the greatest of its children.
+TreeBytes full_tree(const BrickStore& store);
+std::uint64_t count_nodes(const BrickStore& store);
+
+/// The same tree after OctoMap's toMaxLikelihood and prune, as an .ot. That prune goes up level by level and stops at
+/// the first level where it prunes nothing, even if there is something to prune above; so does this.
+TreeBytes likely_tree(const BrickStore& store);
+/// The same tree as a .bt: the bytes that an octomap::OcTree writes of it.
+TreeBytes binary_tree(const BrickStore& store);
+
+/// Writes the whole file, chunk by chunk: how much memory that takes does not depend on the map.
+void write_tree(const BrickStore& store, MapFormat format, double resolution_m, AtomicFile& file);
+
+// brick_octree_read.cpp
+
+/// Fills an empty store from the tree of a file that check_octree_file() accepted.
+void load_tree(BrickStore& store, MapFormat format, std::string_view body);
+
+}  // namespace uwsim::bricks

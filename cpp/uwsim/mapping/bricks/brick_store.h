@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "uwsim/mapping/bricks/arena.h"
+#include "uwsim/mapping/bricks/brick.h"
+#include "uwsim/mapping/changed_chunks.h"
+#include "uwsim/mapping/log_odds.h"
+#include "uwsim/mapping/voxel_key.h"
+
+namespace uwsim::bricks {
+
+struct ChunkSpill;
+
+/// The voxels of a map: chunks of 8 x 8 x 8 bricks of 8 x 8 x 8 voxels, found in a hash table. A brick whose voxels are
+/// all known and equal, and a leaf of a file that is larger than a chunk, are kept as one value. README.md shows the
+/// levels.
+class BrickStore {
+ public:
+  /// 512 slots in Morton order. A slot is kNone (all voxels unknown), or kUniform + the index of a value (all known and
+  /// equal), or the index of a brick.
+  struct Chunk {
+    std::array<std::uint32_t, 512> bricks;
+    std::uint64_t last_use = 0;  ///< ChunkSpill::clock then
+    bool is_saved = false;       ///< the spill file has the chunk as it is now
+  };
+  static constexpr std::uint32_t kUniform = 0x80000000;
+  static constexpr std::uint32_t kUniformAtMin = kUniform;  ///< the first value is always clamping_min
+
+  /// A chunk's code, which is the Morton code of its first voxel without the lowest 18 bits, and the chunk; null if it
+  /// is in the spill file only.
+  using ChunkRef = std::pair<std::uint32_t, const Chunk*>;
+
+  /// A cube of 2^levels voxels that are all known and equal.
+  struct LargeLeaf {
+    std::uint32_t code;  ///< of its first chunk
+    int levels;          ///< more than a chunk's 6
+    float log_odds;
+  };
+
+  explicit BrickStore(const OccupancyLogOdds& model);
+  ~BrickStore();
+
+  const OccupancyLogOdds& model() const { return model_; }
+  /// For later scans: the voxels stay as they are.
+  void set_model(const OccupancyLogOdds& model);
+
+  // Memory, defined in chunk_spill.cpp.
+
+  /// Keeps the memory of the chunks near `bytes`: the least recently used go to a file in `folder` (empty: the
+  /// system's) and come back when they are used. Throws FileError.
+  void limit_memory(std::size_t bytes, const std::string& folder);
+  bool is_limited() const { return spill_ != nullptr; }
+  /// Evicts chunks if there are too many: pointers from find_chunk() and writable_chunk() become invalid. Chunks stay
+  /// if the file cannot be written.
+  void evict_excess();
+  /// The same; throws FileError if the file cannot be written and there are too many chunks.
+  void evict_excess_or_throw();
+  std::uint64_t evictions() const;
+  /// A chunk for reading, loaded from the spill file for the life of this object if it is not in memory.
+  class LoadedChunk {
+   public:
+    LoadedChunk(const BrickStore& store, const ChunkRef& chunk);
+    ~LoadedChunk();
+    LoadedChunk(const LoadedChunk&) = delete;
+    LoadedChunk& operator=(const LoadedChunk&) = delete;
+    const Chunk& chunk() const { return *chunk_; }
+
+   private:
+    BrickStore& store_;
+    const std::uint32_t code_;
+    const Chunk* chunk_;
+    const bool is_temporary_;
+  };
+  /// The memory of the map, with its reserves.
+  std::size_t memory_bytes() const;
+
+  // Chunks.
+
+  /// Null if the map has no such chunk. The pointer is valid until the next call.
+  const Chunk* find_chunk(std::uint32_t code) const;
+  /// A chunk for writing; made if there is none, filled from the large leaf over it if there is one. For one thread at
+  /// a time.
+  Chunk& writable_chunk(std::uint32_t code);
+  /// In Morton order.
+  std::vector<ChunkRef> sorted_chunks() const;
+  std::vector<ChunkRef> sorted_chunks(const KeyBox& box) const;
+  /// Chunks that may have changed since the last call; `all` at the first call, from which on changes are recorded.
+  ChangedChunks take_changed();
+  ChangedChunks& changed() { return changed_; }
+
+  /// In the order of their codes, none within another. Where there is a chunk inside a large leaf, the chunk counts.
+  const std::vector<LargeLeaf>& large_leaves() const { return large_leaves_; }
+  void add_large_leaf(const LargeLeaf& leaf) { large_leaves_.push_back(leaf); }
+  void set_large_leaves(std::vector<LargeLeaf> leaves) { large_leaves_ = std::move(leaves); }
+  /// Null if there is none.
+  const LargeLeaf* large_leaf_over(std::uint32_t code) const;
+
+  // Bricks.
+
+  Brick& brick(std::uint32_t index) const { return *reinterpret_cast<Brick*>(bricks_.at(index)); }
+  const float* block(std::uint32_t index) const { return reinterpret_cast<const float*>(blocks_.at(index)); }
+  /// The log-odds of a uniform slot.
+  float uniform(std::uint32_t slot) const { return uniform_values_[slot & ~kUniform]; }
+  /// The slot of a uniform brick. For one thread at a time.
+  std::uint32_t uniform_slot(float log_odds);
+
+ private:
+  friend class BrickAllocator;
+  friend class LoadedChunk;
+
+  std::size_t used_bytes() const;
+  std::vector<std::byte> packed(const Chunk& chunk) const;
+  void unpack(std::span<const std::byte> in, Chunk& chunk);
+  Chunk* restore(std::uint32_t code);
+  void drop(std::uint32_t code);
+  void evict(std::uint32_t code, Chunk& chunk);
+  void move_clamping_min(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_min);
+
+  OccupancyLogOdds model_;
+  std::unordered_map<std::uint32_t, std::unique_ptr<Chunk>> chunks_;
+  std::vector<LargeLeaf> large_leaves_;
+  std::vector<float> uniform_values_;
+  std::unordered_map<float, std::uint32_t> uniform_indices_;
+  Arena bricks_, blocks_;
+  std::vector<std::uint32_t> spare_bricks_, spare_blocks_;  ///< allocated but not used
+  std::mutex mutex_;                                        ///< of the arenas and the spares
+  ChangedChunks changed_{true, {}};
+  std::unique_ptr<ChunkSpill> spill_;  ///< null: no limit of memory
+};
+
+/// Log-odds of a voxel of a brick, unless it is unknown; `index` in Morton order.
+inline float log_odds_of(const BrickStore& store, const Brick& brick, int index) {
+  const std::uint32_t block = brick.block[index >> 6];
+  return block == kNone ? store.model().clamping_min : store.block(block)[index & 63];
+}
+
+}  // namespace uwsim::bricks

@@ -1,0 +1,168 @@
+#pragma once
+
+#include "uwsim/mapping/bricks/kernels/mark_buffer_avx512.h"
+#include "uwsim/mapping/bricks/kernels/ray_walk.h"
+#include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
+
+/// ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+namespace uwsim::bricks {
+namespace {
+
+/// Where eight rays cross their next faces, in double.
+struct EightCrossings {
+  __m512d tx, ty, tz, dx, dy, dz, length;
+
+  void start(const Rays& rays, const std::uint32_t* which) {
+    const __m256i index = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(which));
+    const auto gather = [&](const double* column) { return _mm512_i32gather_pd(index, column, 8); };
+    tx = gather(rays.next[0]);
+    ty = gather(rays.next[1]);
+    tz = gather(rays.next[2]);
+    dx = gather(rays.stride[0]);
+    dy = gather(rays.stride[1]);
+    dz = gather(rays.stride[2]);
+    length = gather(rays.length);
+  }
+
+  struct Axes {
+    __mmask8 x, y;
+  };
+
+  /// Crosses the face that comes first; returns which rays did so along x and along y.
+  Axes step() {
+    const __mmask8 not_z = _mm512_cmp_pd_mask(_mm512_min_pd(tx, ty), tz, _CMP_LT_OQ);
+    const __mmask8 along_x = _mm512_mask_cmp_pd_mask(not_z, tx, ty, _CMP_LT_OQ);
+    const __mmask8 along_y = _kandn_mask8(along_x, not_z);
+    tx = _mm512_mask_add_pd(tx, along_x, tx, dx);
+    ty = _mm512_mask_add_pd(ty, along_y, ty, dy);
+    tz = _mm512_mask_add_pd(tz, _knot_mask8(not_z), tz, dz);
+    return {along_x, along_y};
+  }
+
+  /// Which rays cross their next face beyond their length.
+  __mmask8 past() const { return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ); }
+};
+
+/// Sixteen rays. Each gathers the bits of the half word that it is in, and appends them to the buffer when it leaves.
+struct SixteenRays {
+  EightCrossings low, high;
+  __m512i mirror, end, address;
+  __m512i half, mask;  ///< the half word that a ray is in, and the bits it has marked there
+  __mmask16 walking;
+
+  void start(const WalkInput& in, const std::uint32_t* rays) {
+    low.start(*in.rays, rays);
+    high.start(*in.rays, rays + 8);
+    alignas(64) std::uint32_t mirrors[16], ends[16];
+    for (int lane = 0; lane < 16; ++lane) {
+      mirrors[lane] = static_cast<std::uint32_t>(mirror_of(in, in.rays->negative[rays[lane]]));
+      ends[lane] = static_cast<std::uint32_t>(in.end_address[rays[lane]]);
+    }
+    mirror = _mm512_load_si512(mirrors);
+    end = _mm512_load_si512(ends);
+    const __m512i origin = all_lanes(static_cast<std::uint32_t>(in.origin_address));
+    address = _mm512_xor_si512(origin, mirror);
+    half = _mm512_srli_epi32(origin, 5);
+    mask = _mm512_rolv_epi32(_mm512_set1_epi32(1), origin);
+    walking = 0xffff;
+  }
+
+  void step(__m512i axis_x, __m512i axis_y, __m512i axis_z) {
+    const EightCrossings::Axes below = low.step(), above = high.step();
+    const __mmask16 along_x = _mm512_kunpackb(above.x, below.x), along_y = _mm512_kunpackb(above.y, below.y);
+    const __m512i axis = _mm512_mask_mov_epi32(_mm512_mask_mov_epi32(axis_z, along_x, axis_x), along_y, axis_y);
+    address = add_one(address, axis);
+  }
+
+  /// Marks the voxels that all rays are in now.
+  std::size_t mark(MarkBuffer& buffer, std::size_t count) {
+    const __m512i real = _mm512_xor_si512(address, mirror);
+    const __m512i next = _mm512_srli_epi32(real, 5);
+    const __mmask16 stays = _mm512_cmpeq_epi32_mask(next, half);
+    count = append(buffer, count, _knot_mask16(stays));
+    const __m512i bit = _mm512_rolv_epi32(_mm512_set1_epi32(1), real);
+    mask = _mm512_mask_or_epi32(bit, stays, mask, bit);
+    half = next;
+    return count;
+  }
+
+  /// Marks the voxels of the rays that are still walking.
+  std::size_t mark_walking(MarkBuffer& buffer, std::size_t count) {
+    const __m512i real = _mm512_xor_si512(address, mirror);
+    const __m512i next = _mm512_srli_epi32(real, 5);
+    const __mmask16 left = _mm512_mask_cmpneq_epi32_mask(walking, next, half);
+    count = append(buffer, count, left);
+    const __m512i bit = _mm512_rolv_epi32(_mm512_set1_epi32(1), real);
+    mask = _mm512_maskz_mov_epi32(_knot_mask16(left), mask);
+    mask = _mm512_mask_or_epi32(mask, walking, mask, bit);
+    half = _mm512_mask_mov_epi32(half, walking, next);
+    return count;
+  }
+
+  /// Stops the rays that have come to their end; returns whether any is still walking.
+  bool stop_ended() {
+    const __mmask16 past = _mm512_kunpackb(high.past(), low.past());
+    walking &= static_cast<__mmask16>(~(past | _mm512_cmpeq_epi32_mask(address, end)));
+    return walking != 0;
+  }
+
+  std::size_t append(MarkBuffer& buffer, std::size_t count, __mmask16 which) const {
+    return buffer.append(count, which, half, mask);
+  }
+};
+
+std::size_t walk_to_the_end(SixteenRays rays, __m512i axis_x, __m512i axis_y, __m512i axis_z, MarkBuffer& buffer,
+                            std::size_t count) {
+  for (;;) {
+    rays.step(axis_x, axis_y, axis_z);
+    if (!rays.stop_ended()) break;
+    count = rays.mark_walking(buffer, count);
+    if (count > MarkBuffer::kCapacity / 2) {
+      buffer.write(count);
+      count = 0;
+    }
+  }
+  return rays.append(buffer, count, 0xffff);
+}
+
+/// Two times sixteen rays: while one half waits for the result of a comparison, the other goes on.
+void walk_thirty_two(const WalkInput& in, const std::uint32_t* rays, MarkBuffer& buffer) {
+  const __m512i axis_x = all_lanes(static_cast<std::uint32_t>(in.axis_mask[0])),
+                axis_y = all_lanes(static_cast<std::uint32_t>(in.axis_mask[1])),
+                axis_z = all_lanes(static_cast<std::uint32_t>(in.axis_mask[2]));
+  SixteenRays a, b;
+  a.start(in, rays);
+  b.start(in, rays + 16);
+  std::uint32_t steps = ~0u;
+  for (int lane = 0; lane < 32; ++lane) {
+    const std::uint32_t mine = untested_steps(in.rays->steps[rays[lane]]);
+    steps = mine < steps ? mine : steps;
+  }
+  std::size_t count = 0;
+  for (--steps; steps > 0;) {
+    const std::uint32_t some = steps < 64 ? steps : 64;  // their marks fill half the buffer at most
+    steps -= some;
+    for (std::uint32_t k = 0; k < some; ++k) {
+      a.step(axis_x, axis_y, axis_z);
+      b.step(axis_x, axis_y, axis_z);
+      count = a.mark(buffer, count);
+      count = b.mark(buffer, count);
+    }
+    if (count > MarkBuffer::kCapacity / 4) {
+      buffer.write(count);
+      count = 0;
+    }
+  }
+  count = walk_to_the_end(a, axis_x, axis_y, axis_z, buffer, count);
+  count = walk_to_the_end(b, axis_x, axis_y, axis_z, buffer, count);
+  buffer.write(count);
+}
+
+void walk_thirty_two_at_a_time(const WalkInput& in) {
+  if (!in.table) return walk_one_by_one(in);
+  MarkBuffer buffer(in);
+  for (std::size_t i = 0; i < in.count; i += 32) walk_thirty_two(in, in.order + i, buffer);
+}
+
+}  // namespace
+}  // namespace uwsim::bricks

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "uwsim/mapping/bricks/address_layout.h"
+#include "uwsim/mapping/bricks/kernels/scan_kernels.h"
+#include "uwsim/mapping/bricks/scan_bitmap.h"
+#include "uwsim/mapping/bricks/uninitialised_vector.h"
+
+namespace uwsim::bricks {
+
+/// The voxels that one scan misses and hits, sorted by chunks and bricks.
+struct ScanTrace {
+  struct Chunk {
+    std::uint32_t code;  ///< Morton code of the chunk's key, which is a voxel's without its six lowest bits an axis
+    std::uint32_t first_entry;
+    std::uint32_t entries;
+    std::size_t first_mask;
+  };
+  std::vector<Chunk> chunks;
+  UninitialisedVector<TraceEntry> entries;
+  UninitialisedVector<std::uint64_t> masks;
+
+  void clear();
+};
+
+/// Follows the rays of a scan: every voxel that a ray passes is missed, every voxel that holds a point is hit, and none
+/// is both. Voxels are marked in a bitmap of the box around the scan; in a hash table if the box is too large for that.
+/// Each thread needs a tracer of its own.
+class ScanTracer {
+ public:
+  explicit ScanTracer(const Kernels& kernels) : kernels_(kernels) {}
+
+  /// Overwrites `trace`. Points and origin must lie within OctoMap's cube, less its outermost voxels.
+  void trace(const ScanInput& scan, ScanTrace& trace);
+
+ private:
+  using Key = AddressLayout::Key;
+
+  void reserve(std::size_t rays);
+  void reserve_slabs(std::size_t rays);
+  void set_up_slabs(std::size_t count, const Key& origin);
+  void find_addresses(std::size_t count, const AddressLayout& layout);
+  void sort_walks(std::size_t count);
+  void walk(const AddressLayout& layout, std::uint64_t origin_address);
+  void mark_hits(std::size_t count, const AddressLayout& layout);
+  void collect(const AddressLayout& layout, ScanTrace& trace);
+  void collect_wide(ScanTrace& trace);
+
+  const Kernels& kernels_;
+  std::size_t capacity_ = 0;  ///< rays that there is space for
+  std::vector<double> columns_;
+  std::vector<std::uint16_t> keys_;
+  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint32_t> steps_, order_;
+  std::vector<std::uint64_t> address_, end_address_;
+  Rays rays_{};  ///< points into the vectors above
+  std::vector<std::uint32_t> slab_columns_, slab_order_;
+  std::vector<std::uint8_t> heading_;
+  SlabRays slab_rays_{};  ///< points into the vectors above
+  SlabInput slabs_{};
+  ScanBitmap bitmap_;
+
+  struct WideBrick {
+    std::uint64_t missed[8] = {}, hit[8] = {};
+  };
+  std::unordered_map<std::uint64_t, WideBrick> wide_;  ///< by the Morton code of a brick
+};
+
+}  // namespace uwsim::bricks

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace uwsim::bricks {
+
+/// A file without a name, for what leaves memory. It is gone with the process, however that ends.
+class SpillFile {
+ public:
+  /// `folder`: where the file is made; empty for the system's folder for temporary files. Throws FileError.
+  explicit SpillFile(const std::string& folder);
+  ~SpillFile();
+  SpillFile(const SpillFile&) = delete;
+  SpillFile& operator=(const SpillFile&) = delete;
+
+  /// A place in the file.
+  struct Extent {
+    std::uint64_t offset;
+    std::uint32_t bytes;
+    std::uint32_t reserved;  ///< a power of two, at least `bytes`
+  };
+
+  /// Throws FileError if the disk is full; what was written before is then still there.
+  Extent write(std::span<const std::byte> bytes);
+  void read(const Extent& extent, std::span<std::byte> bytes) const;
+  /// Lets later writes use the place again.
+  void release(const Extent& extent);
+
+ private:
+  std::string folder_;
+  int fd_;
+  std::uint64_t end_ = 0;
+  std::map<std::uint32_t, std::vector<std::uint64_t>> free_;  ///< offsets of released places, by their reserved size
+};
+
+}  // namespace uwsim::bricks

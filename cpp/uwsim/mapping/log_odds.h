@@ -1,0 +1,47 @@
+#pragma once
+
+/// The log-odds of a voxel: how scans change them and where they are clamped. This is OctoMap's rule (A. Hornung,
+/// K. M. Wurm, M. Bennewitz, C. Stachniss, W. Burgard, "OctoMap: an efficient probabilistic 3D mapping framework based
+/// on octrees", Autonomous Robots 34(3), 2013):
+///
+///   L = log(p / (1 - p)),  p = 1 / (1 + exp(-L))                       L: log-odds, p: probability of being occupied
+///   L <- max(clamping_min, min(clamping_max, L + hit or miss))         an unknown voxel starts from L = 0
+///
+/// A voxel that a hit or a miss would only push further past its limit keeps its value (OctoMap's updateNode).
+///
+/// The vector kernels include this header, so its functions are `static`: none can be linked from another file. Their
+/// own forms of clamped_sum() are bricks/kernels/scan_kernels_avx2.cpp and scan_kernels_avx512.cpp, add_misses().
+namespace uwsim {
+
+/// An OccupancyModel (occupancy_model.h) in log-odds.
+struct OccupancyLogOdds {
+  float hit;   ///< added to a voxel that holds a point; at least 0
+  float miss;  ///< added to a voxel that a ray passes; at most 0
+  float clamping_min;
+  float clamping_max;
+};
+
+static inline float log_odds_of(double probability) {
+  return static_cast<float>(__builtin_log(probability / (1 - probability)));
+}
+
+/// A voxel is occupied from a probability of 0.5 on.
+static inline bool is_occupied(float log_odds) { return log_odds >= 0; }
+
+static inline float clamped(float log_odds, const OccupancyLogOdds& model) {
+  return log_odds < model.clamping_min   ? model.clamping_min
+         : log_odds > model.clamping_max ? model.clamping_max
+                                         : log_odds;
+}
+
+/// The log-odds of a voxel after `change`, such as model.hit, was added.
+static inline float clamped_sum(float log_odds, float change, const OccupancyLogOdds& model) {
+  return clamped(log_odds + change, model);
+}
+
+/// Whether a hit leaves a known voxel as it is.
+static inline bool hit_changes_nothing(float log_odds, const OccupancyLogOdds& model) {
+  return log_odds >= model.clamping_max || (model.hit == 0 && log_odds <= model.clamping_min);
+}
+
+}  // namespace uwsim

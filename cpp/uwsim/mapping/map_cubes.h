@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+
+#include "uwsim/mapping/map_engine.h"
+
+/// Lists of a map's cubes, the same from both engines.
+namespace uwsim {
+
+/// A cube of 2^levels voxels an edge.
+struct MapCube {
+  VoxelKey corner;
+  int levels;
+  float log_odds;
+};
+
+using CubeVisitor = std::function<void(const MapCube&)>;
+
+/// The leaves of OctoMap's pruned tree, in Morton order: eight equal leaves are one, up to an eighth of the root's
+/// cube.
+void for_each_pruned_leaf(const MapEngine& engine, const CubeVisitor& visit);
+
+/// The cubes of 2^levels voxels an edge of which something is known, in Morton order. Their log-odds are the greatest
+/// in them, as in OctoMap's inner nodes.
+void for_each_cell(const MapEngine& engine, int levels, const CubeVisitor& visit);
+
+/// The known voxels of a box, in Morton order.
+void for_each_voxel_in(const MapEngine& engine, const KeyBox& box, const CubeVisitor& visit);
+
+}  // namespace uwsim

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "uwsim/mapping/log_odds.h"
+
+namespace uwsim {
+
+/// The probabilities of OctoMap's sensor model, with its defaults. log_odds.h says what is done with them.
+struct OccupancyModel {
+  double hit = 0.7;              ///< that a voxel is occupied if it holds a point, in [0.5, 1)
+  double miss = 0.4;             ///< that a voxel is occupied if a ray passes it, in (0, 0.5]
+  double clamping_min = 0.1192;  ///< limits of what scans may make of a voxel
+  double clamping_max = 0.971;
+
+  OccupancyLogOdds in_log_odds() const;
+  /// Throws InvalidValue that names the value.
+  void check() const;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "uwsim/rays/tile_surfaces.h"
+
+struct RTCDeviceTy;
+struct RTCGeometryTy;
+struct RTCSceneTy;
+
+namespace uwsim {
+
+struct ReleaseDevice {
+  void operator()(RTCDeviceTy* device) const;
+};
+struct ReleaseGeometry {
+  void operator()(RTCGeometryTy* geometry) const;
+};
+struct ReleaseTree {
+  void operator()(RTCSceneTy* tree) const;
+};
+using RayDevice = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+using GeometryOwner = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
+using RayTree = std::unique_ptr<RTCSceneTy, ReleaseTree>;
+
+RayDevice make_ray_device();
+/// Robust trees let no ray slip between neighbouring triangles.
+RayTree make_ray_tree(RTCDeviceTy* device, bool robust);
+/// Builds the tree. Throws InvalidValue when Embree cannot: it would go on with a world that has holes.
+void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles);
+
+/// Adds a finished geometry to a tree by its number.
+void attach(RTCSceneTy* tree, const GeometryOwner& geometry, std::uint32_t geometry_id);
+/// A solid's triangles, widened; geometry and primitive numbers are the surfaces'.
+void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
+/// The triangles of a mesh that rays meet as shapes; primitive numbers count within the share.
+void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);
+
+}  // namespace uwsim

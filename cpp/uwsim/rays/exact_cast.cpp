@@ -1,0 +1,235 @@
+#include "uwsim/rays/exact_cast.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+#include "uwsim/rays/embree_cast.h"
+#include "uwsim/rays/embree_query.h"
+#include "uwsim/rays/ray_lanes.h"
+#include "uwsim/rays/terrain_walk.h"
+
+// The way of an exact ray, from top to bottom in the order in which things happen; README.md draws it.
+//
+//   1. cast       Embree names the surface that each of sixteen rays meets first, in float
+//   2. locate     find where the heights of the terrain triangles are, and prefetch them
+//   3. refine     meet the terrain triangles again in double, sixteen at once
+//   4. classify   most rays over open terrain are done now, and so are those that met nothing
+//   5. resolve    every other ray by itself, in double: the ways in which a hit is certain without a search
+//   6. search     the rest: try all surfaces within the error of the hit; where there is none, go on behind it
+
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kTogether = 4;    // packets: heights come from memory while the next packets are cast
+constexpr std::size_t kFewSolids = 16;  // near one cell, which are tried one by one
+constexpr int kMostTurns = 64;          // candidates that a ray may pass before it is taken to meet no solid
+
+class ExactCast {
+ public:
+  explicit ExactCast(const TileTrees& tile) : tile_(tile), surfaces_(tile.surfaces), kernels_(tile.kernels) {}
+
+  void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const {
+    Answer answer;
+    find(rays, starts_m, answer);
+    finish(answer, rays, starts_m, hits);
+  }
+
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+    std::array<Answer, kTogether> answers;
+    for (std::size_t first = 0; first < rays.size(); first += kTogether) {
+      const std::size_t last = std::min(first + kTogether, rays.size());
+      for (std::size_t k = first; k < last; ++k) find(rays[k], nullptr, answers[k - first]);
+      for (std::size_t k = first; k < last; ++k) finish(answers[k - first], rays[k], nullptr, hits[k]);
+    }
+  }
+
+ private:
+  /// The intermediate results of a packet.
+  struct Answer {
+    FloatAnswer embree;
+    std::uint32_t low_starts;  ///< lanes that do not start clearly above the terrain, one a bit
+  };
+
+  /// Steps 1 and 2.
+  void find(const ExactRays& rays, const double* starts_m, Answer& answer) const {
+    answer.low_starts = tile_.block.heights_m != nullptr ? low_starts(rays, starts_m) : 0;
+    cast_in_float(tile_.tree.get(), surfaces_, rays, starts_m, answer.embree);
+    if (answer.embree.any_terrain) kernels_.locate_heights(tile_.block, answer.embree.terrain);
+  }
+
+  /// Embree sees the raised terrain, which rays from above meet before the true one. Rays that start below it, or close
+  /// above, may meet the terrain before anything that Embree names.
+  std::uint32_t low_starts(const ExactRays& rays, const double* starts_m) const {
+    alignas(64) std::array<std::int32_t, kPacketRays> low;
+    starts_m == nullptr ? kernels_.find_low_starts(tile_.block, lanes_of(rays), low.data()) : low.fill(-1);
+    std::int32_t any = 0;
+    for (std::size_t k = 0; k < kPacketRays; ++k) any |= low[k] &= rays.active[k];
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; any != 0 && k < kPacketRays; ++k) bits |= static_cast<std::uint32_t>(low[k] & 1) << k;
+    return bits;
+  }
+
+  /// Steps 3 to 6.
+  void finish(const Answer& answer, const ExactRays& rays, const double* starts_m, ExactHits& hits) const {
+    alignas(64) std::array<std::int32_t, kPacketRays> met;
+    refine(answer.embree, rays, met, hits);
+    for (std::uint32_t left = classify(answer, met, hits); left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      resolve(answer, rays, starts_m, lane, met[lane] != 0, hits);
+    }
+  }
+
+  /// Step 3. `met`: -1 where the ray meets the terrain triangle that Embree named, clear of its edges, else 0.
+  void refine(const FloatAnswer& embree, const ExactRays& rays, std::array<std::int32_t, kPacketRays>& met,
+              ExactHits& hits) const {
+    if (!embree.any_terrain) {
+      met.fill(0);
+      set_all_missed(hits);
+      return;
+    }
+    kernels_.refine_terrain(
+        tile_.block, embree.terrain, lanes_of(rays),
+        {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
+  }
+
+  /// Step 4. Labels hits on open terrain; returns the lanes that are not done, one a bit: those that met anything else
+  /// and those that start low.
+  std::uint32_t classify(const Answer& answer, const std::array<std::int32_t, kPacketRays>& met,
+                         ExactHits& hits) const {
+    const bool done = kernels_.label_terrain(answer.embree.geometry.data(), TileSurfaces::kOpenTerrain, met.data(),
+                                             hits.label.data());
+    std::uint32_t left = answer.low_starts;
+    for (std::size_t k = 0; !done && k < kPacketRays; ++k) {
+      const bool open = answer.embree.geometry[k] != kNoGeometry && hits.label[k] == kNothing;
+      left |= static_cast<std::uint32_t>(open) << k;
+    }
+    return left;
+  }
+
+  /// Step 5. One ray. `refined`: step 3 found it on the terrain triangle that Embree named, and `hits` says where.
+  void resolve(const Answer& answer, const ExactRays& rays, const double* starts_m, std::size_t lane, bool refined,
+               ExactHits& hits) const {
+    const std::optional<Candidate> candidate = candidate_of(answer.embree, surfaces_, starts_m, lane);
+    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // nothing is known of the way to the candidate
+
+    // 5a. From a low start, walk the terrain until the ray is clear of it.
+    if ((answer.low_starts >> lane & 1) != 0) {
+      terrain = walk_terrain(surfaces_, ray_of(rays, lane), starts_m != nullptr ? starts_m[lane] : 0);
+      if (terrain.began_low) return search(rays, lane, starts_m, candidate, terrain, hits);
+    }
+    if (!candidate) return;
+    const auto [geometry, primitive, distance_m] = *candidate;
+
+    // 5b. Terrain that was met clear of its triangle's edges: only solids near it can be met before.
+    if (geometry == TileSurfaces::kOpenTerrain && refined) {
+      hits.label[lane] = kTerrain;
+      return;
+    }
+    if (geometry == TileSurfaces::kTerrainNearSolids && refined &&
+        surfaces_.solids_near(primitive).size() <= kFewSolids) {
+      hits.label[lane] = kTerrain;
+      return prefer_solids_before(rays, lane, primitive, hits);
+    }
+
+    // 5c. A round shape that no mesh comes near: Embree's callback has met it in double.
+    const bool round = surfaces_.is_round(geometry);
+    if (round && !tile_.is_crowded(geometry, primitive)) {
+      const ExactHits& exact = answer.embree.round;
+      return keep(hits, lane, {exact.distance_m[lane], normal_of(exact, lane), true}, TileSurfaces::label(geometry),
+                  rays.far_m[lane]);
+    }
+
+    // 5d. Terrain that was met near an edge or not at all: walk from where the raised terrain was met.
+    const TileRay ray = ray_of(rays, lane);
+    if (TileSurfaces::is_terrain(geometry)) {
+      terrain = walk_terrain(surfaces_, ray, std::max(0.0, distance_m));
+      if (terrain.hit && !terrain.near_solids) return keep(hits, lane, *terrain.hit, kTerrain, ray.far_m);
+    }
+
+    // 5e. A solid's triangle that nothing but its neighbours comes near, met clear of its edges.
+    if (geometry > kTerrain && !round && !tile_.is_crowded(geometry, primitive)) {
+      const auto hit = surfaces_.meet(geometry, primitive, ray);
+      if (hit && hit->clear_of_edges && hit->distance_m >= 0) {
+        return keep(hits, lane, *hit, TileSurfaces::label(geometry), ray.far_m);
+      }
+    }
+    search(rays, lane, starts_m, candidate, terrain, hits);
+  }
+
+  /// For 5b. In float the terrain may have come before a solid that is nearer by less than float's error.
+  void prefer_solids_before(const ExactRays& rays, std::size_t lane, std::uint32_t triangle_near_solids,
+                            ExactHits& hits) const {
+    const TileRay ray = ray_of(rays, lane);
+    for (const TileMember& solid : surfaces_.solids_near(triangle_near_solids)) {
+      const auto hit = surfaces_.meet(solid.geometry, solid.primitive, ray);
+      if (!hit || hit->distance_m < 0 || hit->distance_m >= hits.distance_m[lane]) continue;
+      set_hit(hits, lane, std::max(0.0, hit->distance_m), hit->normal_world, TileSurfaces::label(solid.geometry));
+    }
+  }
+
+  /// Step 6. Goes from candidate to candidate until a true hit is found that nothing can be before. Embree names a
+  /// solid too early or for nothing (by what widening added) and the terrain too early or not at all (from between the
+  /// raised and the true one). `terrain`: what a walk along the ray has found so far.
+  void search(const ExactRays& rays, std::size_t lane, const double* starts_m, std::optional<Candidate> candidate,
+              TerrainWalk terrain, ExactHits& hits) const {
+    const Tolerances& tolerances = surfaces_.tolerances();
+    TileRay ray = ray_of(rays, lane);
+    const double far_m = ray.far_m;
+    for (int turn = 0; candidate && turn < kMostTurns; ++turn) {
+      const double at_m = candidate->distance_m;
+      if (TileSurfaces::is_terrain(candidate->geometry)) {
+        // The raised terrain: the true one is behind it, unless a walk has been past here.
+        if (!terrain.hit && at_m >= terrain.clear_to_m) terrain = walk_terrain(surfaces_, ray, std::max(0.0, at_m));
+      } else {
+        // A solid: the first of all surfaces around there is the true hit, unless the terrain is before it.
+        const double error_m = tolerances.hit_error_along_m(sine_at(*candidate, ray));
+        const Eigen::Vector3d point = ray.origin_world_m + at_m * ray.direction_world;
+        const auto solid = first_hit_around(tile_.tree.get(), surfaces_, point, error_m, ray,
+                                            std::max(0.0, at_m - error_m), at_m + error_m);
+        if (solid && !(terrain.hit && terrain.hit->distance_m <= solid->hit.distance_m)) {
+          return keep(hits, lane, solid->hit, solid->label, far_m);
+        }
+      }
+      // Behind the terrain only what float may have put behind it is of interest.
+      if (terrain.hit) {
+        ray.far_m = std::min(ray.far_m, terrain.hit->distance_m + tolerances.hit_error_along_m(kGrazingSine));
+      }
+      candidate = next_candidate(tile_.tree.get(), surfaces_, rays, lane, ray, at_m, starts_m);
+    }
+    terrain.hit ? keep(hits, lane, *terrain.hit, kTerrain, far_m) : set_miss(hits, lane);
+  }
+
+  /// The sine of the angle between a ray and the triangle that it may have met, 0.1 degree's at least. A round shape is
+  /// met exactly, but a mesh that comes near it may be met at any angle.
+  double sine_at(const Candidate& candidate, const TileRay& ray) const {
+    if (surfaces_.is_round(candidate.geometry)) return kGrazingSine;
+    const Corners t = surfaces_.corners(candidate.geometry, candidate.primitive);
+    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
+    return std::max(kGrazingSine, std::abs(normal.dot(ray.direction_world)));
+  }
+
+  /// Sets a lane's hit, or a miss where it lies beyond the ray's end.
+  static void keep(ExactHits& hits, std::size_t lane, const TileHit& hit, Label label, double far_m) {
+    if (!(hit.distance_m <= far_m)) return set_miss(hits, lane);
+    set_hit(hits, lane, std::max(0.0, hit.distance_m), hit.normal_world, label);
+  }
+
+  const TileTrees& tile_;
+  const TileSurfaces& surfaces_;
+  const RayKernels& kernels_;
+};
+
+}  // namespace
+
+void cast_exact(const TileTrees& tile, const ExactRays& rays, const double* starts_m, ExactHits& hits) {
+  ExactCast(tile).cast(rays, starts_m, hits);
+}
+
+void cast_exact(const TileTrees& tile, std::span<const ExactRays> rays, std::span<ExactHits> hits) {
+  ExactCast(tile).cast(rays, hits);
+}
+
+}  // namespace uwsim

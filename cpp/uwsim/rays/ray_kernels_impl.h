@@ -1,0 +1,184 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "uwsim/rays/ray_kernels.h"
+#include "uwsim/rays/terrain_hit.h"
+#include "uwsim/rays/tolerances.h"
+
+// The kernels of ray_kernels.h, compiled once for each instruction set: hence the anonymous namespace, and plain loops
+// that compilers vectorise. `ivdep` promises that inputs and outputs do not overlap.
+namespace uwsim {
+namespace {
+
+constexpr int kLanes = 16;
+
+bool all_near(const LaneRays& rays, const double* middle_m, double distance_m) {
+  alignas(64) std::int32_t away[kLanes];
+  const double x = middle_m[0], y = middle_m[1], z = middle_m[2];
+  for (int k = 0; k < kLanes; ++k) {
+    const bool near = (std::fabs(rays.origin_x[k] - x) <= distance_m) &
+                      (std::fabs(rays.origin_y[k] - y) <= distance_m) & (std::fabs(rays.origin_z[k] - z) <= distance_m);
+    away[k] = near ? 0 : -1;
+  }
+  std::int32_t any = 0;
+  for (int k = 0; k < kLanes; ++k) any |= away[k] & rays.active[k];
+  return any == 0;
+}
+
+void to_float(const LaneRays& rays, const double* middle_m, double setback_m, const LaneFloats& floats) {
+  constexpr double kLargest = 3e38;  // a float that is not infinite
+  const double x = middle_m[0], y = middle_m[1], z = middle_m[2];
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    floats.origin_x[k] = static_cast<float>(rays.origin_x[k] - setback_m * rays.direction_x[k] - x);
+    floats.origin_y[k] = static_cast<float>(rays.origin_y[k] - setback_m * rays.direction_y[k] - y);
+    floats.origin_z[k] = static_cast<float>(rays.origin_z[k] - setback_m * rays.direction_z[k] - z);
+    floats.direction_x[k] = static_cast<float>(rays.direction_x[k]);
+    floats.direction_y[k] = static_cast<float>(rays.direction_y[k]);
+    floats.direction_z[k] = static_cast<float>(rays.direction_z[k]);
+    const double far = (rays.far_m[k] + setback_m) * (1 + kFartherRelative) + kFarther_m;
+    floats.far_m[k] = static_cast<float>(far < kLargest ? far : kLargest);
+  }
+}
+
+/// Whether the point is over the block and above all corners of its cell by the clearance.
+bool starts_high(const TerrainBlock& block, double x_m, double y_m, double z_m) {
+  const double u = (x_m - block.origin_x) * block.cells_per_m - block.first_column;
+  const double v = (y_m - block.origin_y) * block.cells_per_m - block.first_row;
+  if (!(u >= 0 && v >= 0 && u < block.columns && v < block.rows)) return false;
+  const std::uint32_t i = block.first_column + static_cast<std::uint32_t>(u);
+  const std::uint32_t j = block.first_row + static_cast<std::uint32_t>(v);
+  const float* near = block.heights_m + j * block.row_length + i;
+  const float* next = near + block.row_length;
+  const float one = near[0] > near[1] ? near[0] : near[1], two = next[0] > next[1] ? next[0] : next[1];
+  return z_m > (one > two ? one : two) + block.clearance_m;
+}
+
+void find_low_starts(const TerrainBlock& block, const LaneRays& rays, std::int32_t* low) {
+  // Most packets share one origin.
+  const double x = rays.origin_x[0], y = rays.origin_y[0], z = rays.origin_z[0];
+  std::int32_t apart = 0;
+  for (int k = 0; k < kLanes; ++k) {
+    apart |= (rays.origin_x[k] != x) | (rays.origin_y[k] != y) | (rays.origin_z[k] != z);
+  }
+  const std::int32_t first = starts_high(block, x, y, z) ? 0 : -1;
+  for (int k = 0; k < kLanes; ++k) low[k] = first & rays.active[k];
+  if (apart == 0) return;
+  for (int k = 1; k < kLanes; ++k) {
+    low[k] = starts_high(block, rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]) ? 0 : rays.active[k];
+  }
+}
+
+void may_meet_round(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,
+                    std::int32_t* passes) {
+  const double px = point_m[0], py = point_m[1], pz = point_m[2], ax = axis[0], ay = axis[1], az = axis[2];
+  const double limit = radius_m * radius_m * (1 + kRoundMargin);
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const double x = rays.origin_x[k] - px, y = rays.origin_y[k] - py, z = rays.origin_z[k] - pz;
+    const double dx = rays.direction_x[k], dy = rays.direction_y[k], dz = rays.direction_z[k];
+    const double along = x * ax + y * ay + z * az, gain = dx * ax + dy * ay + dz * az;
+    const double sx = x - along * ax, sy = y - along * ay, sz = z - along * az;  // off the axis
+    const double tx = dx - gain * ax, ty = dy - gain * ay, tz = dz - gain * az;
+    const double closest = -(sx * tx + sy * ty + sz * tz) / (tx * tx + ty * ty + tz * tz);
+    const double cx = sx + closest * tx, cy = sy + closest * ty, cz = sz + closest * tz;
+    passes[k] = cx * cx + cy * cy + cz * cz > limit ? 0 : -1;  // NaN along the axis, which passes
+  }
+}
+
+int number_terrain(const LaneAnswers& answers, std::uint32_t near_solids, std::uint32_t open, std::uint32_t* primitive,
+                   TerrainLanes& terrain) {
+  std::int32_t any_near_solids = 0, any_open = 0;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const std::int32_t is_open = answers.geometry[k] == open ? -1 : 0;
+    const std::int32_t is_near_solids = answers.geometry[k] == near_solids ? -1 : 0;
+    const std::uint32_t second = answers.u[k] + answers.v[k] > 1 ? 1 : 0;
+    const std::uint32_t number = 2 * answers.primitive[k] + second;
+    primitive[k] = (is_open | is_near_solids) != 0 ? number : answers.primitive[k];
+    terrain.triangle[k] = number & static_cast<std::uint32_t>(is_open);
+    terrain.on_terrain[k] = is_open;
+    any_near_solids |= is_near_solids;
+    any_open |= is_open;
+  }
+  return (any_near_solids & 1) | (any_open & 2);
+}
+
+void locate_heights(const TerrainBlock& block, TerrainLanes& terrain) {
+  // Column and row by a multiplication: exact for whole numbers below 2^31, as half a cell is added.
+  const double per_column = 1.0 / block.columns;
+  const auto columns = static_cast<std::int32_t>(block.columns);
+  const auto first_column = static_cast<std::int32_t>(block.first_column);
+  const auto first_row = static_cast<std::int32_t>(block.first_row);
+  const auto row_length = static_cast<std::int32_t>(block.row_length);
+  for (int k = 0; k < kLanes; ++k) {
+    const auto cell = static_cast<std::int32_t>(terrain.triangle[k] >> 1);
+    const auto far_corner = static_cast<std::int32_t>(terrain.triangle[k] & 1);
+    const auto j = static_cast<std::int32_t>((cell + 0.5) * per_column);
+    const std::int32_t u = cell - j * columns + first_column + far_corner;
+    const std::int32_t v = j + first_row + far_corner;
+    terrain.vertex[k] = v * row_length + u;
+    terrain.far_corner[k] = far_corner;
+    terrain.column[k] = u;
+    terrain.row[k] = v;
+  }
+  for (int k = 0; k < kLanes; ++k) {
+    const float* height = block.heights_m + terrain.vertex[k];
+    __builtin_prefetch(height);
+    __builtin_prefetch(height + (1 - 2 * terrain.far_corner[k]) * row_length);
+  }
+}
+
+void refine_terrain(const TerrainBlock& block, const TerrainLanes& terrain, const LaneRays& rays,
+                    const LaneHits& hits) {
+  alignas(64) float here[kLanes], along_x[kLanes], along_y[kLanes];
+  const auto row_length = static_cast<std::int32_t>(block.row_length);
+  for (int k = 0; k < kLanes; ++k) {
+    const std::int32_t step = 1 - 2 * terrain.far_corner[k];
+    here[k] = block.heights_m[terrain.vertex[k]];
+    along_x[k] = block.heights_m[terrain.vertex[k] + step];
+    along_y[k] = block.heights_m[terrain.vertex[k] + step * row_length];
+  }
+  const TerrainBlock grid = block;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const TerrainTriangle triangle = terrain_triangle(1 - 2 * terrain.far_corner[k], terrain.column[k], terrain.row[k],
+                                                      here[k], along_x[k], along_y[k]);
+    const PlaneHit hit = meet_plane(triangle, grid, rays.origin_x[k], rays.origin_y[k], rays.origin_z[k],
+                                    rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]);
+    const double tilt_x = triangle.slope_x * grid.cells_per_m, tilt_y = triangle.slope_y * grid.cells_per_m;
+    const double upright = 1 / std::sqrt(1 + tilt_x * tilt_x + tilt_y * tilt_y);
+    const bool met = (hit.a >= kCellMargin) & (hit.b >= kCellMargin) & (hit.a + hit.b <= 1 - kCellMargin) &
+                     (hit.distance_m >= 0) & (hit.distance_m <= rays.far_m[k]) & (terrain.on_terrain[k] != 0);
+    hits.distance_m[k] = met ? hit.distance_m : __builtin_inf();
+    hits.normal_x[k] = met ? -tilt_x * upright : 0;
+    hits.normal_y[k] = met ? -tilt_y * upright : 0;
+    hits.normal_z[k] = met ? upright : 0;
+    hits.met[k] = -static_cast<std::int32_t>(met);
+  }
+}
+
+bool label_terrain(const std::uint32_t* geometry, std::uint32_t open, const std::int32_t* met, std::uint32_t* label) {
+  std::int32_t left = 0;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const std::int32_t done = (geometry[k] == open ? -1 : 0) & met[k];
+    label[k] = open & static_cast<std::uint32_t>(done);
+    left |= ~done & (geometry[k] == kNoGeometry ? 0 : -1);
+  }
+  return left == 0;
+}
+
+constexpr RayKernels kKernels{.all_near = &all_near,
+                              .find_low_starts = &find_low_starts,
+                              .to_float = &to_float,
+                              .may_meet_round = &may_meet_round,
+                              .number_terrain = &number_terrain,
+                              .locate_heights = &locate_heights,
+                              .refine_terrain = &refine_terrain,
+                              .label_terrain = &label_terrain};
+
+}  // namespace
+}  // namespace uwsim

@@ -1,0 +1,196 @@
+#include "uwsim/rays/ray_scene.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
+#include "uwsim/rays/embree_tree.h"
+#include "uwsim/rays/ray_lanes.h"
+#include "uwsim/rays/ray_tile.h"
+#include "uwsim/rays/reached_tiles.h"
+#include "uwsim/rays/tiling.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void copy_lane(const HitPacket& from, HitPacket& to, std::size_t k) {
+  to.distance_m[k] = from.distance_m[k];
+  to.u[k] = from.u[k];
+  to.v[k] = from.v[k];
+  to.normal_x[k] = from.normal_x[k];
+  to.normal_y[k] = from.normal_y[k];
+  to.normal_z[k] = from.normal_z[k];
+  to.label[k] = from.label[k];
+  to.primitive[k] = from.primitive[k];
+}
+
+ExactRays to_double(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays) {
+  ExactRays out;
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    set_ray(out, k, anchor_world_m + origin_of(rays, k), direction_of(rays, k), rays.far_m[k], rays.active[k] != 0);
+  }
+  return out;
+}
+
+/// Keeps the rays active that enter a tile before their nearest hit so far.
+template <typename Packet>
+void keep_rays_that_may_hit_sooner(ReachedTile& next, const auto& distance_m, Packet& left) {
+  for (std::size_t k = 0; k < kPacketRays; ++k) {
+    left.active[k] = next.start_m[k] < distance_m[k] ? -1 : 0;
+    if (left.active[k] == 0) next.start_m[k] = 0;
+  }
+}
+
+}  // namespace
+
+struct RayScene::Impl {
+  RayDevice device = make_ray_device();
+  std::vector<RayTile> tiles;
+  std::shared_ptr<const Heightfield> terrain;
+
+  explicit Impl(const World& world) : terrain(world.terrain()) {
+    for (TileContents& contents : cut_into_tiles(world)) tiles.emplace_back(device.get(), world, std::move(contents));
+  }
+
+  /// The usual case: one tile, and rays that need not be moved to its box.
+  const RayTile* only_tile(std::span<const ExactRays> rays) const {
+    return tiles.size() == 1 && tiles.front().is_near(rays) ? &tiles.front() : nullptr;
+  }
+
+  const RayTile* only_tile(const Eigen::Vector3d& anchor_world_m) const {
+    return tiles.size() == 1 && tiles.front().is_near(anchor_world_m) ? &tiles.front() : nullptr;
+  }
+
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+    if (const RayTile* tile = only_tile(rays)) return tile->cast(rays, hits);
+    for (std::size_t k = 0; k < rays.size(); ++k) cast_through_tiles(rays[k], hits[k]);
+  }
+
+  void cast_through_tiles(const ExactRays& rays, ExactHits& hits) const {
+    set_all_missed(hits);
+    ExactRays left = rays;
+    for (ReachedTile& next : reached_tiles(tiles, rays)) {
+      keep_rays_that_may_hit_sooner(next, hits.distance_m, left);
+      ExactHits part;
+      next.tile->cast(left, next.start_m.data(), part);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        if (part.distance_m[k] < hits.distance_m[k]) copy_lane(part, hits, k);
+      }
+    }
+  }
+
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits, RayOrder order) const {
+    if (const RayTile* tile = only_tile(anchor_world_m)) return tile->cast(anchor_world_m, rays, nullptr, hits, order);
+    hits = {};
+    hits.distance_m.fill(std::numeric_limits<float>::infinity());
+    RayPacket left = rays;
+    for (ReachedTile& next : reached_tiles(tiles, to_double(anchor_world_m, rays))) {
+      keep_rays_that_may_hit_sooner(next, hits.distance_m, left);
+      HitPacket part;
+      next.tile->cast(anchor_world_m, left, next.start_m.data(), part, order);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        if (left.active[k] != 0 && part.distance_m[k] < hits.distance_m[k]) copy_lane(part, hits, k);
+      }
+    }
+  }
+
+  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked, RayOrder order) const {
+    if (const RayTile* tile = only_tile(anchor_world_m)) {
+      return tile->occluded(anchor_world_m, rays, nullptr, blocked, order);
+    }
+    blocked.fill(0);
+    RayPacket left = rays;
+    for (ReachedTile& next : reached_tiles(tiles, to_double(anchor_world_m, rays))) {
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        left.active[k] = blocked[k] == 0 && next.start_m[k] < kInfinity ? -1 : 0;
+        if (left.active[k] == 0) next.start_m[k] = 0;
+      }
+      Blocked part;
+      next.tile->occluded(anchor_world_m, left, next.start_m.data(), part, order);
+      for (std::size_t k = 0; k < kPacketRays; ++k) blocked[k] |= part[k];
+    }
+  }
+
+  double distance_to(const Eigen::Vector3d& point_world_m) const {
+    std::vector<std::pair<double, const RayTile*>> by_distance;
+    for (const RayTile& tile : tiles) by_distance.emplace_back(tile.box().exteriorDistance(point_world_m), &tile);
+    std::ranges::stable_sort(by_distance, {}, [](const auto& entry) { return entry.first; });
+    double nearest_m = kInfinity;
+    for (const auto& [to_box_m, tile] : by_distance) {
+      if (to_box_m >= nearest_m) break;
+      nearest_m = tile->distance(point_world_m, nearest_m);
+    }
+    return nearest_m;
+  }
+
+  void cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const {
+    ExactRays packet;
+    ExactHits met;
+    for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+      const std::size_t count = std::min(kPacketRays, rays.size() - first);
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        const Ray& ray = rays[first + std::min(k, count - 1)];
+        const bool finite = ray.origin_world_m.allFinite() && ray.direction_world.allFinite();
+        set_ray(packet, k, ray.origin_world_m, ray.direction_world, max_range_m, k < count && finite);
+      }
+      cast({&packet, 1}, {&met, 1});
+      for (std::size_t k = 0; k < count; ++k) {
+        hits[first + k] = {met.distance_m[k], normal_of(met, k).cast<float>(), static_cast<Label>(met.label[k])};
+      }
+    }
+  }
+};
+
+RayScene::RayScene(const World& world) : impl_(std::make_unique<Impl>(world)) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+void RayScene::cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads) const {
+  require(hits.size() == rays.size(), "hits.size", hits.size(), "must equal the number of rays");
+  parallel_ranges(rays.size(), threads, [&](std::size_t first, std::size_t last) {
+    impl_->cast_range(rays.subspan(first, last - first), max_range_m, hits.subspan(first, last - first));
+  });
+}
+
+RayHit RayScene::cast(const Ray& ray, double max_range_m) const {
+  RayHit hit;
+  impl_->cast_range({&ray, 1}, max_range_m, {&hit, 1});
+  return hit;
+}
+
+void RayScene::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+  require(hits.size() == rays.size(), "hits.size", hits.size(), "must equal the number of packets");
+  impl_->cast(rays, hits);
+}
+
+void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
+                    RayOrder order) const {
+  impl_->cast(anchor_world_m, rays, hits, order);
+}
+
+void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
+                        RayOrder order) const {
+  impl_->occluded(anchor_world_m, rays, blocked, order);
+}
+
+bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
+  const auto& terrain = impl_->terrain;
+  return terrain && point_world_m.z() <= terrain->height_at(point_world_m.x(), point_world_m.y());
+}
+
+void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m,
+                        int threads) const {
+  require(distances_m.size() == points_world_m.size(), "distances_m.size", distances_m.size(),
+          "must equal the number of points");
+  parallel_ranges(points_world_m.size(), threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) distances_m[k] = impl_->distance_to(points_world_m[k]);
+  });
+}
+
+}  // namespace uwsim

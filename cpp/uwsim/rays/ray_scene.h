@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+
+#include "uwsim/rays/ray_packet.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim {
+
+/// A half line from `origin_world_m` along the unit vector `direction_world`.
+struct Ray {
+  Eigen::Vector3d origin_world_m;
+  Eigen::Vector3d direction_world;
+};
+
+struct RayHit {
+  double distance_m;             ///< infinity where nothing was met within range
+  Eigen::Vector3f normal_world;  ///< unit, on the side from which the triangle's corners run counter-clockwise
+  Label label;
+};
+
+/// The world's fixed surfaces, prepared for rays; vehicles are not among them. Embree searches them in float, in tiles
+/// of at most 1 km, each about its own middle. What it finds is solved again in double on the world's own triangles and
+/// shapes, so that a hit is the true first one, wherever in the world and however wide the world is. Within about 0.1
+/// degree of tangency a ray may be judged to graze or to miss by float's error. README.md tells how, and what may still
+/// go wrong by how much. Safe to use from several threads at once.
+class RayScene {
+ public:
+  explicit RayScene(const World& world);
+  ~RayScene();
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+
+  /// hits[k] is where rays[k] first meets a surface within `max_range_m`; a non-finite ray meets nothing. The result
+  /// does not depend on the number of threads.
+  void cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads = 1) const;
+  RayHit cast(const Ray& ray, double max_range_m) const;
+
+  /// The same for packets of sixteen rays, without conversions; several together cost less than one by one.
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
+
+  /// Embree's own answer in float, for pictures, at the cost of Embree alone. Distances err by about 1e-4 m. At
+  /// silhouettes a ray may take the wrong side within half a millionth of half the tile's diagonal, over terrain times
+  /// 1 / cosine of its slope: up to 0.2 mm at the lake's hills, some millimetres at cliffs of 24 in 1 in a tile 1 km
+  /// wide.
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
+            RayOrder order = RayOrder::kIncoherent) const;
+  /// Whether something lies on each ray between its limits; idle lanes are not blocked.
+  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
+                RayOrder order = RayOrder::kIncoherent) const;
+
+  /// Whether the point lies on or under the terrain; never beside it.
+  bool under_ground(const Eigen::Vector3d& point_world_m) const;
+
+  /// Distance from each point to the nearest triangle of the terrain and the solids' meshes, exact to double rounding;
+  /// infinity in an empty world.
+  void distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m, int threads = 1) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace uwsim

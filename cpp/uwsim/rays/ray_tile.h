@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <span>
+
+#include "uwsim/rays/ray_packet.h"
+#include "uwsim/rays/tiling.h"
+
+struct RTCDeviceTy;
+
+namespace uwsim {
+
+struct TileTrees;
+
+/// A piece of the world, about 1 km wide at most, as rays meet it: in float by Embree, about the piece's own middle,
+/// and then in double (exact_cast.cpp). README.md tells the way of a ray and the error budget.
+class RayTile {
+ public:
+  /// Throws InvalidValue when Embree cannot build its tree.
+  RayTile(RTCDeviceTy* device, const World& world, TileContents contents);
+  ~RayTile();
+  RayTile(RayTile&&) noexcept;
+  RayTile& operator=(RayTile&&) noexcept;
+
+  /// Bounds of the surfaces and of all that tolerances add to them.
+  const Eigen::AlignedBox3d& box() const;
+  /// Whether rays from here may be cast in float as they are; others must start where they enter the box.
+  bool is_near(const Eigen::Vector3d& point_world_m) const;
+  bool is_near(std::span<const ExactRays> rays) const;
+
+  /// The true first hits in this tile of rays that start `starts_m` along their direction (at 0 when null).
+  void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const;
+  /// The same for packets that are near, at 0; together they cost less.
+  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
+  /// Embree's own answers; `starts_m` as above, distances count from the rays' origins.
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, HitPacket& hits,
+            RayOrder order) const;
+  void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, Blocked& blocked,
+                RayOrder order) const;
+  /// The smaller of `nearest_m` and the distance to the nearest triangle, in double; solids count by their meshes.
+  double distance(const Eigen::Vector3d& point_world_m, double nearest_m) const;
+
+ private:
+  std::unique_ptr<TileTrees> trees_;
+};
+
+}  // namespace uwsim

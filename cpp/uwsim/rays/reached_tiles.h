@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "uwsim/rays/ray_tile.h"
+
+namespace uwsim {
+
+/// A tile that some rays of a packet reach.
+struct ReachedTile {
+  const RayTile* tile;
+  double soonest_m;
+  alignas(
+      64) std::array<double, kPacketRays> start_m;  ///< where each ray enters it: 0 from inside, infinity for a miss
+};
+
+/// The tiles that a packet's active rays reach, the soonest first.
+std::vector<ReachedTile> reached_tiles(const std::vector<RayTile>& tiles, const ExactRays& rays);
+
+}  // namespace uwsim

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "uwsim/rays/triangle_hit.h"
+
+namespace uwsim {
+
+/// The triangle with each edge moved outward in its plane by `widening_m`, or by more where a corner is sharper than 14
+/// degrees. Embree gets solids' triangles in this form, so that float's error makes no ray miss one.
+Corners widened(const Corners& triangle, double widening_m);
+
+}  // namespace uwsim

@@ -1,0 +1,42 @@
+#include <cmath>
+#include <string>
+
+#include "uwsim/core/check.h"
+#include "uwsim/sim/simulation.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kWorldEnd_m = 1e6;
+constexpr double kSpeedMax = 100;  // m/s and rad/s
+
+}  // namespace
+
+/// Contacts push a body away from a surface on the side where it is, so they would keep one inside a solid there.
+void Simulation::require_free(const std::string& path, const Eigen::Vector3d& position) const {
+  const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
+  require(!(position.z() <= bed_m), path, position.transpose(), "must be above the ground");
+  const Solid* const around = world_.solid_around(position);
+  if (around != nullptr) require(false, path, position.transpose(), "must be outside '" + around->name + "'");
+}
+
+void Simulation::set_state(std::size_t index, const BodyState& state) {
+  Vehicle& moved = changeable(index);
+  const std::string path = "vehicle '" + moved.name + "'";
+  const Eigen::Vector3d& position = state.world_from_body.position_m;
+  require(state.world_from_body.position_m.allFinite() && state.world_from_body.orientation.coeffs().allFinite() &&
+              state.velocity_body.allFinite(),
+          path + " state", "non-finite", "must be finite");
+  require(position.cwiseAbs().maxCoeff() <= kWorldEnd_m, path + " position_m", position.transpose(),
+          "must be within 1000 km of the origin");
+  require(state.velocity_body.cwiseAbs().maxCoeff() <= kSpeedMax, path + " velocity_body",
+          state.velocity_body.transpose(), "must be at most 100 m/s and rad/s");
+  require_free(path + " position_m", position);
+  BodyState placed = state;
+  if (!moved.released()) placed.velocity_body.setZero();  // a docked vehicle is held
+  bodies_.set_state(moved.body, placed);
+  moved.touching = false;
+  ++version_;
+}
+
+}  // namespace uwsim

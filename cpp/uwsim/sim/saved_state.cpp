@@ -1,0 +1,55 @@
+#include <string>
+#include <string_view>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/state_archive.h"
+#include "uwsim/sim/saved_state_format.h"
+#include "uwsim/sim/simulation.h"
+
+namespace uwsim {
+
+std::string Simulation::save_state(const StateOrigin& origin, const std::string& notes) {
+  StateArchive archive;
+  std::string kept = notes;
+  archive(kept);
+  exchange_state(archive);
+  return wrapped_state(archive.bytes(), origin);
+}
+
+std::string Simulation::restore_state(std::string_view bytes, const StateOrigin& origin) {
+  StateArchive archive(unwrapped_state(bytes, origin));
+  std::string notes;
+  archive(notes);
+  StateArchive before;
+  exchange_state(before);
+  try {
+    exchange_state(archive);
+    archive.finish();
+  } catch (...) {
+    StateArchive back(before.bytes());
+    exchange_state(back);
+    throw;
+  }
+  ++version_;
+  return notes;
+}
+
+void Simulation::exchange_state(StateArchive& archive) {
+  archive.same("step_ns", step_ns_);
+  archive.same("seed", spec_.seed);
+  archive(tick_);
+  archive.same("vehicles", vehicles_.size());
+  for (Vehicle& vehicle : vehicles_) {
+    archive.same("vehicle", vehicle.name);
+    vehicle.battery.exchange_state(archive, tick_);
+    archive(vehicle.touching);
+    archive(vehicle.collisions);
+    vehicle.actuators.exchange_state(archive);
+    vehicle.sensors.exchange_state(archive);
+    archive.same("sonars", vehicle.sonars.size());
+    for (SonarHead& sonar : vehicle.sonars) sonar.exchange_state(archive);
+  }
+  bodies_.exchange_state(archive);
+}
+
+}  // namespace uwsim

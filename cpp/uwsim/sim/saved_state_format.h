@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace uwsim {
+
+/// The origin of a saved state: fingerprints of the scenario, seed included, and of the build.
+struct StateOrigin {
+  std::string scenario, build;
+};
+
+/// A saved state: the bytes of `state` after a header with format, version, origin, length and checksum.
+std::string wrapped_state(std::string_view state, const StateOrigin& origin);
+/// The bytes of the state in a saved state. Throws InvalidValue unless the state is complete, undamaged and of this
+/// origin.
+std::string_view unwrapped_state(std::string_view bytes, const StateOrigin& origin);
+
+}  // namespace uwsim

@@ -1,0 +1,33 @@
+#include "uwsim/sim/telemetry.h"
+
+#include <limits>
+
+#include "uwsim/sim/simulation.h"
+
+namespace uwsim {
+
+Telemetry Simulation::telemetry(std::size_t index) const {
+  const Vehicle& shown = vehicle(index);
+  const BodyState& state = bodies_.state(shown.body);
+  const Vector6d& acceleration = bodies_.acceleration_body(shown.body);
+  const Eigen::Vector3d& position = state.world_from_body.position_m;
+  Telemetry t;
+  t.time_s = time_s();
+  t.speed_m_s = state.linear_body_m_s().norm();
+  t.angular_speed_rad_s = state.angular_body_rad_s().norm();
+  t.acceleration_m_s2 = (acceleration.head<3>() + state.angular_body_rad_s().cross(state.linear_body_m_s())).norm();
+  t.temperature_deg_c = world_.water.temperature_deg_c(position.z());
+  t.pressure_pa = world_.water.pressure_pa(position, time_s());
+  t.depth_m = Water::depth_m(position.z());
+  t.distance_to_station_m = (position - spec_.station_world_m).norm();
+  t.distance_to_seabed_m =
+      scene_->cast({position, -Eigen::Vector3d::UnitZ()}, std::numeric_limits<float>::max()).distance_m;
+  t.mission_time_s = shown.battery.mission_time_s(tick_);
+  t.battery_percent = shown.battery.charge_percent(tick_);
+  t.range_warning = t.distance_to_station_m > spec_.range_warning_m;
+  t.proximity_warning = t.distance_to_seabed_m < spec_.proximity_warning_m;
+  t.collision_warning = bodies_.in_contact(shown.body);
+  return t;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,23 @@
+#pragma once
+
+namespace uwsim {
+
+/// The instrument panel of a vehicle, as in the paper.
+struct Telemetry {
+  double time_s = 0;
+  double speed_m_s = 0;
+  double angular_speed_rad_s = 0;
+  double acceleration_m_s2 = 0;  ///< magnitude of the inertial acceleration
+  double temperature_deg_c = 0;
+  double pressure_pa = 0;
+  double depth_m = 0;
+  double distance_to_station_m = 0;
+  double distance_to_seabed_m = 0;  ///< straight down; infinity where there is nothing
+  double mission_time_s = 0;        ///< since the release
+  double battery_percent = 0;       ///< the part of the mission time that is left
+  bool range_warning = false;       ///< too far from the station
+  bool proximity_warning = false;   ///< too near the seabed
+  bool collision_warning = false;   ///< touching something
+};
+
+}  // namespace uwsim

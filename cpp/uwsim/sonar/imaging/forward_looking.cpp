@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
+#include "uwsim/sonar/beam_angles.h"
+#include "uwsim/sonar/imaging/beam_pattern.h"
+#include "uwsim/sonar/imaging/imaging_sonar.h"
+#include "uwsim/sonar/imaging/surface_echo.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kFloor = 1e-4;  // -40 dB, leaks into a transducer from all directions; assumed
+constexpr double kVerticalTaper = 0.46;
+constexpr double kVerticalSpan = 1.25;  // of the width, to either side; past it a Hamming pattern is below -30 dB
+constexpr double kAcrossSpan = 6;       // of the beam's width, to either side: main lobe and some side lobes
+constexpr double kMaxDraws = 4e9;       // random draws of a ping are numbered by 32 bits
+
+/// A forward-looking imaging sonar: one broad transmission, many narrow receiving beams side by side. Pings once, from
+/// one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain where that is on. Bearings are
+/// about the sonar's +z, positive to port; its x axis is the middle of the picture.
+///
+/// Columns of rays sample the scene over the vertical aperture; each beam is the sum of the columns' echoes weighted by
+/// the receiving array's pattern. Left out: echoes of the surface and by several bounces, motion within a ping, and the
+/// curvature of a line array's beams away from the level plane.
+class ForwardLooking final : public ImagingSonar {
+ public:
+  ForwardLooking(const ImagingAcoustics& acoustics, const ParameterValues& figures)
+      : ImagingSonar(acoustics),
+        beams_(static_cast<std::size_t>(whole_number(figures, "beams"))),
+        columns_per_beam_(static_cast<std::size_t>(whole_number(figures, "columns_per_beam"))),
+        rays_per_column_(whole_number(figures, "rays_per_column")),
+        bins_(static_cast<std::size_t>(acoustics.range_bins)),
+        vertical_width_rad_(number(figures, "vertical_width_rad")),
+        across_(number(figures, "beam_width_rad"), number(figures, "taper"), kFloor) {
+    require(1.0 * static_cast<double>(beams_ * bins_) * std::max(acoustics.looks, 1) < kMaxDraws, "sonar.range_bins",
+            acoustics.range_bins, "times beams and looks must be below 4e9");
+    const double field_of_view_rad = number(figures, "field_of_view_rad");
+    const double beam_width_rad = number(figures, "beam_width_rad");
+    // A single beam has no neighbours: its columns are spread over its width.
+    const BeamAngles bearings = beams_ > 1 ? even_beam_angles(field_of_view_rad, static_cast<int>(beams_))
+                                           : BeamAngles{-field_of_view_rad / 2, beam_width_rad};
+    first_bearing_rad_ = bearings.first_rad;
+    spacing_rad_ = bearings.spacing_rad / static_cast<int>(columns_per_beam_);
+    // Columns extend past the outermost beams as far as a beam's pattern does.
+    const double reach_rad = std::min(kAcrossSpan * beam_width_rad, std::numbers::pi / 2);
+    reach_ = static_cast<std::size_t>(std::ceil(reach_rad / spacing_rad_));
+  }
+
+  std::vector<ImagingArray> ping(const ImagingRequest& request) const override {
+    require(request.world_from_sonar.size() == 1, "poses.size", request.world_from_sonar.size(), "must be 1");
+    const Pose& pose = request.world_from_sonar.front();
+    const double absorption = acoustics().absorption_db_m(request.water, pose.position_m.z());
+    const std::vector<double> profiles = column_profiles(request, pose, absorption);
+    const ImagingReceiver receiver(acoustics(), absorption, request.random);
+    const std::vector<double> weights = column_weights();
+    std::vector<float> levels(bins_ * beams_);
+    parallel_ranges(
+        beams_, request.threads,
+        [&](std::size_t first, std::size_t last) {
+          std::vector<double> echo(bins_);
+          for (std::size_t beam = first; beam < last; ++beam) {
+            sum_columns(profiles, weights, beam, echo);
+            for (std::size_t bin = 0; bin < bins_; ++bin) {
+              const std::size_t cell = bin * beams_ + beam;
+              levels[cell] = receiver.displayed_db(
+                  receiver.received(echo[bin], request.first_ping, static_cast<std::uint32_t>(cell)),
+                  acoustics().bin_centre_m(static_cast<int>(bin)));
+            }
+          }
+        },
+        1);
+    std::vector<ImagingArray> result;
+    result.push_back({"level_db", {bins_, beams_}, std::move(levels)});
+    return result;
+  }
+
+ private:
+  /// Mean echo power by range, one row for each column of rays.
+  std::vector<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption) const {
+    const std::size_t columns = (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_;
+    const SurfaceEchoes echoes(request.scene, pose.position_m, acoustics(), absorption);
+    const std::vector<ArcRay> rays = column_rays();
+    const Eigen::Matrix3d rotation = pose.rotation();
+    std::vector<double> profiles(columns * bins_, 0.0);
+    parallel_ranges(
+        columns, request.threads,
+        [&](std::size_t first, std::size_t last) {
+          for (std::size_t k = first; k < last; ++k) {
+            const double bearing =
+                first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_;
+            echoes.add(column_at(rotation, bearing), rays, {profiles.data() + k * bins_, bins_});
+          }
+        },
+        1);
+    return profiles;
+  }
+
+  /// The rays of a column by elevation, with solid angle and vertical pattern.
+  std::vector<ArcRay> column_rays() const {
+    const double span = std::min(kVerticalSpan * vertical_width_rad_, std::numbers::pi / 2);
+    const double step = 2 * span / rays_per_column_;
+    std::vector<double> angles;
+    for (int k = 0; k < rays_per_column_; ++k) angles.push_back(-span + (k + 0.5) * step);
+    std::vector<ArcRay> rays = arc_rays(angles);
+    const BeamPattern vertical(vertical_width_rad_, kVerticalTaper, kFloor);
+    for (ArcRay& ray : rays) {
+      ray.gain_sr = vertical.power(ray.angle_rad) * std::cos(ray.angle_rad) * step * spacing_rad_;
+    }
+    return rays;
+  }
+
+  /// An upright plane through the head's z axis.
+  RayArc column_at(const Eigen::Matrix3d& rotation, double bearing_rad) const {
+    const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
+    return {rotation * Eigen::Vector3d(c, s, 0), rotation.col(2), rotation * Eigen::Vector3d(-s, c, 0), 0,
+            spacing_rad_ / 2};
+  }
+
+  /// The receiving array's pattern at the columns to either side of a beam's axis.
+  std::vector<double> column_weights() const {
+    std::vector<double> weights;
+    for (std::size_t k = 0; k <= 2 * reach_; ++k) {
+      weights.push_back(across_.power((static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_));
+    }
+    return weights;
+  }
+
+  void sum_columns(const std::vector<double>& profiles, const std::vector<double>& weights, std::size_t beam,
+                   std::vector<double>& echo) const {
+    std::fill(echo.begin(), echo.end(), 0.0);
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const double* profile = profiles.data() + (beam * columns_per_beam_ + k) * bins_;
+      for (std::size_t bin = 0; bin < bins_; ++bin) echo[bin] += weights[k] * profile[bin];
+    }
+  }
+
+  std::size_t beams_;
+  std::size_t columns_per_beam_;  ///< upright planes of rays from one beam's axis to the next
+  int rays_per_column_;
+  std::size_t bins_;
+  double vertical_width_rad_;
+  BeamPattern across_;
+  double first_bearing_rad_, spacing_rad_;  ///< of the columns: the first beam's bearing, and between columns
+  std::size_t reach_;                       ///< columns past the outermost beams
+};
+
+constexpr double kPi = std::numbers::pi;
+constexpr Parameter kParameters[] = {
+    {"beams", 1, kRequired, 1, 4096, "", "side by side", ParameterType::kWholeNumber},
+    {"field_of_view_rad", 1, kRequired, kAboveZero, 2 * kPi, "rad", "between the outermost beams' axes"},
+    {"beam_width_rad", 1, kRequired, 1e-4, kPi, "rad", "across a beam, between half-power points"},
+    {"vertical_width_rad", 1, kRequired, 1e-4, kPi, "rad", "of transmitter and receiver together, two-way"},
+    {"taper", 1, kRequired, 0, 0.5, "", "the receiving array's shading, see BeamPattern"},
+    {"columns_per_beam", 1, kRequired, 1, 64, "", "planes of rays for each beam", ParameterType::kWholeNumber},
+    {"rays_per_column", 1, kRequired, 2, 16384, "", "from bottom to top", ParameterType::kWholeNumber}};
+
+}  // namespace
+
+extern const ImagingKind kForwardLooking;
+constinit const ImagingKind kForwardLooking = {"forward_looking", "a picture by range and bearing ahead", kParameters,
+                                               make_imaging_sonar<ForwardLooking>};
+
+}  // namespace uwsim

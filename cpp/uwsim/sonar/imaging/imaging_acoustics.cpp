@@ -1,0 +1,91 @@
+#include "uwsim/sonar/imaging/imaging_acoustics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr int kMaxLooks = 16;  // a product of more uniforms might underflow
+constexpr int kMaxBins = 20000;
+constexpr double kLoudest_db = 300;  // far beyond any transducer; keeps powers within a double
+
+constexpr Parameter kParameters[] = {
+    {"frequency_hz", 1, kRequired, 1e3, 5e6, "Hz", "carrier"},
+    {"source_level_db", 1, kRequired, -kLoudest_db, kLoudest_db, "dB", "re 1 uPa at 1 m on the axis"},
+    {"noise_level_db", 1, kRequired, -kLoudest_db, kLoudest_db, "dB", "re 1 uPa, in the receiver's band"},
+    {"bottom_strength_db", 1, 0, -kLoudest_db, kLoudest_db, "dB", "of the terrain, for labels without a strength"},
+    {"solid_strength_db", 1, 0, -kLoudest_db, kLoudest_db, "dB", "of solids, for labels without a strength"},
+    {"range_max_m", 1, kRequired, 0.1, 2000, "m", "end of the last range bin"},
+    {"range_bins", 1, kRequired, 1, kMaxBins, "", "range resolution cells", ParameterType::kWholeNumber},
+    {"time_varied_gain", 1, kRequired, 0, 1, "", "whether levels carry the gain", ParameterType::kFlag},
+    {"gain_db_decade", 1, kRequired, 0, 100, "dB", "of the gain, for each decade of range"},
+    {"looks", 1, kRequired, 0, kMaxLooks, "", "averaged in a cell; 0: no speckle", ParameterType::kWholeNumber}};
+
+double power_of(double level_db) { return std::pow(10.0, level_db / 10); }
+
+}  // namespace
+
+std::span<const Parameter> imaging_acoustics_parameters() { return kParameters; }
+
+ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db) {
+  for (const double strength_db : strengths_db) {
+    require(std::isnan(strength_db) || std::abs(strength_db) <= kLoudest_db, "sonar.strengths_db", strength_db,
+            "dB: must be in [-300, 300] dB");
+  }
+  ImagingAcoustics acoustics;
+  acoustics.frequency_hz = number(figures, "frequency_hz");
+  acoustics.source_level_db = number(figures, "source_level_db");
+  acoustics.noise_level_db = number(figures, "noise_level_db");
+  acoustics.bottom_strength_db = number(figures, "bottom_strength_db");
+  acoustics.solid_strength_db = number(figures, "solid_strength_db");
+  acoustics.strengths_db = strengths_db;
+  acoustics.range_max_m = number(figures, "range_max_m");
+  acoustics.range_bins = whole_number(figures, "range_bins");
+  acoustics.time_varied_gain = flag(figures, "time_varied_gain");
+  acoustics.gain_db_decade = number(figures, "gain_db_decade");
+  acoustics.looks = whole_number(figures, "looks");
+  return acoustics;
+}
+
+double ImagingAcoustics::strength(Label label) const {
+  if (label < strengths_db.size() && !std::isnan(strengths_db[label])) return power_of(strengths_db[label]);
+  return power_of(label == kTerrain ? bottom_strength_db : solid_strength_db);
+}
+
+double ImagingAcoustics::absorption_db_m(const Water& water, double head_z_m) const {
+  return absorption_db_km(frequency_hz, water.temperature_deg_c(head_z_m), water.salinity_at_psu(head_z_m),
+                          std::max(0.0, Water::depth_m(head_z_m))) /
+         1000;
+}
+
+ImagingReceiver::ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random)
+    : acoustics_(acoustics),
+      absorption_db_m_(absorption_db_m),
+      random_(random),
+      source_(power_of(acoustics.source_level_db)),
+      noise_(power_of(acoustics.noise_level_db)) {}
+
+double ImagingReceiver::received(double echo, std::uint64_t ping, std::uint32_t cell) const {
+  const double mean = source_ * echo + noise_;
+  const int looks = acoustics_.looks;
+  if (looks == 0) return mean;
+  double product = 1;
+  for (int look = 0; look < looks; ++look) {
+    product *= random_.uniform(ping, cell * static_cast<std::uint32_t>(looks) + static_cast<std::uint32_t>(look));
+  }
+  return mean * -std::log(product) / looks;
+}
+
+float ImagingReceiver::displayed_db(double received, double range_m) const {
+  double level = 10 * std::log10(received);
+  if (acoustics_.time_varied_gain) {
+    level += acoustics_.gain_db_decade * std::log10(range_m) + 2 * absorption_db_m_ * range_m;
+  }
+  return static_cast<float>(level);
+}
+
+}  // namespace uwsim

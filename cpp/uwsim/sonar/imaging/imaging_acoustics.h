@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "uwsim/core/parameter.h"
+#include "uwsim/core/random.h"
+#include "uwsim/world/water.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim {
+
+/// The acoustic figures that all imaging sonars share. Levels in dB re 1 uPa.
+struct ImagingAcoustics {
+  double frequency_hz = 0;
+  double source_level_db = 0;  ///< at 1 m on the axis
+  double noise_level_db = 0;   ///< in the receiver's band, behind its beam former
+  /// Lambert's strength per square metre at normal incidence, of the terrain and of solids. `strengths_db`, by label,
+  /// takes precedence for labels that it contains with a value other than NaN.
+  double bottom_strength_db = 0;
+  double solid_strength_db = 0;
+  std::vector<double> strengths_db;
+  double range_max_m = 0;
+  int range_bins = 0;            ///< each one range resolution wide: range_max_m / range_bins
+  bool time_varied_gain = true;  ///< a log10 R + 2 alpha R; off, the levels are those received
+  double gain_db_decade = 0;     ///< a
+  int looks = 1;                 ///< independent looks averaged in a cell: 1 is full speckle, 0 none
+
+  /// Lambert's mu, as a ratio.
+  double strength(Label label) const;
+  double bin_m() const { return range_max_m / range_bins; }
+  double bin_centre_m(int bin) const { return (bin + 0.5) * bin_m(); }
+  /// Absorption in the water at the head, Francois and Garrison [dB/m].
+  double absorption_db_m(const Water& water, double head_z_m) const;
+};
+
+/// The figures above by name, without strengths_db.
+std::span<const Parameter> imaging_acoustics_parameters();
+/// From a completed set of figures. Throws InvalidValue for strengths out of range.
+ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {});
+
+/// Turns an echo's mean power into the displayed level: noise, speckle, gain.
+///
+/// Many scatterers in a cell with random phases make a complex Gaussian pressure (Goodman 1975, "Statistical properties
+/// of laser speckle patterns"), so amplitude is Rayleigh and power exponential: standard deviation = mean. The mean of
+/// n looks is a gamma variate of shape n: std = mean / sqrt(n). Noise adds as power, before the draw. A cell's draw is
+/// a function of (stream, ping, cell) alone.
+class ImagingReceiver {
+ public:
+  ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);
+
+  /// Received power over 1 uPa^2, without gain. `echo`: mean power over the source's at 1 m.
+  double received(double echo, std::uint64_t ping, std::uint32_t cell) const;
+  /// Displayed level, with the gain at that range [dB re 1 uPa]; always finite.
+  float displayed_db(double received, double range_m) const;
+  double noise() const { return noise_; }
+
+ private:
+  ImagingAcoustics acoustics_;
+  double absorption_db_m_;
+  RandomStream random_;
+  double source_, noise_;
+};
+
+}  // namespace uwsim

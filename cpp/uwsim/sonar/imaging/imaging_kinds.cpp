@@ -1,0 +1,34 @@
+#include "uwsim/sonar/imaging/imaging_kinds.h"
+
+#include <array>
+
+namespace uwsim {
+
+/// A new imaging sonar is one new file and its kind's name in both of these lists.
+extern const ImagingKind kForwardLooking, kSideScan, kSingleBeam;
+
+namespace {
+
+constexpr std::array kKinds = {&kForwardLooking, &kSideScan, &kSingleBeam};
+
+}  // namespace
+
+std::span<const ImagingKind* const> imaging_kinds() { return kKinds; }
+
+const ImagingKind& imaging_kind(std::string_view name) { return find_kind(kKinds, name, "sonar.kind"); }
+
+std::vector<Parameter> imaging_parameters(const ImagingKind& kind) {
+  const std::span<const Parameter> shared = imaging_acoustics_parameters();
+  std::vector<Parameter> all(shared.begin(), shared.end());
+  all.insert(all.end(), kind.parameters.begin(), kind.parameters.end());
+  return all;
+}
+
+std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues figures,
+                                            const std::vector<double>& strengths_db) {
+  const ImagingKind& of = imaging_kind(kind);
+  complete_parameters(figures, imaging_parameters(of), "sonar");
+  return of.make(imaging_acoustics(figures, strengths_db), figures);
+}
+
+}  // namespace uwsim

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
+#include "uwsim/sonar/imaging/beam_pattern.h"
+#include "uwsim/sonar/imaging/imaging_sonar.h"
+#include "uwsim/sonar/imaging/surface_echo.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kFloor = 0;
+constexpr double kTaper = 0.46;
+constexpr double kSpan = 1.2;  // of the width, to either side; past it a Hamming pattern is below -25 dB
+constexpr int kMeanOver = 2;   // bins to either side
+constexpr double kEdge = 0.1;  // of the peak
+
+std::vector<double> smoothed(std::span<const double> values) {
+  const int n = static_cast<int>(values.size());
+  std::vector<double> means(values.size());
+  for (int k = 0; k < n; ++k) {
+    const int first = std::max(0, k - kMeanOver), last = std::min(n - 1, k + kMeanOver);
+    double sum = 0;
+    for (int j = first; j <= last; ++j) sum += values[static_cast<std::size_t>(j)];
+    means[static_cast<std::size_t>(k)] = sum / (last - first + 1);
+  }
+  return means;
+}
+
+/// The position of the echo in bins; infinite where nothing exceeds the threshold.
+double detect(std::span<const double> received, double threshold) {
+  const std::vector<double> means = smoothed(received);
+  const auto peak = std::max_element(means.begin(), means.end());
+  if (*peak < threshold) return std::numeric_limits<double>::infinity();
+  const double edge = kEdge * *peak;
+  auto first = peak, last = peak;
+  while (first != means.begin() && *(first - 1) >= edge) --first;
+  while (last + 1 != means.end() && *(last + 1) >= edge) ++last;
+  double power = 0, moment = 0;
+  for (auto k = first - means.begin(); k <= last - means.begin(); ++k) {
+    power += received[static_cast<std::size_t>(k)];
+    moment += received[static_cast<std::size_t>(k)] * (static_cast<double>(k) + 0.5);
+  }
+  return moment / power;
+}
+
+/// A profiling sonar: one pencil beam, round, that a motor steps about the head's z axis. Pings once at each of the
+/// request's angles, from its x axis, positive to port, all from one pose. Returns level_db (angles, bins), dB re 1
+/// uPa, and ranges_m (angles,), infinite without an echo.
+///
+/// The range is the centroid of the power about the echo's peak, out to where a running mean over five bins has fallen
+/// to a tenth of it: near nadir that is the bottom straight below, oblique it is the beam's middle. 1 / R^2, Lambert's
+/// law and absorption pull the centroid inwards, on a flat bottom under 45 degrees by less than a beam's width squared.
+class SingleBeam final : public ImagingSonar {
+ public:
+  SingleBeam(const ImagingAcoustics& acoustics, const ParameterValues& figures)
+      : ImagingSonar(acoustics),
+        bins_(static_cast<std::size_t>(acoustics.range_bins)),
+        detection_db_(number(figures, "detection_db")),
+        pattern_(number(figures, "beam_width_rad"), kTaper, kFloor) {
+    const double width_rad = number(figures, "beam_width_rad");
+    const int rays_across = whole_number(figures, "rays_across");
+    step_rad_ = 2 * kSpan * width_rad / rays_across;
+    for (int k = 0; k < rays_across; ++k) offsets_rad_.push_back(-kSpan * width_rad + (k + 0.5) * step_rad_);
+  }
+
+  std::vector<ImagingArray> ping(const ImagingRequest& request) const override {
+    require(request.world_from_sonar.size() == 1, "poses.size", request.world_from_sonar.size(), "must be 1");
+    const Pose& pose = request.world_from_sonar.front();
+    const double absorption = acoustics().absorption_db_m(request.water, pose.position_m.z());
+    const SurfaceEchoes echoes(request.scene, pose.position_m, acoustics(), absorption);
+    const ImagingReceiver receiver(acoustics(), absorption, request.random);
+    const Eigen::Matrix3d rotation = pose.rotation();
+    const double threshold = receiver.noise() * std::pow(10.0, detection_db_ / 10);
+    const std::size_t pings = request.angles_rad.size();
+    std::vector<float> levels(pings * bins_), ranges(pings);
+    const auto ping_once = [&](std::size_t row) {
+      std::vector<double> received = beam_echo(echoes, rotation, request.angles_rad[row]);
+      for (std::size_t bin = 0; bin < bins_; ++bin) {
+        received[bin] = receiver.received(received[bin], request.first_ping + row, static_cast<std::uint32_t>(bin));
+        levels[row * bins_ + bin] =
+            receiver.displayed_db(received[bin], acoustics().bin_centre_m(static_cast<int>(bin)));
+      }
+      ranges[row] = static_cast<float>(detect(received, threshold) * acoustics().bin_m());
+    };
+    parallel_ranges(
+        pings, request.threads,
+        [&](std::size_t first, std::size_t last) {
+          for (std::size_t k = first; k < last; ++k) ping_once(k);
+        },
+        1);
+    std::vector<ImagingArray> result;
+    result.push_back({"level_db", {pings, bins_}, std::move(levels)});
+    result.push_back({"ranges_m", {pings}, std::move(ranges)});
+    return result;
+  }
+
+ private:
+  /// Mean echo power by range: a square grid of rays over the beam.
+  std::vector<double> beam_echo(const SurfaceEchoes& echoes, const Eigen::Matrix3d& rotation, double angle_rad) const {
+    std::vector<double> echo(bins_, 0.0);
+    std::vector<ArcRay> rays = arc_rays(offsets_rad_);
+    for (const double across : offsets_rad_) {
+      for (ArcRay& ray : rays) {
+        const double off_axis = std::acos(std::clamp(std::cos(ray.angle_rad) * std::cos(across), -1.0, 1.0));
+        ray.gain_sr = pattern_.power(off_axis) * std::cos(ray.angle_rad) * step_rad_ * step_rad_;
+      }
+      const double c = std::cos(angle_rad + across), s = std::sin(angle_rad + across);
+      echoes.add({rotation * Eigen::Vector3d(c, s, 0), rotation.col(2), rotation * Eigen::Vector3d(-s, c, 0), 0,
+                  step_rad_ / 2},
+                 rays, echo);
+    }
+    return echo;
+  }
+
+  std::size_t bins_;
+  double detection_db_;
+  BeamPattern pattern_;
+  double step_rad_;
+  std::vector<double> offsets_rad_;  ///< of the rays from the beam's axis, in either direction
+};
+
+constexpr Parameter kParameters[] = {
+    {"beam_width_rad", 1, kRequired, 1e-4, 1, "rad", "between half-power points, two-way"},
+    {"rays_across", 1, kRequired, 2, 256, "", "of the square grid of rays", ParameterType::kWholeNumber},
+    {"detection_db", 1, kRequired, kAboveZero, 100, "dB", "of an echo's peak, above the noise"}};
+
+}  // namespace
+
+extern const ImagingKind kSingleBeam;
+constinit const ImagingKind kSingleBeam = {"single_beam", "a profile of one steered pencil beam", kParameters,
+                                           make_imaging_sonar<SingleBeam>};
+
+}  // namespace uwsim

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "uwsim/rays/ray_scene.h"
+#include "uwsim/sonar/imaging/imaging_acoustics.h"
+
+namespace uwsim {
+
+/// A fan of rays from a head in one plane, or on the cone at the angle `aside_rad` to it:
+/// direction(angle) = cos(aside) (cos(angle) ahead + sin(angle) up) + sin(aside) aside.
+struct RayArc {
+  Eigen::Vector3d ahead_world;
+  Eigen::Vector3d up_world;
+  Eigen::Vector3d aside_world;  ///< ahead, aside and up are orthogonal unit vectors
+  double aside_rad = 0;
+  double half_width_rad = 0;  ///< half the angle to the neighbouring arcs: extent of a ray's patch across the arc
+
+  Eigen::Vector3d direction(double angle_rad) const;
+};
+
+/// A ray of an arc and the interval of angles that it represents.
+struct ArcRay {
+  double angle_rad, lower_rad, upper_rad;
+  double gain_sr;  ///< the beam's two-way power pattern times the solid angle that the ray represents
+};
+
+/// Rays at ascending angles; each represents the interval half way to its neighbours. gain_sr is 1.
+std::vector<ArcRay> arc_rays(std::span<const double> angles_rad);
+
+/// Echoes of surfaces along rays from a head, as mean power by range.
+///
+/// A ray of solid angle dO that meets a surface at range R under incidence i covers dA = R^2 dO / cos i. By Lambert's
+/// law (Urick 1983, "Principles of Underwater Sound", ch. 8) this patch returns, relative to the source's power at 1 m,
+///   R^-4 10^(-2 alpha R / 10) mu cos^2 i dA = mu cos i dO R^-2 10^(-2 alpha R / 10),
+/// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no model: hidden
+/// surfaces are hit by no ray. Straight rays, one bounce. Surfaces above z = 0 return no echo, a head there receives
+/// none, and the inner side of a surface returns none: a head in the ground or in a solid receives only noise.
+class SurfaceEchoes {
+ public:
+  SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m, const ImagingAcoustics& acoustics,
+                double absorption_db_m);
+
+  /// Adds the echoes of an arc to `profile`, one power for each range bin.
+  void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const;
+
+ private:
+  void add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit,
+                 std::span<double> profile) const;
+
+  const RayScene* scene_;
+  Eigen::Vector3d head_world_m_;
+  double range_max_m_, bin_m_;
+  double absorption_db_m_;
+  double solid_;                   // Lambert's mu for labels beyond strengths_
+  std::vector<double> strengths_;  // Lambert's mu by label
+};
+
+}  // namespace uwsim

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "uwsim/core/triangle_mesh.h"
+#include "uwsim/core/water_field.h"
+
+namespace uwsim {
+
+/// Integrates a pressure that varies from place to place over the wetted surface of a hull.
+class HullPressure {
+ public:
+  struct Load {
+    Eigen::Vector3d force_body_n = Eigen::Vector3d::Zero();
+    Eigen::Vector3d moment_body_nm = Eigen::Vector3d::Zero();  ///< about the body's origin
+  };
+
+  HullPressure() = default;
+  /// Halves edges longer than `longest_edge_m` until none is left or the mesh has 100 000 triangles.
+  HullPressure(TriangleMesh mesh_body, double longest_edge_m);
+
+  /// The integrals of -p n and of r x -p n over the wetted part. Each triangle is cut where its pressure head, assumed
+  /// linear over it, is 0, and p is linear over the part that is wet. The load of a vertex' pressure on the triangles
+  /// around it is tabulated, so that only triangles that are cut are integrated one by one.
+  Load load(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body, const WaterField& water,
+            double time_s) const;
+
+ private:
+  TriangleMesh mesh_body_;
+  std::vector<Load> per_pascal_;  // load of 1 Pa at each vertex
+};
+
+}  // namespace uwsim

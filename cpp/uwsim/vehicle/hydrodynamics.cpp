@@ -1,0 +1,166 @@
+#include "uwsim/vehicle/hydrodynamics.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d s;
+  s << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return s;
+}
+
+/// M_RB about the origin (Fossen 3.44): the inertia is moved there by the parallel-axis theorem.
+Matrix6d rigid_body_mass(const CraftParameters& p) {
+  const Eigen::Matrix3d s = cross_matrix(p.centre_of_mass_body_m);
+  Matrix6d m;
+  m << p.mass_kg * Eigen::Matrix3d::Identity(), -p.mass_kg * s, p.mass_kg * s, p.inertia_kg_m2 - p.mass_kg * s * s;
+  return m;
+}
+
+/// C(nu) nu for the momentum M nu (Kirchhoff's equations, Fossen 3.46).
+Vector6d coriolis(const Vector6d& momentum, const Vector6d& velocity) {
+  const Eigen::Vector3d linear = momentum.head<3>(), angular = momentum.tail<3>();
+  const Eigen::Vector3d v = velocity.head<3>(), w = velocity.tail<3>();
+  Vector6d c;
+  c << w.cross(linear), v.cross(linear) + w.cross(angular);
+  return c;
+}
+
+/// A body's centre of mass is inside its bounding box.
+void require_inside_box(const Eigen::Vector3d& centre_of_mass_m, const TriangleMesh& hull) {
+  Eigen::Vector3d low = hull.vertices_m.front(), high = low;
+  for (const Eigen::Vector3d& v : hull.vertices_m) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const bool inside =
+      (centre_of_mass_m.array() >= low.array()).all() && (centre_of_mass_m.array() <= high.array()).all();
+  if (inside) return;
+  std::ostringstream rule;
+  rule << "must be in the hull's bounding box, from (" << low.transpose() << ") to (" << high.transpose() << ") m";
+  require(false, "vehicle.centre_of_mass_m", centre_of_mass_m.transpose(), rule.str());
+}
+
+double smallest_eigenvalue(const Matrix6d& m) {
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly).eigenvalues()(0);
+}
+
+}  // namespace
+
+void CraftParameters::check() const {
+  require(std::isfinite(mass_kg) && mass_kg > 0, "vehicle.mass_kg", mass_kg, "must be positive");
+  require(centre_of_mass_body_m.allFinite(), "vehicle.centre_of_mass_m", centre_of_mass_body_m.transpose(),
+          "must be finite");
+  const Eigen::Vector3d principal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_kg_m2, Eigen::EigenvaluesOnly).eigenvalues();
+  require(inertia_kg_m2.allFinite() && principal(0) > 0 && principal(0) + principal(1) >= principal(2) * (1 - 1e-9),
+          "vehicle.inertia_kg_m2", principal.transpose(),
+          "principal moments must be positive and obey the triangle inequality");
+  require(inertia_kg_m2.isApprox(inertia_kg_m2.transpose(), 1e-9), "vehicle.inertia_kg_m2", "asymmetric",
+          "must be symmetric");
+  for (const auto& [name, m] : {std::pair{"added_mass", &added_mass}, {"linear_damping", &linear_damping}}) {
+    const std::string path = std::string("vehicle.") + name;
+    require(m->allFinite(), path, "non-finite", "must be finite");
+    const double low = smallest_eigenvalue(*m);
+    require(low >= -1e-9 * m->cwiseAbs().maxCoeff(), path, low,
+            "must be positive semi-definite (smallest eigenvalue shown)");
+  }
+  require(quadratic_damping.allFinite(), "vehicle.quadratic_damping", "non-finite", "must be finite");
+  for (int i = 0; i < 6; ++i) {
+    // v^T D (|v| v) >= 0 for every v, by Young's inequality a b^2 <= a^3 / 3 + 2 b^3 / 3 on each cross term.
+    double cross = 0;
+    for (int j = 0; j < 6; ++j) {
+      if (j != i) cross += std::abs(quadratic_damping(i, j)) / 3 + 2 * std::abs(quadratic_damping(j, i)) / 3;
+    }
+    require(quadratic_damping(i, i) >= cross, "vehicle.quadratic_damping[" + std::to_string(i) + "]",
+            quadratic_damping(i, i), "must be at least 0 and at least its cross terms, or drag would add energy");
+  }
+  require(added_mass.isApprox(added_mass.transpose(), 1e-9) || added_mass.isZero(), "vehicle.added_mass", "asymmetric",
+          "must be symmetric");
+}
+
+Craft::Craft(CraftParameters parameters, BuoyantHull hull)
+    : parameters_(std::move(parameters)), hull_(std::move(hull)) {
+  parameters_.check();
+  require_inside_box(parameters_.centre_of_mass_body_m, hull_.mesh_body());
+  rigid_mass_ = rigid_body_mass(parameters_);
+  inverse_mass_submerged_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
+}
+
+Matrix6d Craft::inverse_mass_at(double submerged) const {
+  if (submerged == 1) return inverse_mass_submerged_;
+  return (rigid_mass_ + submerged * parameters_.added_mass).llt().solve(Matrix6d::Identity());
+}
+
+double Craft::submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  return fraction(hull_.displacement(world_from_body, hull_.level_m(world_from_body, water, time_s)).volume_m3);
+}
+
+double Craft::fraction(double wet_volume_m3) const {
+  return std::clamp(wet_volume_m3 / hull_.solid().volume_m3, 0.0, 1.0);
+}
+
+Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  return inverse_mass_at(submerged_fraction(world_from_body, water, time_s));
+}
+
+Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
+  return -(parameters_.linear_damping * relative_velocity +
+           parameters_.quadratic_damping * relative_velocity.cwiseAbs().cwiseProduct(relative_velocity));
+}
+
+Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
+                                  double time_s) const {
+  const Pose& pose = state.world_from_body;
+  const Eigen::Matrix3d world_from_body = pose.rotation();
+  const Buoyancy buoyancy = hull_.buoyancy(pose.position_m, world_from_body, water, time_s);
+  const double submerged = fraction(buoyancy.volume_m3);
+
+  const Eigen::Vector3d weight = -parameters_.mass_kg * water.gravity() * world_from_body.row(2).transpose();
+  Vector6d tau = tau_body;
+  tau.head<3>() += weight + buoyancy.force_body_n;
+  tau.tail<3>() += parameters_.centre_of_mass_body_m.cross(weight) + buoyancy.moment_body_nm;
+  tau -= coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
+  if (submerged > 0) {
+    const Eigen::Vector3d centre = pose.position_m + world_from_body * buoyancy.centre_body_m;
+    tau += flow_force_body(state.velocity_body, water.flow_at(centre, time_s), world_from_body, buoyancy, submerged,
+                           water.density_at(centre.z()));
+  }
+  if (submerged == 1) return inverse_mass_submerged_ * tau;
+  return (rigid_mass_ + submerged * parameters_.added_mass).llt().solve(tau);
+}
+
+/// The forces that depend on the motion of the body through the water, and on that of the water.
+Vector6d Craft::flow_force_body(const Vector6d& velocity, const WaterFlow& flow, const Eigen::Matrix3d& world_from_body,
+                                const Buoyancy& buoyancy, double submerged, double density_kg_m3) const {
+  const Eigen::Vector3d flow_body = world_from_body.transpose() * flow.velocity_m_s;
+  const Eigen::Vector3d current_rate = world_from_body.transpose() * flow.current_acceleration_m_s2;
+  const Eigen::Vector3d wave_rate = world_from_body.transpose() * flow.wave_acceleration_m_s2;
+  Vector6d relative = velocity, flow_rate = Vector6d::Zero();
+  relative.head<3>() -= flow_body;
+  flow_rate.head<3>() = current_rate + wave_rate - velocity.tail<3>().cross(flow_body);
+
+  const Matrix6d& added = parameters_.added_mass;
+  Vector6d force = submerged * (damping_body(relative) - coriolis(added * relative, relative) + added * flow_rate);
+  const Eigen::Vector3d pressure_force = density_kg_m3 * buoyancy.volume_m3 * current_rate;
+  force.head<3>() += pressure_force;
+  force.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);
+  return force;
+}
+
+double Craft::kinetic_energy_j(const BodyState& state) const {
+  const double submerged = fraction(hull_.displacement(state.world_from_body).volume_m3);
+  return 0.5 * state.velocity_body.dot((rigid_mass_ + submerged * parameters_.added_mass) * state.velocity_body);
+}
+
+}  // namespace uwsim

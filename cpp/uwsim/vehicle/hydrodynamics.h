@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "uwsim/core/body_state.h"
+#include "uwsim/core/water_field.h"
+#include "uwsim/vehicle/buoyant_hull.h"
+
+namespace uwsim {
+
+/// Mass and hydrodynamic coefficients of a craft. Six-vectors and 6x6 matrices are in Fossen's order (surge, sway,
+/// heave, roll, pitch, yaw), in the body frame, about the body's origin.
+struct CraftParameters {
+  double mass_kg = 0;
+  Eigen::Vector3d centre_of_mass_body_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass
+  Matrix6d added_mass = Matrix6d::Zero();                   ///< M_A [kg, kg m, kg m^2]
+  Matrix6d linear_damping = Matrix6d::Zero();               ///< D_l [N s/m, ...]
+  Matrix6d quadratic_damping = Matrix6d::Zero();            ///< D_q, force = -D_q (|nu| nu) [N s^2/m^2, ...]
+
+  /// Throws InvalidValue that names the field: masses positive, M_RB + M_A positive definite, damping dissipative.
+  void check() const;
+};
+
+/// A craft: a rigid body in a fluid, with its equations of motion (Fossen 2011, "Handbook of Marine Craft Hydrodynamics
+/// and Motion Control", ch. 6 and 8):
+///
+///   (M_RB + M_A) nu' = tau + g(eta) - C_RB(nu) nu - C_A(nu_r) nu_r - D(|nu_r|) nu_r + M_A nu_c' + F_c
+///
+/// where nu_r = nu - nu_c is the velocity relative to the water, D = D_l + D_q |nu_r|, C follows from M by Kirchhoff's
+/// equations (3.46), and the restoring forces g are gravity and the water's pressure on the hull, waves included
+/// (BuoyantHull). nu_c is the water's velocity (current and orbital motion of the waves) at the centre of the submerged
+/// volume; it is treated as uniform over the hull, which must be shorter than a quarter of the wave length and of the
+/// length over which the current varies. nu_c' is its rate in the body frame: the rotation of the body and the water's
+/// local acceleration. The convective part, from drifting through a velocity that varies in space, is second order and
+/// left out. F_c = rho V a_c is the pressure that drives an unsteady current; the pressure of waves is in g
+/// (Froude-Krylov). There is no radiation damping and no diffraction beyond M_A. Added mass and damping scale with the
+/// submerged fraction of the hull. Valid for constant coefficients, deeply submerged or slowly surfacing.
+class Craft {
+ public:
+  /// Throws InvalidValue when the parameters are not valid or the centre of mass is outside the hull's bounding box.
+  Craft(CraftParameters parameters, BuoyantHull hull);
+
+  const CraftParameters& parameters() const { return parameters_; }
+  const BuoyantHull& hull() const { return hull_; }
+
+  /// nu' [m/s^2, rad/s^2] under the wrench `tau_body` of the actuators (body frame, at the origin) in the water at
+  /// `time_s`.
+  Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
+                             double time_s) const;
+  /// (M_RB + M_A)^-1 at this pose, for the contact solver.
+  Matrix6d inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
+  /// From 0 (dry) to 1 (wholly under the water's height over the hull).
+  double submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const;
+  /// Kinetic energy 1/2 nu^T (M_RB + M_A) nu of the body and of the still water around it with a surface at z = 0 [J].
+  double kinetic_energy_j(const BodyState& state) const;
+
+ private:
+  double fraction(double wet_volume_m3) const;
+  Vector6d damping_body(const Vector6d& relative_velocity) const;
+  Vector6d flow_force_body(const Vector6d& velocity, const WaterFlow& flow, const Eigen::Matrix3d& world_from_body,
+                           const Buoyancy& buoyancy, double submerged, double density_kg_m3) const;
+  Matrix6d inverse_mass_at(double submerged) const;
+
+  CraftParameters parameters_;
+  BuoyantHull hull_;
+  Matrix6d rigid_mass_;              // M_RB
+  Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
+};
+
+}  // namespace uwsim

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "uwsim/core/water_field.h"
+
+namespace uwsim {
+
+/// Water at a depth.
+struct WaterLevel {
+  double depth_m = 0;
+  double temperature_deg_c = 10;
+  double salinity_psu = 0;
+  double density_kg_m3 = 1000;
+  double sound_speed_m_s = 0;  ///< 0: not given; it follows from the others
+};
+
+/// Temperature, salinity, density and sound speed linear in depth between levels, constant above the first and below
+/// the last.
+class WaterProfile {
+ public:
+  /// Throws InvalidValue that names water.profile unless depths rise, every value is plausible for water, and the sound
+  /// speed is given at all levels or at none.
+  explicit WaterProfile(std::span<const WaterLevel> levels);
+
+  const std::vector<WaterLevel>& levels() const { return levels_; }
+  /// Whether the density is the same at all depths.
+  bool even() const { return even_; }
+  WaterLevel at(double z_world_m) const;
+  DensityLayer density_layer_at(double z_world_m) const;
+  /// Mass of the water between z and 0 for each square metre: the integral of rho dz; negative above [kg/m^2].
+  double column_kg_m2(double z_world_m) const;
+
+ private:
+  std::size_t first_below(double depth_m) const;  // index of the first level deeper than this
+
+  std::vector<WaterLevel> levels_;
+  std::vector<double> columns_kg_m2_;  // from the surface to each level
+  bool even_ = true;
+};
+
+/// Density of sea water at atmospheric pressure [kg/m^3]: the one-atmosphere equation of state of sea water EOS-80
+/// (Millero and Poisson 1981; Fofonoff and Millard 1983, UNESCO technical papers in marine science 44). Valid for
+/// -2..40 deg C (ITS-90 is used for its T68; they differ by 0.024 %) and 0..42 psu, within 0.004 kg/m^3. Compression by
+/// depth (about 0.45 kg/m^3 per 100 m) is left out.
+double sea_water_density_kg_m3(double temperature_deg_c, double salinity_psu);
+
+}  // namespace uwsim

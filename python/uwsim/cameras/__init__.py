@@ -1,0 +1,8 @@
+"""Cameras and lamps: pictures of the world as it is now, by the light that the water lets through."""
+
+from uwsim.cameras.camera import Camera
+from uwsim.cameras.effects import EFFECTS
+from uwsim.cameras.frame import CameraInfo, Frame
+from uwsim.cameras.lamp import Lamp
+
+__all__ = ["EFFECTS", "Camera", "CameraInfo", "Frame", "Lamp"]

@@ -1,0 +1,123 @@
+"""A camera: it captures pictures of the world as it is now."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.cameras.effects import EFFECTS, effects_on
+from uwsim.cameras.frame import CameraInfo, Frame
+from uwsim.cameras.shared_scene import SharedScene, Snapshot
+from uwsim.scenario.build.camera import core_camera, intrinsic_matrix, mount_orientation_xyzw
+from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.spec.camera import CameraMount
+
+Floats = NDArray[np.float64]
+Carrier = int | tuple[Floats, Floats]
+"""The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
+
+
+class Camera:
+    """A camera on a vehicle or on the station.
+
+    Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
+    time, and at one time it gives the same picture, whatever the number of threads. A camera does not see the vehicle
+    that carries it.
+    """
+
+    def __init__(self, name: str, mount: CameraMount, scene: SharedScene, carrier: Carrier) -> None:
+        self.name = name
+        self.mount = mount
+        self.info = _camera_info(name, mount)
+        self._scene = scene
+        self._carrier = carrier
+        self._orientation_xyzw = mount_orientation_xyzw(mount.yaw_pitch_roll_deg)
+        self._core: _core.Camera | None = None  # built on first use: its table of rays takes time
+
+    def capture(
+        self,
+        effects: str | Collection[str] = "on",
+        *,
+        without: Collection[str] = (),
+        geometry_only: bool = False,
+        radiance: bool = False,
+        measure: bool = False,
+        threads: int | None = None,
+    ) -> Frame:
+        """Capture a picture of the world as it is now.
+
+        effects: "on", "off" (the plain scene, dry and under the open sky) or the names of those that are on; without:
+        the names of those that are off. geometry_only: depth, normals, labels and classes only. radiance: keep it.
+        measure: fill task_s. Raises ValueError for unknown effects and for a camera below the ground; a camera inside
+        another solid sees that solid's inner side.
+        """
+        off = effects_on(without)
+        names = [name for name in effects_on(effects) if name not in off]
+        picture, time_ns, world_from_camera = self._render(
+            names, threads, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
+        )
+        return Frame(
+            rgb=picture.rgb,
+            depth_m=picture.depth_m,
+            normals_world=picture.normals_world,
+            labels=picture.labels,
+            classes=picture.classes,
+            radiance=picture.radiance,
+            gain=picture.gain,
+            label_names=tuple(self._scene.core.label_names),
+            class_names=tuple(_core.surface_class_names()),
+            info=self.info,
+            time_ns=time_ns,
+            world_from_camera=world_from_camera,
+            rays=dict(picture.rays),
+            task_s=dict(picture.task_s),
+        )
+
+    def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
+        """Return the packets of rays that a picture casts through the world, and its origin (3,), for benchmarks."""
+        picture, _, pose = self._render(list(EFFECTS), 1, geometry_only=geometry_only, record=True)
+        return picture.packets, pose[:3, 3]
+
+    def _render(
+        self, effects: list[str], threads: int | None, *, geometry_only: bool, **options: bool
+    ) -> tuple[_core.Picture, int, Floats]:
+        """Return the native picture, its time [ns] and world_from_camera (4, 4)."""
+        scene = self._scene
+        snapshot = scene.snapshot(with_lamps=not geometry_only)
+        position, orientation, world_from_camera = _core.mounted_pose(
+            *self._carrier_pose(snapshot), self.mount.position_m, self._orientation_xyzw
+        )
+        if self._core is None:
+            self._core = core_camera(self.name, self.mount)
+        picture = scene.core.render(
+            self._core,
+            core_optics(scene.optics),
+            position,
+            orientation,
+            snapshot.time_ns * 1e-9,
+            snapshot.time_ns,
+            effects,
+            snapshot.lamps,
+            snapshot.positions_m,
+            snapshot.orientations_xyzw,
+            self._carrier if isinstance(self._carrier, int) else None,
+            geometry_only=geometry_only,
+            threads=scene.threads if threads is None else threads,
+            **options,
+        )
+        return picture, snapshot.time_ns, world_from_camera
+
+    def _carrier_pose(self, snapshot: Snapshot) -> tuple[Floats, Floats]:
+        if isinstance(self._carrier, int):
+            return snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
+        return self._carrier
+
+
+def _camera_info(name: str, mount: CameraMount) -> CameraInfo:
+    k = intrinsic_matrix(mount)
+    p = np.hstack([k, np.zeros((3, 1))])
+    d = np.array(mount.distortion)
+    return CameraInfo(f"{name}_optical", mount.width, mount.height, "plumb_bob", d, k, np.eye(3), p)

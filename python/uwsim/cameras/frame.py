@@ -1,0 +1,87 @@
+"""A frame: one picture that a camera has taken, with depth, normals and labels of the same pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.cameras.image_file import check_suffix, encode_jpeg, encode_png, write_image
+
+Floats = NDArray[np.float64]
+
+MOUNT_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""Rotates the optical frame (x right, y down, z ahead) into the camera's (x ahead, y left, z up)."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraInfo:
+    """Intrinsics as in sensor_msgs/CameraInfo: d (5,) k1 k2 p1 p2 k3, k (3, 3), r (3, 3), p (3, 4); pixels.
+
+    frame: the name of the optical frame (x right, y down, z ahead).
+    """
+
+    frame: str
+    width: int
+    height: int
+    distortion_model: str
+    d: Floats
+    k: Floats
+    r: Floats
+    p: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One picture. All arrays are read-only and come from one pass.
+
+    rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a frame of geometry only. depth_m: (H, W) float32 along the optical axis,
+    inf where nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 where
+    nothing is hit. labels: (H, W) uint16, classes: (H, W) uint8, indices into label_names and class_names. Depth,
+    normals, labels and classes describe the first solid on the straight ray through each pixel, as if the water and its
+    surface were clear; colour follows the light through the surface. radiance: (H, W, 3) float32 before exposure, if
+    requested; in units in which the sun's irradiance outside the atmosphere is 1. gain: the factor from radiance to
+    exposed signal. rays: rays cast, by kind. task_s: processor seconds by rendering task, if measured.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth_m: NDArray[np.float32]
+    normals_world: NDArray[np.float32]
+    labels: NDArray[np.uint16]
+    classes: NDArray[np.uint8]
+    radiance: NDArray[np.float32]
+    gain: float
+    label_names: tuple[str, ...]
+    class_names: tuple[str, ...]
+    info: CameraInfo
+    time_ns: int
+    world_from_camera: Floats
+    rays: dict[str, int]
+    task_s: dict[str, float]
+
+    @property
+    def world_from_optical(self) -> Floats:
+        """(4, 4) pose of the optical frame: x right, y down, z ahead."""
+        pose = np.array(self.world_from_camera)
+        pose[:3, :3] = pose[:3, :3] @ MOUNT_FROM_OPTICAL
+        return pose
+
+    def jpeg(self, quality: int = 90) -> bytes:
+        """Return a JPEG file. Raises ValueError for a frame of geometry only or a quality outside [1, 100]."""
+        return encode_jpeg(self._rgb_or_error(), quality)
+
+    def png(self) -> bytes:
+        """Return a PNG file. Raises ValueError for a frame of geometry only."""
+        return encode_png(self._rgb_or_error())
+
+    def save(self, path: str | Path) -> None:
+        """Write a .png, .jpg or .jpeg file, whole or not at all. Raises ValueError for other suffixes, OSError."""
+        check_suffix("path", Path(path))
+        write_image(Path(path), self._rgb_or_error())
+
+    def _rgb_or_error(self) -> NDArray[np.uint8]:
+        if not len(self.rgb):
+            raise ValueError("rgb: this frame holds geometry alone; capture without geometry_only")
+        return self.rgb

@@ -1,0 +1,41 @@
+"""Lamps, which light the scene for all cameras."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
+from uwsim.scenario.spec.camera import Lamps
+
+Floats = NDArray[np.float64]
+
+
+class Lamp:
+    """The lamps on one switch, such as rov.lamps["front"]. Every camera sees their light."""
+
+    def __init__(self, name: str, spec: Lamps) -> None:
+        self.name = name
+        self.spec = spec
+        self._on = False
+        self._orientations_xyzw = [mount_orientation_xyzw(spot.yaw_pitch_roll_deg) for spot in spec.spots]
+
+    @property
+    def on(self) -> bool:
+        """Whether they shine; off at the start."""
+        return self._on
+
+    @on.setter
+    def on(self, value: bool) -> None:
+        if not isinstance(value, bool | np.bool_):
+            raise ValueError(f"lamp '{self.name}': on = {value!r}: must be True or False")
+        self._on = bool(value)
+
+    def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.SpotLamp]:
+        """Return each lamp for the renderer, given the pose of the vehicle that carries them."""
+        lights = []
+        for spot, turn in zip(self.spec.spots, self._orientations_xyzw, strict=True):
+            position, orientation, _ = _core.mounted_pose(position_m, orientation_xyzw, spot.position_m, turn)
+            lights.append(core_lamp(self.spec, position, orientation))
+        return lights

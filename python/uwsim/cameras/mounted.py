@@ -1,0 +1,25 @@
+"""The cameras that vehicles and the station carry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.cameras.camera import Camera
+from uwsim.cameras.shared_scene import SharedScene
+from uwsim.scenario.spec.camera import CameraMount
+from uwsim.scenario.spec.station import Station
+
+
+def vehicle_cameras(name: str, mounts: Mapping[str, CameraMount], index: int, scene: SharedScene) -> dict[str, Camera]:
+    """Return a vehicle's cameras, by name. index: the vehicle's, in the simulation."""
+    return {mounted: Camera(_core.stream_name(name, mounted), mount, scene, index) for mounted, mount in mounts.items()}
+
+
+def station_cameras(station: Station, scene: SharedScene) -> dict[str, Camera]:
+    """Return the station's cameras, by name."""
+    pose = np.asarray(station.position_m), Rotation.from_euler("z", station.yaw_deg, degrees=True).as_quat()
+    return {name: Camera(name, mount, scene, pose) for name, mount in station.cameras.items()}

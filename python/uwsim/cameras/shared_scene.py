@@ -1,0 +1,72 @@
+"""The state that all cameras of a simulator share: the scene, the light in it, and where everything is now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.cameras.lamp import Lamp
+from uwsim.scenario import Scenario
+from uwsim.scenario.build.camera_scene import camera_scene
+from uwsim.scenario.spec.optics import Optics
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The moving parts of the scene at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on."""
+
+    time_ns: int
+    positions_m: Floats
+    orientations_xyzw: Floats
+    lamps: list[_core.SpotLamp]
+
+
+class SharedScene:
+    """The scene that a simulator's cameras look at.
+
+    optics: the water, sun and wind that they see by; may be replaced. lamps: each vehicle's, by the name of the switch.
+    The native scene is built when the first picture is taken, so that simulators without pictures do not pay for it.
+    """
+
+    def __init__(
+        self, scenario: Scenario, world: _core.World, rays: _core.RayScene, simulation: _core.Simulation, threads: int
+    ) -> None:
+        self.optics: Optics = scenario.optics
+        self.threads = threads
+        self.lamps: list[dict[str, Lamp]] = [
+            {name: Lamp(name, spec) for name, spec in vehicle.model.lamps.items()} for vehicle in scenario.vehicles
+        ]
+        self._scenario = scenario
+        self._world = world
+        self._rays = rays
+        self._simulation = simulation
+
+    @cached_property
+    def core(self) -> _core.CameraScene:
+        """The native scene: the world with its materials, and the vehicles' hulls. Raises ScenarioError."""
+        return camera_scene(self._scenario, self._world, self._rays)
+
+    def snapshot(self, *, with_lamps: bool) -> Snapshot:
+        """Return the present, consistent even if other threads step the simulation meanwhile."""
+        while True:
+            version = self._simulation.version
+            states = [self._simulation.state(k) for k in range(len(self.lamps))]
+            time_ns = self._simulation.time_ns
+            if self._simulation.version == version:
+                break
+        positions = np.array([state.position_world_m for state in states])
+        orientations = np.array([state.orientation_xyzw for state in states])
+        lamps = [
+            light
+            for position, orientation, switches in zip(positions, orientations, self.lamps, strict=True)
+            for lamp in switches.values()
+            if with_lamps and lamp.on
+            for light in lamp.lights(position, orientation)
+        ]
+        return Snapshot(time_ns, positions, orientations, lamps)

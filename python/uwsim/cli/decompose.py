@@ -1,0 +1,30 @@
+"""`uwsim decompose`: cut a hull into convex pieces for collisions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def decompose(
+    mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.")],
+    out: Annotated[
+        Path | None, typer.Option(help="The file to write. Default: MESH.pieces.obj beside the mesh.")
+    ] = None,
+    threshold: Annotated[
+        float, typer.Option(help="Depth of the hollows that may remain, relative to the mesh's size.")
+    ] = 0.1,
+    max_pieces: Annotated[int, typer.Option(min=1, help="Maximum number of pieces.")] = 24,
+) -> None:
+    """Cut a vehicle's hull into convex pieces for `collision: pieces`. Takes ten seconds to minutes; needs CoACD."""
+    from uwsim.scenario import closed_mesh, load_mesh
+    from uwsim.scenario.build.collision_pieces import decompose as decompose_mesh
+    from uwsim.scenario.build.collision_pieces import write_pieces
+
+    vertices, triangles = closed_mesh(*load_mesh(mesh), name=str(mesh))
+    pieces = decompose_mesh(vertices, triangles, threshold=threshold, max_pieces=max_pieces)
+    target = out or mesh.with_suffix(".pieces.obj")
+    write_pieces(pieces, target, made_from=mesh.name)
+    typer.echo(f"{target}: {len(pieces)} convex pieces")

@@ -1,0 +1,72 @@
+"""`uwsim camera`: pictures from one camera with different effects, side by side in one file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from uwsim.cameras import Camera, Frame
+from uwsim.cameras.effects import effects_on
+from uwsim.cameras.image_file import check_suffix, write_image
+from uwsim.cli.pose_option import place_as_typed
+from uwsim.figures.contact_sheet import contact_sheet
+from uwsim.simulator import Simulator
+
+LONGEST_WAIT_S = 36_000.0  # takes minutes to simulate
+
+
+@dataclass(frozen=True)
+class CameraRequest:
+    """Which camera to capture with, from where, and in what light.
+
+    effects: those of each picture: "on", "off", or names joined by "+". pose: X,Y,Z[,YAW[,PITCH[,ROLL]]] of the
+    vehicle, metres and degrees, positive pitch is down; by default its start. lamps: names of the switches that are on.
+    at_s: simulated time.
+    """
+
+    camera: str = "front"
+    effects: Sequence[str] = ("on", "off")
+    pose: str | None = None
+    jerlov: str | None = None
+    sun_deg: float | None = None
+    lamps: Sequence[str] = ()
+    at_s: float = 0.0
+
+
+def draw(
+    scenario: str, request: CameraRequest, out: Path, *, seed: int | None = None, threads: int | None = None
+) -> list[Frame]:
+    """Capture the pictures, write them side by side to out (.png or .jpg, whole or not at all) and return them.
+
+    Raises ValueError for unknown names, malformed poses and places below the ground, OSError.
+    """
+    check_suffix("out", out)
+    if not out.parent.is_dir():
+        raise ValueError(f"out = {out}: no such folder: {out.parent}")
+    choices = [effects_on(text if text in ("on", "off") else text.split("+")) for text in request.effects]
+    sim = Simulator(scenario, seed=seed, threads=threads)
+    camera = set_up(sim, request)
+    frames = [camera.capture(choice) for choice in choices]
+    write_image(out, contact_sheet([[frame.rgb for frame in frames]]), optimize=True)
+    return frames
+
+
+def set_up(sim: Simulator, request: CameraRequest) -> Camera:
+    """Set lamps, light, pose and time as requested and return the camera. Raises ValueError."""
+    cameras = {**sim.cameras, **sim.rov.cameras}
+    if request.camera not in cameras:
+        raise ValueError(f"camera = {request.camera!r}: must be one of {', '.join(cameras)}")
+    for name in request.lamps:
+        if name not in sim.rov.lamps:
+            raise ValueError(f"lamps = {name!r}: must be one of {', '.join(sim.rov.lamps) or 'none'}")
+    for name, lamp in sim.rov.lamps.items():
+        lamp.on = name in request.lamps
+    changes = {"jerlov": request.jerlov, "sun_elevation_deg": request.sun_deg}
+    sim.set_optics(**{key: value for key, value in changes.items() if value is not None})
+    if request.pose is not None:
+        place_as_typed(sim.rov, request.pose)
+    if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # false for nan, too
+        raise ValueError(f"at = {request.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
+    sim.advance(request.at_s)
+    return cameras[request.camera]

@@ -1,0 +1,86 @@
+"""The `uwsim` command: its list of commands, and how errors and signals end it.
+
+Each command is a file of its own and imports what it needs when it runs, so that --help answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import warnings
+from typing import Any, NoReturn
+
+import typer
+
+from uwsim.cli.bench import bench
+from uwsim.cli.camera import camera
+from uwsim.cli.decompose import decompose
+from uwsim.cli.exit_codes import FAILED, INTERRUPTED
+from uwsim.cli.options import SETTINGS
+from uwsim.cli.run_typer import PASS_ON, run_typer
+from uwsim.cli.scenario import scenario
+from uwsim.cli.sonar import sonar
+from uwsim.cli.survey import survey
+from uwsim.cli.validate import validate
+
+app = typer.Typer(
+    name="uwsim",
+    help="A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap.",
+    **SETTINGS,
+)
+app.command()(survey)
+app.command()(scenario)
+app.command()(sonar)
+app.command()(validate)
+app.command()(camera)
+app.command()(decompose)
+app.command(context_settings=PASS_ON)(bench)
+
+
+@app.command(name="map", context_settings=PASS_ON)
+def map_commands(context: typer.Context) -> None:
+    """Inspect, convert, score, draw and compare maps: info, convert, merge, score, render, diff, slice."""
+    from uwsim.cli.map import app as map_app
+
+    run_typer(map_app, context.args or ["--help"], "uwsim map")
+
+
+def main() -> NoReturn:
+    """Entry point: a user's mistake is one line on stderr and a non-zero exit code, without a traceback."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _exit_on_signal)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for terminals that know only ASCII
+    warnings.showwarning = _show_warning
+    try:
+        code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
+    except (ValueError, OSError, MemoryError) as error:
+        if os.environ.get("UWSIM_TRACEBACK"):
+            raise
+        _print_error(str(error) or type(error).__name__)
+        sys.exit(FAILED)
+    except Exception as error:
+        # Recognise typer's class for wrong options by its method: the class's module depends on typer's version.
+        if not hasattr(error, "format_message"):
+            raise
+        _print_error(error.format_message().rstrip("."))
+        sys.exit(getattr(error, "exit_code", FAILED))
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _print_error(message: str) -> None:
+    """Print a message on one line, even if a library wrote it on several."""
+    typer.echo(f"uwsim: error: {' '.join(message.split())}", err=True)
+
+
+def _exit_on_signal(number: int, frame: object) -> NoReturn:
+    """End the process at once: an exception during an import could be swallowed, or leave the module half imported."""
+    os.write(2, b"uwsim: interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """Print warnings about a user's scenario; those for programmers, from libraries, are discarded."""
+    if issubclass(category, UserWarning):
+        typer.echo(f"uwsim: warning: {message}", err=True)

@@ -1,0 +1,167 @@
+"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Commands import what they need when they run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.options import SETTINGS
+
+app = typer.Typer(name="uwsim map", help="Inspect, convert, score, draw and compare OctoMaps (.bt, .ot).", **SETTINGS)
+
+MapFile = Annotated[Path, typer.Argument(help="A map, .bt or .ot.")]
+FigureFile = Annotated[Path | None, typer.Option(help="The figure to write, a PNG.")]
+MapOrigin = Annotated[
+    tuple[float, float, float],
+    typer.Option(help="World coordinates of the file's zero: x y z [m].", metavar="X Y Z"),
+]
+ZERO = (0.0, 0.0, 0.0)
+
+
+@app.command()
+def info(source: MapFile, origin: MapOrigin = ZERO) -> None:
+    """Print a map's format, resolution, counts, bounds and size."""
+    from uwsim.mapping.info import map_info
+
+    rows = map_info(source, origin)
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        typer.echo(f"{name:<{width}}  {value}")
+
+
+@app.command()
+def convert(
+    source: Annotated[Path, typer.Argument(help="A map (.bt, .ot) or a cloud (.ply, .pcd, .las, .xyz).")],
+    target: Annotated[
+        Path, typer.Argument(help="The file to write: .bt .ot .ply .pcd .las .xyz, or .tif for a depth grid.")
+    ],
+    cell: Annotated[float | None, typer.Option(help="Width of a .tif's cells [m]. Default: the map's voxels.")] = None,
+    scenario: Annotated[str | None, typer.Option(help="The scenario whose terrain places a .tif on Earth.")] = None,
+    origin: MapOrigin = ZERO,
+) -> None:
+    """Convert a map or a cloud to another format; a .tif holds the median depth and the count of each cell.
+
+    A .bt holds no probabilities: an .ot made from it has all its voxels at the clamping limits.
+    """
+    from uwsim.cli.map_convert import convert as convert_file
+
+    what = convert_file(source, target, origin_world_m=origin, cell_m=cell, scenario=scenario)
+    typer.echo(f"{target}: {what}")
+
+
+@app.command()
+def merge(
+    sources: Annotated[list[Path], typer.Argument(help="Two or more maps with the same resolution.")],
+    out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")],
+) -> None:
+    """Merge maps by the sum of their log-odds. Prefer .ot files: a .bt holds no probabilities."""
+    from uwsim.mapping.merge import merge_files
+
+    typer.echo(f"{out}: {merge_files(sources, out):,} occupied voxels")
+
+
+@app.command()
+def score(
+    source: MapFile,
+    scenario: Annotated[str, typer.Option(help="The map's scenario: name of a packaged one, or path of a YAML file.")],
+    track: Annotated[
+        Path | None,
+        typer.Option(help="The survey's track.npz, or a cloud of the sonar's positions. Default: beside the map."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The figure of the errors to write. Default: beside the map.")
+    ] = None,
+    json: Annotated[Path | None, typer.Option(help="A JSON file to write the score to.")] = None,
+    origin: MapOrigin = ZERO,
+) -> None:
+    """Compare a map with the true world: coverage, precision, recall, distances, the seabed by IHO S-44."""
+    from rich.console import Console
+
+    from uwsim.figures.map_errors import draw_map_errors
+    from uwsim.scoring.score_map_file import score_map_file, score_table, write_score_json
+
+    scored = score_map_file(source, scenario, track, origin)
+    Console().print(score_table(scored, f"{source.name} against {scenario}"), highlight=False)
+    if not scored.path_known:
+        typer.echo("no track of the survey (--track): coverage and recall are unknown, since they depend on it")
+    figure = _require_png(out or source.with_name(f"{source.stem}.score.png"))
+    draw_map_errors(figure, scored.score, scored.track.area_world_m)
+    if json is not None:
+        write_score_json(json, scored)
+    typer.echo(str(figure))
+
+
+@app.command()
+def render(
+    source: MapFile,
+    out: FigureFile = None,
+    azimuth: Annotated[float, typer.Option(help="Direction to the eye, counter-clockwise from east [deg].")] = -118.0,
+    elevation: Annotated[float, typer.Option(help="Elevation of the eye above the horizon [deg].")] = 38.0,
+    width: Annotated[int, typer.Option(help="Width of the figure [pixels].")] = 1600,
+    origin: MapOrigin = ZERO,
+) -> None:
+    """Draw a map's occupied voxels in 3D, coloured by height, as octovis does; needs no display."""
+    from uwsim.figures.map_render import Viewpoint, draw_map
+    from uwsim.mapping.files.map_files import open_map
+
+    viewpoint, figure = Viewpoint(azimuth, elevation, width), _require_png(out or source.with_suffix(".png"))
+    draw_map(figure, open_map(source, origin), viewpoint, source.name)
+    typer.echo(str(figure))
+
+
+@app.command()
+def diff(
+    first: MapFile,
+    second: MapFile,
+    out: FigureFile = None,
+    exit_code: Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if the maps differ.")] = False,
+) -> None:
+    """Count the voxels whose states differ between two maps with the same resolution; with --out draw them."""
+    from uwsim.figures.map_difference import draw_map_difference
+    from uwsim.mapping.difference import STATES, map_difference
+    from uwsim.mapping.files.map_files import open_map
+
+    figure = None if out is None else _require_png(out)
+    found = map_difference(open_map(first), open_map(second))
+    typer.echo(f"voxels by state in {first} (rows) and {second} (columns)")
+    typer.echo(f"{'':>10}" + "".join(f"{state:>14}" for state in STATES))
+    for state, row in zip(STATES, found.counts, strict=True):
+        typer.echo(f"{state:>10}" + "".join(f"{count:>14,}" for count in row))
+    typer.echo(f"{found.differing:,} voxels differ" if found.differing else "the states of all voxels are the same")
+    if figure is not None:
+        draw_map_difference(figure, found, (first.name, second.name))
+        typer.echo(str(figure))
+    if exit_code and found.differing:
+        raise typer.Exit(FAILED)
+
+
+@app.command(name="slice")
+def slice_(
+    source: MapFile,
+    x: Annotated[float | None, typer.Option(help="Cut upright at this x (east) [m].")] = None,
+    y: Annotated[float | None, typer.Option(help="Cut upright at this y (north) [m].")] = None,
+    z: Annotated[float | None, typer.Option(help="Cut level at this height [m].")] = None,
+    out: FigureFile = None,
+    origin: MapOrigin = ZERO,
+) -> None:
+    """Draw a level or upright slice of occupied, free and unknown voxels. Give one of --x, --y, --z."""
+    from uwsim.figures.map_slice import draw_map_slice
+    from uwsim.mapping.files.map_files import open_map
+    from uwsim.mapping.slice import slice_map
+
+    given = [(axis, at) for axis, at in (("x", x), ("y", y), ("z", z)) if at is not None]
+    if len(given) != 1:
+        raise ValueError(f"--x, --y, --z: {len(given)} of them given, must be one")
+    axis, at_m = given[0]
+    figure = _require_png(out or source.with_name(f"{source.stem}.{axis}{at_m:g}.png"))
+    draw_map_slice(figure, slice_map(open_map(source, origin), axis, at_m))  # type: ignore[arg-type]
+    typer.echo(str(figure))
+
+
+def _require_png(path: Path) -> Path:
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"figure '{path}': must end in .png")
+    return path

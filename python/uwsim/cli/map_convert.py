@@ -1,0 +1,63 @@
+"""Converts a map or a cloud to another format, chosen by the target's suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.mapping.depth_grid import depth_grid
+from uwsim.mapping.files import CLOUD_FORMATS, write_cloud
+from uwsim.mapping.files.geotiff import Georeference, write_depth_tiff
+from uwsim.mapping.files.map_files import MAP_SUFFIXES, ZERO, Origin, open_map, open_points
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.build.terrain_raster import raster_place
+from uwsim.scenario.spec.terrain import RasterTerrain
+
+TIFF_SUFFIXES = (".tif", ".tiff")
+
+
+def convert(
+    source: Path,
+    target: Path,
+    *,
+    origin_world_m: Origin = ZERO,
+    cell_m: float | None = None,
+    scenario: str | None = None,
+) -> str:
+    """Write `source` as `target` atomically; returns a description of the content.
+
+    .bt, .ot: from a map only. .ply, .pcd, .las, .xyz: the centres of a map's occupied voxels, or a cloud's points.
+    .tif: a depth grid with cells of cell_m (by default the map's voxels), placed on Earth by the scenario's terrain.
+    Raises ValueError or OSError, with nothing written.
+    """
+    suffix = target.suffix.lower()
+    known = (*MAP_SUFFIXES, *CLOUD_FORMATS, *TIFF_SUFFIXES)
+    if suffix not in known:
+        raise ValueError(f"target '{target}': must end in {', '.join(known)}")
+    if suffix in MAP_SUFFIXES:
+        if source.suffix.lower() in CLOUD_FORMATS:
+            raise ValueError(f"source '{source}': a cloud does not say what is free, so it cannot become a map")
+        open_map(source, origin_world_m).write(target)
+        return "a map"
+    points, resolution_m = open_points(source, origin_world_m)
+    if not len(points):
+        raise ValueError(
+            f"source '{source}': has no {'points' if resolution_m is None else 'occupied voxels'} to write"
+        )
+    if suffix in CLOUD_FORMATS:
+        write_cloud(target, points)
+        return f"{len(points):,} points"
+    width_m = resolution_m if cell_m is None else cell_m
+    if width_m is None:
+        raise ValueError("cell: missing: a cloud has no voxels to take the width of the grid's cells from")
+    place = _georeference(load(scenario) if scenario is not None else None)
+    grid = depth_grid(points, width_m)
+    write_depth_tiff(target, grid, place)
+    return f"{grid.depth_m.shape[1]} x {grid.depth_m.shape[0]} cells of {width_m:g} m"
+
+
+def _georeference(scenario: Scenario | None) -> Georeference:
+    """Return the place on Earth of a scenario whose terrain is an elevation raster; local metres for all others."""
+    if scenario is None or not isinstance(scenario.terrain, RasterTerrain):
+        return Georeference()
+    place = raster_place(scenario.terrain)
+    return Georeference(place.crs, place.origin, place.units_per_m)

@@ -1,0 +1,43 @@
+"""Arguments and options that several commands share, and how their text is read."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+SETTINGS: dict[str, Any] = {
+    "add_completion": False,
+    "pretty_exceptions_enable": False,
+    "rich_markup_mode": None,  # markup would swallow units in brackets
+}
+"""Settings of every typer program."""
+
+ScenarioName = Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")]
+Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.")]
+SonarModel = Annotated[
+    str | None,
+    typer.Option(
+        help="Replaces the scenario's sonar: 1 to 4 as in the protocol, a packaged model's name, or a YAML file."
+    ),
+]
+Frequency = Annotated[
+    float | None,
+    typer.Option(help="Replaces the scenario's sonar frequency [kHz], for a sonar with several."),
+]
+Pose = Annotated[
+    str | None,
+    typer.Option(
+        help="Pose of the vehicle: X,Y,Z [m][,YAW[,PITCH[,ROLL]]] [deg], positive PITCH is nose down. "
+        "Default: its start pose."
+    ),
+]
+MissionTime = Annotated[float | None, typer.Option(help="Replaces the scenario's battery time [s].")]
+Threads = Annotated[
+    int | None, typer.Option(help="Number of threads; the result does not depend on it. Default: one per core.")
+]
+
+
+def sonar_model(text: str | None) -> int | str | None:
+    """Return a number of the protocol as int; a name or path as it is."""
+    return int(text) if text is not None and text.isascii() and text.isdigit() else text

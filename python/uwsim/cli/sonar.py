@@ -1,0 +1,35 @@
+"""`uwsim sonar`: draw what a vehicle's sonars see from a pose."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+
+
+def sonar(
+    scenario: ScenarioName = "lake",
+    pose: Pose = None,
+    out: Annotated[Path, typer.Option(help="The figure to write, a PNG.")] = Path("sonar.png"),
+    kind: Annotated[
+        str, typer.Option(help="fan (plan and section), image (forward-looking), side-scan, profile, or all.")
+    ] = "all",
+    sonar_model: SonarModel = None,
+    tilt: Annotated[
+        float | None,
+        typer.Option(help="Tilt of the head, nose down [deg]. Default: the scenario's for the fan, 12 for the image."),
+    ] = None,
+    track: Annotated[float, typer.Option(help="Length of the side-scan's track straight ahead [m].")] = 60.0,
+    seed: Seed = None,
+    frequency: Frequency = None,
+) -> None:
+    """Draw what the sonar sees from a pose: the fan over the true bed, a sonar image, a side-scan waterfall."""
+    from uwsim.cli.draw_sonar import Request, run_sonar
+
+    model = parsed_sonar_model(sonar_model)
+    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, seed, frequency)):
+        typer.echo(line)

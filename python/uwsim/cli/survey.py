@@ -1,0 +1,71 @@
+"""`uwsim survey`: fly a survey, or resume one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from uwsim.cli.exit_codes import FAILED, INTERRUPTED, STUCK
+from uwsim.cli.options import Frequency, MissionTime, Seed, SonarModel, Threads
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+
+
+def survey(
+    scenario: Annotated[
+        str | None, typer.Argument(help="Name of a packaged scenario, or path of a YAML file. Default: lake.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for map.bt, report.html and the figures.")] = Path("out"),
+    seed: Seed = None,
+    sonar_model: SonarModel = None,
+    frequency: Frequency = None,
+    mission_time: MissionTime = None,
+    voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
+    threads: Threads = None,
+    engine: Annotated[
+        str | None, typer.Option(help="Engine of the map: bricks (default), or octomap, the stock library.")
+    ] = None,
+    verify_map: Annotated[
+        bool, typer.Option("--verify-map", help="Also build a stock OctoMap map; exit with 1 if a byte differs.")
+    ] = False,
+    autosave: Annotated[float, typer.Option(help="Wall time between saves [s]; 0 for none.")] = 30.0,
+    map_memory: Annotated[
+        float | None,
+        typer.Option(help="Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit."),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue the survey last saved in --out.")] = False,
+) -> None:
+    """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far.
+
+    If it is killed, the last saved map remains; --resume continues to the same map as without the interruption.
+    """
+    from uwsim.survey.run import resume_survey, run_survey
+
+    arguments: dict[str, Any] = {
+        "seed": seed,
+        "sonar_model": parsed_sonar_model(sonar_model),
+        "sonar_frequency_khz": frequency,
+        "mission_time_s": mission_time,
+        "voxel_m": voxel,
+        "engine": engine,
+    }
+    if resume:
+        arguments |= {"scenario": scenario, "verify_map": verify_map or None}
+        record = resume_survey(out, threads=threads, autosave_s=autosave, map_memory_mb=map_memory, **arguments)
+    else:
+        record = run_survey(
+            scenario or "lake",
+            out,
+            threads=threads,
+            autosave_s=autosave,
+            map_memory_mb=map_memory,
+            verify_map=verify_map,
+            **arguments,
+        )
+    if record.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if record.verified is False:
+        raise typer.Exit(FAILED)
+    if record.stopped_because.startswith(("stuck", "capsized")):
+        raise typer.Exit(STUCK)

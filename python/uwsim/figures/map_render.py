@@ -1,0 +1,93 @@
+"""Draws a map in 3D as octovis does: a cube for each occupied voxel, coloured by height. Needs no display."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.figures.pinhole_view import view_of_box
+from uwsim.figures.render_3d import Subject, render
+from uwsim.figures.style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
+from uwsim.figures.voxel_mesh import voxel_world
+from uwsim.mapping import OccupancyMap
+from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_centres_m, voxel_keys
+
+MAX_CUBES = 3_000_000
+"""About 3 GB of triangles for the ray caster; a map with more voxels is drawn in larger cubes."""
+SUN_WORLD = np.array([-0.62, 0.21, 0.76]) / np.linalg.norm([-0.62, 0.21, 0.76])
+FOOT_PIXELS = 130
+MIN_WIDTH, MAX_WIDTH = 200, 8000
+
+
+@dataclass(frozen=True)
+class Viewpoint:
+    """The direction from which a map is drawn, and the picture's width.
+
+    azimuth_deg: direction from the map's middle to the eye, counter-clockwise from east. elevation_deg: of the eye
+    above the horizon. width: pixels.
+    """
+
+    azimuth_deg: float = -118.0
+    elevation_deg: float = 38.0
+    width: int = 1600
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.azimuth_deg):
+            raise ValueError(f"azimuth = {self.azimuth_deg} deg: must be finite")
+        if not -89.0 <= self.elevation_deg <= 89.0:
+            raise ValueError(f"elevation = {self.elevation_deg:g} deg: must be in [-89, 89] deg")
+        if not MIN_WIDTH <= self.width <= MAX_WIDTH:
+            raise ValueError(f"width = {self.width}: must be in [{MIN_WIDTH}, {MAX_WIDTH}] pixels")
+
+
+def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: str) -> None:
+    """Write a PNG. Raises ValueError when no voxel is occupied, OSError when the file cannot be written."""
+    centres, edge_m = _cubes(occupancy)
+    shift = occupancy.origin_world_m - np.floor(occupancy.origin_world_m / edge_m) * edge_m
+    on_grid = centres - shift  # the cubes are built at multiples of their edge
+    heights = height_range(centres[:, 2])
+    low, high = on_grid.min(axis=0) - edge_m / 2.0, on_grid.max(axis=0) + edge_m / 2.0
+    azimuth_rad, elevation_rad = np.radians(viewpoint.azimuth_deg), np.radians(viewpoint.elevation_deg)
+    view = view_of_box(low, high, azimuth_rad, elevation_rad, viewpoint.width)
+
+    def colours(z_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(HEIGHTS(heights(z_m + shift[2]))[:, :3], np.float64)
+
+    subject = Subject(_core.RayScene(voxel_world(on_grid, edge_m)), colours, voxel_m=edge_m)
+    image = render(subject, view, SUN_WORLD)
+    total = view.height + FOOT_PIXELS
+    figure = new_figure(view.width / PIXELS_PER_INCH, total / PIXELS_PER_INCH)
+    axes = figure.add_axes((0.0, FOOT_PIXELS / total, 1.0, view.height / total))
+    axes.set_axis_off()
+    axes.imshow(image, interpolation="none")
+    size = high - low
+    note = "" if edge_m == occupancy.resolution_m else f", drawn in cubes of {edge_m:g} m"
+    axes.set_title(
+        f"{title}: {size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} m, voxels of {occupancy.resolution_m:g} m{note}",
+        loc="left", fontsize=11, fontweight="bold", color=INK,
+    )  # fmt: skip
+    place = figure.add_axes((0.3, (FOOT_PIXELS - 50) / total, 0.4, 18 / total))
+    bar = figure.colorbar(ScalarMappable(norm=heights, cmap=HEIGHTS), cax=place, orientation="horizontal")
+    bar.set_label("height of the surface, z [m]", fontsize=9.5, color=INK)
+    bar.outline.set_linewidth(0.0)
+    place.tick_params(labelsize=9, colors=INK)
+    save_figure(figure, path)
+
+
+def _cubes(occupancy: OccupancyMap) -> tuple[NDArray[np.float64], float]:
+    """Return the centres (n, 3), world, and the edge of at most MAX_CUBES cubes, of 1, 8, 64, ... voxels each."""
+    centres = occupancy.occupied_voxels()
+    if not len(centres):
+        raise ValueError("the map has no occupied voxels: there is nothing to draw")
+    origin, edge_m = occupancy.origin_world_m, occupancy.resolution_m
+    if len(centres) <= MAX_CUBES:
+        return centres, edge_m
+    keys = np.unique(pack_keys(voxel_keys(centres - origin, edge_m)))
+    while len(keys) > MAX_CUBES:
+        keys, edge_m = np.unique(pack_keys(unpack_keys(keys) >> 1)), 2.0 * edge_m
+    return voxel_centres_m(unpack_keys(keys), edge_m) + origin, edge_m

@@ -1,0 +1,76 @@
+"""The common style of all figures: white background, heights in viridis, the vehicle in warm colours."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from numpy.typing import NDArray
+
+from uwsim.atomic_file import write_atomically
+
+PIXELS_PER_INCH = 150
+INK, FAINT_INK = "#1b2733", "#7d8a96"
+ACCENT, MISSED = "#ff6a3d", "#e3127e"
+HEIGHTS = matplotlib.colormaps["viridis"]
+PROGRESS = matplotlib.colormaps["YlOrRd"]
+
+
+def new_figure(width_in: float, height_in: float) -> Figure:
+    """Return an empty figure that needs no display."""
+    figure = Figure(figsize=(width_in, height_in), dpi=PIXELS_PER_INCH, facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def label_axes(axes: Axes, title: str, x_label: str, y_label: str) -> None:
+    """Set the title, the axis labels and unobtrusive ticks."""
+    axes.set_title(title, loc="left", fontsize=11, fontweight="bold", color=INK)
+    axes.set_xlabel(x_label, fontsize=9.5, color=INK)
+    axes.set_ylabel(y_label, fontsize=9.5, color=INK)
+    axes.tick_params(labelsize=9, colors=INK, width=0.6)
+    for spine in axes.spines.values():
+        spine.set_color(FAINT_INK)
+        spine.set_linewidth(0.6)
+
+
+def add_colour_bar(
+    figure: Figure, axes: Axes, limits: Normalize, colours: Colormap, label: str, left: float = 1.015
+) -> None:
+    """Add a colour bar as tall as the axes. left: its position in widths of the axes, from their left border."""
+    place = axes.inset_axes((left, 0.0, 0.018, 1.0))
+    bar = figure.colorbar(ScalarMappable(norm=limits, cmap=colours), cax=place)
+    bar.set_label(label, fontsize=9.5, color=INK)
+    bar.ax.tick_params(labelsize=9, colors=INK, width=0.6)
+    bar.outline.set_linewidth(0.0)
+
+
+def add_legend(axes: Axes, columns: int) -> Legend:
+    """Add a legend below the axes, clear of the ticks and the label of the x axis."""
+    return axes.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.4, ncols=columns, fontsize=9.5, frameon=False,
+        handletextpad=0.5,
+    )  # fmt: skip
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a PNG atomically, without date or version: the same figure gives the same bytes. Raises OSError."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", bbox_inches="tight", pad_inches=0.15, metadata={"Software": None})
+    write_atomically(path, buffer.getvalue())
+
+
+def height_range(heights_m: NDArray[np.floating]) -> Normalize:
+    """Return the range that the colours span: all heights but 0.5 % at each end; [-1, 0] for no heights."""
+    if not heights_m.size:
+        return Normalize(-1.0, 0.0, clip=True)
+    low, high = np.percentile(heights_m, [0.5, 99.5])
+    return Normalize(float(low), max(float(high), float(low) + 0.5), clip=True)

@@ -1,0 +1,138 @@
+"""Point clouds by PCL: downsample, remove outliers, find the ground plane, register to a map.
+
+    points_m = voxel_grid(points_m, 0.1)
+    points_m = remove_outliers(points_m, neighbours=16, deviations=2.0)
+    ground = ground_plane(points_m, distance_m=0.2)
+    found = register_to_map(points_m, occupancy_map)        where the cloud belongs in the map
+
+Points are (n, 3) float32. C-ordered float32 arrays are passed without a copy, float64 and sequences are converted,
+other dtypes are refused. The same points in the same order give the same bytes. All errors are ValueError. Calls
+release the GIL.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim import _core
+
+REACH_VOXELS = 5.0
+"""Default max_distance_m of register_to_map, in voxels of the map."""
+
+
+class RegistrationTarget(Protocol):
+    """A map that register_to_map accepts, such as uwsim.mapping.OccupancyMap."""
+
+    @property
+    def resolution_m(self) -> float:
+        """Edge of a voxel."""
+
+    def occupied_voxels(self) -> NDArray[np.float64]:
+        """Return the centres of the occupied voxels, (n, 3), world."""
+
+
+@dataclass(frozen=True, eq=False)
+class GroundPlane:
+    """The plane normal . p + offset_m = 0. normal: (3,), unit, upwards. inliers: (n,) bool, the points fitted."""
+
+    normal: NDArray[np.float64]
+    offset_m: float
+    inliers: NDArray[np.bool_]
+
+    def height_of(self, points_m: ArrayLike) -> NDArray[np.float64]:
+        """Return the signed distances (n,) of points (n, 3) above the plane [m]."""
+        return np.asarray(np.asarray(points_m, np.float64) @ self.normal + self.offset_m, np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """A cloud's pose in its target's frame.
+
+    target_from_source: (4, 4), rigid. rms_m: root mean square of the distances from the cloud's points, in this pose,
+    to their nearest target points, over the points within max_distance_m of one; nan if there are none. overlap: share
+    of those points. converged: the steps became negligible before the iterations ran out.
+    """
+
+    target_from_source: NDArray[np.float64]
+    rms_m: float
+    overlap: float
+    iterations: int
+    converged: bool
+
+
+def voxel_grid(points_m: ArrayLike, voxel_m: float) -> NDArray[np.float32]:
+    """Return the centroid of the points in each cube of edge voxel_m that holds any: (k, 3) float32.
+
+    The cubes' corners are at multiples of voxel_m, as in OctoMap. Non-finite points are discarded. Raises ValueError
+    when the cloud's bounding box holds 2**31 cubes or more.
+    """
+    return _core.voxel_grid(points_m, voxel_m)
+
+
+def pass_through(
+    points_m: ArrayLike, axis: Literal["x", "y", "z"], min_m: float = -math.inf, max_m: float = math.inf
+) -> NDArray[np.float32]:
+    """Return the points whose coordinate on the axis is in [min_m, max_m]. Non-finite points are discarded."""
+    if axis not in ("x", "y", "z"):
+        raise ValueError(f"axis = {axis!r}: must be 'x', 'y' or 'z'")
+    return _core.pass_through(points_m, "xyz".index(axis), min_m, max_m)
+
+
+def remove_outliers(points_m: ArrayLike, neighbours: int = 16, deviations: float = 2.0) -> NDArray[np.float32]:
+    """Discard points that are far from others (Rusu et al. 2008, "Towards 3D point cloud based object maps").
+
+    A point is an outlier when the mean distance to its nearest `neighbours` points exceeds the cloud's mean of that
+    distance by more than `deviations` standard deviations. Non-finite points are discarded. There must be more points
+    than neighbours.
+    """
+    return _core.remove_outliers(points_m, neighbours, deviations)
+
+
+def ground_plane(points_m: ArrayLike, distance_m: float, max_slope_rad: float = math.radians(30.0)) -> GroundPlane:
+    """Find the plane with the most points within distance_m of it (RANSAC, Fischler and Bolles 1981; least squares).
+
+    max_slope_rad: the steepest slope that counts as ground, which excludes walls. PCL draws with a fixed seed, so the
+    same points give the same plane. Raises ValueError when a point is not finite or no such plane is found.
+    """
+    return GroundPlane(*_core.ground_plane(points_m, distance_m, max_slope_rad))
+
+
+def register(
+    source_m: ArrayLike,
+    target_m: ArrayLike,
+    *,
+    max_distance_m: float,
+    guess: ArrayLike | None = None,
+    max_iterations: int = 100,
+) -> Registration:
+    """Register a cloud (n, 3) to another (m, 3) by point-to-point ICP (Besl and McKay 1992).
+
+    guess: target_from_source to start from, (4, 4); identity by default. Points without a target point within
+    max_distance_m are ignored: it must be larger than the offset between the clouds. Raises ValueError when a point is
+    not finite or either cloud has fewer than three.
+    """
+    start = np.eye(4) if guess is None else guess
+    return Registration(*_core.register_cloud(source_m, target_m, start, max_distance_m, max_iterations))
+
+
+def register_to_map(
+    points_world_m: ArrayLike,
+    occupancy_map: RegistrationTarget,
+    *,
+    max_distance_m: float | None = None,
+    guess: ArrayLike | None = None,
+    max_iterations: int = 100,
+) -> Registration:
+    """Register a cloud (n, 3) to the centres of a map's occupied voxels. max_distance_m: REACH_VOXELS by default.
+
+    Accuracy: the centres lie up to half a voxel's diagonal off the mapped surface, so the result is within a fraction
+    of a voxel; along a featureless plane the cloud may slide.
+    """
+    reach_m = REACH_VOXELS * occupancy_map.resolution_m if max_distance_m is None else max_distance_m
+    centres = occupancy_map.occupied_voxels()
+    return register(points_world_m, centres, max_distance_m=reach_m, guess=guess, max_iterations=max_iterations)

@@ -1,0 +1,67 @@
+"""A grid of depths (a bathymetric grid), made from the occupied voxels of a map or from the points of a cloud."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+MAX_CELLS = 100_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class DepthGrid:
+    """Depths below the mean water surface, positive down, in square cells.
+
+    depth_m: (rows, columns), median depth of the points in a cell, nan where there are none. count: (rows, columns)
+    int64, number of points in the cell. Rows run from south to north, columns from west to east. The corners of the
+    cells, of width cell_m, are at multiples of cell_m. west_m, south_m: the south-western corner of the grid, world.
+    """
+
+    depth_m: NDArray[np.float64]
+    count: NDArray[np.int64]
+    cell_m: float
+    west_m: float
+    south_m: float
+
+    @property
+    def extent_m(self) -> tuple[float, float, float, float]:
+        """West, east, south and north borders, world."""
+        rows, columns = self.depth_m.shape
+        return (
+            self.west_m,
+            self.west_m + columns * self.cell_m,
+            self.south_m,
+            self.south_m + rows * self.cell_m,
+        )
+
+
+def depth_grid(points_world_m: NDArray[np.floating], cell_m: float) -> DepthGrid:
+    """Return the median depth and the number of points in each cell, for points (n, 3), n > 0.
+
+    Raises ValueError unless cell_m is positive, the points are finite and there are at most MAX_CELLS cells.
+    """
+    points = np.asarray(points_world_m, np.float64)
+    if not (np.isfinite(cell_m) and cell_m > 0.0):
+        raise ValueError(f"cell_m = {cell_m} m: must be positive")
+    if not len(points):
+        raise ValueError("points_world_m: no points to grid")
+    if not np.isfinite(points).all():
+        raise ValueError("points_world_m: must be finite")
+    low, high = np.floor(points[:, :2].min(axis=0) / cell_m), np.floor(points[:, :2].max(axis=0) / cell_m)
+    cells = float(np.prod(high - low + 1.0))
+    if cells > MAX_CELLS:
+        raise ValueError(f"cell_m = {cell_m:g} m: gives {cells:.3g} cells, must be at most {MAX_CELLS:.3g}")
+    columns, rows = (high - low + 1.0).astype(np.int64)
+    at = np.floor(points[:, :2] / cell_m) - low
+    cell = (at[:, 1] * columns + at[:, 0]).astype(np.int64)
+    depths = -points[:, 2]
+    order = np.lexsort((depths, cell))
+    cell, depths = cell[order], depths[order]
+    filled, first, count = np.unique(cell, return_index=True, return_counts=True)
+    median, counts = np.full(rows * columns, np.nan), np.zeros(rows * columns, np.int64)
+    median[filled] = 0.5 * (depths[first + (count - 1) // 2] + depths[first + count // 2])
+    counts[filled] = count
+    west, south = low * cell_m
+    return DepthGrid(median.reshape(rows, columns), counts.reshape(rows, columns), cell_m, float(west), float(south))

@@ -1,0 +1,94 @@
+"""Point clouds in files: PCD, PLY, LAS and plain XYZ text, chosen by the suffix.
+
+write_cloud("bed.ply", points_m)
+points_m = read_cloud("bed.ply")
+
+PCD, PLY and XYZ preserve float32 points bit for bit; XYZ preserves float64 too; LAS holds whole millimetres.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim.atomic_file import write_atomically
+from uwsim.mapping.files import las, pcd, ply, xyz
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _CloudFormat:
+    """A file format.
+
+    encode: turns finite points (n, 3), n > 0, float32 or float64, into bytes. decode: the reverse; may raise anything.
+    """
+
+    name: str
+    encode: Callable[[NDArray[np.floating]], bytes]
+    decode: Callable[[bytes], Points]
+
+
+CLOUD_FORMATS = {
+    ".pcd": _CloudFormat("PCD", pcd.encode, pcd.decode),
+    ".ply": _CloudFormat("PLY", ply.encode, ply.decode),
+    ".las": _CloudFormat("LAS", las.encode, las.decode),
+    ".xyz": _CloudFormat("XYZ", xyz.encode, xyz.decode),
+}
+
+
+def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
+    """Write points (n, 3) atomically, in the format of the path's suffix: .pcd, .ply, .las or .xyz.
+
+    PCD and PLY hold float32, as PCL and most programs do. Raises ValueError, with nothing written, for another suffix
+    or shape, for no points and for non-finite points; OSError when the file cannot be written.
+    """
+    target = Path(path)
+    encode = _format_of(target).encode
+    write_atomically(target, encode(_finite_points(points_m)))
+
+
+def read_cloud(path: str | os.PathLike[str]) -> Points:
+    """Return a file's points, (n, 3) float64. Non-finite points, which PCL writes for no echo, are discarded.
+
+    Raises OSError when the file cannot be read, ValueError when it is not a valid file of its suffix's format.
+    """
+    source = Path(path)
+    cloud_format = _format_of(source)
+    try:
+        data = source.read_bytes()
+    except OSError as error:
+        raise OSError(f"'{source}': cannot be read: {error.strerror or error}") from None
+    try:
+        points = cloud_format.decode(data)
+    except Exception as error:  # a malformed file can make the libraries raise anything
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"'{source}': not a valid {cloud_format.name} file: {reason}") from None
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def _format_of(path: Path) -> _CloudFormat:
+    cloud_format = CLOUD_FORMATS.get(path.suffix.lower())
+    if cloud_format is None:
+        raise ValueError(f"cloud path '{path}': must end in {', '.join(CLOUD_FORMATS)}")
+    return cloud_format
+
+
+def _finite_points(points_m: ArrayLike) -> NDArray[np.floating]:
+    points = np.asarray(points_m)
+    if points.dtype.kind not in "fiu" or points.dtype.itemsize > 8:
+        raise ValueError(f"points_m.dtype = {points.dtype}: must be real numbers")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"points_m.shape = {points.shape}: expected (n, 3)")
+    if not len(points):
+        raise ValueError("points_m: no points to write")
+    bad = ~np.isfinite(points).all(axis=1)
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise ValueError(f"points_m[{first}] = {points[first]} m: must be finite")
+    return points if points.dtype == np.float32 else points.astype(np.float64)

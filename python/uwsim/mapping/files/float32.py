@@ -1,0 +1,15 @@
+"""Rounding to float32 for the formats that hold no more."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def to_float32(points_m: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Round finite points (n, 3) to little-endian float32, C-order. Raises ValueError on overflow."""
+    with np.errstate(over="ignore"):
+        rounded = np.ascontiguousarray(points_m, "<f4")
+    if not np.isfinite(rounded).all():
+        raise ValueError(f"points_m = up to {np.abs(points_m).max():g} m: must fit a float32")
+    return rounded

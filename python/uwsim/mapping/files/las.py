@@ -1,0 +1,59 @@
+"""LAS by laspy: version 1.2, point format 0, which every LAS reader supports."""
+
+from __future__ import annotations
+
+import io
+import struct
+from datetime import date
+
+import laspy
+import numpy as np
+from numpy.typing import NDArray
+
+SCALE_M = 0.001
+NO_DATE = date(1970, 1, 1)  # a fixed date: the same points give the same bytes on any day
+
+
+def encode(points_m: NDArray[np.floating]) -> bytes:
+    """Encode whole millimetres, relative to a corner of the cloud. Raises ValueError beyond 2,147 km."""
+    points = np.asarray(points_m, np.float64)
+    header = laspy.LasHeader(point_format=0, version="1.2")
+    header.scales = np.full(3, SCALE_M)
+    header.offsets = np.floor(points.min(axis=0))
+    reach_m = float((points - header.offsets).max())
+    if reach_m / SCALE_M > np.iinfo(np.int32).max:
+        raise ValueError(f"points_m: {reach_m:g} m across: LAS holds at most {np.iinfo(np.int32).max * SCALE_M:g} m")
+    header.creation_date = NO_DATE
+    header.system_identifier, header.generating_software = "SIMULATION", "uwsim"
+    las = laspy.LasData(header)
+    las.x, las.y, las.z = points.T
+    file = io.BytesIO()
+    las.write(file)
+    return file.getvalue()
+
+
+def decode(data: bytes) -> NDArray[np.float64]:
+    """Decode an uncompressed LAS file of any version."""
+    _require_records(data)
+    header = laspy.LasHeader.read_from(io.BytesIO(data))
+    if header.are_points_compressed:
+        raise ValueError("compressed (LAZ): unpack it first")
+    expected = header.offset_to_point_data + header.point_count * header.point_format.size
+    if expected > len(data):
+        raise ValueError(f"{len(data)} bytes, expected {expected} for its {header.point_count} points")
+    las = laspy.read(io.BytesIO(data))
+    return np.stack([np.asarray(axis, np.float64) for axis in (las.x, las.y, las.z)], axis=1).reshape(-1, 3)
+
+
+def _require_records(data: bytes) -> None:
+    """Refuse a header that declares more variable-length records than the file can hold: laspy would read them all.
+
+    Offsets, as in laspy: header size and start of the points at 94, number of records at 100, number of extended
+    records at 243.
+    """
+    if not data.startswith(b"LASF") or len(data) < 227:
+        raise ValueError("no LAS header")
+    header_size, points_at, records = struct.unpack_from("<HII", data, 94)
+    extended = struct.unpack_from("<I", data, 243)[0] if data[25] >= 4 and len(data) >= 247 else 0
+    if header_size + 54 * records > points_at or points_at > len(data) or 60 * extended > len(data):
+        raise ValueError(f"{len(data)} bytes do not hold the {records + extended} records of the header")

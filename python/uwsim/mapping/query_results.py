@@ -1,0 +1,82 @@
+"""The results of a map's queries: statistics, cubes, changes and ray casts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.mapping.occupancy_model import probability
+
+
+@dataclass(frozen=True)
+class MapStatistics:
+    """How much a map holds. Voxels are counted at the finest level; a pruned leaf counts as all voxels it covers.
+
+    nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory that the map holds; for "octomap", OctoMap's
+    own estimate, which omits the allocator's overhead. outside_points: points discarded so far because they lay outside
+    the cube, with on_outside="count". evictions: how often a part of the map was moved to disk, with a memory_limit_mb.
+    """
+
+    occupied_voxels: int
+    free_voxels: int
+    nodes: int
+    memory_bytes: int
+    outside_points: int
+    evictions: int
+
+
+@dataclass(frozen=True, eq=False)
+class Cubes:
+    """Cubes of a map, in Morton order.
+
+    centres_m: (n, 3) float64, world. edges_m: (n,) float64. log_odds: (n,) float32, that the cube is occupied.
+    """
+
+    centres_m: NDArray[np.float64]
+    edges_m: NDArray[np.float64]
+    log_odds: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.log_odds)
+
+    @property
+    def states(self) -> NDArray[np.int8]:
+        """(n,) int8: 1 occupied (a probability of 0.5 or more), 0 free."""
+        return (self.log_odds >= 0).astype(np.int8)
+
+    @property
+    def probabilities(self) -> NDArray[np.float64]:
+        """(n,) float64, that the cube is occupied."""
+        return probability(self.log_odds)
+
+    def only(self, which: NDArray[np.bool_]) -> Cubes:
+        """Return the cubes for which `which`, (n,), is true: `cubes.only(cubes.states == 1)`."""
+        return Cubes(self.centres_m[which], self.edges_m[which], self.log_odds[which])
+
+
+@dataclass(frozen=True, eq=False)
+class MapChanges:
+    """Voxels of the finest level that have changed, and their present states.
+
+    centres_m: (n, 3) float64, world, in Morton order. states: (n,) int8, 1 occupied, 0 free, -1 unknown.
+    """
+
+    centres_m: NDArray[np.float64]
+    states: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+
+@dataclass(frozen=True, eq=False)
+class RayCasts:
+    """Where rays end in a map.
+
+    states: (n,) int8: 1 if the ray reached an occupied voxel, 0 if it reached its maximum range or the cube's edge, -1
+    if it reached an unknown voxel. voxels_m: (n, 3) float64, world, the centre of the last voxel.
+    """
+
+    states: NDArray[np.int8]
+    voxels_m: NDArray[np.float64]

@@ -1,0 +1,97 @@
+"""Collision shapes made of several convex pieces, which follow the hollows that a convex hull would fill.
+
+CoACD (Wei et al. 2022, ACM Trans. Graph. 41(4)) takes ten seconds to a minute to decompose a hull of 2,000 triangles,
+too long to wait for at every start. So it is done once (`uwsim decompose`), and the pieces are an asset beside the
+mesh that they were made from; loading them does not need CoACD.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError
+
+from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
+from uwsim.scenario.spec.vehicle import VehicleModel
+
+MAX_PIECES = 256
+
+
+def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
+    """A vehicle's collision pieces in the body frame, scaled and moved like its mesh. Raises ScenarioError."""
+    assert model.collision_pieces is not None
+    in_file, _ = load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up)
+    in_body, _ = vehicle_hull(model)
+    factor = np.ptp(in_body[:, 0]) / np.ptp(in_file[:, 0])
+    shift = in_body.min(axis=0) - factor * in_file.min(axis=0)
+    return [factor * piece + shift for piece in load_pieces(model.collision_pieces, scale=model.mesh_scale)]
+
+
+def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:
+    """Corners (n, 3) of each convex piece: the hull of each connected part of the file's mesh. Raises ScenarioError.
+
+    path: any file that load_mesh reads, z up. scale: the scale of the mesh that the pieces stand for.
+    """
+    vertices, triangles = load_mesh(path, scale=scale, up="z")
+    count = len(vertices)
+    pairs = np.concatenate([triangles[:, :2], triangles[:, 1:]]).astype(np.int64)
+    links = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, part_of = connected_components(links, directed=False)
+    used = np.unique(triangles)
+    parts = [used[part_of[used] == part] for part in np.unique(part_of[used])]
+    if len(parts) > MAX_PIECES:
+        raise ScenarioError(f"collision pieces '{path}': {len(parts)} separate parts, must be at most {MAX_PIECES}")
+    return [_corners(vertices[part], f"collision pieces '{path}': part {k + 1}") for k, part in enumerate(parts)]
+
+
+def decompose(
+    vertices: Vertices, triangles: Triangles, *, threshold: float = 0.1, max_pieces: int = 24, seed: int = 0
+) -> list[Vertices]:
+    """Approximate convex decomposition of a closed mesh by CoACD: corners (n, 3) of each piece.
+
+    threshold: concavity that may remain, relative to the mesh's size. The same seed gives the same pieces.
+    Raises ScenarioError if CoACD is not installed.
+    """
+    try:
+        import coacd
+    except ImportError:
+        raise ScenarioError("decomposing a mesh needs CoACD: pip install 'uwsim[decompose]'") from None
+    coacd.set_log_level("error")
+    pieces = coacd.run_coacd(
+        coacd.Mesh(vertices, triangles),
+        threshold=threshold,
+        max_convex_hull=max_pieces,
+        preprocess_mode="off",  # would repair open meshes; vehicle hulls are closed
+        resolution=1000,
+        mcts_nodes=10,
+        mcts_iterations=60,
+        mcts_max_depth=2,
+        seed=seed,
+    )
+    return [_corners(np.asarray(corners, np.float64), f"piece {k + 1}") for k, (corners, _) in enumerate(pieces)]
+
+
+def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) -> None:
+    """Write the pieces as objects of one OBJ file, which any modelling program can show."""
+    lines = [f"# convex pieces of {made_from}: uwsim decompose (CoACD)"]
+    first = 1
+    for k, corners in enumerate(pieces):
+        hull = trimesh.convex.convex_hull(corners)
+        lines.append(f"o piece_{k:02d}")
+        lines += [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in hull.vertices]
+        lines += [f"f {a + first} {b + first} {c + first}" for a, b, c in hull.faces]
+        first += len(hull.vertices)
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _corners(points: Vertices, what: str) -> Vertices:
+    try:
+        return np.ascontiguousarray(points[np.sort(ConvexHull(points).vertices)])
+    except (QhullError, ValueError):
+        raise ScenarioError(f"{what}: {len(points)} points in one plane or line enclose no volume") from None

@@ -1,0 +1,105 @@
+"""A vehicle's hull and its mass properties."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.scenario.spec.vehicle import VehicleModel
+
+MAX_SCALING = 0.1
+"""Largest change of lengths by which a mesh is scaled to a published volume: more would make another vehicle."""
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """A hull's mass properties, body frame.
+
+    centre_of_buoyancy_m: (3,), when the whole hull is under water. inertia_kg_m2: (3,), about the centre of mass along
+    the body's axes.
+    """
+
+    volume_m3: float
+    mass_kg: float
+    centre_of_buoyancy_m: NDArray[np.float64]
+    centre_of_mass_m: NDArray[np.float64]
+    inertia_kg_m2: NDArray[np.float64]
+
+
+def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError.
+
+    The mesh is scaled uniformly to the model's volume and moved to its centre of buoyancy, if the model gives them.
+    """
+    name = str(model.mesh)
+    file = model.mesh.stat() if model.mesh.is_file() else None
+    version = (file.st_mtime_ns, file.st_size) if file else None
+    vertices, triangles = _closed_hull(model.mesh, version, model.mesh_scale, model.mesh_up)
+    if model.volume_m3 is None and model.centre_of_buoyancy_m is None:
+        return vertices, triangles
+    hull = trimesh.Trimesh(vertices, triangles, process=False)
+    centroid = np.asarray(hull.center_mass, np.float64)
+    factor = 1.0 if model.volume_m3 is None else float(np.cbrt(model.volume_m3 / hull.volume))
+    if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
+        raise ScenarioError(
+            f"mesh '{name}': encloses {hull.volume:.4g} m3, volume_m3 = {model.volume_m3:.4g} m3: "
+            f"lengths would scale by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale"
+        )
+    target = centroid if model.centre_of_buoyancy_m is None else np.asarray(model.centre_of_buoyancy_m)
+    return (vertices - centroid) * factor + target, triangles
+
+
+@lru_cache(maxsize=16)
+def _closed_hull(
+    path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
+) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """Read the mesh and close it; `version` changes with the file and so keeps the cache fresh."""
+    vertices, triangles = closed_mesh(*load_mesh(path, scale=scale, up=up), name=str(path))
+    vertices.flags.writeable = False
+    triangles.flags.writeable = False
+    return vertices, triangles
+
+
+def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
+    """Mass properties: those that the model gives, the rest from the hull as a solid of uniform density.
+
+    Raises ScenarioError, also if the centre of mass is outside the box round the hull.
+    """
+    hull = trimesh.Trimesh(*vehicle_hull(model), process=False)
+    _require_mass_inside(model, hull.bounds)
+    volume = float(hull.volume)
+    density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
+    mass = model.mass_kg if density is None else density * volume
+    assert mass is not None  # the model has exactly one of the three
+    if model.inertia_kg_m2 is not None:
+        inertia = np.asarray(model.inertia_kg_m2)
+    else:
+        inertia = np.diagonal(hull.moment_inertia) * mass / volume
+    return RigidBody(
+        volume_m3=volume,
+        mass_kg=mass,
+        centre_of_buoyancy_m=np.asarray(hull.center_mass, np.float64),
+        centre_of_mass_m=np.asarray(model.centre_of_mass_m),
+        inertia_kg_m2=np.asarray(inertia, np.float64),
+    )
+
+
+def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> None:
+    """Refuse a centre of mass outside box_m (2, 3), the box round the hull, which its centre of buoyancy places."""
+    centre = np.asarray(model.centre_of_mass_m)
+    if np.all(centre >= box_m[0]) and np.all(centre <= box_m[1]):
+        return
+    mass, low, high = (", ".join(f"{value:.4g}" for value in point) for point in (centre, *box_m))
+    raise ScenarioError(
+        f"vehicle '{model.name}': centre_of_mass_m = ({mass}) m: must be in the box round the hull, from ({low}) to "
+        f"({high}) m, which is placed by its centre_of_buoyancy_m"
+    )

@@ -1,0 +1,60 @@
+"""A multibeam's model as the core's: its fan, and its acoustic figures for physics mode."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from uwsim import _core
+from uwsim.scenario.spec.material import ROCK, Backscatter
+from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
+
+
+def multibeam_model(model: SonarModel, frequency_khz: float | None = None) -> _core.MultibeamModel:
+    """Return the fan at a frequency, which may be left out if there is only one. Raises ValueError."""
+    band = model.band(frequency_khz)
+    return _core.MultibeamModel(
+        name=model.description or model.name,
+        number=model.wire_number or 0,
+        beams=model.beams,
+        field_of_view_rad=math.radians(band.field_of_view_deg),
+        range_max_m=band.range_max_m,
+        range_limit_m=band.range_limit_m,
+        frequency_hz=1e3 * band.frequency_khz,
+        dual_swath=model.dual_swath,
+        ping_rate_max_hz=model.ping_rate_max_hz,
+        tilt_rate_rad_s=math.radians(model.tilt_rate_deg_s),
+    )
+
+
+def acoustic_spec(
+    model: SonarModel,
+    frequency_khz: float | None = None,
+    *,
+    bending: bool = False,
+    rays_per_beam: int = 8,
+    bottoms: Sequence[Backscatter] = (),
+) -> _core.AcousticSpec:
+    """Return the figures for physics mode at a frequency. bottoms: by label, rock beyond. Raises ValueError."""
+    band = model.acoustic_band(frequency_khz)
+    spec, figures = _core.AcousticSpec(), _core.SonarFigures()
+    for key in ACOUSTIC:
+        value = getattr(band, key)
+        setattr(figures, key.replace("_deg", "_rad"), math.radians(value) if key.endswith("_deg") else value)
+    figures.frequency_hz = 1e3 * band.frequency_khz
+    figures.noise_level_db = model.noise.level_db
+    figures.detection_threshold_db = model.noise.detection_threshold_db
+    figures.check()
+    spec.figures = figures
+    spec.rays_per_beam = rays_per_beam
+    spec.false_detections = model.noise.false_detections
+    spec.range_noise = model.noise.range
+    spec.bending = bending
+    spec.bottom = bottom_material(ROCK)
+    spec.materials = [bottom_material(bottom) for bottom in bottoms]
+    return spec
+
+
+def bottom_material(backscatter: Backscatter) -> _core.BottomMaterial:
+    """Return how a surface scatters sound back."""
+    return _core.BottomMaterial(backscatter.strength_db, backscatter.relief)

@@ -1,0 +1,172 @@
+"""Obstacles in the world frame: closed triangle meshes, and the exact shapes of round ones.
+
+Rays meet the shapes. Contacts, and the truth that maps are scored against, use the mesh: its corners are on the round
+surface, its facets at most 0.5 % of the radius inside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple, assert_never
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.mesh_file import Triangles, Vertices, joined, load_mesh
+from uwsim.scenario.spec.obstacle import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline, Sphere
+
+SIDES = 32
+"""Sides of a round cross-section: their middles are r (1 - cos(pi / 32)) = 0.48 % of the radius inside the circle."""
+BALL_SUBDIVISIONS = 4
+"""Subdivisions of an icosahedron: the facets are at most 0.1 % of the radius inside the ball."""
+POST_FOOT_M = 0.5
+"""Depth to which a gate's posts reach below the bed, so that their ends stay hidden on a slope."""
+
+Mesh = tuple[Vertices, Triangles]
+Shapes = list[_core.RoundShape]
+
+
+class Solid(NamedTuple):
+    """vertices (n, 3), world frame, metres; triangles (m, 3), winding outward; exact shapes, or none if not round."""
+
+    vertices: Vertices
+    triangles: Triangles
+    shapes: Shapes
+
+
+def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
+    """Build the obstacle at its place in the world. Raises ScenarioError."""
+    match obstacle:
+        case Pipeline():
+            return _pipeline(obstacle, terrain)
+        case Gate():
+            return _gate(obstacle, terrain)
+        case Box():
+            return Solid(*_posed(_arrays(trimesh.creation.box(obstacle.size_m)), obstacle), [])
+        case Cylinder():
+            ends = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * obstacle.length_m
+            start, end = _world_from_local(obstacle).apply(ends) + np.asarray(obstacle.position_m)
+            return _bars([(start, end)], obstacle.radius_m)
+        case Sphere():
+            ball = trimesh.creation.icosphere(subdivisions=BALL_SUBDIVISIONS, radius=obstacle.radius_m)
+            vertices, triangles = _arrays(ball)
+            shape = _core.RoundShape.sphere(obstacle.position_m, obstacle.radius_m)
+            return Solid(vertices + np.asarray(obstacle.position_m), triangles, [shape])
+        case MeshObstacle():
+            return Solid(*_posed(load_mesh(obstacle.file, scale=obstacle.scale, up=obstacle.up), obstacle), [])
+        case _:
+            assert_never(obstacle)
+
+
+def _arrays(solid: trimesh.Trimesh) -> Mesh:
+    return np.asarray(solid.vertices, np.float64), np.asarray(solid.faces, np.uint32)
+
+
+def _world_from_local(obstacle: Box | Cylinder | MeshObstacle) -> Rotation:
+    return Rotation.from_euler("ZYX", obstacle.yaw_pitch_roll_deg, degrees=True)
+
+
+def _posed(mesh: Mesh, obstacle: Box | MeshObstacle) -> Mesh:
+    return _world_from_local(obstacle).apply(mesh[0]) + np.asarray(obstacle.position_m), mesh[1]
+
+
+def _bars(lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], radius_m: float) -> Solid:
+    """Build round bars with flat ends, each between two points (3,) on its axis."""
+    bars = [trimesh.creation.cylinder(radius_m, segment=line, sections=SIDES) for line in lines]
+    vertices, triangles = joined([_arrays(bar) for bar in bars])
+    shapes = [_core.RoundShape.cylinder(start, end, radius_m) for start, end in lines]
+    return Solid(vertices, triangles.astype(np.uint32), shapes)
+
+
+def _pipeline(pipeline: Pipeline, terrain: Terrain) -> Solid:
+    """Sweep a tube along the line; at each point its axis is radius (1 - 2 buried_fraction) above the bed."""
+    xy = _densified(np.asarray(pipeline.points_m, np.float64), step_m=max(1.0, terrain.spacing_m))
+    lift = pipeline.radius_m * (1 - 2 * pipeline.buried_fraction)
+    axis = np.column_stack([xy, _bed(terrain, xy, pipeline.name) + lift])
+    shapes = _core.RoundShape.pipe(axis, pipeline.radius_m)
+    return Solid(*swept_tube(axis, pipeline.radius_m), shapes)
+
+
+def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64]:
+    """Add points to the polyline (n, k) until each is at most step_m from the next."""
+    pieces = []
+    for start, end in pairwise(points):
+        count = int(np.ceil(np.linalg.norm(end - start) / step_m))
+        pieces.append(start + (end - start) * np.arange(count)[:, None] / count)
+    return np.concatenate([*pieces, points[-1:]])
+
+
+def swept_tube(axis_m: NDArray[np.float64], radius_m: float) -> Mesh:
+    """Make a closed tube of SIDES sides along a line (n, 3) that does not start vertical, with mitred bends."""
+    directions = np.diff(axis_m, axis=0)
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    before, after = np.vstack([directions[:1], directions]), np.vstack([directions, directions[-1:]])
+    side, up = _untwisted_frames(before)
+    angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
+    rings = radius_m * (np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * up[:, None])
+    # Each ring slides along the straight piece before it into the plane that bisects the bend, where the next begins.
+    mitres = before + after
+    slide = np.einsum("nak,nk->na", rings, mitres) / np.einsum("nk,nk->n", before, mitres)[:, None]
+    rings += axis_m[:, None] - slide[..., None] * before[:, None]
+    return _skinned(rings, axis_m[0], axis_m[-1])
+
+
+def _untwisted_frames(directions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Two unit normals at each of (n, 3) unit directions, carried along by the smallest rotation between neighbours.
+
+    So the tube's edges run straight through a bend; independent frames would twist a tube that also climbs.
+    """
+    side = np.empty_like(directions)
+    side[0] = np.cross([0.0, 0.0, 1.0], directions[0])
+    side[0] /= np.linalg.norm(side[0])
+    for k, (a, b) in enumerate(pairwise(directions)):
+        v = side[k]
+        side[k + 1] = v + 2 * b * (a @ v) - (a + b) * ((a + b) @ v) / (1 + a @ b)
+    return side, np.cross(directions, side)
+
+
+def _skinned(rings: NDArray[np.float64], first: NDArray[np.float64], last: NDArray[np.float64]) -> Mesh:
+    """Triangles over rings (n, sides, 3), counter-clockwise as seen from the tube's end, with a fan over each end."""
+    n, sides, _ = rings.shape
+    a = np.arange((n - 1) * sides).reshape(n - 1, sides)
+    b = np.roll(a, -1, axis=1)
+    wall = np.stack([a, b, b + sides, a, b + sides, a + sides], axis=-1).reshape(-1, 3)
+    ring, after = np.arange(sides), np.roll(np.arange(sides), -1)
+    start, end = n * sides, n * sides + 1
+    start_fan = np.column_stack([np.full(sides, start), after, ring])
+    end_fan = np.column_stack([np.full(sides, end), ring + (n - 1) * sides, after + (n - 1) * sides])
+    vertices = np.vstack([rings.reshape(-1, 3), first, last])
+    return vertices, np.vstack([wall, start_fan, end_fan]).astype(np.uint32)
+
+
+def _gate(gate: Gate, terrain: Terrain) -> Solid:
+    """Stand posts from below the bed to the crossbar, whose height is measured from the bed at the gate's middle."""
+    yaw = np.radians(gate.yaw_deg)
+    across = np.array([-np.sin(yaw), np.cos(yaw)])
+    middle = np.asarray(gate.position_m)
+    feet = middle + np.array([[-0.5], [0.5]]) * gate.width_m * across
+    heights = _bed(terrain, np.vstack([feet, middle]), gate.name)
+    top, bottom = heights[2] + gate.height_m, heights[:2] - POST_FOOT_M
+    if (heights[:2] >= top).any():
+        raise ScenarioError(
+            f"obstacle '{gate.name}': the bed at a post is higher than the crossbar; make height_m larger"
+        )
+    lines = [(np.array([*foot, low]), np.array([*foot, top])) for foot, low in zip(feet, bottom, strict=True)]
+    bars = [top] if gate.lower_bar_m is None else [top, heights[2] + gate.lower_bar_m]
+    lines += [(np.array([*feet[0], z]), np.array([*feet[1], z])) for z in bars]
+    return _bars(lines, gate.bar_radius_m)
+
+
+def _bed(terrain: Terrain, xy_m: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    heights = terrain.height_at(xy_m)
+    outside = np.flatnonzero(np.isnan(heights))
+    if len(outside):
+        x, y = xy_m[outside[0]]
+        raise ScenarioError(f"obstacle '{name}': ({x:g}, {y:g}) m lies outside the terrain, {terrain.extent_text}")
+    return heights

@@ -1,0 +1,27 @@
+"""From a scenario's optics to the native core's: water, sun, wind and particles, as light meets them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.scenario.spec.optics import Optics
+
+
+def core_optics(optics: Optics) -> _core.Optics:
+    """Return the native optics."""
+    return _core.Optics(
+        _water(optics),
+        float(np.radians(optics.sun_elevation_deg)),
+        float(np.radians(optics.sun_azimuth_deg)),
+        optics.wind_m_s,
+        float(np.radians(optics.wind_heading_deg)),
+        optics.particles_per_m3,
+    )
+
+
+def _water(optics: Optics) -> _core.WaterOptics:
+    own = optics.coefficients
+    if own is None:
+        return _core.WaterOptics.jerlov(optics.jerlov)
+    return _core.WaterOptics(own.diffuse_attenuation, own.absorption, own.scattering)

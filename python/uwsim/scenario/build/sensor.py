@@ -1,0 +1,44 @@
+"""A vehicle's sensor as the core's SensorSpec."""
+
+from __future__ import annotations
+
+import math
+
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+
+
+def sensor_spec(name: str, sensor: SensorMount) -> _core.SensorSpec:
+    """Return the sensor with the errors of each channel. Raises ValueError."""
+    overall = sensor.noise or Noise(std=sensor.noise_std or 0.0)
+    return _core.SensorSpec(
+        name,
+        sensor.kind,
+        sensor.position_m,
+        Rotation.from_euler("ZYX", sensor.yaw_pitch_roll_deg, degrees=True).as_quat(),
+        parameters={key: list(values) for key, values in sensor.parameters.items()},
+        noise={
+            channel: _noise_spec(sensor.channels.get(channel, overall))
+            for channel in _core.sensor_kind(sensor.kind).channels
+        },
+        rate_hz=sensor.rate_hz or 0.0,
+        latency_s=sensor.latency_s,
+        drop_out=sensor.drop_out,
+    )
+
+
+def _noise_spec(noise: Noise) -> _core.NoiseSpec:
+    low, high = noise.limits or (-math.inf, math.inf)
+    return _core.NoiseSpec(
+        std=noise.std,
+        density=noise.density,
+        turn_on_std=noise.turn_on_std,
+        bias_std=noise.bias_std,
+        bias_time_s=noise.bias_time_s or 0.0,
+        walk=noise.walk,
+        quantum=noise.quantum,
+        limit_low=low,
+        limit_high=high,
+    )

@@ -1,0 +1,18 @@
+"""A scenario's clock, seed, mission time and warning limits as the core's simulation takes them."""
+
+from __future__ import annotations
+
+from uwsim import _core
+from uwsim.scenario.spec.scenario import Scenario
+
+
+def simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
+    """Everything that the core's simulation needs, beside the world and the vehicles."""
+    spec = _core.SimulationSpec()
+    spec.step_s = scenario.step_s
+    spec.seed = scenario.seed
+    spec.mission_time_s = scenario.mission_time_s
+    spec.station_world_m = scenario.station.position_m
+    spec.range_warning_m = scenario.warnings.range_m
+    spec.proximity_warning_m = scenario.warnings.proximity_m
+    return spec

@@ -1,0 +1,89 @@
+"""The terrain as heights on a regular grid, from any of a scenario's sources."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim.scenario.build.terrain_image import image_heights
+from uwsim.scenario.build.terrain_noise import noise_heights
+from uwsim.scenario.build.terrain_raster import raster_heights
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrain, TerrainSpec
+
+
+@dataclass(frozen=True, eq=False)
+class Terrain:
+    """heights_m: (ny, nx) float32, finite; heights_m[j, i] is z at (x0 + i spacing, y0 + j spacing).
+
+    origin_m: (x0, y0). World frame, water surface at z = 0.
+    """
+
+    heights_m: NDArray[np.float32]
+    spacing_m: float
+    origin_m: tuple[float, float]
+
+    @property
+    def extent_m(self) -> tuple[float, float, float, float]:
+        """(x0, y0, x1, y1), the outermost grid points."""
+        ny, nx = self.heights_m.shape
+        x0, y0 = self.origin_m
+        return x0, y0, x0 + (nx - 1) * self.spacing_m, y0 + (ny - 1) * self.spacing_m
+
+    @property
+    def extent_text(self) -> str:
+        """The extent in words, for messages."""
+        x0, y0, x1, y1 = self.extent_m
+        return f"which reaches from x = {x0:g} to {x1:g} m and from y = {y0:g} to {y1:g} m"
+
+    @property
+    def lowest_m(self) -> float:
+        """Height of the deepest point."""
+        return float(self.heights_m.min())
+
+    def height_at(self, xy_m: ArrayLike) -> NDArray[np.float64]:
+        """Return z of the triangulated surface at points (n, 2): (n,), NaN outside.
+
+        Each cell is split along the diagonal from (i + 1, j) to (i, j + 1), as in the native world.
+        """
+        xy = np.asarray(xy_m, np.float64).reshape(-1, 2)
+        ny, nx = self.heights_m.shape
+        u, v = ((xy - self.origin_m) / self.spacing_m).T
+        inside = (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
+        i = np.clip(np.nan_to_num(u), 0, nx - 2).astype(int)
+        j = np.clip(np.nan_to_num(v), 0, ny - 2).astype(int)
+        u, v = u - i, v - j
+        h00, h10, h01, h11 = (
+            self.heights_m[j + up, i + right].astype(np.float64) for up, right in ((0, 0), (0, 1), (1, 0), (1, 1))
+        )
+        lower = h00 + u * (h10 - h00) + v * (h01 - h00)
+        upper = h11 + (1 - u) * (h01 - h11) + (1 - v) * (h10 - h11)
+        return np.where(inside, np.where(u + v <= 1, lower, upper), np.nan)
+
+
+def build_terrain(spec: TerrainSpec) -> Terrain:
+    """Build the heights from noise, a raster or an image, centred on the world's origin. Raises ScenarioError.
+
+    The same spec gives the same bytes, with the same build of the libraries.
+    """
+    heights = np.ascontiguousarray(_heights(spec), np.float32)
+    if not np.isfinite(heights).all():
+        raise ScenarioError(f"terrain: {np.count_nonzero(~np.isfinite(heights))} heights are not finite")
+    ny, nx = heights.shape
+    origin = (-(nx - 1) * spec.spacing_m / 2, -(ny - 1) * spec.spacing_m / 2)
+    return Terrain(heights, spec.spacing_m, origin)
+
+
+def _heights(spec: TerrainSpec) -> NDArray[np.float64]:
+    match spec:
+        case NoiseTerrain():
+            return noise_heights(spec)
+        case RasterTerrain():
+            return raster_heights(spec)
+        case ImageTerrain():
+            return image_heights(spec)
+        case _:
+            assert_never(spec)

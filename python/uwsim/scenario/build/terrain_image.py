@@ -1,0 +1,61 @@
+"""Terrain from the grey levels of an image."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.terrain import MAX_NODES, ImageTerrain
+
+
+def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
+    """(ny, nx) heights: grey levels mapped to black_m..white_m, spread over size_m, with row 0 in the north."""
+    share = _grey_share(spec)
+    h, w = share.shape
+    x, y = grid_axes(spec.size_m, spec.spacing_m)
+    columns = (x / spec.size_m[0] + 0.5) * (w - 1)
+    rows = (0.5 - y / spec.size_m[1]) * (h - 1)
+    heights = spec.black_m + (spec.white_m - spec.black_m) * share
+    row_grid, column_grid = np.meshgrid(rows, columns, indexing="ij")
+    return interpolated(heights, row_grid, column_grid, spec.interpolation)
+
+
+def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
+    """(h, w) grey levels from 0, black, to 1, white. Raises ScenarioError."""
+    try:
+        with Image.open(spec.file) as image:
+            if image.width * image.height > MAX_NODES:
+                raise ScenarioError(
+                    f"terrain '{spec.file}': {image.width} x {image.height} pixels, must be at most {MAX_NODES}"
+                )
+            levels = np.asarray(image)
+            mode = image.mode
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        if isinstance(error, ScenarioError):
+            raise
+        raise ScenarioError(f"terrain '{spec.file}': not a readable image: {error}") from None
+    if mode in ("RGB", "RGBA", "LA"):
+        levels = _one_channel(levels, mode, spec)
+    elif mode not in ("L", "I", "I;16", "I;16B"):
+        raise ScenarioError(f"terrain '{spec.file}': image mode {mode}, expected 8 or 16 bit grey")
+    if min(levels.shape) < 2:
+        raise ScenarioError(
+            f"terrain '{spec.file}': {levels.shape[1]} x {levels.shape[0]} pixels, expected 2 x 2 or more"
+        )
+    white = 255 if levels.dtype == np.uint8 else 65535
+    if levels.min() < 0 or levels.max() > white:
+        raise ScenarioError(f"terrain '{spec.file}': grey levels beyond 16 bit")
+    return levels.astype(np.float64) / white
+
+
+def _one_channel(levels: NDArray[np.uint8], mode: str, spec: ImageTerrain) -> NDArray[np.uint8]:
+    """Return the grey levels of a grey image that was saved in colour; an alpha channel is ignored."""
+    colours = levels[..., :1] if mode == "LA" else levels[..., :3]
+    if (colours != colours[..., :1]).any():
+        raise ScenarioError(
+            f"terrain '{spec.file}': a colour image, expected grey levels (convert it to 8 or 16 bit grey)"
+        )
+    return colours[..., 0]

@@ -1,0 +1,264 @@
+"""Terrain from an elevation raster: GeoTIFF, ESRI ASCII grid and other formats that GDAL reads."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import rasterio
+from affine import Affine
+from numpy.typing import NDArray
+from rasterio.crs import CRS
+from rasterio.errors import CRSError, NotGeoreferencedWarning, RasterioError
+from rasterio.fill import fillnodata
+from rasterio.io import DatasetReader
+from rasterio.warp import transform
+
+from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.terrain import MAX_NODES, RasterTerrain
+
+FloatGrid = NDArray[np.float64]
+Coordinates = TypeVar("Coordinates", float, FloatGrid)
+WGS84 = "EPSG:4326"
+LOCAL = "local"
+MAX_HEIGHT_M = 12_000.0
+"""Above or below the water surface; the sea is no deeper."""
+DEGREE_CELL = 0.1
+"""In a file without a coordinate system, cells narrower than this are taken for degrees if they lie on the globe."""
+
+
+@dataclass(frozen=True)
+class _Raster:
+    """elevations (h, w), without gaps; file_from_pixel maps pixel corners (column, row) to the file's coordinates."""
+
+    name: str
+    elevations: FloatGrid
+    file_from_pixel: Affine
+    crs: CRS | None
+
+    @property
+    def unit_m(self) -> float:
+        """Metres for each unit of a projected system (feet, mostly)."""
+        return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
+
+    @property
+    def is_geographic(self) -> bool:
+        """Whether its coordinates are longitude and latitude in degrees."""
+        return self.crs is not None and bool(self.crs.is_geographic)
+
+    def pixel_at(self, x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
+        """Convert the file's coordinates to fractional columns and rows, which are whole at the cells' centres."""
+        columns, rows = _mapped(~self.file_from_pixel, x, y)
+        return columns - 0.5, rows - 0.5
+
+
+def raster_heights(spec: RasterTerrain) -> FloatGrid:
+    """(ny, nx) heights: (elevation - water_level_m) * vertical_scale on a grid of metres about the centre."""
+    raster = _read(spec)
+    h, w = raster.elevations.shape
+    centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
+    _require_centre(raster, centre, spec)
+    size = spec.size_m or _largest_size(raster, centre, spec)
+    x, y = np.meshgrid(*grid_axes(size, spec.spacing_m))
+    columns, rows = raster.pixel_at(
+        *_file_from_metres(raster, centre, x / spec.horizontal_scale, y / spec.horizontal_scale)
+    )
+    margin = 0.5 + 1e-6  # a cell's value holds out to its edge
+    outside = (columns < -margin) | (columns > w - 1 + margin) | (rows < -margin) | (rows > h - 1 + margin)
+    if outside.any() or not np.isfinite(columns + rows).all():
+        raise ScenarioError(
+            f"terrain '{raster.name}': {size[0]:g} x {size[1]:g} m at horizontal_scale {spec.horizontal_scale:g} about "
+            f"({centre[0]:.6g}, {centre[1]:.6g}) reaches beyond the raster: choose a smaller size_m or another centre"
+        )
+    elevations = interpolated(raster.elevations, rows, columns, spec.interpolation)
+    return _heights(raster, elevations, spec)
+
+
+@dataclass(frozen=True)
+class RasterPlace:
+    """The place of a raster terrain's world on Earth.
+
+    crs: None for plain metres. origin: the world's origin, (x, y) in that system. units_per_m: the system's units for
+    each simulated metre.
+    """
+
+    crs: CRS | None
+    origin: tuple[float, float]
+    units_per_m: float
+
+
+def raster_place(spec: RasterTerrain) -> RasterPlace:
+    """Return the place of a raster terrain; for one in degrees, in the metres that it is projected to."""
+    raster = _read(spec)
+    h, w = raster.elevations.shape
+    centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
+    if raster.is_geographic:
+        return RasterPlace(_metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
+    return RasterPlace(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
+
+
+def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
+    h, w = raster.elevations.shape
+    column, row = _mapped(~raster.file_from_pixel, *centre)
+    if not (0 <= column <= w and 0 <= row <= h):
+        (x0, y0), (x1, y1) = (_mapped(raster.file_from_pixel, *corner) for corner in ((0.0, h), (w, 0.0)))
+        raise ScenarioError(
+            f"terrain.centre = ({centre[0]:.9g}, {centre[1]:.9g}): outside '{raster.name}', which reaches from "
+            f"({x0:.9g}, {y0:.9g}) to ({x1:.9g}, {y1:.9g}) in its own coordinates",
+            at=("centre",),
+        )
+    if raster.is_geographic and abs(centre[1]) >= 90:
+        raise ScenarioError(
+            f"terrain.crs: '{raster.name}' is read as degrees, but the latitude of its middle is {centre[1]:g}: must "
+            f"be between -90 and 90; say in crs what its coordinates are ({LOCAL} for metres)",
+            at=("crs",) if spec.crs else ("file",),
+        )
+
+
+def _heights(raster: _Raster, elevations: FloatGrid, spec: RasterTerrain) -> FloatGrid:
+    """Scale elevations above the water to heights; refuse those beyond MAX_HEIGHT_M. Raises ScenarioError."""
+    above = elevations - spec.water_level_m
+    heights = above * spec.vertical_scale
+    if np.abs(heights).max() <= MAX_HEIGHT_M:
+        return heights
+    makes = f"heights from {heights.min():.6g} to {heights.max():.6g} m: must be within {MAX_HEIGHT_M:g} m of the water"
+    if np.abs(above).max() <= MAX_HEIGHT_M:
+        raise ScenarioError(f"terrain.vertical_scale = {spec.vertical_scale:g}: makes {makes}", at=("vertical_scale",))
+    raise ScenarioError(
+        f"terrain '{raster.name}': elevations from {elevations.min():.6g} to {elevations.max():.6g} make {makes} "
+        "(cells without data that are not marked as such? water_level_m?)",
+        at=("file",),
+    )
+
+
+def _read(spec: RasterTerrain) -> _Raster:
+    name = spec.file.name
+    try:
+        with _opened(spec.file) as file:
+            if file.driver == "AAIGrid":
+                _require_numbers(spec.file)
+            if file.count != 1 and spec.band is None:
+                raise ScenarioError(f"terrain '{name}': {file.count} bands, expected 1 (choose one with band)")
+            if (spec.band or 1) > file.count:
+                raise ScenarioError(f"terrain '{name}': band = {spec.band}: the file has {file.count}")
+            if "complex" in file.dtypes[(spec.band or 1) - 1]:
+                raise ScenarioError(f"terrain '{name}': holds complex numbers, expected elevations", at=("file",))
+            if file.width * file.height > 4 * MAX_NODES:
+                raise ScenarioError(
+                    f"terrain '{name}': {file.width} x {file.height} cells, must be at most {4 * MAX_NODES}"
+                )
+            if min(file.width, file.height) < 2:
+                raise ScenarioError(f"terrain '{name}': {file.width} x {file.height} cells, expected 2 x 2 or more")
+            elevations = file.read(spec.band or 1, out_dtype=np.float64)
+            has_data = file.read_masks(spec.band or 1) > 0
+            file_from_pixel, crs = file.transform, file.crs
+    except RasterioError as error:
+        raise ScenarioError(f"terrain '{name}': not a readable elevation raster: {_reason(error)}") from None
+    if file_from_pixel.is_degenerate or file_from_pixel.is_identity:
+        raise ScenarioError(
+            f"terrain '{name}': does not say where and how large its cells are (for an image: source: image)"
+        )
+    crs = _crs(spec, crs, file_from_pixel)
+    if crs is not None and not (crs.is_geographic or crs.is_projected):
+        raise ScenarioError(
+            f"terrain.crs: that of '{name}' is neither geographic nor projected: say crs: {LOCAL} if it is in metres",
+            at=("crs",) if spec.crs else ("file",),
+        )
+    complete = _without_gaps(name, elevations, has_data & np.isfinite(elevations), spec)
+    return _Raster(name, complete, file_from_pixel, crs)
+
+
+def _opened(path: Path) -> DatasetReader:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error for it
+        return rasterio.open(path)
+
+
+def _without_gaps(name: str, elevations: FloatGrid, has_data: NDArray[np.bool_], spec: RasterTerrain) -> FloatGrid:
+    gaps = np.count_nonzero(~has_data)
+    if gaps == 0:
+        return elevations
+    if not spec.fill_nodata or gaps == elevations.size:
+        raise ScenarioError(
+            f"terrain '{name}': {gaps} of {elevations.size} cells have no data (fill_nodata: true fills gaps)"
+        )
+    reach = float(np.hypot(*elevations.shape))
+    filled = fillnodata(np.where(has_data, elevations, 0).astype(np.float32), has_data, max_search_distance=reach)
+    return np.where(has_data, elevations, filled)
+
+
+def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS | None:
+    """Return the file's coordinate system; None for plain metres."""
+    if spec.crs == LOCAL:
+        return None
+    if spec.crs is None:
+        looks_like_degrees = abs(file_from_pixel.a) < DEGREE_CELL and abs(file_from_pixel.c) <= 180 + DEGREE_CELL
+        return crs or (CRS.from_string(WGS84) if looks_like_degrees else None)
+    try:
+        return CRS.from_user_input(spec.crs)
+    except (CRSError, ValueError):
+        raise ScenarioError(
+            f"terrain.crs = '{spec.crs}': not a coordinate system, such as {WGS84} or {LOCAL}", at=("crs",)
+        ) from None
+
+
+def _file_from_metres(
+    raster: _Raster, centre: tuple[float, float], x_m: FloatGrid, y_m: FloatGrid
+) -> tuple[FloatGrid, FloatGrid]:
+    """Convert real metres east and north of the centre to the file's coordinates."""
+    if not raster.is_geographic:
+        return centre[0] + x_m / raster.unit_m, centre[1] + y_m / raster.unit_m
+    x, y = transform(_metres_about(centre), raster.crs, x_m.ravel(), y_m.ravel())
+    return np.reshape(x, x_m.shape), np.reshape(y, x_m.shape)
+
+
+def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
+    """Return the simulated extent of the largest grid about the centre within the raster's outermost cell centres."""
+    h, w = raster.elevations.shape
+    across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)
+    columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
+    rows = np.concatenate([np.full(65, 0.5), np.full(65, h - 0.5), down, down])
+    x, y = _mapped(raster.file_from_pixel, columns, rows)
+    if raster.is_geographic:
+        east, north = (np.asarray(axis) for axis in transform(raster.crs, _metres_about(centre), x, y))
+    else:
+        east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m
+    # A point of the border limits the extent along the axis on which it is relatively farther out.
+    limits_east = np.abs(east) / np.ptp(east) > np.abs(north) / np.ptp(north)
+    halves = np.abs(east[limits_east]).min(), np.abs(north[~limits_east]).min()
+    cells = [int(2 * half * spec.horizontal_scale / spec.spacing_m) for half in halves]
+    if min(cells) < 1 or (cells[0] + 1) * (cells[1] + 1) > MAX_NODES:
+        raise ScenarioError(
+            f"terrain '{raster.name}': {cells[0]} x {cells[1]} spacings of {spec.spacing_m:g} m at horizontal_scale "
+            f"{spec.horizontal_scale:g}: must be at least 1 x 1 and at most {MAX_NODES}; set horizontal_scale or size_m"
+        )
+    return cells[0] * spec.spacing_m, cells[1] * spec.spacing_m
+
+
+def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates, Coordinates]:
+    return affine.a * x + affine.b * y + affine.c, affine.d * x + affine.e * y + affine.f
+
+
+def _metres_about(centre: tuple[float, float]) -> CRS:
+    """Metres east and north of a longitude and latitude; the scale is 1 at the centre and errs by 1e-6 at 10 km."""
+    return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
+
+
+def _require_numbers(path: Path) -> None:
+    """Refuse words among an ASCII grid's numbers, which GDAL would read as zero."""
+    pattern = re.compile(r"(?<!\S)(?![-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?!\S))\S+")
+    with path.open(encoding="latin-1") as lines:
+        for number, line in enumerate(lines, 1):
+            bad = None if line[:1].isalpha() and number <= 8 else pattern.search(line)
+            if bad:
+                raise ScenarioError(f"terrain '{path.name}': line {number}: '{bad.group():.40}' is not a number")
+
+
+def _reason(error: Exception) -> str:
+    cause = error.__cause__ or error
+    return " ".join(str(cause).split())

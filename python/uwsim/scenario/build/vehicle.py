@@ -1,0 +1,91 @@
+"""A scenario's vehicle as the core's VehicleSpec: hull, mass, drive, sensors and multibeam."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.collision_pieces import vehicle_pieces
+from uwsim.scenario.build.hull import rigid_body, vehicle_hull
+from uwsim.scenario.build.labels import backscatter_by_label
+from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
+from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.build.start_pose import start_pose
+from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+
+Vector = NDArray[np.float64]
+COLLISION_SHAPES = {"hull": _core.CollisionShape.HULL, "box": _core.CollisionShape.BOX}
+
+
+def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec:
+    """Everything that the core needs to make this vehicle. Raises ScenarioError or ValueError."""
+    model = vehicle.model
+    spec = _core.VehicleSpec()
+    spec.name = vehicle.name
+    spec.craft = _craft(model, surface_density_kg_m3(scenario.water))
+    spec.actuators = actuators_spec(model)
+    if model.collision_pieces is not None:
+        spec.set_collision_pieces(vehicle_pieces(model))
+    else:
+        spec.shape = COLLISION_SHAPES[model.collision]
+    spec.friction = model.friction
+    spec.restitution = model.restitution
+    position_m, yaw_rad = start_pose(scenario, vehicle)
+    spec.set_start(position_m, Rotation.from_euler("z", yaw_rad).as_quat())
+    spec.docked = vehicle.start is None
+    spec.sensors = [sensor_spec(name, sensor) for name, sensor in model.sensors.items()]
+    if model.sonar is not None:
+        spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
+    return spec
+
+
+def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:
+    """(6,) acceleration from rest that full effort of each axis alone gives, deep in still water [m/s2, rad/s2].
+
+    full_wrench_body: ahead and astern, (6,) each; the smaller of the two counts.
+    """
+    deep = _core.BodyState((0.0, 0.0, -1e3), (0.0, 0.0, 0.0, 1.0), np.zeros(6))
+    water = _core.Water()
+    still = craft.acceleration_body(deep, np.zeros(6), water)
+    full = np.min(full_wrench_body, axis=0)
+    gains = [craft.acceleration_body(deep, full * axis, water)[k] - still[k] for k, axis in enumerate(np.eye(6))]
+    return np.abs(np.array(gains, np.float64))
+
+
+def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, float, float]) -> _core.SonarSpec:
+    sonar, model = vehicle.sonar, vehicle.sonar.loaded
+    acoustics = None
+    if sonar.mode == "physics":
+        acoustics = acoustic_spec(
+            model,
+            sonar.frequency_khz,
+            bending=sonar.bending,
+            rays_per_beam=sonar.rays_per_beam,
+            bottoms=backscatter_by_label(scenario),
+        )
+    return _core.SonarSpec(
+        "sonar",
+        multibeam_model(model, sonar.frequency_khz),
+        np.add(mount_m, model.mounting.position_m),
+        model.mounting.orientation_xyzw,
+        elevation_rad=-np.radians(sonar.tilt_deg),
+        acoustics=acoustics,
+    )
+
+
+def _craft(model: VehicleModel, water_density_kg_m3: float) -> _core.Craft:
+    body = rigid_body(model, water_density_kg_m3)
+    parameters = _core.CraftParameters()
+    parameters.mass_kg = body.mass_kg
+    parameters.centre_of_mass_body_m = body.centre_of_mass_m
+    parameters.inertia_kg_m2 = np.diag(body.inertia_kg_m2)
+    parameters.added_mass = model.matrix("added_mass")
+    parameters.linear_damping = model.matrix("linear_damping")
+    parameters.quadratic_damping = model.matrix("quadratic_damping")
+    return _core.Craft(parameters, *vehicle_hull(model))

@@ -1,0 +1,223 @@
+"""A scenario's water as the core's: waves, currents and profiles; reads their files."""
+
+from __future__ import annotations
+
+import csv
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.spec.water import (
+    AirySurface,
+    CurrentSpec,
+    GriddedCurrent,
+    GustyCurrent,
+    JonswapSurface,
+    LayeredCurrent,
+    LinearProfile,
+    ProfileSpec,
+    StillSurface,
+    TableProfile,
+    TidalCurrent,
+    UniformCurrent,
+    Water,
+    WaterLevel,
+)
+
+LINEAR_LEVELS = 17  # enough for linear pieces to follow EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
+
+Floats = NDArray[np.float64]
+
+
+def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
+    """Build the water. bottom_depth_m: of the terrain's deepest point, the default of depths. Raises ScenarioError."""
+    native = _core.Water()
+    native.density_kg_m3 = water.density_kg_m3
+    native.surface_temperature_deg_c = water.surface_temperature_deg_c
+    native.bottom_temperature_deg_c = water.bottom_temperature_deg_c
+    native.bottom_depth_m = bottom_depth_m
+    native.salinity_psu = water.salinity_psu
+    native.current_world_m_s = steady_current_m_s(water)
+    try:
+        native.waves = _waves(water, bottom_depth_m, seed)
+        for index, spec in enumerate(water.current):
+            if not isinstance(spec, UniformCurrent):
+                native.add_current(_current(spec, seed + index))
+        if water.profile is not None:
+            native.profile = _profile(water.profile, bottom_depth_m)
+            native.density_kg_m3 = native.density_at_kg_m3(0.0)
+            native.salinity_psu = native.salinity_at_psu(0.0)
+        native.check()
+    except ScenarioError:
+        raise
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
+    return native
+
+
+def _waves(water: Water, bottom_depth_m: float, seed: int) -> _core.Waves | None:
+    surface = water.surface
+    if not isinstance(surface, StillSurface):
+        _require_water_as_deep(surface.depth_m, bottom_depth_m)
+    if isinstance(surface, AirySurface):
+        return _core.Waves.airy(
+            surface.amplitude_m,
+            surface.period_s,
+            float(np.radians(surface.heading_deg)),
+            float(np.radians(surface.phase_deg)),
+            surface.depth_m or bottom_depth_m,
+        )
+    if isinstance(surface, JonswapSurface):
+        return _core.Waves.jonswap(
+            surface.significant_height_m,
+            surface.peak_period_s,
+            surface.peak_enhancement,
+            float(np.radians(surface.heading_deg)),
+            surface.spreading_exponent,
+            surface.component_count,
+            seed,
+            surface.depth_m or bottom_depth_m,
+        )
+    return None
+
+
+def _require_water_as_deep(depth_m: float | None, bottom_depth_m: float) -> None:
+    if depth_m is not None and depth_m > bottom_depth_m + 1e-3:  # terrain heights are float32
+        raise ScenarioError(
+            f"water.surface.depth_m = {depth_m:g} m: must be at most {bottom_depth_m:g} m, as deep as the terrain is",
+            at=("surface", "depth_m"),
+        )
+
+
+def steady_current_m_s(water: Water) -> Floats:
+    """The part of the current that is the same at all places and times: (3,), world."""
+    parts = [np.asarray(water.current_world_m_s)]
+    for current in water.current:
+        if isinstance(current, UniformCurrent):
+            parts.append(np.asarray(current.velocity_m_s))
+        elif isinstance(current, GustyCurrent):
+            parts.append(np.asarray(current.mean_m_s))
+    return np.asarray(np.sum(parts, axis=0), np.float64)
+
+
+def surface_density_kg_m3(water: Water) -> float:
+    """Density at the surface, which a neutral vehicle is trimmed to. Raises ScenarioError."""
+    if water.profile is None:
+        return water.density_kg_m3
+    if isinstance(water.profile, LinearProfile):
+        end = water.profile.surface
+        return _density(end.density_kg_m3, end.temperature_deg_c, end.salinity_psu)
+    top = _levels(water.profile)[0]
+    return _density(top.density_kg_m3, top.temperature_deg_c, top.salinity_psu)
+
+
+def _density(given_kg_m3: float | None, temperature_deg_c: float, salinity_psu: float) -> float:
+    return given_kg_m3 or _core.sea_water_density_kg_m3(temperature_deg_c, salinity_psu)
+
+
+def _current(current: CurrentSpec, seed: int) -> _core.Current:
+    if isinstance(current, LayeredCurrent):
+        levels = current.levels
+        return _core.Current.layered([level.depth_m for level in levels], [level.velocity_m_s for level in levels])
+    if isinstance(current, TidalCurrent):
+        return _core.Current.tidal(current.amplitude_m_s, current.period_s, float(np.radians(current.phase_deg)))
+    if isinstance(current, GustyCurrent):
+        return _core.Current.gusty(current.sigma_m_s, current.correlation_time_s, seed)
+    assert isinstance(current, GriddedCurrent)
+    grid = read_current_grid(current.file)
+    try:
+        return _core.Current.gridded(*grid)
+    except ValueError as error:
+        raise ScenarioError(f"current '{current.file}': {error}") from None
+
+
+def _profile(spec: ProfileSpec, bottom_depth_m: float) -> _core.WaterProfile:
+    if isinstance(spec, LinearProfile):
+        return _linear(spec, spec.bottom_depth_m or bottom_depth_m)
+    levels = _levels(spec)
+    speeds = [level.sound_speed_m_s for level in levels]
+    return _core.WaterProfile(
+        [level.depth_m for level in levels],
+        [level.temperature_deg_c for level in levels],
+        [level.salinity_psu for level in levels],
+        [_density(level.density_kg_m3, level.temperature_deg_c, level.salinity_psu) for level in levels],
+        speeds if speeds[0] is not None else None,
+    )
+
+
+def _linear(spec: LinearProfile, bottom_depth_m: float) -> _core.WaterProfile:
+    down = np.linspace(0.0, 1.0, LINEAR_LEVELS)
+    temperature = np.interp(down, (0, 1), (spec.surface.temperature_deg_c, spec.bottom.temperature_deg_c))
+    salinity = np.interp(down, (0, 1), (spec.surface.salinity_psu, spec.bottom.salinity_psu))
+    if spec.surface.density_kg_m3 is not None and spec.bottom.density_kg_m3 is not None:
+        ends = [0, -1]
+        density = [spec.surface.density_kg_m3, spec.bottom.density_kg_m3]
+        return _core.WaterProfile(down[ends] * bottom_depth_m, temperature[ends], salinity[ends], density)
+    density = [_core.sea_water_density_kg_m3(t, s) for t, s in zip(temperature, salinity, strict=True)]
+    return _core.WaterProfile(down * bottom_depth_m, temperature, salinity, density)
+
+
+def _levels(spec: TableProfile) -> tuple[WaterLevel, ...]:
+    if spec.levels is not None:
+        return spec.levels
+    assert spec.file is not None
+    names, rows = _read_csv(spec.file, "profile")
+    levels = [dict(zip(names, row, strict=True)) for row in rows.tolist()]
+    try:
+        read = validated(TableProfile, {"kind": "table", "levels": levels}).levels
+    except ScenarioError as error:
+        raise ScenarioError(f"profile '{spec.file}': {error}") from None
+    assert read is not None
+    return read
+
+
+def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
+    """Read axes x, y, z (metres, rising) and velocity (nz, ny, nx, 3) from .npz or CSV. Raises ScenarioError."""
+    if path.suffix.lower() == ".npz":
+        keys = ("x_m", "y_m", "z_m", "velocity_m_s")
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = [file[key] for key in keys]
+            if any(array.dtype.kind not in "iuf" for array in arrays):
+                raise ValueError("arrays must hold real numbers")
+            x_m, y_m, z_m, velocity = (np.asarray(array, np.float64) for array in arrays)
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise ScenarioError(f"current '{path}': not a .npz file with {', '.join(keys)}: {error}") from None
+        return x_m, y_m, z_m, velocity
+    names, rows = _read_csv(path, "current")
+    columns = ("x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s")
+    if set(names) != set(columns):
+        raise ScenarioError(f"current '{path}': columns are {', '.join(names)}: must be {', '.join(columns)}")
+    table = rows[:, [names.index(column) for column in columns]]
+    axes = [np.unique(table[:, k], return_inverse=True) for k in range(3)]
+    (x_m, i), (y_m, j), (z_m, k) = axes
+    velocity = np.full((len(z_m), len(y_m), len(x_m), 3), np.nan)
+    velocity[k, j, i] = table[:, 3:]
+    holes = int(np.isnan(velocity[..., 0]).sum())
+    if holes or velocity[..., 0].size != len(table):
+        raise ScenarioError(
+            f"current '{path}': {len(table)} rows for {len(x_m)} x {len(y_m)} x {len(z_m)} points: must be one for each"
+        )
+    return x_m, y_m, z_m, velocity
+
+
+def _read_csv(path: Path, what: str) -> tuple[list[str], Floats]:
+    """Return the column names and the rows (n, columns); lines that begin with # are comments."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            lines = list(csv.reader(line for line in file if line.strip() and not line.lstrip().startswith("#")))
+        names = [name.strip() for name in lines[0]]
+        rows = np.array([[float(cell) for cell in line] for line in lines[1:]], np.float64)
+    except (OSError, ValueError, IndexError, csv.Error) as error:
+        raise ScenarioError(f"{what} '{path}': not a table of numbers under column names: {error}") from None
+    if len(set(names)) != len(names):
+        raise ScenarioError(f"{what} '{path}': a column is named twice: {', '.join(names)}")
+    if rows.ndim != 2 or rows.shape[1] != len(names) or not len(rows) or not np.isfinite(rows).all():
+        raise ScenarioError(f"{what} '{path}': must have a finite number in each of its {len(names)} columns")
+    return names, rows

@@ -1,0 +1,65 @@
+"""The native world that physics and rays share: terrain, obstacles, station and water."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.start_pose import start_pose
+from uwsim.scenario.build.station import station_mesh
+from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.scenario.build.water import build_water
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.scenario import Scenario
+
+
+def build_world(scenario: Scenario) -> _core.World:
+    """Build terrain, obstacles, the station (named "station") and the water. Raises ScenarioError."""
+    errors_at = scenario.source_file.errors_at
+    with errors_at("terrain"):
+        terrain = build_terrain(scenario.terrain)
+    _require_inside(scenario, terrain)
+    world = _core.World()
+    world.set_terrain(terrain.heights_m, terrain.spacing_m, terrain.origin_m)
+    for index, obstacle in enumerate(scenario.obstacles):
+        with errors_at("obstacles", index):
+            world.add_solid(obstacle.name, *obstacle_solid(obstacle, terrain))
+    if scenario.station.mesh is not None:
+        with errors_at("station", "mesh"):
+            world.add_solid("station", *station_mesh(scenario.station))
+    for index, vehicle in enumerate(scenario.vehicles):
+        point_m, _ = start_pose(scenario, vehicle)
+        if (name := world.solid_around(point_m)) is not None:
+            with errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+                x, y, z = point_m
+                raise ScenarioError(f"vehicles[{index}] starts at ({x:g}, {y:g}, {z:g}) m: must be outside '{name}'")
+    with errors_at("water"):
+        world.water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
+    return world
+
+
+def _require_inside(scenario: Scenario, terrain: Terrain) -> None:
+    """Refuse a dry world, vehicles that start beside or below the terrain, and survey corners beside it."""
+    errors_at = scenario.source_file.errors_at
+    if terrain.lowest_m >= 0.0:
+        with errors_at("terrain"):
+            raise ScenarioError(
+                f"terrain: its lowest point is at z = {terrain.lowest_m:g} m: must be below the water, z = 0"
+            )
+    for index, vehicle in enumerate(scenario.vehicles):
+        point_m, _ = start_pose(scenario, vehicle)
+        with errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+            _require_above(terrain, point_m, f"vehicles[{index}] starts at")
+    for index, corner in enumerate(scenario.survey.area_m if scenario.survey else ()):
+        with errors_at("survey", "area_m", index):
+            _require_above(terrain, (*corner, np.inf), f"survey.area_m[{index}] =")
+
+
+def _require_above(terrain: Terrain, point_m: tuple[float, float, float], what: str) -> None:
+    x, y, z = point_m
+    bed = terrain.height_at([[x, y]])[0]
+    if np.isnan(bed):
+        raise ScenarioError(f"{what} ({x:g}, {y:g}) m: outside the terrain, {terrain.extent_text}")
+    if z <= bed:
+        raise ScenarioError(f"{what} ({x:g}, {y:g}, {z:g}) m: must be above the bed, which is at z = {bed:g} m there")

@@ -1,0 +1,34 @@
+"""From a scenario's name or path to the checked scenario."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.scenario.read.assets import assets_folder, find_yaml, packaged_names
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.yaml_document import read_yaml
+from uwsim.scenario.spec.scenario import Scenario
+
+
+def load(source: str | Path | Scenario) -> Scenario:
+    """Return a scenario from a packaged name ("lake"), the path of a YAML file, or itself.
+
+    Files that the YAML file names are sought relative to it, then among the packaged assets; the vehicles' files are
+    read, too. Raises ScenarioError, one line that names file, line, key, value, unit and rule.
+    """
+    if isinstance(source, Scenario):
+        return source
+    if not isinstance(source, str | Path):
+        raise ScenarioError(f"scenario: expected a name, a path or a Scenario, not {type(source).__name__}")
+    path = find_yaml(source, "scenarios")
+    is_packaged = assets_folder() in path.parents
+    document = read_yaml(path, path.name if is_packaged else str(source))
+    scenario = validated(Scenario, document.values, document, folder=path.resolve().parent)
+    return scenario.read_from(SourceFile(document))
+
+
+def packaged_scenarios() -> list[str]:
+    """Return the names that `load` accepts without a path."""
+    return packaged_names("scenarios")

@@ -1,0 +1,67 @@
+"""The packaged assets, and which file a name or a relative path means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.scenario.read.errors import ScenarioError
+
+YAML_SUFFIXES = (".yaml", ".yml")
+
+
+def assets_folder() -> Path:
+    """Find the packaged assets: inside the package if it is installed, else at the root of the repository."""
+    package = Path(__file__).resolve().parents[2]
+    candidates = [package / "assets", package.parents[1] / "assets"]
+    for folder in candidates:
+        if (folder / "scenarios").is_dir():
+            return folder
+    raise ScenarioError(f"uwsim's own assets are missing (looked in {_listed(candidates)}): install uwsim again")
+
+
+def packaged_names(kind: str) -> list[str]:
+    """Return the names that can be loaded without a path; kind: a folder of the assets, such as "scenarios"."""
+    return sorted(path.stem for path in (assets_folder() / kind).glob("*.yaml"))
+
+
+def find_yaml(source: str | Path, kind: str) -> Path:
+    """Find the YAML file that a packaged name or a path means. Raises ScenarioError that lists the known names."""
+    text = str(source)
+    names = packaged_names(kind)
+    if isinstance(source, str) and text in names:
+        return assets_folder() / kind / f"{text}.yaml"
+    path = Path(source).expanduser()
+    if path.is_file():
+        return path
+    if path.is_dir():
+        raise ScenarioError(
+            f"{text}: is a folder, expected a YAML file or one of the packaged {kind}: {_listed(names)}"
+        )
+    if path.exists():
+        raise ScenarioError(f"{text}: not a regular file")
+    if path.suffix.lower() in YAML_SUFFIXES or len(path.parts) > 1:
+        raise ScenarioError(f"{text}: no such file")
+    raise ScenarioError(
+        f"unknown {kind.removesuffix('s')} '{text}': expected one of {_listed(names)}, or the path of a YAML file"
+        + did_you_mean(text, names)
+    )
+
+
+def find_asset(name: Path, folder: Path) -> Path | None:
+    """Find a file that a YAML file names: relative to that file's folder, else to the packaged assets."""
+    for base in (folder, assets_folder()):
+        path = base / name.expanduser()
+        if path.is_file():
+            return path.resolve()
+    return None
+
+
+def shown_name(path: Path) -> str:
+    """Return what messages call a YAML file: a packaged one by its name alone, any other by its path."""
+    return path.name if assets_folder() in path.parents else str(path)
+
+
+def _listed(items: Iterable[object]) -> str:
+    return ", ".join(str(item) for item in items)

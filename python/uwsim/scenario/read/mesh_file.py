@@ -1,0 +1,179 @@
+"""Triangle meshes from files: STL, OBJ, glTF, FBX and others, as Blender and CAD programs export them."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.scenario.read.errors import ScenarioError
+
+Vertices = NDArray[np.float64]
+Triangles = NDArray[np.uint32]
+
+MAX_BYTES = 500_000_000
+MAX_TRIANGLES = 5_000_000
+TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
+MAX_REACH_M = 1e5
+Y_UP_SUFFIXES = (".glb", ".gltf")
+
+Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Rotates the file's y to z and keeps its x; the file's z, towards the viewer, becomes -y."""
+
+
+def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None = None) -> tuple[Vertices, Triangles]:
+    """Read all triangles of a file, the nodes' transforms applied.
+
+    Returns vertices (n, 3) float64 in metres, and triangles (m, 3) uint32. trimesh reads STL, PLY, OBJ, OFF and glTF;
+    assimp reads the rest, FBX above all, whose unit (usually centimetres) it converts to metres.
+    scale: metres for each unit of the file; for FBX a further factor.
+    up: the file's axis that becomes z. By default y for glTF, as its specification says; for FBX and Collada what the
+    file declares; z for all others, so Blender's OBJ export with its default axes needs up="y".
+    Raises ScenarioError if the file is missing, malformed, empty, too large, not finite or has no area.
+    """
+    path = Path(path)
+    _require_readable(path)
+    suffix = path.suffix.lower()
+    try:
+        if suffix in TRIMESH_SUFFIXES:
+            vertices, triangles = _read_with_trimesh(path, suffix)
+            y_up = suffix in Y_UP_SUFFIXES
+        else:
+            vertices, triangles = _read_with_assimp(path)
+            y_up = True  # assimp turns every file that declares its axes to y up
+    except ScenarioError:
+        raise
+    except MemoryError:
+        raise ScenarioError(f"mesh '{path}': too large to read into memory") from None
+    except ImportError as error:
+        raise ScenarioError(
+            f"mesh '{path}': reading it needs the Python package '{error.name}', which cannot be imported: install it"
+        ) from None
+    except Exception as error:  # on malformed files the readers raise errors of any type
+        raise ScenarioError(f"mesh '{path}': not a readable {suffix[1:] or 'mesh'} file: {_reason(error)}") from None
+    _require_sound(path, vertices, triangles, scale)
+    if up == "y" or (up is None and y_up):
+        vertices = vertices @ Z_UP_FROM_Y_UP.T
+    return np.ascontiguousarray(vertices * scale), np.ascontiguousarray(triangles, np.uint32)
+
+
+def _require_readable(path: Path) -> None:
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise ScenarioError(f"mesh '{path}': {(error.strerror or 'cannot be read').lower()}") from None
+    if not path.is_file():
+        raise ScenarioError(f"mesh '{path}': not a regular file")
+    if size == 0:
+        raise ScenarioError(f"mesh '{path}': is empty")
+    if size > MAX_BYTES:
+        raise ScenarioError(
+            f"mesh '{path}': {size} bytes, must be at most {MAX_BYTES}; reduce it in the program it is from"
+        )
+
+
+def _read_with_trimesh(path: Path, suffix: str) -> tuple[Vertices, NDArray[Any]]:
+    if suffix == ".obj":  # comments and names may be in any encoding
+        text = path.read_bytes().decode("utf-8", errors="replace")
+        _require_indices_from_one(path, text)
+        scene = trimesh.load_scene(io.StringIO(text), file_type="obj", process=False, skip_materials=True)
+    elif suffix == ".stl":
+        scene = trimesh.load_scene(io.BytesIO(_sound_stl(path)), file_type="stl", process=False)
+    else:
+        scene = trimesh.load_scene(path, process=False)
+    mesh = scene.to_mesh()
+    return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces)
+
+
+def _require_indices_from_one(path: Path, text: str) -> None:
+    """Refuse a face with index 0, which means nothing; trimesh would take it for some vertex."""
+    zero = re.search(r"^[ \t]*f[ \t](?:.*[ \t])?[-+]?0+(?=[/\s]|\Z)", text, re.MULTILINE)
+    if zero:
+        line = text.count("\n", 0, zero.end()) + 1
+        raise ScenarioError(f"mesh '{path}': line {line}: a face names vertex 0, but an OBJ file's count from 1")
+
+
+def _sound_stl(path: Path) -> bytes:
+    """Return the file, as UTF-8 if it is text; refuse files in which trimesh would find no triangles."""
+    data = path.read_bytes()
+    announced = int.from_bytes(data[80:84], "little")
+    if len(data) >= 84 and len(data) == 84 + 50 * announced:
+        return data
+    if data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
+        size = f", its {len(data)} bytes are not the {84 + 50 * announced} of the {announced} triangles it announces"
+        raise ValueError(f"neither text that starts with 'solid' nor binary{size if len(data) >= 84 else ''}")
+    if b"endsolid" not in data.lower():
+        raise ValueError("breaks off before its endsolid")
+    return data.decode("utf-8", errors="replace").encode()
+
+
+def _read_with_assimp(path: Path) -> tuple[Vertices, NDArray[Any]]:
+    import assimp_py
+
+    flags = (
+        assimp_py.Process_Triangulate
+        | assimp_py.Process_SortByPType  # keeps lines and points apart from triangles
+        | assimp_py.Process_JoinIdenticalVertices
+        | assimp_py.Process_GlobalScale  # the file's unit to metres
+    )
+    scene = assimp_py.import_file(str(path), flags)
+    parts: list[tuple[Vertices, NDArray[Any]]] = []
+
+    def gather(node: Any, file_from_parent: NDArray[np.float64]) -> None:
+        file_from_node = file_from_parent @ np.asarray(node.transformation, np.float64)
+        for index in node.mesh_indices:
+            mesh = scene.meshes[index]
+            if mesh.num_indices != 3 * mesh.num_faces:
+                continue
+            points = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
+            triangles = np.asarray(mesh.indices, np.int64).reshape(-1, 3)
+            if np.linalg.det(file_from_node[:3, :3]) < 0:  # mirrored: would wind inward
+                triangles = triangles[:, ::-1]
+            parts.append((points @ file_from_node[:3, :3].T + file_from_node[:3, 3], triangles))
+        for child in node.children:
+            gather(child, file_from_node)
+
+    gather(scene.root_node, np.eye(4))
+    return joined(parts)
+
+
+def joined(parts: list[tuple[Vertices, NDArray[Any]]]) -> tuple[Vertices, NDArray[Any]]:
+    """Join several meshes into one."""
+    if not parts:
+        return np.empty((0, 3)), np.empty((0, 3), np.int64)
+    starts = np.cumsum([0] + [len(points) for points, _ in parts[:-1]])
+    triangles = [part + start for (_, part), start in zip(parts, starts, strict=True)]
+    return np.concatenate([points for points, _ in parts]), np.concatenate(triangles)
+
+
+def _require_sound(path: Path, vertices: Vertices, triangles: NDArray[Any], scale: float) -> None:
+    if len(triangles) == 0:
+        raise ScenarioError(f"mesh '{path}': holds no triangles")
+    if len(triangles) > MAX_TRIANGLES:
+        raise ScenarioError(f"mesh '{path}': {len(triangles)} triangles, must be at most {MAX_TRIANGLES}; reduce it")
+    if triangles.min() < 0 or triangles.max() >= len(vertices):
+        raise ScenarioError(f"mesh '{path}': a triangle names vertex {triangles.max()} of {len(vertices)}")
+    if not np.isfinite(vertices).all():
+        raise ScenarioError(
+            f"mesh '{path}': {np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite"
+        )
+    corners = vertices[triangles]
+    reach_m = float(np.abs(corners).max()) * scale
+    if reach_m > MAX_REACH_M:
+        raise ScenarioError(
+            f"mesh '{path}': reaches {reach_m:.3g} m from its origin at scale {scale:g}, must be at most "
+            f"{MAX_REACH_M:g} m: choose a smaller scale"
+        )
+    sides = corners[:, 1:] - corners[:, :1]
+    extent = float(np.ptp(corners, axis=(0, 1)).max())
+    if np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).max() <= 1e-12 * extent**2:
+        raise ScenarioError(f"mesh '{path}': none of its {len(triangles)} triangles has an area")
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -1,0 +1,113 @@
+"""Repair of meshes that must be closed, such as hulls; a warning says what was repaired."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.scenario.read.errors import RepairWarning, ScenarioError
+from uwsim.scenario.read.mesh_file import Triangles, Vertices
+from uwsim.scenario.read.mesh_union import crossings, united
+
+
+def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh") -> tuple[Vertices, Triangles]:
+    """Return the same surface closed and winding outward, equal vertices merged. Raises ScenarioError if impossible.
+
+    Every edge is shared by two triangles that run along it in opposite directions, and the volume is positive.
+    Closed parts that overlap are united. A surface that still crosses itself is refused: its inside is not defined.
+    Merging the vertices that STL duplicates is silent; any other repair issues a RepairWarning.
+    """
+    if not len(triangles):
+        raise ScenarioError(f"mesh '{name}': has no triangles")
+    mesh = trimesh.Trimesh(vertices_m, np.asarray(triangles, np.int64), process=False)
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
+    mesh.remove_unreferenced_vertices()
+    repairs = _repair(mesh)
+    if not _is_closed(mesh):
+        raise ScenarioError(f"mesh '{name}': is not closed ({_defects(mesh)}): close it in the program it is from")
+    if mesh.volume <= 0.0:
+        raise ScenarioError(f"mesh '{name}': encloses no volume")
+    mesh = _without_overlaps(mesh, name, repairs)
+    if repairs:
+        warnings.warn(f"mesh '{name}': repaired: {', '.join(repairs)}", RepairWarning, stacklevel=2)
+    return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
+
+
+def _without_overlaps(mesh: trimesh.Trimesh, name: str, repairs: list[str]) -> trimesh.Trimesh:
+    """Unite parts that overlap, noting so in `repairs`; refuse a surface that still crosses itself."""
+    whole = None
+    try:
+        whole = united(mesh)
+    except ValueError as error:
+        raise ScenarioError(f"mesh '{name}': its parts overlap and cannot be united: {error}") from None
+    if whole is not None:
+        mesh, count = whole
+        repairs.append(f"united {count} parts that overlapped")
+    pierced = crossings(mesh.vertices, mesh.faces)
+    if pierced:
+        raise ScenarioError(
+            f"mesh '{name}': crosses itself ({pierced} edges pierce its triangles): make it one outer skin "
+            "(in Blender: a Remesh modifier)"
+        )
+    return mesh
+
+
+def _repair(mesh: trimesh.Trimesh) -> list[str]:
+    """Repair the mesh in place; return what was done."""
+    repairs = []
+    if not mesh.is_watertight:
+        before = len(mesh.faces)
+        trimesh.repair.fill_holes(mesh, use_fan=True)
+        if len(mesh.faces) > before:
+            repairs.append(f"filled holes with {len(mesh.faces) - before} triangles")
+    if not mesh.is_winding_consistent:
+        trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]
+        repairs.append("made the winding consistent")
+    if _is_closed(mesh) and _turn_outward(mesh):
+        repairs.append("turned inside-out parts outward")
+    return repairs
+
+
+def _is_closed(mesh: trimesh.Trimesh) -> bool:
+    return bool(mesh.is_watertight and mesh.is_winding_consistent)
+
+
+def _turn_outward(mesh: trimesh.Trimesh) -> bool:
+    """Flip parts of negative volume that do not lie inside another, as a cavity does; return whether any was."""
+    parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)
+    volumes = [_volume(mesh.triangles[part]) for part in parts]
+    boxes = [(mesh.triangles[part].min(axis=(0, 1)), mesh.triangles[part].max(axis=(0, 1))) for part in parts]
+    faces = mesh.faces.copy()
+    flipped = False
+    for part, volume, (low, high) in zip(parts, volumes, boxes, strict=True):
+        inside = any((outer[0] < low).all() and (high < outer[1]).all() for outer in boxes)
+        if volume < 0.0 and not inside:
+            faces[part] = faces[part][:, ::-1]
+            flipped = True
+    if flipped:
+        mesh.faces = faces
+    return flipped
+
+
+def _volume(corners: NDArray[np.float64]) -> float:
+    """Signed volume within triangles (m, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def _defects(mesh: trimesh.Trimesh) -> str:
+    _, uses = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+    found = [
+        f"{count} edges {what}"
+        for count, what in (
+            (np.sum(uses == 1), "of one triangle only"),
+            (np.sum(uses > 2), "of more than two triangles"),
+        )
+        if count
+    ]
+    return ", ".join(found) or "triangles that wind against each other"

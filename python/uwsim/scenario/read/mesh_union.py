@@ -1,0 +1,146 @@
+"""Union of a mesh's overlapping closed parts, and detection of surfaces that cross themselves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from uwsim.scenario.read.mesh_file import Vertices
+
+Faces = NDArray[Any]
+
+MIN_OVERLAP = 1e-6  # share of the volume; parts that overlap by less stay apart
+TOUCH_TOLERANCE = 1e-9  # share of an edge or a triangle; a crossing this close to its end or rim is a touch
+MAX_PAIRS = 2_000_000  # pairs of an edge and a triangle that are tested at once
+
+
+def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
+    """Return the union of a closed mesh's parts and the number of parts, or None if none overlap.
+
+    A part of negative volume is a cavity of the smallest part around it. Raises ValueError if a part crosses itself
+    in a way that manifold3d does not accept.
+    """
+    faces = [mesh.faces[part] for part in _components(mesh)]
+    solids = [part for part in faces if _volume(mesh, part) > 0.0]
+    cavities = [part for part in faces if _volume(mesh, part) <= 0.0]
+    if len(solids) < 2 or not _boxes_meet(mesh, solids):
+        return None
+    import manifold3d
+
+    def manifold(triangles: Faces) -> Any:
+        body = manifold3d.Manifold(
+            manifold3d.Mesh64(
+                np.ascontiguousarray(mesh.vertices, np.float64), np.ascontiguousarray(triangles, np.uint64)
+            )
+        )
+        if body.status() != manifold3d.Error.NoError:
+            raise ValueError(f"a part is not a solid ({body.status().name})")
+        return body
+
+    solids.sort(key=lambda part: _volume(mesh, part))
+    groups = [[part] for part in solids]
+    for cavity in cavities:
+        groups[_solid_around(mesh, solids, cavity)].append(cavity)
+    bodies = [manifold(np.vstack(group)) for group in groups]
+    whole = manifold3d.Manifold.batch_boolean(bodies, manifold3d.OpType.Add)
+    separate_volume = sum(body.volume() for body in bodies)
+    if whole.volume() >= separate_volume * (1.0 - MIN_OVERLAP):
+        return None
+    out = whole.to_mesh64()
+    return trimesh.Trimesh(np.asarray(out.vert_properties)[:, :3], np.asarray(out.tri_verts), process=False), len(
+        bodies
+    )
+
+
+def crossings(vertices: Vertices, faces: Faces) -> int:
+    """Count the edges that pierce a triangle with which they share no vertex; a touch does not count."""
+    faces = np.asarray(faces, np.int64)
+    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    ends, corners = vertices[edges], vertices[faces]
+    edge_low, edge_high = ends.min(axis=1), ends.max(axis=1)
+    face_low, face_high = corners.min(axis=1), corners.max(axis=1)
+    order = np.argsort(face_low[:, 0])
+    faces, corners, face_low, face_high = faces[order], corners[order], face_low[order], face_high[order]
+    # Candidates by their extent along x: triangles that begin before the edge ends, less those that must end before it
+    # begins because none is wider than `widest`.
+    widest = float(np.max(face_high[:, 0] - face_low[:, 0]))
+    first = np.searchsorted(face_low[:, 0], edge_low[:, 0] - widest)
+    last = np.searchsorted(face_low[:, 0], edge_high[:, 0], side="right")
+    found = 0
+    start = 0
+    sums = np.concatenate([[0], np.cumsum(last - first)])
+    while start < len(edges):
+        end = max(start + 1, int(np.searchsorted(sums, sums[start] + MAX_PAIRS, side="right")) - 1)
+        counts = (last - first)[start:end]
+        edge = np.repeat(np.arange(start, end), counts)
+        face = (
+            np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(first[start:end], counts)
+        )
+        near = ((face_low[face] < edge_high[edge]) & (edge_low[edge] < face_high[face])).all(axis=1)
+        near |= _flat_boxes_meet(face_low[face], face_high[face], edge_low[edge], edge_high[edge])
+        edge, face = edge[near], face[near]
+        disjoint = (edges[edge][:, :, None] != faces[face][:, None, :]).all(axis=(1, 2))
+        edge, face = edge[disjoint], face[disjoint]
+        found += int(_pierces(ends[edge], corners[face]).sum())
+        start = end
+    return found
+
+
+def _flat_boxes_meet(
+    face_low: Vertices, face_high: Vertices, edge_low: Vertices, edge_high: Vertices
+) -> NDArray[np.bool_]:
+    """Whether boxes meet of which one is flat along an axis, where a comparison of open intervals finds nothing."""
+    meet = ((face_low <= edge_high) & (edge_low <= face_high)).all(axis=1)
+    flat = ((face_low == face_high) | (edge_low == edge_high)).any(axis=1)
+    return np.asarray(meet & flat, np.bool_)
+
+
+def _pierces(ends: Vertices, corners: Vertices) -> NDArray[np.bool_]:
+    """Whether each segment (n, 2, 3) passes through the inside of its triangle (n, 3, 3) (Moeller, Trumbore 1997)."""
+    segment = ends[:, 1] - ends[:, 0]
+    ab, ac = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across = np.cross(segment, ac)
+    det = np.einsum("ij,ij->i", ab, across)
+    size = np.linalg.norm(segment, axis=1) * np.linalg.norm(np.cross(ab, ac), axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        offset = ends[:, 0] - corners[:, 0]
+        u = np.einsum("ij,ij->i", offset, across) / det
+        turned = np.cross(offset, ab)
+        v = np.einsum("ij,ij->i", segment, turned) / det
+        t = np.einsum("ij,ij->i", ac, turned) / det
+        low, high = TOUCH_TOLERANCE, 1 - TOUCH_TOLERANCE
+        inside = (u > low) & (v > low) & (u + v < high) & (t > low) & (t < high)
+    return np.asarray(inside & (np.abs(det) > 1e-12 * size), np.bool_)
+
+
+def _components(mesh: trimesh.Trimesh) -> list[NDArray[np.int64]]:
+    return list(trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1))
+
+
+def _volume(mesh: trimesh.Trimesh, faces: Faces) -> float:
+    a, b, c = mesh.vertices[faces].transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def _box(mesh: trimesh.Trimesh, faces: Faces) -> tuple[Vertices, Vertices]:
+    points = mesh.vertices[faces].reshape(-1, 3)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _boxes_meet(mesh: trimesh.Trimesh, parts: list[Faces]) -> bool:
+    lows, highs = (np.array(side) for side in zip(*(_box(mesh, part) for part in parts), strict=True))
+    meet = ((lows[:, None] < highs[None]) & (lows[None] < highs[:, None])).all(axis=2)
+    return bool(meet.sum() > len(parts))
+
+
+def _solid_around(mesh: trimesh.Trimesh, solids: list[Faces], cavity: Faces) -> int:
+    """Index of the first, and so smallest, solid whose box contains the cavity's; of the last if none does."""
+    low, high = _box(mesh, cavity)
+    for index, solid in enumerate(solids):
+        outer_low, outer_high = _box(mesh, solid)
+        if (outer_low < low).all() and (high < outer_high).all():
+            return index
+    return len(solids) - 1

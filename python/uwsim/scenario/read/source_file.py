@@ -1,0 +1,29 @@
+"""The file that a scenario was read from, so that errors found after reading still name file and line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.yaml_document import Key, YamlDocument
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """document: None for a scenario made in Python. All source files compare equal: they are no part of a scenario."""
+
+    document: YamlDocument | None = field(default=None, compare=False, repr=False)
+
+    def line_prefix(self, *keys: Key) -> str:
+        """Return `lake.yaml:12: ` for the value under these keys, or nothing."""
+        return f"{self.document.name}:{self.document.line(keys)}: " if self.document else ""
+
+    @contextmanager
+    def errors_at(self, *keys: Key) -> Iterator[None]:
+        """Put file and line before the ScenarioErrors raised inside; the value at fault is at or below these keys."""
+        try:
+            yield
+        except ScenarioError as error:
+            raise ScenarioError(self.line_prefix(*keys, *error.at) + str(error)) from None

@@ -1,0 +1,26 @@
+"""A part of a scenario that has a YAML file of its own: a vehicle, a thruster, a sonar, a set of sensors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel
+
+from uwsim.scenario.read.assets import find_yaml, shown_name
+from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.yaml_document import read_yaml
+
+Spec = TypeVar("Spec", bound=BaseModel)
+
+
+def read_spec(model: type[Spec], source: str | Path, kind: str, folder: Path | None = None) -> Spec:
+    """Read and check the YAML file that a packaged name or a path means. Raises ScenarioError.
+
+    kind: the assets' folder for packaged names, such as "vehicles". folder: where a relative path starts, by default
+    the working folder.
+    """
+    beside = (folder or Path()) / source
+    path = beside if beside.is_file() else find_yaml(source, kind)
+    document = read_yaml(path, shown_name(path))
+    return validated(model, document.values, document, folder=path.resolve().parent)

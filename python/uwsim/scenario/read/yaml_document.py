@@ -1,0 +1,180 @@
+"""A YAML file as plain values, with the line of each."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.constructor import ConstructorError, DuplicateKeyError, RoundTripConstructor
+from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning, YAMLError
+
+from uwsim.scenario.read.errors import ScenarioError
+
+MAX_BYTES = 1_000_000
+MAX_VALUES = 200_000
+"""Counted with aliases expanded: a few lines of nested aliases can stand for billions of values."""
+
+Key = str | int
+
+
+@dataclass(frozen=True)
+class YamlDocument:
+    """name: what messages call the file. values: dicts, lists, text, numbers, booleans and None only."""
+
+    name: str
+    values: dict[str, Any]
+    _root: CommentedMap
+
+    def line(self, path: Sequence[Key]) -> int:
+        """Return the line, counted from 1, of a key or list item, or of its nearest ancestor in the file."""
+        node: Any = self._root
+        line = 1
+        for key in path:
+            try:
+                inner = node[key]
+            except (KeyError, IndexError, TypeError):
+                break
+            line, node = _line_of(node, key), inner
+        return line
+
+
+def read_yaml(path: Path, name: str) -> YamlDocument:
+    """Read a YAML mapping. name: what messages call the file. Raises ScenarioError with name and line."""
+    text = _read_text(path, name)
+    reader = YAML(typ="rt")
+    reader.Constructor = _Constructor
+    try:
+        if "!" in text:
+            _refuse_tags(text, name)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ReusedAnchorWarning)  # YAML 1.2 allows it
+            root = reader.load(StringIO(text))
+    except DuplicateKeyError as error:
+        raise ScenarioError(
+            f"{name}:{_line(error)}: {str(error.problem).split(' with ')[0].removeprefix('found ')}"
+        ) from None
+    except MarkedYAMLError as error:
+        reason = " ".join(str(part) for part in (error.context, error.problem) if part)
+        raise ScenarioError(f"{name}:{_line(error)}: not valid YAML: {reason}") from None
+    except YAMLError as error:
+        raise ScenarioError(f"{name}: not valid YAML: {_first_line(error)}") from None
+    except RecursionError:
+        raise ScenarioError(f"{name}: not valid YAML: nested too deeply") from None
+    if root is None:
+        raise ScenarioError(f"{name}: is empty, expected keys and values")
+    if not isinstance(root, CommentedMap):
+        raise ScenarioError(f"{name}:1: expected keys and values, such as 'name: lake'")
+    return YamlDocument(name, _Plain(name).mapping(root), root)
+
+
+def _read_text(path: Path, name: str) -> str:
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise ScenarioError(f"{name}: {size} bytes, a YAML file here has at most {MAX_BYTES}")
+        data = path.read_bytes()
+    except OSError as error:
+        raise ScenarioError(f"{name}: cannot be read: {error.strerror}") from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise ScenarioError(f"{name}:{line}: not UTF-8 text") from None
+    if "\0" in text:
+        raise ScenarioError(f"{name}: a binary file, expected YAML text")
+    return text
+
+
+class _Constructor(RoundTripConstructor):
+    """Gives the line of a value that YAML accepts as a number or a date but Python does not."""
+
+    def construct_object(self, node: Any, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep=deep)
+        except (ArithmeticError, IndexError, KeyError, ValueError) as error:
+            reason = f"not a number or date that can be read: '{node.value!s:.40}'"
+            raise ConstructorError(problem=reason, problem_mark=node.start_mark) from error
+
+
+def _refuse_tags(text: str, name: str) -> None:
+    for event in YAML(typ="rt").parse(StringIO(text)):
+        tag = getattr(event, "ctag", None)
+        if tag is not None and tag.trval:
+            line = event.start_mark.line + 1
+            raise ScenarioError(f"{name}:{line}: tags are not supported: remove '{_written(tag):.60}'")
+
+
+def _written(tag: Any) -> str:
+    return f"{tag.handle or ''}{tag.suffix or ''}"
+
+
+class _Plain:
+    """Converts ruamel's values, which carry comments and styles, to plain ones."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._count = 0
+        self._open: list[int] = []
+
+    def mapping(self, node: CommentedMap) -> dict[str, Any]:
+        self._enter(node)
+        plain = {}
+        for key, value in node.items():
+            line = _line_of(node, key)
+            if not isinstance(key, str):
+                raise ScenarioError(f"{self._name}:{line}: key {key}: must be text")
+            plain[str(key)] = self._value(value, line)
+        self._open.pop()
+        return plain
+
+    def _sequence(self, node: CommentedSeq) -> list[Any]:
+        self._enter(node)
+        plain = [self._value(value, _line_of(node, index)) for index, value in enumerate(node)]
+        self._open.pop()
+        return plain
+
+    def _enter(self, node: CommentedMap | CommentedSeq) -> None:
+        if id(node) in self._open:
+            raise ScenarioError(f"{self._name}:{node.lc.line + 1}: an alias refers to a value that contains it")
+        self._open.append(id(node))
+
+    def _value(self, value: Any, line: int) -> Any:
+        self._count += 1
+        if self._count > MAX_VALUES:
+            raise ScenarioError(f"{self._name}: more than {MAX_VALUES} values, its aliases written out")
+        if isinstance(value, CommentedMap):
+            return self.mapping(value)
+        if isinstance(value, CommentedSeq):
+            return self._sequence(value)
+        for kind in (bool, int, float, str):
+            if isinstance(value, kind):
+                return kind(value)
+        if value is None:
+            return None
+        if type(value).__name__ == "ScalarBoolean":  # ruamel's boolean with an anchor is an int
+            return bool(value)
+        raise ScenarioError(f"{self._name}:{line}: neither text, number, boolean, list nor keys: {value!s:.60}")
+
+
+def _line_of(node: CommentedMap | CommentedSeq, key: Any) -> int:
+    """Return the line of a key or item; if it came in by an alias, that of the mapping or list around it."""
+    try:
+        line, _ = node.lc.key(key) if isinstance(node, CommentedMap) else node.lc.item(key)
+    except (KeyError, TypeError):
+        line = node.lc.line
+    return int(line) + 1
+
+
+def _line(error: MarkedYAMLError) -> int:
+    mark = error.problem_mark or error.context_mark
+    return int(mark.line) + 1 if mark is not None else 1
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).strip().splitlines() or [type(error).__name__])[0]

@@ -1,0 +1,120 @@
+"""Thrusters and fins, as read from YAML: a thruster's type from its own file, its mount from the vehicle's file.
+
+Body frame: x forward, y left, z up.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim import _core
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+
+Newton = Annotated[float, InRange(-1e6, 1e6, "N")]
+Microseconds = Annotated[float, InRange(1, 10_000, "us")]
+Component = Annotated[float, InRange(-1e6, 1e6)]
+Direction = tuple[Component, Component, Component]
+"""A vector of any length but zero."""
+
+
+class Pwm(Model):
+    """The pulse widths of a speed controller: centre_us stands for command 0, centre_us +- span_us for +-1."""
+
+    centre_us: Microseconds
+    span_us: Microseconds
+
+
+class ThrusterType(Model):
+    """A thruster as one buys it.
+
+    thrust_n: pairs of a command in [-1, 1], or of a pulse width if `pwm` is given, and the still-water thrust on the
+    vehicle; linear between pairs, constant beyond the ends. time_constant_s: of the thrust's first-order lag.
+    bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which no thrust is left;
+    if not given, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque for each newton,
+    k_q = D K_Q / K_T.
+    """
+
+    name: Name
+    description: str = ""
+    pwm: Pwm | None = None
+    thrust_n: Annotated[tuple[tuple[Component, Newton], ...], Field(min_length=2, max_length=1000)]
+    time_constant_s: Annotated[float, InRange(0, 60, "s")]
+    diameter_m: Annotated[float, InRange(0.001, 10, "m")]
+    bollard_coefficient: Annotated[float, InRange(1e-3, 10)] = 0.45
+    zero_thrust_advance_ratio: Annotated[float, InRange(1e-2, 100)] | None = None
+    torque_per_thrust_m: Annotated[float, InRange(0, 10, "m")] = 0.0
+
+    @model_validator(mode="after")
+    def _has_a_curve(self) -> ThrusterType:
+        try:
+            _core.ThrustCurve(*self.curve_points)
+        except ValueError as error:
+            raise broken(str(error).rpartition(": ")[2], at=("thrust_n",)) from None
+        return self
+
+    @property
+    def curve_points(self) -> tuple[list[float], list[float]]:
+        """Commands in [-1, 1] and the thrusts [N] that they give."""
+        centre, span = (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
+        commands = [(given - centre) / span for given, _ in self.thrust_n]
+        return commands, [thrust_n for _, thrust_n in self.thrust_n]
+
+
+def load_thruster(source: str | Path, folder: Path | None = None) -> ThrusterType:
+    """Load a type from a packaged name ("t200_16v") or a path, relative to `folder`. Raises ScenarioError."""
+    return read_spec(ThrusterType, source, "thrusters", folder)
+
+
+def _thruster_type(value: object, info: ValidationInfo) -> object:
+    return load_thruster(value, (info.context or {}).get("folder")) if isinstance(value, str | Path) else value
+
+
+def _require_direction(direction: Direction, key: str) -> None:
+    if math.hypot(*direction) < 1e-6:
+        raise broken("must not have zero length", at=(key,), value=list(direction))
+
+
+class ThrusterMount(Model):
+    """A thruster on a vehicle. axis: the direction of a positive thrust. spin: seen from behind, at positive thrust."""
+
+    model: Annotated[ThrusterType, BeforeValidator(_thruster_type)]
+    position_m: Point3
+    axis: Direction
+    spin: Literal["clockwise", "counter-clockwise"] = "clockwise"
+
+    @model_validator(mode="after")
+    def _points_somewhere(self) -> ThrusterMount:
+        _require_direction(self.axis, "axis")
+        return self
+
+
+class FinMount(Model):
+    """A lifting surface: a fin that turns about `span`, right-handed, or a fixed one (deflection_max_deg 0).
+
+    position_m: its centre of pressure. aspect_ratio: effective, span^2 / area, doubled where the hull mirrors the fin.
+    efficiency: Oswald's. stall_angle_deg: leave out for a surface that does not stall, such as a hull's lift.
+    """
+
+    position_m: Point3
+    span: Direction
+    area_m2: Annotated[float, InRange(1e-6, 1000, "m2")]
+    aspect_ratio: Annotated[float, InRange(1e-3, 100)]
+    parasitic_drag: Annotated[float, InRange(0, 10)] = 0.0
+    efficiency: Annotated[float, InRange(0.1, 1)] = 0.9
+    stall_angle_deg: Annotated[float, InRange(1, 90, "deg")] | None = None
+    stall_sharpness_deg: Annotated[float, InRange(0.1, 30, "deg")] = 2.0
+    deflection_max_deg: Annotated[float, InRange(0, 90, "deg")] = 0.0
+    rate_max_deg_s: Annotated[float, InRange(0.1, 10_000, "deg/s")] = 60.0
+
+    @model_validator(mode="after")
+    def _stands_across_the_flow(self) -> FinMount:
+        _require_direction(self.span, "span")
+        if abs(self.span[0]) > 1e-6 * math.hypot(*self.span):
+            raise broken("must be perpendicular to x", at=("span",), value=list(self.span))
+        return self

@@ -1,0 +1,66 @@
+"""Cameras and lamps of a vehicle or of a scenario's station."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll
+
+LARGEST_SIDE = 8192
+FORWARD: tuple[float, float, float] = (0.0, 0.0, 0.0)
+Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
+Coefficient = Annotated[float, InRange(-100, 100)]
+Share = Annotated[float, InRange(0, 1)]
+Colour = tuple[Share, Share, Share]
+
+
+class CameraMount(Model):
+    """A camera: its mounting, its lens and its image sensor.
+
+    It looks along its x: yaw 90 turns it to port, pitch 90 down. width, height: pixels, which are square.
+    horizontal_fov_deg: across the image's width, before distortion. distortion: k1, k2, p1, p2, k3 of Brown and
+    Conrady's model, as in OpenCV. exposure: a factor on the automatic or fixed exposure. full_well, read_noise:
+    electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a ray by turbulence.
+    """
+
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = FORWARD
+    width: Pixels = 640
+    height: Pixels = 360
+    horizontal_fov_deg: Annotated[float, InRange(1, 170, "deg")] = 80.0
+    distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    exposure: Annotated[float, InRange(0.001, 1000)] = 1.0
+    full_well: Annotated[float, InRange(1, 1e9, "electrons")] = 8000.0
+    read_noise: Annotated[float, InRange(0, 1e6, "electrons")] = 6.0
+    vignetting: Share = 0.5
+    wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] = 0.8
+
+
+class LampSpot(Model):
+    """The mounting of one lamp on a switch; it shines along its x."""
+
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = FORWARD
+
+
+class Lamps(Model):
+    """The lamps on one switch, identical except for their mountings.
+
+    flux_lm: of each lamp. half_angle_deg: of the cone, outside which it is dark. soft_share: of that angle, over which
+    the light falls off. colour: red, green, blue relative to daylight's white.
+    """
+
+    spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
+    flux_lm: Annotated[float, InRange(0, 1e6, "lm")]
+    half_angle_deg: Annotated[float, InRange(1, 85, "deg")] = 35.0
+    soft_share: Annotated[float, InRange(0.01, 1)] = 0.5
+    colour: Colour = (1.0, 0.96, 0.9)
+
+
+CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
+LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
+
+STATION_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 16.0, 0.0), horizontal_fov_deg=80.0)
+"""Above the hut of the packaged station, looking over its deck and the water ahead."""

@@ -1,0 +1,139 @@
+"""Field types of the scenario models: a strict base, numbers with a range and a unit, names, files.
+
+A rule is checked where the type is written, so that the same rule serves YAML and Python. Failures carry the unit and
+the rule to read/validation_errors.py, which adds the file and the line.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.scenario.read.assets import find_asset
+from uwsim.scenario.read.did_you_mean import did_you_mean
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
+
+
+class Model(BaseModel):
+    """Base of all scenario models: immutable; an unknown key is an error that suggests the nearest known one."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _knows_every_key(cls, data: object) -> object:
+        for key in data if isinstance(data, Mapping) else ():
+            if key not in cls.model_fields:
+                raise broken(f"unknown key{did_you_mean(str(key), cls.model_fields)}", at=(str(key),))
+        return data
+
+
+def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:
+    """Make the error of a broken rule. at: keys below the model that raises it. context: the `value` and its `unit`."""
+    return PydanticCustomError("rule", "{rule}", {"rule": rule, "at": at, **context})
+
+
+@dataclass(frozen=True)
+class InRange:
+    """A number in [low, high], NumPy's included, but no text or boolean; a whole number if the field is an int."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        if source is int:
+            plain = core_schema.no_info_before_validator_function(_plain_int, core_schema.int_schema(strict=True))
+        else:
+            number = core_schema.float_schema(strict=True, allow_inf_nan=True)
+            plain = core_schema.no_info_before_validator_function(_plain_float, number)
+        return core_schema.no_info_after_validator_function(self._check, plain)
+
+    def _check(self, value: float) -> float:
+        if not self.low <= value <= self.high:  # refuses NaN, too
+            raise broken(f"must be in [{self.low}, {self.high}] {self.unit}".rstrip(), unit=self.unit)
+        return value
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """One of these names."""
+
+    names: Sequence[str]
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def _check(self, value: str) -> str:
+        if value not in self.names:
+            raise broken(f"must be one of {', '.join(self.names)}{did_you_mean(value, self.names)}")
+        return value
+
+
+def _plain_int(value: object) -> object:
+    """Turn NumPy's whole numbers into Python's; leave anything else, booleans included, to be refused."""
+    if isinstance(value, np.bool_):
+        return bool(value)
+    if isinstance(value, int) or not hasattr(value, "__index__"):
+        return value
+    try:
+        return operator.index(value)
+    except TypeError:  # arrays
+        return value
+
+
+def _plain_float(value: object) -> object:
+    """Turn NumPy's numbers into Python's floats; a whole number too large for a float becomes infinite."""
+    value = _plain_int(value)
+    if isinstance(value, np.floating):
+        return float(value)
+    try:
+        return float(value) if type(value) is int else value
+    except OverflowError:
+        return math.inf
+
+
+def _check_name(name: str) -> str:
+    if not NAME.fullmatch(name):
+        raise broken("must be a letter followed by at most 39 letters, digits, '-' or '_'")
+    return name
+
+
+def _check_file(value: object, info: ValidationInfo) -> Path:
+    if not isinstance(value, str | Path):
+        raise broken("must be the path of a file")
+    folder = (info.context or {}).get("folder", Path())
+    found = find_asset(Path(value), folder)
+    if found is None:
+        raise broken(f"no such file in {folder.resolve()} nor among the packaged assets")
+    return found
+
+
+Name = Annotated[str, AfterValidator(_check_name)]
+
+AssetFile = Annotated[Path, BeforeValidator(_check_file)]
+"""A file that exists: relative to the YAML file that names it (in Python: to the working folder), else packaged."""
+
+# Rays are traced in float32, which resolves a millimetre within 10 km.
+Metres = Annotated[float, InRange(-10_000, 10_000, "m")]
+Size = Annotated[float, InRange(0.01, 10_000, "m")]
+Degrees = Annotated[float, InRange(-360, 360, "deg")]
+NoseDown = Annotated[float, InRange(-90, 90, "deg")]
+"""A sonar's tilt, positive nose down."""
+Factor = Annotated[float, InRange(1e-6, 1e6)]
+
+Point2 = tuple[Metres, Metres]
+Point3 = tuple[Metres, Metres, Metres]
+YawPitchRoll = tuple[Degrees, Degrees, Degrees]
+"""Rotations about z, then the new y, then the new x, in degrees."""

@@ -1,0 +1,93 @@
+"""An imaging sonar on a vehicle, as read from its YAML file: its kind, where it is mounted, and changed figures.
+
+The native core's table of kinds (cpp/uwsim/sonar/imaging/) lists the kinds and their figures: a
+new kind needs nothing here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
+from uwsim.scenario.spec.parameter import checked_values
+
+RADIANS, DEGREES = "_rad", "_deg"
+STRENGTHS = "strengths_db"
+"""The one figure that is a mapping, from a surface's name to its strength; the core takes it by label."""
+
+
+class ImagingMount(Model):
+    """An imaging sonar of one of _core.imaging_kinds(), and where it is mounted: x ahead, y to port, z up; pitch down.
+
+    Figures that differ from the kind's defaults (see uwsim.sonars.imaging) stand beside the other keys in YAML, angles
+    in degrees under names that end in _deg. Here they are in `figures`, by their own names and in SI units.
+    """
+
+    kind: str
+    position_m: Point3 = (0.0, 0.0, 0.0)
+    yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
+    figures: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gathers_figures(cls, data: object) -> object:
+        if not isinstance(data, Mapping) or "kind" not in data:
+            return data
+        kinds = _core.imaging_kinds()
+        if data["kind"] not in kinds:
+            hint = did_you_mean(str(data["kind"]), kinds)
+            raise broken(f"must be one of {', '.join(kinds)}{hint}", at=("kind",), value=str(data["kind"]))
+        names = {_yaml_key(name): name for name in (*_core.imaging_kind(data["kind"]).parameters, STRENGTHS)}
+        own = {key: value for key, value in data.items() if key not in names}
+        for key in own:
+            if key not in cls.model_fields:
+                hint = did_you_mean(str(key), [*cls.model_fields, *names])
+                raise broken(f"unknown key{hint}", at=(str(key),))
+        given = {names[key]: _figure(data["kind"], names[key], value) for key, value in data.items() if key in names}
+        return {**own, "figures": {**own.get("figures", {}), **given}}
+
+    @model_validator(mode="after")
+    def _knows_its_figures(self) -> ImagingMount:
+        known = (*_core.imaging_kind(self.kind).parameters, STRENGTHS)
+        for name, value in self.figures.items():
+            if name not in known:
+                raise broken(f"unknown figure of a {self.kind}{did_you_mean(name, known)}", at=("figures", name))
+            _check(self.kind, name, value, key=name)
+        return self
+
+    def body_from_sonar(self) -> NDArray[np.float64]:
+        """(4, 4)."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_matrix()
+        matrix[:3, 3] = self.position_m
+        return matrix
+
+
+def _yaml_key(name: str) -> str:
+    return name.removesuffix(RADIANS) + DEGREES if name.endswith(RADIANS) else name
+
+
+def _figure(kind: str, name: str, value: Any) -> Any:
+    """Return a figure as it is kept, from its value in YAML."""
+    key = _yaml_key(name)
+    _check(kind, name, value, key=key)
+    return value if key == name else float(np.radians(value))
+
+
+def _check(kind: str, name: str, value: Any, *, key: str) -> None:
+    if name == STRENGTHS:
+        if not isinstance(value, Mapping):
+            raise broken("must be a strength in dB for each surface, by name", at=(key,), value=value)
+        return
+    parameter = _core.imaging_kind(kind).parameters[name]
+    if value is None and not np.isnan(parameter.by_default):
+        return
+    checked_values(key, value, parameter, in_degrees=key != name)

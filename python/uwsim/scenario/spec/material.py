@@ -1,0 +1,96 @@
+"""Materials of surfaces, for light and for sound."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator
+
+from uwsim import _core
+from uwsim.scenario.spec.camera import Colour
+from uwsim.scenario.spec.fields import InRange, Model, OneOf
+
+Strength = Annotated[float, InRange(-100, 30, "dB")]
+Relief = Annotated[float, InRange(0, 2)]
+
+
+class Backscatter(Model):
+    """A surface that scatters sound by Lambert's law.
+
+    strength_db: backscattering strength of a square metre at normal incidence. relief: rms slope of the roughness that
+    the mesh does not show, across a footprint; it spreads the echo in range.
+    """
+
+    strength_db: Strength
+    relief: Relief = 0.0
+
+
+ROCK = Backscatter(strength_db=-30.0, relief=0.1)
+"""BS = -30 dB as the manufacturer's coverage table of the EM 2040 has it (the seed paper's Fig. 8); relief assumed."""
+
+# All assumed, except rock's strength, which has a source. Softer bottoms are weaker, as in all textbooks; metal and
+# concrete are hard and smooth; paint is as strong as what it covers.
+BACKSCATTER = {
+    "rock": ROCK,
+    "gravel": Backscatter(strength_db=-32.0, relief=0.06),
+    "sand": Backscatter(strength_db=-36.0, relief=0.03),
+    "mud": Backscatter(strength_db=-44.0, relief=0.01),
+    "concrete": Backscatter(strength_db=-30.0),
+    "steel": Backscatter(strength_db=-26.0),
+    "paint": Backscatter(strength_db=-26.0),
+    "land": ROCK,
+    "plain": ROCK,
+}
+
+MaterialName = Annotated[str, OneOf(_core.material_names())]
+
+
+class Material(Model):
+    """The material of a surface.
+
+    colour: its albedo, red, green and blue; strength_db, relief: how it scatters sound, as in Backscatter. Each
+    replaces the material's own value.
+    """
+
+    kind: MaterialName
+    colour: Colour | None = None
+    strength_db: Strength | None = None
+    relief: Relief | None = None
+
+    @property
+    def backscatter(self) -> Backscatter:
+        """How it scatters sound."""
+        return _with_own(BACKSCATTER[self.kind], self.strength_db, self.relief)
+
+
+def _named(value: object) -> object:
+    return {"kind": value} if isinstance(value, str) else value
+
+
+MaterialSpec = Annotated[Material, BeforeValidator(_named)]
+"""A material's name, or its kind and the values that differ."""
+
+
+class Ground(Model):
+    """The materials of the terrain: under water, where it is steep, and above the water.
+
+    strength_db, relief: how all of it scatters sound, as in Backscatter; they replace those of the bed's material.
+    """
+
+    bed: MaterialName = "sand"
+    steep: MaterialName = "rock"
+    land: MaterialName = "land"
+    strength_db: Strength | None = None
+    relief: Relief | None = None
+
+    @property
+    def backscatter(self) -> Backscatter:
+        """How it scatters sound."""
+        return _with_own(BACKSCATTER[self.bed], self.strength_db, self.relief)
+
+
+def _with_own(usual: Backscatter, strength_db: float | None, relief: float | None) -> Backscatter:
+    return Backscatter(
+        strength_db=usual.strength_db if strength_db is None else strength_db,
+        relief=usual.relief if relief is None else relief,
+    )

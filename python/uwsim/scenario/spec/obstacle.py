@@ -1,0 +1,139 @@
+"""Fixed obstacles in the water, selected by `kind`. Each one both collides and echoes.
+
+Rays meet round obstacles as exact shapes; contacts and map scores use meshes of them, see build/obstacles.py.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from uwsim.scenario.spec.fields import (
+    AssetFile,
+    Degrees,
+    Factor,
+    InRange,
+    Model,
+    Name,
+    Point2,
+    Point3,
+    Size,
+    YawPitchRoll,
+    broken,
+)
+from uwsim.scenario.spec.material import Material, MaterialSpec
+
+MAX_BEND_DEG = 120.0
+LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+class Pipeline(Model):
+    """A pipe that follows the terrain under a line through points_m (x, y).
+
+    buried_fraction: share of the diameter below the bed.
+    """
+
+    kind: Literal["pipeline"]
+    name: Name
+    material: MaterialSpec = Material(kind="concrete")
+    points_m: Annotated[tuple[Point2, ...], Field(min_length=2, max_length=1000)]
+    radius_m: Annotated[float, InRange(0.02, 10, "m")]
+    buried_fraction: Annotated[float, InRange(0, 0.95)] = 0.2
+
+    @model_validator(mode="after")
+    def _bends_gently(self) -> Pipeline:
+        headings = []
+        for (x0, y0), (x1, y1) in pairwise(self.points_m):
+            if math.hypot(x1 - x0, y1 - y0) < 1e-3:
+                raise broken(f"the point ({x1:g}, {y1:g}) m comes twice in a row", at=("points_m",))
+            headings.append(math.atan2(y1 - y0, x1 - x0))
+        for before, after in pairwise(headings):
+            bend_deg = abs(math.degrees(math.remainder(after - before, 2 * math.pi)))
+            if bend_deg > MAX_BEND_DEG:
+                rule = f"the pipe bends by {bend_deg:.0f} deg, must be at most {MAX_BEND_DEG:.0f} deg"
+                raise broken(rule, at=("points_m",))
+        return self
+
+
+class Gate(Model):
+    """Two posts and a crossbar that stand on the terrain at position_m (x, y); the passage is along the gate's x.
+
+    yaw_deg: of the gate's x from east, counter-clockwise. width_m: between the posts' axes. height_m: of the crossbar's
+    axis above the bed at position_m. lower_bar_m: height of a second bar, none by default.
+    """
+
+    kind: Literal["gate"]
+    name: Name
+    material: MaterialSpec = Material(kind="paint")
+    position_m: Point2
+    yaw_deg: Degrees = 0.0
+    width_m: Annotated[float, InRange(0.2, 200, "m")]
+    height_m: Annotated[float, InRange(0.2, 200, "m")]
+    bar_radius_m: Annotated[float, InRange(0.01, 5, "m")] = 0.1
+    lower_bar_m: Annotated[float, InRange(0, 200, "m")] | None = None
+
+    @model_validator(mode="after")
+    def _is_open(self) -> Gate:
+        if 2 * self.bar_radius_m >= min(self.width_m, self.height_m):
+            rule = "must be below half of width_m and of height_m"
+            raise broken(rule, at=("bar_radius_m",), value=self.bar_radius_m, unit="m")
+        if self.lower_bar_m is not None and self.lower_bar_m >= self.height_m:
+            rule = f"must be below height_m ({self.height_m:g} m)"
+            raise broken(rule, at=("lower_bar_m",), value=self.lower_bar_m, unit="m")
+        return self
+
+
+class Box(Model):
+    """A cuboid; position_m: its centre (world)."""
+
+    kind: Literal["box"]
+    name: Name
+    material: MaterialSpec = Material(kind="concrete")
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = LEVEL
+    size_m: tuple[Size, Size, Size]
+
+
+class Cylinder(Model):
+    """A cylinder along its own z; position_m: its centre (world)."""
+
+    kind: Literal["cylinder"]
+    name: Name
+    material: MaterialSpec = Material(kind="steel")
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = LEVEL
+    radius_m: Size
+    length_m: Size
+
+
+class Sphere(Model):
+    """A ball; position_m: its centre (world)."""
+
+    kind: Literal["sphere"]
+    name: Name
+    material: MaterialSpec = Material(kind="steel")
+    position_m: Point3
+    radius_m: Size
+
+
+class MeshObstacle(Model):
+    """A mesh file (FBX, glTF, OBJ, STL, PLY and others); position_m: where its own origin is (world).
+
+    scale: metres for each unit of the file. up: the file's axis that points up; by default y for glTF, what the file
+    declares for FBX, z for the rest.
+    """
+
+    kind: Literal["mesh"]
+    name: Name
+    material: MaterialSpec = Material(kind="steel")
+    file: AssetFile
+    position_m: Point3
+    yaw_pitch_roll_deg: YawPitchRoll = LEVEL
+    scale: Factor = 1.0
+    up: Literal["y", "z"] | None = None
+
+
+ObstacleSpec = Annotated[Pipeline | Gate | Box | Cylinder | Sphere | MeshObstacle, Field(discriminator="kind")]

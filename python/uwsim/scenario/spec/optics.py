@@ -1,0 +1,52 @@
+"""The light in a scenario: water, sun, wind on the surface, particles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+
+from uwsim import _core
+from uwsim.scenario.spec.fields import Degrees, InRange, Model, OneOf, broken
+
+PerMetre = Annotated[float, InRange(1e-4, 100, "1/m")]
+PerBand = tuple[PerMetre, PerMetre, PerMetre]
+
+
+class WaterCoefficients(Model):
+    """A custom water, for red (600 nm), green (550 nm), blue (450 nm): Kd of daylight, absorption, scattering [1/m]."""
+
+    diffuse_attenuation: PerBand
+    absorption: PerBand
+    scattering: PerBand
+
+
+def _jerlov(value: object) -> object:
+    if not isinstance(value, str):
+        raise broken(f"must be one of {', '.join(_core.jerlov_types())}")
+    return value
+
+
+class Optics(Model):
+    """The light that cameras see by.
+
+    jerlov: the water type, unless coefficients are given. sun_azimuth_deg: direction towards the sun, from east,
+    counter-clockwise. wind_m_s, wind_heading_deg: the breeze that ruffles the surface, and the direction in which it
+    blows; its ripples only bend light: vehicles feel the waves of `water.surface`. particles_per_m3: those large enough
+    to be seen one by one.
+    """
+
+    jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(_core.jerlov_types())] = "III"
+    coefficients: WaterCoefficients | None = None
+    sun_elevation_deg: Annotated[float, InRange(-6, 90, "deg")] = 55.0
+    sun_azimuth_deg: Degrees = 120.0
+    wind_m_s: Annotated[float, InRange(0, 14, "m/s")] = 3.0
+    wind_heading_deg: Degrees = 20.0
+    particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
+
+    def with_changes(self, changes: Mapping[str, Any]) -> Optics:
+        """Return a copy with some fields replaced and checked. Raises ScenarioError."""
+        from uwsim.scenario.read.validation_errors import validated
+
+        return validated(Optics, {**{key: getattr(self, key) for key in type(self).model_fields}, **changes})

@@ -1,0 +1,108 @@
+"""A scenario: the place, the obstacles in it, the vehicles and the survey that they are sent to fly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.spec.fields import InRange, Model, Name, broken
+from uwsim.scenario.spec.material import Ground
+from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.survey import Survey
+from uwsim.scenario.spec.terrain import TerrainSpec
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.scenario.spec.water import Water
+
+RESERVED_NAMES = ("nothing", "terrain", "station")
+
+
+class WarningLimits(Model):
+    """When the panel warns: farther than range_m from the station, lower than proximity_m above the bed."""
+
+    range_m: Annotated[float, InRange(0, 1e5, "m")] = 110.0
+    proximity_m: Annotated[float, InRange(0, 1e3, "m")] = 10.0
+
+
+class Scenario(Model):
+    """Everything that determines a run's results. World ENU, z up, water surface at z = 0."""
+
+    name: Name
+    description: str = ""
+    seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
+    step_s: Annotated[float, InRange(0.0005, 0.02, "s")] = 0.005
+    mission_time_s: Annotated[float, InRange(1, 1e6, "s")] = 3600.0
+    water: Water = Water()
+    optics: Optics = Optics()
+    terrain: TerrainSpec
+    ground: Ground = Ground()
+    obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
+    station: Station
+    vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
+    warnings: WarningLimits = WarningLimits()
+    survey: Survey | None = None
+
+    _source_file: SourceFile = PrivateAttr(default=SourceFile())
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Scenario:
+        taken = set(RESERVED_NAMES)
+        for kind, items in (("obstacles", self.obstacles), ("vehicles", self.vehicles)):
+            for index, item in enumerate(items):
+                if item.name in taken:
+                    raise broken("is taken", at=(kind, index, "name"), value=item.name)
+                taken.add(item.name)
+        return self
+
+    @model_validator(mode="after")
+    def _at_most_one_is_docked(self) -> Scenario:
+        docked = [index for index, vehicle in enumerate(self.vehicles) if vehicle.start is None]
+        if len(docked) > 1:
+            rule = "the dock holds one vehicle; give this one a position_m"
+            raise broken(rule, at=("vehicles", docked[1], "start"), value="station")
+        return self
+
+    @property
+    def source_file(self) -> SourceFile:
+        """The file that the scenario was read from, for messages."""
+        return self._source_file
+
+    def read_from(self, source_file: SourceFile) -> Self:
+        """Return a copy whose errors name this file and its lines."""
+        copy = super().model_copy()
+        copy._source_file = source_file
+        return copy
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy as pydantic does; a copy with updates no longer refers to the file."""
+        copy = super().model_copy(update=update, deep=deep)
+        return copy.read_from(SourceFile()) if update else copy
+
+    def with_changes(
+        self,
+        *,
+        seed: int | None = None,
+        mission_time_s: float | None = None,
+        sonar_model: int | str | Path | None = None,
+        sonar_frequency_khz: float | None = None,
+    ) -> Scenario:
+        """Return a checked copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError."""
+        data: dict[str, Any] = {key: getattr(self, key) for key in type(self).model_fields}
+        if seed is not None:
+            data["seed"] = seed
+        if mission_time_s is not None:
+            data["mission_time_s"] = mission_time_s
+        if sonar_model is not None or sonar_frequency_khz is not None:
+            changes: dict[str, object] = {"frequency_khz": sonar_frequency_khz}
+            if sonar_model is not None:
+                changes["model"] = sonar_model
+            data["vehicles"] = [
+                {**dict(vehicle), "sonar": {**dict(vehicle.sonar), **changes}} for vehicle in self.vehicles
+            ]
+        return validated(Scenario, data).read_from(self._source_file)

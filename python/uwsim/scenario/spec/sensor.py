@@ -1,0 +1,129 @@
+"""A vehicle's sensor, as read from its YAML file: its kind, where it is mounted, its rate and its errors.
+
+The native core's table of kinds (cpp/uwsim/sensors/) lists the kinds and their parameters: a new
+kind needs nothing here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim import _core
+from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
+from uwsim.scenario.spec.parameter import checked_values
+
+Magnitude = Annotated[float, InRange(0, 1e9)]
+Limit = Annotated[float, InRange(-1e12, 1e12)]
+
+
+class Noise(Model):
+    """Errors of a sensor, or of one of its channels, in its unit u; those left out are zero.
+
+    std [u]: white noise of each sample. density [u/sqrt(Hz)]: white noise as in data sheets; std = density x
+    sqrt(rate). turn_on_std [u]: a constant bias, drawn once for each run. bias_std [u], bias_time_s: a bias that varies
+    about zero, first-order Gauss-Markov. walk [u/sqrt(s)]: a bias that is a random walk from zero. quantum [u]:
+    readings are integer multiples of it. limits [u]: readings saturate at them.
+    """
+
+    std: Magnitude = 0.0
+    density: Magnitude = 0.0
+    turn_on_std: Magnitude = 0.0
+    bias_std: Magnitude = 0.0
+    bias_time_s: Annotated[float, InRange(1e-6, 1e9, "s")] | None = None
+    walk: Magnitude = 0.0
+    quantum: Magnitude = 0.0
+    limits: tuple[Limit, Limit] | None = None
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Noise:
+        if self.bias_std > 0 and self.bias_time_s is None:
+            raise broken("missing: bias_std needs its correlation time", at=("bias_time_s",))
+        if self.limits is not None and self.limits[0] >= self.limits[1]:
+            raise broken("must be the lower, then the upper limit", at=("limits",), value=list(self.limits))
+        return self
+
+
+class SensorMount(Model):
+    """A sensor of one of _core.sensor_kinds(), and where it is mounted on the body.
+
+    Rays are cast along the sensor's x: yaw 90 looks to port. Parameters of the kind (_core.sensor_kind(...).parameters,
+    such as range_max_m) stand beside the other keys in YAML, and in `parameters` here.
+    rate_hz: of samples; every step by default. latency_s: from the measurement to its arrival. drop_out: the share of
+    samples that is lost; a read then returns the last sample that was not, marked invalid.
+    noise: of every channel; noise_std: short for noise: {std: ...}. channels: by name, instead of `noise`.
+    """
+
+    kind: str
+    position_m: Point3 = (0.0, 0.0, 0.0)
+    yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
+    rate_hz: Annotated[float, InRange(1e-4, 1e5, "Hz")] | None = None
+    latency_s: Annotated[float, InRange(0, 60, "s")] = 0.0
+    drop_out: Annotated[float, InRange(0, 0.999)] = 0.0
+    noise_std: Magnitude | None = None
+    noise: Noise | None = None
+    channels: dict[str, Noise] = Field(default_factory=dict)
+    parameters: dict[str, tuple[float, ...]] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gathers_parameters(cls, data: object) -> object:
+        if not isinstance(data, Mapping) or "kind" not in data:
+            return data
+        known = _core.sensor_kinds()
+        if data["kind"] not in known:
+            hint = did_you_mean(str(data["kind"]), known)
+            raise broken(f"must be one of {', '.join(known)}{hint}", at=("kind",), value=str(data["kind"]))
+        parameters = _core.sensor_kind(data["kind"]).parameters
+        own = {key: value for key, value in data.items() if key not in parameters}
+        for key in own:
+            if key not in cls.model_fields:
+                hint = did_you_mean(str(key), [*cls.model_fields, *parameters])
+                raise broken(f"unknown key{hint}", at=(str(key),))
+        given = {key: checked_values(key, data[key], parameters[key]) for key in data if key in parameters}
+        for key, parameter in parameters.items():
+            if math.isnan(parameter.by_default) and key not in {**given, **own.get("parameters", {})}:
+                raise broken("missing", at=(key,))
+        return {**own, "parameters": {**own.get("parameters", {}), **given}}
+
+    @model_validator(mode="after")
+    def _knows_its_channels(self) -> SensorMount:
+        known = _core.sensor_kind(self.kind).channels
+        for name in self.channels:
+            if name not in known:
+                raise broken(
+                    f"must be one of {', '.join(known) or 'none'}{did_you_mean(name, known)}",
+                    at=("channels", name),
+                    value=name,
+                )
+        if self.noise is not None and self.noise_std is not None:
+            raise broken("give either noise or noise_std", at=("noise_std",), value=self.noise_std)
+        return self
+
+
+class SensorSet(Model):
+    """Sensors that several vehicles have in common, in a YAML file of their own."""
+
+    name: Name
+    description: str = ""
+    sensors: dict[Name, SensorMount]
+
+
+def load_sensors(source: str | Path, folder: Path | None = None) -> dict[str, SensorMount]:
+    """Load a set from a packaged name ("bluerov2") or a path, relative to `folder`. Raises ScenarioError."""
+    return read_spec(SensorSet, source, "sensors", folder).sensors
+
+
+def _sensors(value: object, info: ValidationInfo) -> object:
+    return load_sensors(value, (info.context or {}).get("folder")) if isinstance(value, str | Path) else value
+
+
+Sensors = Annotated[dict[Name, SensorMount], BeforeValidator(_sensors)]
+"""By name; or the packaged name or the path of a SensorSet's file."""

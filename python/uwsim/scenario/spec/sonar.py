@@ -1,0 +1,161 @@
+"""A multibeam's model, as read from its YAML file: its fan and, for physics mode, its acoustic figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+from scipy.spatial.transform import Rotation
+
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
+
+WIRE_NUMBERS = (1, 4)
+BeamWidth = Annotated[float, InRange(0.01, 80, "deg")]
+NoiseLevel = Annotated[float, InRange(-100, 200, "dB")]
+FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
+
+
+class SonarMounting(Model):
+    """The pose of the head on the vehicle's mount: x forward, y left, z up."""
+
+    position_m: Point3 = (0.0, 0.0, 0.0)
+    yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
+
+    @property
+    def orientation_xyzw(self) -> tuple[float, float, float, float]:
+        """The orientation of the head relative to the mount."""
+        x, y, z, w = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_quat().tolist()
+        return x, y, z, w
+
+
+class SonarNoise(Model):
+    """The noise of the receiver and its effects.
+
+    level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio with a detection
+    probability of one half. false_detections: whether noise may be detected as a bottom. range: whether ranges err.
+    """
+
+    level_db: NoiseLevel = 45.0
+    detection_threshold_db: Annotated[float, InRange(-20, 60, "dB")] = 13.0
+    false_detections: bool = True
+    range: bool = True
+
+
+class SonarBand(Model):
+    """A frequency of the instrument, and its figures there.
+
+    range_max_m: a range at or beyond it is no echo. range_limit_m: the published decoder's limit, beyond which a range
+    means no echo; range_max_m by default. Beam widths: -3 dB, one way; along: the transmitter's, across the plane of
+    the fan; across: a receiving beam's, within it. The last six are for physics mode: all or none.
+    """
+
+    frequency_khz: FrequencyKhz
+    field_of_view_deg: Annotated[float, InRange(0.1, 360, "deg")]
+    range_max_m: Annotated[float, InRange(0.1, 12_000, "m")]
+    range_limit_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
+    beam_width_along_deg: BeamWidth | None = None
+    beam_width_across_deg: BeamWidth | None = None
+    pulse_length_s: Annotated[float, InRange(1e-6, 1, "s")] | None = None
+    bandwidth_hz: Annotated[float, InRange(1, 5e6, "Hz")] | None = None
+    source_level_db: Annotated[float, InRange(50, 300, "dB")] | None = None
+    directivity_index_db: Annotated[float, InRange(0, 60, "dB")] | None = None
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> SonarBand:
+        acoustic = {key: getattr(self, key) for key in ACOUSTIC}
+        missing = [key for key, value in acoustic.items() if value is None]
+        if missing and len(missing) < len(acoustic):
+            raise broken("missing: physics mode needs it beside the others", at=(missing[0],))
+        if self.range_limit_m is not None and self.range_limit_m > self.range_max_m:
+            rule = f"must be at most range_max_m, {self.range_max_m:g} m"
+            raise broken(rule, at=("range_limit_m",), value=self.range_limit_m, unit="m")
+        if self.bandwidth_hz is not None and self.pulse_length_s is not None:
+            if self.bandwidth_hz > 1000 * self.frequency_khz:
+                rule = f"must be at most the frequency, {1000 * self.frequency_khz:g} Hz"
+                raise broken(rule, at=("bandwidth_hz",), value=self.bandwidth_hz, unit="Hz")
+            if self.bandwidth_hz * self.pulse_length_s < 0.99:
+                rule = f"must be at least 1 / bandwidth_hz, {1 / self.bandwidth_hz:.3g} s, as for any pulse"
+                raise broken(rule, at=("pulse_length_s",), value=self.pulse_length_s, unit="s")
+        return self
+
+
+ACOUSTIC = (
+    "beam_width_along_deg",
+    "beam_width_across_deg",
+    "pulse_length_s",
+    "bandwidth_hz",
+    "source_level_db",
+    "directivity_index_db",
+)
+
+
+class SonarModel(Model):
+    """A commercial multibeam.
+
+    beams: evenly spaced over the field of view, about the head's forward axis. wire_number: of the four models of the
+    published simulator. ping_rate_max_hz: limit of the electronics. frequencies: a scenario selects one.
+    """
+
+    name: Name
+    description: str = ""
+    wire_number: Annotated[int, InRange(*WIRE_NUMBERS)] | None = None
+    dual_swath: bool = False
+    beams: Annotated[int, InRange(2, 8192)]
+    ping_rate_max_hz: Annotated[float, InRange(0.01, 1000, "Hz")] = 50.0
+    tilt_rate_deg_s: Annotated[float, InRange(0.01, 1000, "deg/s")] = 5.0
+    mounting: SonarMounting = SonarMounting()
+    noise: SonarNoise = SonarNoise()
+    frequencies: Annotated[tuple[SonarBand, ...], Field(min_length=1, max_length=32)]
+
+    @model_validator(mode="after")
+    def _has_each_frequency_once(self) -> SonarModel:
+        seen: set[float] = set()
+        for index, band in enumerate(self.frequencies):
+            if band.frequency_khz in seen:
+                at = ("frequencies", index, "frequency_khz")
+                raise broken("is given twice", at=at, value=band.frequency_khz, unit="kHz")
+            seen.add(band.frequency_khz)
+        return self
+
+    def band(self, frequency_khz: float | None = None) -> SonarBand:
+        """Return the figures at a frequency, which may be left out if there is only one. Raises ValueError."""
+        known = ", ".join(f"{band.frequency_khz:g}" for band in self.frequencies)
+        if frequency_khz is None and len(self.frequencies) > 1:
+            raise ValueError(f"frequency_khz: missing: {self.name} works at {known} kHz, choose one")
+        for band in self.frequencies:
+            if frequency_khz is None or band.frequency_khz == frequency_khz:
+                return band
+        raise ValueError(f"frequency_khz = {frequency_khz:g} kHz: {self.name} works at {known} kHz")
+
+    def acoustic_band(self, frequency_khz: float | None = None) -> SonarBand:
+        """Return the figures at a frequency for physics mode. Raises ValueError if they are missing."""
+        band = self.band(frequency_khz)
+        for key in ACOUSTIC:
+            if getattr(band, key) is None:
+                raise ValueError(f"{self.name} at {band.frequency_khz:g} kHz: {key}: missing: physics mode needs it")
+        return band
+
+    def within(self, range_m: float) -> SonarModel:
+        """Return the model with its ranges limited."""
+        bands = [
+            band.model_copy(
+                update={
+                    "range_max_m": min(band.range_max_m, range_m),
+                    "range_limit_m": None if band.range_limit_m is None else min(band.range_limit_m, range_m),
+                }
+            )
+            for band in self.frequencies
+        ]
+        return self.model_copy(update={"frequencies": tuple(bands)})
+
+
+def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarModel:
+    """Load a model from its number on the wire (1 to 4), a packaged name ("em2040-04") or a path. ScenarioError."""
+    if isinstance(source, int):
+        source = f"em2040-{source}"
+    return read_spec(SonarModel, source, "sonars", folder)
+
+
+SonarMode = Literal["geometry", "physics"]

@@ -1,0 +1,81 @@
+"""The multibeam that a scenario gives a vehicle: which model, and how it is simulated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import PlainSerializer, PlainValidator, model_validator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.fields import InRange, Model, NoseDown, broken
+from uwsim.scenario.spec.sonar import WIRE_NUMBERS, FrequencyKhz, SonarMode, SonarModel, load_sonar
+
+
+def _sonar_model(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str | Path):
+        return load_sonar(value, folder=(info.context or {}).get("folder"))
+    if isinstance(value, SonarModel):
+        return value
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
+        raise broken("must be a whole number, or a model's name or the path of its file")
+    low, high = WIRE_NUMBERS
+    if not low <= value <= high:
+        raise broken(f"must be in [{low}, {high}]")
+    return int(value)
+
+
+def _dumped(model: int | SonarModel) -> object:
+    return model.model_dump() if isinstance(model, SonarModel) else model
+
+
+class SonarSetup(Model):
+    """Which multibeam a vehicle carries, and how it is simulated.
+
+    model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
+    swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel.
+    frequency_khz: for a model that works at several. range_m: the operator's setting, for a model that reaches farther:
+    the ping rate is then limited by the sound's travel from there. mode: `geometry`, one exact ray for each beam, or
+    `physics`, whose ranges, errors and gaps follow from its acoustics. bending: in physics mode rays follow the water's
+    sound-speed profile. tilt_deg: at the start, positive nose down, as scanPos on the wire.
+    """
+
+    model: Annotated[int | SonarModel, PlainValidator(_sonar_model), PlainSerializer(_dumped)] = 2
+    frequency_khz: FrequencyKhz | None = None
+    range_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
+    mode: SonarMode = "geometry"
+    bending: bool = False
+    rays_per_beam: Annotated[int, InRange(4, 64)] = 8
+    tilt_deg: NoseDown = 0.0
+
+    @model_validator(mode="after")
+    def _fits_its_model(self) -> SonarSetup:
+        if self.range_m is not None and self.loaded.wire_number is not None:
+            rule = "is for instruments that are not on the wire: the published one's range is its model's"
+            raise broken(rule, at=("range_m",), value=self.range_m, unit="m")
+        if self.bending and self.mode != "physics":
+            raise broken("is for `mode: physics` only", at=("bending",), value=self.bending)
+        try:
+            if self.mode == "physics":
+                self.loaded.acoustic_band(self.frequency_khz)
+            else:
+                self.loaded.band(self.frequency_khz)
+        except ScenarioError:
+            raise
+        except ValueError as error:
+            raise broken(str(error)) from None
+        return self
+
+    @property
+    def loaded(self) -> SonarModel:
+        """The model itself, limited to range_m."""
+        model = self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
+        return model if self.range_m is None else model.within(self.range_m)
+
+    @property
+    def title(self) -> str:
+        """The model's number on the wire, or its name; and the frequency if it was chosen."""
+        name = self.model.name if isinstance(self.model, SonarModel) else str(self.model)
+        return name if self.frequency_khz is None else f"{name} at {self.frequency_khz:g} kHz"

@@ -1,0 +1,26 @@
+"""The control station."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from uwsim.scenario.spec.camera import STATION_CAMERA, CameraMounts
+from uwsim.scenario.spec.fields import AssetFile, Degrees, Model, Point3
+from uwsim.scenario.spec.material import Material, MaterialSpec
+
+
+class Station(Model):
+    """The control station: distances are measured from it, and a vehicle may start docked at it.
+
+    position_m: of its own origin, on the water line. yaw_deg: of its x axis from east, counter-clockwise.
+    mesh: closed or not, in the station's frame; without one the station is a point. dock_m: where the origin of a
+    docked vehicle is held, in the station's frame; the vehicle points along the station's x. cameras: by name, in the
+    station's frame.
+    """
+
+    position_m: Point3
+    yaw_deg: Degrees = 0.0
+    mesh: AssetFile | None = None
+    dock_m: Point3 = (0.0, 0.0, 0.0)
+    material: MaterialSpec = Material(kind="paint", colour=(0.75, 0.42, 0.07))
+    cameras: CameraMounts = Field(default_factory=lambda: {"station": STATION_CAMERA})

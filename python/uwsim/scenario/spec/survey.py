@@ -1,0 +1,44 @@
+"""The survey that `uwsim survey` flies in a scenario."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from uwsim.scenario.spec.fields import InRange, Model, NoseDown, Point2, broken
+from uwsim.scenario.spec.polygon import area, crossing_edges, narrowest_width
+
+MIN_WIDTH_VOXELS, MIN_AREA_VOXELS = 2, 10
+"""A smaller survey area would hardly show on the map."""
+
+
+class Survey(Model):
+    """The survey of the scenario.
+
+    area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of
+    the lawn-mower's lanes. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
+    """
+
+    area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]
+    altitude_m: Annotated[float, InRange(0.5, 500, "m")]
+    line_spacing_m: Annotated[float, InRange(0.5, 500, "m")]
+    speed_m_s: Annotated[float, InRange(0.05, 5, "m/s")]
+    tilt_deg: NoseDown = 30.0
+    ping_rate_hz: Annotated[float, InRange(0.1, 50, "Hz")] = 10.0
+    voxel_m: Annotated[float, InRange(0.02, 10, "m")] = 0.5
+
+    @model_validator(mode="after")
+    def _is_a_polygon_of_some_size(self) -> Survey:
+        crossing = crossing_edges(self.area_m)
+        if crossing is not None:
+            raise broken(f"the edges that start at its corners {crossing[0]} and {crossing[1]} meet", at=("area_m",))
+        width, least = narrowest_width(self.area_m), MIN_WIDTH_VOXELS * self.voxel_m
+        if width < least:
+            rule = f"is {width:.3g} m across where it is narrowest: must be at least {MIN_WIDTH_VOXELS} voxels"
+            raise broken(f"{rule}, {least:g} m", at=("area_m",))
+        size, least = area(self.area_m), MIN_AREA_VOXELS * self.voxel_m**2
+        if size < least:
+            rule = f"covers {size:.3g} m2: must be at least {MIN_AREA_VOXELS} voxels, {least:g} m2"
+            raise broken(rule, at=("area_m",))
+        return self

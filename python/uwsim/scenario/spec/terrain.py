@@ -1,0 +1,125 @@
+"""A scenario's terrain: from noise, from an elevation raster, or from the grey levels of an image."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Metres, Model, Size, broken
+
+MAX_NODES = 16_000_000
+"""4,000 x 4,000 nodes: 64 MB of heights, and some 3 GB of triangles for ray casting."""
+
+Spacing = Annotated[float, InRange(0.02, 100, "m")]
+Coordinate = Annotated[float, InRange(-1e9, 1e9)]
+
+
+class Grid(Model):
+    """The grid that every terrain has. Its middle is the world's origin.
+
+    size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: between neighbouring heights.
+    """
+
+    spacing_m: Spacing = 0.5
+
+    @staticmethod
+    def _check_grid(size_m: tuple[float, float], spacing_m: float) -> None:
+        cells = [size / spacing_m for size in size_m]
+        for size, count in zip(size_m, cells, strict=True):
+            if abs(count - round(count)) > 1e-6 or round(count) < 1:
+                raise broken(
+                    f"must be a whole number of spacing_m ({spacing_m:g} m)", at=("size_m",), value=size, unit="m"
+                )
+        nodes = (round(cells[0]) + 1) * (round(cells[1]) + 1)
+        if nodes > MAX_NODES:
+            rule = f"makes {nodes} heights, must be at most {MAX_NODES}: enlarge it or make size_m smaller"
+            raise broken(rule, at=("spacing_m",), value=spacing_m, unit="m")
+
+
+class Rim(Model):
+    """Hills all round the lake, above water everywhere on the terrain's edge.
+
+    height_m: mean height of the crest, which varies by half of that. width_m: distance over which the bed rises to the
+    crest.
+    """
+
+    height_m: Annotated[float, InRange(0.1, 1000, "m")]
+    width_m: Size
+
+
+class NoiseTerrain(Grid):
+    """A bed of fractal OpenSimplex2 noise, ringed by hills.
+
+    seed: of this noise; it is not the scenario's seed, so that the terrain stays when the sensors' noise changes.
+    bed_depth_m: mean depth of the bed. hill_height_m: how far the bed may rise above and fall below that.
+    hill_wavelength_m: of the broadest hills; each further octave halves it and multiplies the height by `gain`.
+    """
+
+    source: Literal["noise"]
+    size_m: tuple[Size, Size]
+    seed: Annotated[int, InRange(0, 2**31 - 2)] = 0
+    bed_depth_m: Annotated[float, InRange(0, 1000, "m")]
+    hill_height_m: Annotated[float, InRange(0, 500, "m")] = 0.0
+    hill_wavelength_m: Size = 100.0
+    octaves: Annotated[int, InRange(1, 8)] = 5
+    gain: Annotated[float, InRange(0.01, 0.99)] = 0.4
+    rim: Rim | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> NoiseTerrain:
+        self._check_grid(self.size_m, self.spacing_m)
+        return self
+
+
+class RasterTerrain(Grid):
+    """An elevation grid that GDAL reads: GeoTIFF, ESRI ASCII (.asc) and others.
+
+    crs: coordinate system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names
+    one, a file whose cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres
+    by a transverse Mercator projection centred on the terrain.
+    water_level_m: elevation of the water surface in the file's own units; it becomes z = 0.
+    horizontal_scale: simulated metres for each real metre; 0.05 makes 10 km a 500 m lake. vertical_scale: likewise.
+    centre: of the terrain in the file's coordinates (longitude, latitude or easting, northing); default the file's
+    centre. size_m: simulated extent; default the largest that fits. fill_nodata: interpolate cells without data.
+    """
+
+    source: Literal["raster"]
+    file: AssetFile
+    band: Annotated[int, InRange(1, 1000)] | None = None
+    crs: str | None = None
+    water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")]
+    horizontal_scale: Factor = 1.0
+    vertical_scale: Factor = 1.0
+    centre: tuple[Coordinate, Coordinate] | None = None
+    size_m: tuple[Size, Size] | None = None
+    interpolation: Literal["cubic", "linear"] = "cubic"
+    fill_nodata: bool = False
+
+    @model_validator(mode="after")
+    def _fits(self) -> RasterTerrain:
+        if self.size_m is not None:
+            self._check_grid(self.size_m, self.spacing_m)
+        return self
+
+
+class ImageTerrain(Grid):
+    """The grey levels of an 8 or 16 bit image, its first row in the north, its outer pixels' centres on the edge.
+
+    black_m, white_m: z at grey level 0 and at the highest one (255 or 65535).
+    """
+
+    source: Literal["image"]
+    file: AssetFile
+    size_m: tuple[Size, Size]
+    black_m: Metres
+    white_m: Metres
+    interpolation: Literal["cubic", "linear"] = "cubic"
+
+    @model_validator(mode="after")
+    def _fits(self) -> ImageTerrain:
+        self._check_grid(self.size_m, self.spacing_m)
+        return self
+
+
+TerrainSpec = Annotated[NoiseTerrain | RasterTerrain | ImageTerrain, Field(discriminator="source")]

@@ -1,0 +1,150 @@
+"""A vehicle model, as read from its YAML file. Body frame: x forward, y left, z up; its origin is the mesh's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
+from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
+from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.material import Material, MaterialSpec
+from uwsim.scenario.spec.sensor import Sensors
+
+Force = Annotated[float, InRange(0, 1e6, "N")]
+Torque = Annotated[float, InRange(0, 1e6, "N m")]
+AlongMass = Annotated[float, InRange(0, 1e6, "kg")]
+AboutMass = Annotated[float, InRange(0, 1e6, "kg m2")]
+AlongLinear = Annotated[float, InRange(0, 1e6, "N s/m")]
+AboutLinear = Annotated[float, InRange(0, 1e6, "N m s/rad")]
+AlongQuadratic = Annotated[float, InRange(0, 1e6, "N s2/m2")]
+AboutQuadratic = Annotated[float, InRange(0, 1e6, "N m s2/rad2")]
+Inertia = Annotated[float, InRange(1e-6, 1e6, "kg m2")]
+Entry = Annotated[float, InRange(-1e6, 1e6)]
+Row = tuple[Entry, Entry, Entry, Entry, Entry, Entry]
+Matrix = tuple[Row, Row, Row, Row, Row, Row]
+
+
+class SonarMount(Model):
+    """The mount of the multibeam's head, which looks forward and tilts about the body's y."""
+
+    position_m: Point3
+
+
+class VehicleModel(Model):
+    """A rigid vehicle, driven by thrusters and fins, or by forces and torques along and about its axes.
+
+    mesh: the hull, closed and winding outward. Buoyancy acts on its triangles, and it collides. It also gives the
+    volume, and the inertia (as a solid of uniform density) if inertia_kg_m2 is left out.
+    mass_kg, density_kg_m3 (of the hull's volume), `buoyancy: neutral` (the mass of the water that the whole hull
+    displaces in the scenario's water): exactly one must be given.
+    volume_m3, centre_of_buoyancy_m: published figures, to which the mesh is scaled and moved; it must be near them.
+    collision: as the convex hull, as the bounding box, or as the convex pieces in the file collision_pieces, which
+    `uwsim decompose` makes from the mesh.
+    Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative.
+    linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: diagonal, zero by default.
+    Each of these three may be given as a full matrix about the origin instead, by rows: added_mass_matrix and so on.
+    inertia_kg_m2: principal moments about the centre of mass along the body's axes.
+    max_force_n, max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters.
+    thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one.
+    material: of the hull, for cameras.
+    """
+
+    name: Name
+    description: str = ""
+    mesh: AssetFile
+    mesh_scale: Factor = 1.0
+    mesh_up: Literal["y", "z"] | None = None
+    collision: Literal["hull", "box", "pieces"] = "hull"
+    collision_pieces: AssetFile | None = None
+
+    mass_kg: Annotated[float, InRange(0.01, 1e6, "kg")] | None = None
+    density_kg_m3: Annotated[float, InRange(1, 20_000, "kg/m3")] | None = None
+    buoyancy: Literal["neutral"] | None = None
+    volume_m3: Annotated[float, InRange(1e-6, 1e5, "m3")] | None = None
+    centre_of_buoyancy_m: Point3 | None = None
+    centre_of_mass_m: Point3
+    inertia_kg_m2: tuple[Inertia, Inertia, Inertia] | None = None
+
+    added_mass: tuple[AlongMass, AlongMass, AlongMass, AboutMass, AboutMass, AboutMass] | None = None
+    added_mass_matrix: Matrix | None = None
+    linear_damping: tuple[AlongLinear, AlongLinear, AlongLinear, AboutLinear, AboutLinear, AboutLinear] | None = None
+    linear_damping_matrix: Matrix | None = None
+    quadratic_damping: (
+        tuple[AlongQuadratic, AlongQuadratic, AlongQuadratic, AboutQuadratic, AboutQuadratic, AboutQuadratic] | None
+    ) = None
+    quadratic_damping_matrix: Matrix | None = None
+
+    max_force_n: tuple[Force, Force, Force] | None = None
+    max_torque_nm: tuple[Torque, Torque, Torque] | None = None
+    thrusters: dict[Name, ThrusterMount] = Field(default_factory=dict)
+    fins: dict[Name, FinMount] = Field(default_factory=dict)
+
+    # Coulomb's coefficient; two bodies in contact combine by the geometric mean.
+    friction: Annotated[float, InRange(0, 2)] = 0.5
+    # Share of the approach speed that is kept; of two bodies in contact the larger one counts.
+    restitution: Annotated[float, InRange(0, 1)] = 0.1
+
+    sonar: SonarMount | None = None
+    sensors: Sensors = Field(default_factory=dict)
+    cameras: CameraMounts = Field(default_factory=dict)
+    lamps: LampSwitches = Field(default_factory=dict)
+    material: MaterialSpec = Material(kind="paint")
+    imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _has_collision_pieces_if_needed(self) -> VehicleModel:
+        if self.collision == "pieces" and self.collision_pieces is None:
+            raise broken("missing: make it with `uwsim decompose` from the mesh", at=("collision_pieces",))
+        if self.collision != "pieces" and self.collision_pieces is not None:
+            raise broken("is only for `collision: pieces`", at=("collision_pieces",))
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_mass(self) -> VehicleModel:
+        given = [key for key in ("mass_kg", "density_kg_m3", "buoyancy") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise broken(f"exactly one of mass_kg, density_kg_m3 and buoyancy must be given, not {len(given)}")
+        if self.inertia_kg_m2 is not None:
+            smallest, middle, largest = sorted(self.inertia_kg_m2)
+            if largest > smallest + middle:
+                rule = "the largest must not exceed the sum of the two others, as for any body"
+                raise broken(rule, at=("inertia_kg_m2",), value=list(self.inertia_kg_m2), unit="kg m2")
+        return self
+
+    @model_validator(mode="after")
+    def _has_each_coefficient_once(self) -> VehicleModel:
+        for key, is_needed in (("added_mass", False), ("linear_damping", True), ("quadratic_damping", True)):
+            diagonal, matrix = getattr(self, key), getattr(self, key + "_matrix")
+            if diagonal is not None and matrix is not None:
+                raise broken(f"must not be given beside {key}", at=(key + "_matrix",))
+            if is_needed and diagonal is None and matrix is None:
+                raise broken("missing", at=(key,))
+        return self
+
+    @model_validator(mode="after")
+    def _has_thrusters_or_forces(self) -> VehicleModel:
+        for key in ("max_force_n", "max_torque_nm"):
+            if self.thrusters and getattr(self, key) is not None:
+                raise broken("must not be given for a vehicle with thrusters", at=(key,))
+            if not self.thrusters and getattr(self, key) is None:
+                raise broken("missing", at=(key,))
+        return self
+
+    def matrix(self, key: Literal["added_mass", "linear_damping", "quadratic_damping"]) -> NDArray[np.float64]:
+        """Return it as (6, 6), given as a matrix or as a diagonal; zero if it was not given."""
+        full, diagonal = getattr(self, key + "_matrix"), getattr(self, key)
+        if full is not None:
+            return np.array(full, np.float64)
+        return np.diag(np.zeros(6) if diagonal is None else np.array(diagonal, np.float64))
+
+
+def load_vehicle(source: str | Path, folder: Path | None = None) -> VehicleModel:
+    """Load a vehicle from a packaged name ("rov") or a YAML file's path, relative to `folder`. Raises ScenarioError."""
+    return read_spec(VehicleModel, source, "vehicles", folder)

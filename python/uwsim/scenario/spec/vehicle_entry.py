@@ -1,0 +1,47 @@
+"""An entry of a scenario's `vehicles:`: a vehicle model, where it starts and which multibeam it carries."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BeforeValidator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.scenario.spec.fields import Degrees, Model, Name, Point3, broken
+from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
+
+
+class StartPose(Model):
+    """A free start at position_m (world), level and at rest."""
+
+    position_m: Point3
+    yaw_deg: Degrees = 0.0
+
+
+def _start(value: object) -> object:
+    if isinstance(value, str):
+        if value != "station":
+            raise broken("must be 'station', or position_m and yaw_deg")
+        return None
+    return value
+
+
+def _vehicle_model(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str | Path):
+        return load_vehicle(value, folder=(info.context or {}).get("folder"))
+    return value
+
+
+class VehicleEntry(Model):
+    """One vehicle in the scenario.
+
+    model: a packaged vehicle's name or the path of its YAML file, which is read into a VehicleModel.
+    start: `station` (docked there; None in Python) or a free pose.
+    """
+
+    name: Name
+    model: Annotated[VehicleModel, BeforeValidator(_vehicle_model)]
+    start: Annotated[StartPose | None, BeforeValidator(_start)] = None
+    sonar: SonarSetup = SonarSetup()

@@ -1,0 +1,226 @@
+"""A scenario's water: surface, currents and profile, each selected by its `kind`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, broken
+
+Celsius = Annotated[float, InRange(-2, 40, "deg C")]
+Salinity = Annotated[float, InRange(0, 45, "psu")]
+Density = Annotated[float, InRange(900, 1100, "kg/m3")]
+SoundSpeed = Annotated[float, InRange(1300, 1700, "m/s")]
+Depth = Annotated[float, InRange(0, 12_000, "m")]
+BottomDepth = Annotated[float, InRange(0.1, 12_000, "m")]
+MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
+Velocity = tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond]
+Deviation = Annotated[float, InRange(0, 5, "m/s")]
+
+
+class StillSurface(Model):
+    """Flat, at z = 0."""
+
+    kind: Literal["still"] = "still"
+
+
+class AirySurface(Model):
+    """One linear (Airy) wave.
+
+    heading_deg: towards which it runs, from east, counter-clockwise. depth_m: of the water under it; by default, and at
+    most, that of the terrain's deepest point.
+    """
+
+    kind: Literal["airy"]
+    amplitude_m: Annotated[float, InRange(0, 20, "m")]
+    period_s: Annotated[float, InRange(0.2, 60, "s")]
+    heading_deg: Degrees = 0.0
+    phase_deg: Degrees = 0.0
+    depth_m: BottomDepth | None = None
+
+
+class JonswapSurface(Model):
+    """A random sea with the JONSWAP spectrum, drawn with the scenario's seed.
+
+    peak_enhancement: gamma; 1 is a Pierson-Moskowitz sea. spreading_exponent: n of cos^n about the heading; 0 for
+    long crests. depth_m: as for an Airy wave.
+    """
+
+    kind: Literal["jonswap"]
+    significant_height_m: Annotated[float, InRange(0, 20, "m")]
+    peak_period_s: Annotated[float, InRange(0.5, 30, "s")]
+    peak_enhancement: Annotated[float, InRange(1, 10)] = 3.3
+    heading_deg: Degrees = 0.0
+    spreading_exponent: Annotated[float, InRange(0, 100)] = 0.0
+    component_count: Annotated[int, InRange(8, 512)] = 64
+    depth_m: BottomDepth | None = None
+
+
+SurfaceSpec = Annotated[StillSurface | AirySurface | JonswapSurface, Field(discriminator="kind")]
+
+
+class UniformCurrent(Model):
+    """A current that is the same at all places and times."""
+
+    kind: Literal["uniform"]
+    velocity_m_s: Velocity
+
+
+class CurrentLevel(Model):
+    """The current at a depth."""
+
+    depth_m: Depth
+    velocity_m_s: Velocity
+
+
+def _check_depths_rise(levels: tuple[CurrentLevel, ...] | tuple[WaterLevel, ...]) -> None:
+    for index in range(1, len(levels)):
+        if levels[index].depth_m <= levels[index - 1].depth_m:
+            rule = "must be deeper than the level before"
+            raise broken(rule, at=("levels", index, "depth_m"), value=levels[index].depth_m, unit="m")
+
+
+class LayeredCurrent(Model):
+    """Linear in depth between levels, from the surface down; constant beyond the first and the last."""
+
+    kind: Literal["layers"]
+    levels: Annotated[tuple[CurrentLevel, ...], Field(min_length=1, max_length=10_000)]
+
+    @model_validator(mode="after")
+    def _rises(self) -> LayeredCurrent:
+        _check_depths_rise(self.levels)
+        return self
+
+
+class TidalCurrent(Model):
+    """amplitude_m_s times sin(2 pi t / period_s + phase_deg). The default period is that of M2, the lunar tide."""
+
+    kind: Literal["tidal"]
+    amplitude_m_s: Velocity
+    period_s: Annotated[float, InRange(60, 1e7, "s")] = 44_712.0
+    phase_deg: Degrees = 0.0
+
+
+class GustyCurrent(Model):
+    """A mean with Gauss-Markov gusts about it, drawn with the scenario's seed.
+
+    sigma_m_s: standard deviation along each world axis. correlation_time_s: the lag at which correlation falls to 1/e.
+    """
+
+    kind: Literal["gusts"]
+    mean_m_s: Velocity = (0.0, 0.0, 0.0)
+    sigma_m_s: tuple[Deviation, Deviation, Deviation]
+    correlation_time_s: Annotated[float, InRange(0.1, 1e6, "s")]
+
+
+class GriddedCurrent(Model):
+    """A steady field on a regular grid from a file: trilinear inside, constant beyond its edges.
+
+    .npz: x_m (nx,), y_m (ny,), z_m (nz,) rising, velocity_m_s (nz, ny, nx, 3). Any other file is read as CSV with the
+    columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, its rows in any order.
+    """
+
+    kind: Literal["grid"]
+    file: AssetFile
+
+
+CurrentSpec = Annotated[
+    UniformCurrent | LayeredCurrent | TidalCurrent | GustyCurrent | GriddedCurrent, Field(discriminator="kind")
+]
+
+
+def _as_list(value: object) -> object:
+    return (value,) if isinstance(value, Mapping | Model) else value
+
+
+CurrentSpecs = Annotated[tuple[CurrentSpec, ...], BeforeValidator(_as_list), Field(max_length=16)]
+"""One current, or a list of currents that add up."""
+
+
+class WaterLevel(Model):
+    """The water at a depth. By default its density follows from temperature and salinity (EOS-80)."""
+
+    depth_m: Depth
+    temperature_deg_c: Celsius
+    salinity_psu: Salinity = 0.0
+    density_kg_m3: Density | None = None
+    sound_speed_m_s: SoundSpeed | None = None
+
+
+class TableProfile(Model):
+    """Levels from the surface down, linear between them: given here, or in a CSV file whose columns are their keys."""
+
+    kind: Literal["table"]
+    levels: Annotated[tuple[WaterLevel, ...], Field(min_length=1, max_length=10_000)] | None = None
+    file: AssetFile | None = None
+
+    @model_validator(mode="after")
+    def _is_one_table(self) -> TableProfile:
+        if (self.levels is None) == (self.file is None):
+            raise broken("exactly one of levels and file must be given")
+        if self.levels is not None:
+            _check_depths_rise(self.levels)
+            for index, level in enumerate(self.levels):
+                if (level.sound_speed_m_s is None) != (self.levels[0].sound_speed_m_s is None):
+                    raise broken("must be given at all levels or at none", at=("levels", index, "sound_speed_m_s"))
+        return self
+
+
+class LinearProfile(Model):
+    """Temperature and salinity linear from the surface down to bottom_depth_m, constant below.
+
+    bottom_depth_m: by default that of the terrain's deepest point. Density is linear, too, if both ends give it; else
+    it follows from temperature and salinity at every depth (EOS-80).
+    """
+
+    kind: Literal["linear"]
+    surface: LinearEnd
+    bottom: LinearEnd
+    bottom_depth_m: BottomDepth | None = None
+
+    @model_validator(mode="after")
+    def _gives_both_densities_or_none(self) -> LinearProfile:
+        if (self.surface.density_kg_m3 is None) != (self.bottom.density_kg_m3 is None):
+            raise broken("density_kg_m3 must be given at both ends or at none")
+        return self
+
+
+class LinearEnd(Model):
+    """One end of a linear profile."""
+
+    temperature_deg_c: Celsius
+    salinity_psu: Salinity = 0.0
+    density_kg_m3: Density | None = None
+
+
+LinearProfile.model_rebuild()
+
+ProfileSpec = Annotated[TableProfile | LinearProfile, Field(discriminator="kind")]
+
+
+class Water(Model):
+    """The water; by default still, of one density, and without current.
+
+    Without a profile it has one density and salinity, and its temperature is linear from the surface to the terrain's
+    deepest point. current_world_m_s and all currents add up, to 10 m/s at most, gusts counted at three sigma.
+    """
+
+    density_kg_m3: Density = 1000.0
+    surface_temperature_deg_c: Celsius = 15.0
+    bottom_temperature_deg_c: Celsius = 6.0
+    salinity_psu: Salinity = 0.0
+    current_world_m_s: Velocity = (0.0, 0.0, 0.0)
+    surface: SurfaceSpec = StillSurface()
+    current: CurrentSpecs = ()
+    profile: ProfileSpec | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_told_once(cls, data: object) -> object:
+        if isinstance(data, Mapping) and data.get("profile") is not None:
+            for key in ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu"):
+                if key in data:
+                    raise broken("must not be given beside profile, which gives it", at=(key,), value=data[key])
+        return data

@@ -1,0 +1,67 @@
+"""A map's score as text for tables and reports."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from uwsim.scoring.map_score import MapScore
+from uwsim.scoring.s44 import ORDERS, share_within
+
+
+def score_rows(score: MapScore) -> list[tuple[str, str]]:
+    """Return a score as rows of (name, value with unit)."""
+    seabed = score.seabed
+    return [
+        ("coverage", coverage_text(score)),
+        ("recall of visible voxels", percentage(score.recall if score.visible_truth_voxels else math.nan)),
+        ("precision of occupied voxels", percentage(score.precision)),
+        ("map to true surface, mean", distance_text(score.distance_mean_m)),
+        ("map to true surface, 95th percentile", distance_text(score.distance_p95_m)),
+        ("map to true surface, max", distance_text(score.distance_max_m)),
+        ("seabed depth error, mean (+: too deep)", distance_text(seabed.mean_m if seabed else math.nan)),
+        ("seabed depth error, 95th percentile", distance_text(seabed.p95_m if seabed else math.nan)),
+        ("vertical order of IHO S-44", order_met(score)),
+    ]
+
+
+def order_rows(score: MapScore) -> list[tuple[str, str, str]]:
+    """Return (order, vertical uncertainty allowed at the median depth, share of cells within their own limit)."""
+    seabed = score.seabed
+    if seabed is None or not seabed.judged.any():
+        return []
+    median_m = np.array([np.median(seabed.depths_m)])
+    return [
+        (
+            order.name,
+            distance_text(order.tvu_m(median_m)[0]),
+            percentage(share_within(order, seabed.errors_m, seabed.depths_m)),
+        )
+        for order in ORDERS
+    ]
+
+
+def order_met(score: MapScore) -> str:
+    """Return the name of the strictest order whose vertical uncertainty holds for 95 % of the seabed's cells."""
+    if score.seabed is None or not score.seabed.judged.any():
+        return "-"
+    order = score.seabed.best_order
+    return "none" if order is None else order.name
+
+
+def distance_text(distance_m: float) -> str:
+    """Return metres to the millimetre; a dash for nan."""
+    return "-" if math.isnan(distance_m) else f"{distance_m:.3f} m"
+
+
+def percentage(share: float) -> str:
+    """Return a share in per cent, rounded down so that only 1 gives 100 %; a dash for nan."""
+    return "-" if math.isnan(share) else f"{math.floor(share * 1000.0 + 1e-9) / 10.0:.1f} %"
+
+
+def coverage_text(score: MapScore) -> str:
+    """Return coverage in per cent of the visible voxels, rounded down so that only 1 gives 100 %."""
+    if score.visible_truth_voxels == 0:
+        return "- (no true surface was in sight)"
+    return f"{math.floor(score.coverage * 1000.0) / 10.0:.1f} % of {score.visible_truth_voxels:,} voxels"

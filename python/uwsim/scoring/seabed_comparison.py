@@ -1,0 +1,109 @@
+"""Compares a grid of depths with the true seabed, cell by cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.mapping.depth_grid import DepthGrid
+from uwsim.scoring.polygon import inside_polygon
+from uwsim.scoring.s44 import Order, best_order
+from uwsim.scoring.true_surface import TERRAIN_LABEL
+
+SAMPLE_SPACING_M = 0.1
+SAMPLES_AT_ONCE = 1 << 20
+MARGIN_M = 1.0  # rays start this far above the world's highest point and end this far below its lowest
+
+
+@dataclass(frozen=True, eq=False)
+class SeabedComparison:
+    """A depth grid compared with the true terrain.
+
+    error_m: (rows, columns), depth in the grid minus true depth, positive where the grid is too deep; nan where the
+    cell is not judged because it is empty, off the terrain, outside the polygon or under an obstacle. true_depth_m:
+    (rows, columns), mean over the cell. obstructed: (rows, columns) bool, cells with data under an obstacle.
+    """
+
+    grid: DepthGrid
+    error_m: NDArray[np.float64]
+    true_depth_m: NDArray[np.float64]
+    obstructed: NDArray[np.bool_]
+
+    @property
+    def judged(self) -> NDArray[np.bool_]:
+        """(rows, columns) bool: cells whose error is known."""
+        return np.isfinite(self.error_m)
+
+    @property
+    def errors_m(self) -> NDArray[np.float64]:
+        """(n,), errors of the judged cells."""
+        return self.error_m[self.judged]
+
+    @property
+    def depths_m(self) -> NDArray[np.float64]:
+        """(n,), true depths of the judged cells."""
+        return self.true_depth_m[self.judged]
+
+    @property
+    def mean_m(self) -> float:
+        """Mean error: a bias. nan when no cell was judged."""
+        return float(self.errors_m.mean()) if self.judged.any() else float("nan")
+
+    @property
+    def p95_m(self) -> float:
+        """95th percentile of the absolute error; nan when no cell was judged."""
+        return float(np.percentile(np.abs(self.errors_m), 95.0)) if self.judged.any() else float("nan")
+
+    @property
+    def best_order(self) -> Order | None:
+        """The strictest order of IHO S-44 whose vertical uncertainty holds for 95 % of the cells."""
+        return best_order(self.errors_m, self.depths_m)
+
+
+def compare_seabed(
+    world: _core.World, rays: _core.RayScene, grid: DepthGrid, area_world_m: NDArray[np.float64]
+) -> SeabedComparison:
+    """Compare the cells whose centres lie in the polygon (k, 2) with the mean height of the terrain in each cell.
+
+    Terrain heights and obstacles are sampled every SAMPLE_SPACING_M or closer, the cell's edges included.
+    """
+    rows, columns = np.nonzero(grid.count)
+    centres = np.stack([grid.west_m + (columns + 0.5) * grid.cell_m, grid.south_m + (rows + 0.5) * grid.cell_m], axis=1)
+    inside = inside_polygon(centres, area_world_m)
+    rows, columns, centres = rows[inside], columns[inside], centres[inside]
+    height, blocked = _terrain_in_cells(world, rays, centres, grid.cell_m)
+    error, true_depth = np.full(grid.depth_m.shape, np.nan), np.full(grid.depth_m.shape, np.nan)
+    obstructed = np.zeros(grid.depth_m.shape, bool)
+    true_depth[rows, columns] = -height
+    obstructed[rows, columns] = blocked
+    error[rows, columns] = np.where(blocked, np.nan, grid.depth_m[rows, columns] + height)
+    return SeabedComparison(grid, error, true_depth, obstructed)
+
+
+def _terrain_in_cells(
+    world: _core.World, rays: _core.RayScene, centres_m: NDArray[np.float64], cell_m: float
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return the terrain's mean height in each cell (n,), nan off the terrain, and whether an obstacle covers it."""
+    vertices, _, labels = world.surface_mesh()
+    top_m = float(vertices[:, 2].max(initial=0.0)) + MARGIN_M
+    reach_m = top_m - float(vertices[:, 2].min(initial=0.0)) + MARGIN_M
+    has_solids = bool((labels != TERRAIN_LABEL).any())
+    steps = int(np.ceil(cell_m / SAMPLE_SPACING_M - 1e-9)) + 1
+    offset = (np.linspace(-0.5, 0.5, steps)) * cell_m
+    offsets = np.stack(np.meshgrid(offset, offset), axis=-1).reshape(-1, 2)
+    height, blocked = np.empty(len(centres_m)), np.zeros(len(centres_m), bool)
+    cells_at_once = max(SAMPLES_AT_ONCE // len(offsets), 1)
+    for start in range(0, len(centres_m), cells_at_once):
+        batch = slice(start, start + cells_at_once)
+        xy = (centres_m[batch, None] + offsets).reshape(-1, 2)
+        height[batch] = world.height_at(xy).reshape(-1, len(offsets)).mean(axis=1)
+        if has_solids:
+            origins = np.column_stack([xy, np.full(len(xy), top_m)])
+            down = np.broadcast_to(np.array([0.0, 0.0, -1.0]), origins.shape).copy()
+            first = rays.cast(origins, down, reach_m)
+            obstacle = np.isfinite(first.ranges_m) & (first.labels != TERRAIN_LABEL)
+            blocked[batch] = obstacle.reshape(-1, len(offsets)).any(axis=1)
+    return height, blocked

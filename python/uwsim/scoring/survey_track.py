@@ -1,0 +1,74 @@
+"""The track of a survey, kept beside its map in track.npz: where the sonar was, and the area that was to be covered."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.atomic_file import write_atomically
+
+TRACK = "track.npz"
+"""The file's name beside map.bt."""
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyTrack:
+    """Everything about a survey that the score of its map depends on.
+
+    path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
+    range_max_m: the sonar's maximum range. scenario_name: empty when it is not known.
+    """
+
+    path_world_m: NDArray[np.float64]
+    area_world_m: NDArray[np.float64]
+    range_max_m: float
+    scenario_name: str = ""
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a NumPy archive atomically; the same track gives the same bytes. Raises OSError."""
+        file = io.BytesIO()
+        np.savez_compressed(
+            file,
+            version=np.int64(VERSION),
+            path_world_m=np.asarray(self.path_world_m, np.float64),
+            area_world_m=np.asarray(self.area_world_m, np.float64),
+            range_max_m=np.float64(self.range_max_m),
+            scenario_name=np.str_(self.scenario_name),
+        )
+        write_atomically(Path(path), file.getvalue())
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a track. Raises OSError when the file cannot be read, ValueError when it is not a valid track."""
+        try:
+            data = Path(path).read_bytes()
+        except OSError as error:
+            raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
+        try:
+            return cls._from_bytes(data)
+        except Exception as error:  # a malformed archive can make NumPy and zipfile raise anything
+            reason = " ".join(str(error).split()) or type(error).__name__
+            raise ValueError(f"'{path}': not a valid track of a survey: {reason}") from None
+
+    @classmethod
+    def _from_bytes(cls, data: bytes) -> Self:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            if int(file["version"]) != VERSION:
+                raise ValueError(f"version = {int(file['version'])}: must be {VERSION}")
+            path, area, range_max_m = file["path_world_m"], file["area_world_m"], float(file["range_max_m"])
+            scenario_name = str(file["scenario_name"])
+        for name, array, columns, least in (("path_world_m", path, 3, 0), ("area_world_m", area, 2, 3)):
+            if array.dtype != np.float64 or array.ndim != 2 or array.shape[1] != columns or len(array) < least:
+                raise ValueError(f"{name}: {array.dtype} {array.shape}, expected float64 (n, {columns})")
+            if not np.isfinite(array).all():
+                raise ValueError(f"{name}: must be finite")
+        if not 0.0 < range_max_m < np.inf:
+            raise ValueError(f"range_max_m = {range_max_m} m: must be positive")
+        return cls(path, area, range_max_m, scenario_name)

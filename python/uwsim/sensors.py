@@ -1,0 +1,90 @@
+"""The sensors that a vehicle carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+from uwsim import _core
+
+Value = float | SimpleNamespace
+"""A scalar in the sensor's unit, or a namespace of floats and (n,) arrays for a sensor of several quantities."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A sensor's value as `Sensor.read` returns it, the simulated time of its measurement, and whether it is valid."""
+
+    value: Value
+    stamp_ns: int
+    valid: bool
+
+    @property
+    def stamp_s(self) -> float:
+        """The time of the measurement, seconds."""
+        return self.stamp_ns * 1e-9
+
+
+class Sensor:
+    """A sensor with noise from its own seeded stream.
+
+    Repeated reads at one time return the same sample; neither reads nor other sensors change later samples.
+
+    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. Axes: x forward, y left, z up, unless
+    the vehicle's YAML file rotates the sensor.
+
+    - imu: angular_velocity_rad_s (3,), linear_acceleration_m_s2 (3,) (specific force), orientation_xyzw (4,)
+    - velocity: linear_velocity_m_s (3,) over ground, angular_velocity_rad_s (3,)
+    - acceleration: linear_acceleration_m_s2 (3,) without gravity, angular_acceleration_rad_s2 (3,)
+    - depth [m], from pressure with a nominal density; pressure [Pa, absolute]; temperature [deg C]
+    - altitude [m, inf out of range]; proximity [m, the maximum range if nothing is nearer]
+    - dvl: velocity_m_s (3,), beam_ranges_m (4,) (inf: lost), beam_velocities_m_s (4,), bottom_lock (1 or 0)
+    - usbl: position_m (3,) from the station along east, north and up, range_m, azimuth_rad (from east to north),
+      elevation_rad (up is positive)
+    - compass [rad, clockwise from magnetic north, in [0, 2 pi)]; contact: 1 while in contact, else 0
+    """
+
+    def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SensorSpec) -> None:
+        self._simulation = simulation
+        self._vehicle = vehicle
+        self._index = index
+        kind = _core.sensor_kind(spec.kind)
+        self._scalar = next(iter(kind.fields)) if _is_scalar(kind) else None
+        self._units = {field: unit for field, (_, unit) in kind.fields.items()}
+        self.name: str = spec.name
+        self.kind: str = kind.name
+        self.meaning: str = kind.meaning
+        self.rate_hz: float | None = spec.rate_hz or None
+        self.latency_s: float = spec.latency_s
+
+    @property
+    def unit(self) -> str | dict[str, str]:
+        """The unit of the value, such as "m"; for several quantities by name, such as {"velocity_m_s": "m/s"}."""
+        return self._units if self._scalar is None else self._units[self._scalar]
+
+    def read(self, *, noise: bool = True) -> Value:
+        """Return the newest sample that has arrived: a float in `unit`, or a namespace of several quantities.
+
+        Between samples this is the last one; if it was dropped, the last one that was not; before the first has
+        arrived, the present. `sample` tells these apart. noise=False returns the present true value, without errors,
+        rate, latency and drop-outs.
+        """
+        return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise))
+
+    def sample(self, *, noise: bool = True) -> Sample:
+        """Return the value of `read` with its time and validity.
+
+        Invalid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
+        sample was dropped, or none has arrived yet.
+        """
+        reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
+        return Sample(self._value(reading), reading.stamp_ns, reading.valid)
+
+    def _value(self, reading: _core.SensorReading) -> Value:
+        if self._scalar is not None:
+            return float(reading.values[self._scalar])
+        return SimpleNamespace(**reading.values)
+
+
+def _is_scalar(kind: _core.SensorKind) -> bool:
+    return [width for width, _ in kind.fields.values()] == [1]

@@ -1,0 +1,1 @@
+"""Sonars: the multibeam of a vehicle, imaging sonars, soundings through bent rays."""

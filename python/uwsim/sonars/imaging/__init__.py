@@ -1,0 +1,42 @@
+"""Imaging sonars: forward-looking, side-scan, and a profiling single beam. One file for each kind.
+
+They ping in the same scene and water as every other sensor. A picture is a function of the pose, the scenario's seed
+and a number (by default simulated time): repeated calls give the same picture for any number of threads. `sim` is
+a Simulator or anything with its scene, world, strengths_db, seed, threads and time_ns.
+
+A pose is a matrix (4, 4), world from sonar, with the sonar's x axis ahead, y to port, z up. For a sonar on a vehicle it
+is `rov.pose.world_from_body @ imaging.pose_matrix(mount_m, pitch_rad=0.3)`. A head above the water, in the ground or in
+a solid receives only noise.
+"""
+
+from uwsim.sonars.imaging import forward_looking, side_scan, single_beam
+from uwsim.sonars.imaging.acoustics import Acoustics, ImagingKind, Place, check
+from uwsim.sonars.imaging.forward_looking import ForwardLooking, SonarImage, look_ahead
+from uwsim.sonars.imaging.side_scan import SideScan, Waterfall, look_aside
+from uwsim.sonars.imaging.single_beam import Profiles, SingleBeam, profile
+from uwsim.sonars.poses import Matrix, checked_pose, pose_matrix
+
+KINDS: dict[str, ImagingKind] = {
+    kind.model.kind: kind for kind in (forward_looking.KIND, side_scan.KIND, single_beam.KIND)
+}
+"""Every kind by its name in YAML. A new kind is one C++ file, one Python file and an entry in the table of each."""
+
+__all__ = [
+    "KINDS",
+    "Acoustics",
+    "ForwardLooking",
+    "ImagingKind",
+    "Matrix",
+    "Place",
+    "Profiles",
+    "SideScan",
+    "SingleBeam",
+    "SonarImage",
+    "Waterfall",
+    "check",
+    "checked_pose",
+    "look_ahead",
+    "look_aside",
+    "pose_matrix",
+    "profile",
+]

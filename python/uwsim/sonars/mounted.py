@@ -1,0 +1,85 @@
+"""The imaging sonars that a vehicle carries, as its YAML file describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, cast
+
+from numpy.typing import ArrayLike
+
+from uwsim import _core
+from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.sonars import imaging
+from uwsim.sonars.imaging import (
+    Acoustics,
+    ForwardLooking,
+    Matrix,
+    Profiles,
+    SideScan,
+    SingleBeam,
+    SonarImage,
+    Waterfall,
+)
+
+
+class Fleet(imaging.Place, Protocol):
+    """A simulator with its vehicles."""
+
+    @property
+    def vehicles(self) -> Mapping[str, Any]:
+        """By name; each has a pose."""
+
+
+class ImagingSonar:
+    """An imaging sonar on a vehicle. Pings at one time are always the same and do not advance time.
+
+    name, and model: its figures, one of uwsim.sonars.imaging's models.
+    """
+
+    def __init__(self, sim: Fleet, vehicle: str, name: str, mount: ImagingMount) -> None:
+        self._sim = sim
+        self._vehicle = vehicle
+        self._body_from_sonar = mount.body_from_sonar()
+        self._kind = imaging.KINDS[mount.kind]
+        self.name = name
+        self.model = self._kind.model(**mount.figures)
+        imaging.check(self.model, sim)
+
+    @property
+    def world_from_sonar(self) -> Matrix:
+        """(4, 4), the present pose."""
+        return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
+
+    def ping(self, *arguments: Any) -> Any:
+        """Ping once from here. The arguments and the result depend on the kind; look, line and profile name them."""
+        return self._kind.ping(self._sim, self.world_from_sonar, self.model, self._stream, *arguments)
+
+    def look(self) -> SonarImage:
+        """Return a forward-looking sonar's picture. Raises ValueError for another kind."""
+        self._require(ForwardLooking)
+        return cast(SonarImage, self.ping())
+
+    def line(self) -> Waterfall:
+        """Return one ping of a side-scan sonar, a waterfall of one row. Raises ValueError for another kind."""
+        self._require(SideScan)
+        return cast(Waterfall, self.ping())
+
+    def profile(self, angles_rad: ArrayLike) -> Profiles:
+        """Return a single beam's pings at angles (n,), all from here. Raises ValueError for another kind."""
+        self._require(SingleBeam)
+        return cast(Profiles, self.ping(angles_rad))
+
+    @property
+    def _stream(self) -> str:
+        return _core.stream_name(self._vehicle, self.name)
+
+    def _require(self, kind: type[Acoustics]) -> None:
+        if not isinstance(self.model, kind):
+            raise ValueError(f"imaging_sonars['{self.name}'] is {type(self.model).__name__}: must be {kind.__name__}")
+
+
+def imaging_sonars(sim: Fleet, vehicle: VehicleEntry) -> dict[str, ImagingSonar]:
+    """Return the imaging sonars of a vehicle by name."""
+    mounts = vehicle.model.imaging_sonars
+    return {name: ImagingSonar(sim, vehicle.name, name, mount) for name, mount in mounts.items()}

@@ -1,0 +1,72 @@
+"""The multibeam sonars of a vehicle."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+
+
+class Sonar:
+    """A multibeam head that looks forward and tilts.
+
+    mode: "geometry" (one exact ray for each beam) or "physics" (echoes with their errors; see _core.PhysicsPing).
+    """
+
+    def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SonarSpec) -> None:
+        self._simulation = simulation
+        self._vehicle = vehicle
+        self._index = index
+        self.name: str = spec.name
+        self.model = spec.model
+        self.mode: str = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
+        self._last: tuple[int, _core.Ping] | None = None
+
+    def aim(self, elevation_rad: float) -> None:
+        """Set the elevation to which the head turns: positive is up, 0 straight ahead. ValueError beyond +-pi/2.
+
+        The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
+        """
+        self._simulation.aim(self._vehicle, self._index, elevation_rad)
+
+    @property
+    def elevation_rad(self) -> float:
+        """The present elevation of the head, at which it pings."""
+        return self._simulation.sonar_elevation_rad(self._vehicle, self._index)
+
+    @property
+    def ping_rate_max_hz(self) -> float:
+        """The largest ping rate: sound returns from the maximum range before the next ping, c / (2 range).
+
+        c is the speed of sound at the head's present depth. A survey keeps to this rate; `ping` does not enforce it,
+        since it takes no time.
+        """
+        return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
+
+    def ping(self) -> _core.Ping:
+        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. Repeated at one time it is equal.
+
+        Surfaces above the water return no echo. A head above the water or under the terrain receives none: no beam is
+        valid, ranges are inf. A head inside an obstacle receives echoes of its walls from within. In physics mode the
+        result is a _core.PhysicsPing, which has the same arrays and more.
+        """
+        version = self._simulation.version
+        if self._last is None or self._last[0] != version:
+            self._last = version, self._new_ping()
+        return self._last[1]
+
+    def _new_ping(self) -> _core.Ping:
+        if self.mode == "physics":
+            return cast(_core.Ping, self._simulation.acoustic_ping(self._vehicle, self._index))
+        return self._simulation.ping(self._vehicle, self._index)
+
+    def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:
+        """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving it. Raises ValueError.
+
+        Arrays are (n, beams); see _core.PingBatch. In geometry mode, with the head at its present elevation. threads:
+        by default all; results do not depend on it.
+        """
+        return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

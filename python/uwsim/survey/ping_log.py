@@ -1,0 +1,48 @@
+"""A log of a survey's pings: positions, the number of echoes, and one sample ping for the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.scoring.polygon import inside_polygon
+from uwsim.survey.record import PingSample
+
+PINGS_PER_CANDIDATE = 10  # every tenth ping is a candidate for the sample
+
+
+@dataclass
+class PingLog:
+    """The position of each ping, the number of echoes, and the ping with the most distinct labels."""
+
+    area_world_m: NDArray[np.float64]
+    positions_world_m: list[NDArray[np.float64]] = field(default_factory=list)
+    echo_count: int = 0
+    sample: PingSample | None = None
+    sample_score: float = -1.0
+
+    def add(self, ping: _core.Ping, points_world_m: NDArray[np.float32]) -> None:
+        """Log a ping's position and echoes; every few pings, keep it as the sample if it is better."""
+        position = ping.world_from_sonar[:3, 3].copy()  # a view would keep the whole ping
+        self.positions_world_m.append(position)
+        self.echo_count += len(points_world_m)
+        if len(self.positions_world_m) % PINGS_PER_CANDIDATE:
+            return
+        # The best sample is a full fan that hits solids as well as the bed.
+        label_count = len(np.unique(ping.labels[ping.valid]))
+        score = 100.0 * label_count + float(ping.valid.mean())
+        if score > self.sample_score and inside_polygon(position[None, :2], self.area_world_m)[0]:
+            self.sample_score = score
+            self.sample = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, points_world_m)
+
+    def copy(self) -> PingLog:
+        """Return a copy that later pings do not change."""
+        return replace(self, positions_world_m=self.positions_world_m.copy())
+
+    @property
+    def path_world_m(self) -> NDArray[np.float64]:
+        """(n, 3), the sonar's position at each ping."""
+        return np.array(self.positions_world_m, np.float64).reshape(-1, 3)

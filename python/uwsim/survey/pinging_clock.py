@@ -1,0 +1,61 @@
+"""The clock of a surveying mission: the sonar pings as simulated time passes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from uwsim.simulator import Simulator
+from uwsim.survey.ping_log import PingLog
+from uwsim.survey.ping_to_map import PingToMap
+
+
+class PingingClock:
+    """Pings at a fixed rate and passes each ping through the chain to the map.
+
+    on_ping: called after each ping. on_pause: called at the end of each wait, before the mission continues; at that
+    moment everything that the mission will do depends only on its saved state.
+    """
+
+    def __init__(
+        self,
+        sim: Simulator,
+        chain: PingToMap,
+        log: PingLog,
+        ping_interval_s: float,
+        on_ping: Callable[[], None],
+        on_pause: Callable[[], None],
+    ) -> None:
+        self._sim = sim
+        self._chain = chain
+        self._log = log
+        self._steps_between_pings = max(1, round(ping_interval_s / sim.step_s))
+        self.steps_to_ping = self._steps_between_pings
+        self._on_ping = on_ping
+        self._on_pause = on_pause
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since the start."""
+        return self._sim.time_s
+
+    def wait(self, duration_s: float) -> None:
+        """Let simulated time pass, and ping whenever a ping is due."""
+        steps = round(duration_s / self._sim.step_s)
+        while steps > 0:
+            steps_now = min(steps, self.steps_to_ping)
+            with self._chain.timer.measure("physics"):
+                self._sim.step(steps_now)
+            steps -= steps_now
+            self.steps_to_ping -= steps_now
+            if self.steps_to_ping == 0:  # ping now, so that the mission, if it pings at this time, gets the same sample
+                self._ping()
+        self._on_pause()
+
+    def _ping(self) -> None:
+        self.steps_to_ping = self._steps_between_pings
+        rov = self._sim.rov
+        with self._chain.timer.measure("rays"):
+            ping = rov.sonar.ping()
+        points = self._chain.insert(ping.ranges_m, rov.pose.world_from_body, ping.world_from_sonar, self._sim.time_s)
+        self._log.add(ping, points)
+        self._on_ping()

@@ -1,0 +1,211 @@
+"""run_survey and resume_survey: fly a survey with autosave, write its map, and report. The job of `uwsim survey`."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.scenario import Scenario, Survey, load
+from uwsim.scenario.read.validation_errors import validated
+from uwsim.scoring.survey_track import TRACK
+from uwsim.simulator import Simulator
+from uwsim.survey.autosave import Autosave
+from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
+from uwsim.survey.fly import fly_survey, required_survey
+from uwsim.survey.record import SurveyRecord
+from uwsim.survey.request import SurveyRequest, resolved_path
+from uwsim.survey.results import REPORT, RESULT_FILES, write_results
+from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+
+AUTOSAVE_S = 30.0
+
+
+def run_survey(
+    scenario: str | Path,
+    out: Path,
+    *,
+    seed: int | None = None,
+    sonar_model: int | str | None = None,
+    sonar_frequency_khz: float | None = None,
+    mission_time_s: float | None = None,
+    voxel_m: float | None = None,
+    threads: int | None = None,
+    engine: MapEngine | None = None,
+    verify_map: bool = False,
+    autosave_s: float = AUTOSAVE_S,
+    map_memory_mb: float | None = None,
+) -> SurveyRecord:
+    """Fly a scenario's survey and write map.bt, report.html and figures into `out`; returns the survey's record.
+
+    sonar_frequency_khz: for a sonar with several frequencies. engine: of the map, "bricks" by default. verify_map:
+    insert every scan into a stock OctoMap map too, and compare the bytes. autosave_s: wall time between saves, from
+    which `resume_survey` continues; 0 for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the
+    bytes of map.bt do not depend on it.
+    Raises ScenarioError or ValueError for an error in the scenario or the arguments, OSError for `out`. However the
+    flight ends, the map of everything seen until then is written.
+    """
+    _require_interval(autosave_s)
+    terminal = Terminal()
+    with terminal.status(f"building {scenario}"):
+        _require_surveyable(load(scenario))  # before the world is built
+        sim = Simulator(
+            scenario,
+            seed=seed,
+            sonar_model=sonar_model,
+            sonar_frequency_khz=sonar_frequency_khz,
+            mission_time_s=mission_time_s,
+            threads=threads,
+        )
+        survey = required_survey(sim.scenario)
+        if voxel_m is not None:
+            survey = validated(Survey, {**dict(survey), "voxel_m": voxel_m})
+        request = SurveyRequest(
+            scenario=resolved_path(scenario),
+            seed=sim.seed,
+            sonar_model=resolved_path(sonar_model),
+            sonar_frequency_khz=sonar_frequency_khz,
+            mission_time_s=mission_time_s,
+            voxel_m=survey.voxel_m,
+            engine=engine or "bricks",
+            verify_map=verify_map,
+        )
+        occupancy, reference = request.new_map(map_memory_mb), request.new_reference()
+    _require_writable(out)
+    checkpoint = Checkpoint(out)
+    checkpoint.remove_leftovers()
+    if (earlier := checkpoint.set_aside()) is not None:
+        terminal.message(f"an unfinished survey was in {out}; it is kept in {earlier}")
+    return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal).run()
+
+
+def resume_survey(
+    out: Path,
+    *,
+    threads: int | None = None,
+    autosave_s: float = AUTOSAVE_S,
+    map_memory_mb: float | None = None,
+    **arguments: Any,
+) -> SurveyRecord:
+    """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
+
+    arguments: the other arguments of run_survey; those that are not None must equal those of the saved survey.
+    Raises ValueError when there is nothing to resume or an argument differs; otherwise as run_survey.
+    """
+    _require_interval(autosave_s)
+    terminal = Terminal()
+    checkpoint = Checkpoint(out)
+    with terminal.status(f"resuming {out}"):
+        saved = checkpoint.read(map_memory_mb)
+        saved.request.require_same(arguments)
+        sim = saved.request.new_simulator(threads)
+    _require_writable(out)
+    checkpoint.remove_leftovers()
+    run = _SurveyRun(sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal)
+    return run.run(saved)
+
+
+def _require_surveyable(scenario: Scenario) -> None:
+    required_survey(scenario)
+    first = scenario.vehicles[0]
+    if first.model.sonar is None:
+        raise ValueError(f"vehicle '{first.name}': has no sonar to survey with")
+
+
+def _require_interval(autosave_s: float) -> None:
+    if not (math.isfinite(autosave_s) and autosave_s >= 0.0):
+        raise ValueError(f"autosave_s = {autosave_s} s: must be 0 (never) or more")
+
+
+def _require_writable(folder: Path) -> None:
+    """Raise OSError, before a long flight, if the results could not be written there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OSError(f"--out {folder}: cannot write there: {error.strerror}") from error
+    for name in (MAP, REPORT, TRACK):
+        if (folder / name).exists() and not (folder / name).is_file():
+            raise OSError(f"--out {folder}: '{name}' in it is not a file")
+
+
+@dataclass
+class _SurveyRun:
+    """A survey that is ready to fly."""
+
+    sim: Simulator
+    occupancy: OccupancyMap
+    reference: OccupancyMap | None
+    request: SurveyRequest
+    checkpoint: Checkpoint
+    autosave_s: float
+    terminal: Terminal
+
+    def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
+        """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
+        out, terminal = self.checkpoint.out, self.terminal
+        autosave = Autosave(self.checkpoint, self.request, self.autosave_s, terminal.message)
+        for stale in RESULT_FILES:  # of an earlier survey, which would not belong to this map
+            (out / stale).unlink(missing_ok=True)
+        try:
+            record = self._fly(autosave, saved)
+        except BaseException as error:
+            try:
+                self._write_map()
+            except OSError as second:
+                raise OSError(f"{error}; and {second}") from error
+            raise
+        self._write_map()
+        if record.interrupted:
+            resumable = self.checkpoint.exists and autosave.failure is None
+            hint = "; uwsim survey --resume continues" if resumable else ""
+            seen = f"{out / MAP} holds everything seen so far"
+            terminal.message(f"interrupted; {seen}{hint} (Ctrl-C again skips the report)")
+        if self.reference is not None:
+            record = replace(record, verified=_same_map(self.occupancy, self.reference))
+        try:
+            write_results(self.sim, self.occupancy, record, out, terminal)
+        except OSError as error:
+            hint = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
+            raise OSError(f"{error} ({out / MAP} is complete{hint})") from error
+        if not record.interrupted:
+            self.checkpoint.remove()  # not before the report: if only the report fails, --resume can make it
+        if record.verified is not None:
+            terminal.result(f"{MAP} {'is identical to' if record.verified else 'DIFFERS from'} that of stock OctoMap")
+        return record
+
+    def _fly(self, autosave: Autosave, saved: SavedSurvey | None) -> SurveyRecord:
+        sim = self.sim
+        with self.terminal.flight(sim.scenario.name) as show, stop_on_ctrl_c(autosave):
+            return fly_survey(
+                sim,
+                self.occupancy,
+                on_progress=lambda share: show(share, sim.time_s),
+                reference=self.reference,
+                supervisor=autosave,
+                resume=saved.state if saved is not None else None,
+            )[1]
+
+    def _write_map(self) -> None:
+        """Write map.bt; if that fails, into a temporary folder. Raises OSError that names what was tried."""
+        path = self.checkpoint.out / MAP
+        try:
+            self.occupancy.write(path)
+        except OSError as error:
+            tried = str(error)
+            if self.checkpoint.exists:
+                tried += "; free some space, then uwsim survey --resume continues from the last save"
+            try:
+                elsewhere = Path(tempfile.mkdtemp(prefix="uwsim-")) / MAP
+                self.occupancy.write(elsewhere)
+            except OSError as second:
+                raise OSError(f"{tried}; nor elsewhere: {second}") from error
+            raise OSError(f"{tried}; the map is in {elsewhere}") from error
+
+
+def _same_map(first: OccupancyMap, second: OccupancyMap) -> bool:
+    return first.to_bytes("ot") == second.to_bytes("ot") and first.to_bytes("bt") == second.to_bytes("bt")

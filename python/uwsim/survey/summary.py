@@ -1,0 +1,79 @@
+"""The summary of a survey: key figures and warnings, as the terminal's table and the report show them."""
+
+from __future__ import annotations
+
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from uwsim.scoring.map_score import MapScore
+from uwsim.scoring.score_text import coverage_text, score_rows
+from uwsim.survey.record import SurveyRecord
+
+GOOD_COVERAGE = 0.95
+
+
+def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> list[tuple[str, str]]:
+    """Return rows of (name, value with unit) about the survey and its map, in the order in which they are shown."""
+    return [
+        ("simulated time", duration_text(record.simulated_s)),
+        ("wall time", duration_text(record.wall_s)),
+        ("real-time factor", f"{record.real_time_factor:.1f} x"),
+        ("pings", f"{record.ping_count:,}"),
+        ("echoes", f"{record.echo_count:,}"),
+        ("path flown while pinging", f"{record.path_length_m:,.0f} m"),
+        ("collisions", f"{record.collision_count:,}"),
+        ("occupied voxels", f"{score.occupied_voxels:,}"),
+        ("free voxels", f"{free_voxel_count:,}"),
+        *score_rows(score),
+    ]
+
+
+def summary_table(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> Table:
+    """Return the key figures as a table for the terminal, with the warnings below it.
+
+    On a narrow terminal the names are folded and the values stay whole.
+    """
+    title = f"Survey of {escape(record.scenario_name)}, seed {record.seed}, sonar model {record.sonar_model}"
+    table = Table(title=title, title_justify="left", show_header=False)
+    table.add_column("figure", style="cyan", overflow="fold")
+    table.add_column("value", justify="right", no_wrap=True)
+    for name, value in key_figures(record, score, free_voxel_count):
+        table.add_row(name, value)
+    if warnings := survey_warnings(record, score):
+        table.caption = Text("\n".join(f"warning: {warning}" for warning in warnings), style="bold yellow")
+        table.caption_justify = "left"
+    return table
+
+
+def survey_warnings(record: SurveyRecord, score: MapScore) -> list[str]:
+    """Return the sentences that a reader must know before trusting the key figures."""
+    warnings = []
+    if record.ping_count == 0:
+        warnings.append("The survey ended before its first ping: there is no path and no echo to show.")
+    elif record.ended_early:
+        warnings.append(f"The mission ended early ({record.stopped_because}): part of the area was not surveyed.")
+    if score.occupied_voxels == 0:
+        warnings.append("The map is empty: no voxel is occupied.")
+    elif score.visible_truth_voxels and score.coverage < GOOD_COVERAGE:
+        limit = f"{100.0 * GOOD_COVERAGE:g} %"
+        warnings.append(f"The map is incomplete: coverage is {coverage_text(score)}, less than {limit}.")
+    if record.ping_interval_s > record.ping_interval_requested_s + 1e-9:
+        requested_hz, actual_hz = 1.0 / record.ping_interval_requested_s, 1.0 / record.ping_interval_s
+        range_max = f"{record.range_max_m:g} m"
+        warnings.append(
+            f"The sonar pinged at {actual_hz:.3g} Hz, not {requested_hz:.3g}: "
+            f"sound takes longer to {range_max} and back."
+        )
+    if record.collision_count:
+        times = "once" if record.collision_count == 1 else f"{record.collision_count:,} times"
+        warnings.append(f"The vehicle collided {times}.")
+    return warnings
+
+
+def duration_text(seconds: float) -> str:
+    """Return seconds as `21 min 52 s`, or `4.2 s` under a minute."""
+    if seconds < 60.0:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    return f"{whole // 60} min {whole % 60:02d} s"

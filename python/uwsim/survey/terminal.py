@@ -1,0 +1,76 @@
+"""The terminal output of a survey: progress and messages on stderr, results on stdout; and Ctrl-C during the flight."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from uwsim.survey.autosave import Autosave
+
+
+class Terminal:
+    """Prints what a survey does and finds."""
+
+    def __init__(self) -> None:
+        self._messages = Console(stderr=True)
+        self._results = _ResultConsole()
+
+    def status(self, activity: str) -> AbstractContextManager[object]:
+        """Show an activity, such as "scoring the map", while the block runs."""
+        return self._messages.status(activity)
+
+    def message(self, text: str) -> None:
+        """Print a message, unwrapped, on stderr."""
+        self._messages.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def result(self, result: object) -> None:
+        """Print text or a table on stdout."""
+        self._results.print(result, highlight=False)
+
+    @contextmanager
+    def flight(self, scenario_name: str) -> Iterator[Callable[[float, float], None]]:
+        """Show a progress bar while the block runs; yields a function of the share flown, 0 to 1, and the time [s]."""
+        bar = Progress(
+            TextColumn("surveying {task.fields[scenario]}"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %"),
+            TimeElapsedColumn(),
+            TextColumn("[dim]{task.fields[note]}"),
+            console=self._messages,
+            disable=not self._messages.is_terminal,
+        )
+        with bar:
+            task = bar.add_task("", total=1.0, scenario=scenario_name, note="")
+            yield lambda share, time_s: bar.update(task, completed=share, note=f"{time_s / 60:.1f} min simulated")
+
+
+class _ResultConsole(Console):
+    """Prints to stdout, and nowhere once the reader has gone: `uwsim survey | head` must not prevent the report."""
+
+    def on_broken_pipe(self) -> None:
+        """Redirect stdout to nowhere; rich would end the program."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+
+
+@contextmanager
+def stop_on_ctrl_c(autosave: Autosave) -> Iterator[None]:
+    """During the block, let the first Ctrl-C or SIGTERM end the flight at its next pause, and the second end it now."""
+
+    def stop(number: int, frame: object) -> None:
+        if autosave.stop_requested():
+            raise KeyboardInterrupt
+        autosave.stop()
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,107 @@
+#include "uwsim/dynamics/integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "meshes.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kStep_s = 0.005;
+
+CraftParameters neutral_box() {
+  const SolidProperties solid = solid_properties(testing::box(1.2, 0.8, 0.6));
+  CraftParameters p;
+  p.mass_kg = 1000 * solid.volume_m3;
+  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  p.added_mass.diagonal() << 100, 300, 900, 20, 50, 40;
+  return p;
+}
+
+BodyState run(const Craft& craft, BodyState state, const Vector6d& tau, const WaterField& water, double seconds) {
+  for (int k = 0; k < std::lround(seconds / kStep_s); ++k)
+    state = advance(craft, state, {.body = tau}, water, 0, kStep_s);
+  return state;
+}
+
+TEST(Integrator, ATumblingBodyInInviscidWaterConservesEnergyAndMomentum) {
+  const CraftParameters p = neutral_box();
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState state;
+  state.world_from_body.position_m.z() = -500;
+  state.velocity_body << 0.5, -0.2, 0.1, 1.2, 0.9, -1.0;
+  Matrix6d mass = p.added_mass;
+  mass.topLeftCorner<3, 3>() += p.mass_kg * Eigen::Matrix3d::Identity();
+  mass.bottomRightCorner<3, 3>() += p.inertia_kg_m2;
+  const auto momentum_world = [&](const BodyState& s) -> Eigen::Vector3d {
+    return s.world_from_body.orientation * Eigen::Vector3d((mass * s.velocity_body).head<3>());
+  };
+  const double energy = craft.kinetic_energy_j(state);
+  const Eigen::Vector3d momentum = momentum_world(state);
+  const BodyState end = run(craft, state, Vector6d::Zero(), EvenWater{}, 100);
+  EXPECT_NEAR(craft.kinetic_energy_j(end), energy, 1e-6 * energy);
+  EXPECT_LT((momentum_world(end) - momentum).norm(), 1e-6 * momentum.norm());
+  EXPECT_NEAR(end.world_from_body.orientation.norm(), 1, 1e-12);
+}
+
+TEST(Integrator, AtTerminalSpeedDragEqualsThrust) {
+  CraftParameters p = neutral_box();
+  p.added_mass.diagonal().setConstant(300);  // equal along all axes, so that there is no Munk moment
+  p.quadratic_damping.diagonal().setConstant(250);
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState state;
+  state.world_from_body.position_m.z() = -10;
+  Vector6d tau = Vector6d::Zero();
+  tau(0) = 360;
+  EXPECT_NEAR(run(craft, state, tau, EvenWater{}, 60).velocity_body(0), std::sqrt(360.0 / 250), 1e-6);
+}
+
+TEST(Integrator, ABodyWithTenTimesItsMassAddedFallsStably) {
+  CraftParameters p = neutral_box();
+  p.mass_kg *= 1.5;
+  p.added_mass.diagonal() << 8600, 8600, 8600, 700, 1000, 1000;
+  p.quadratic_damping.diagonal().setConstant(500);
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState state;
+  state.world_from_body.position_m.z() = -10;
+  const double weight = (p.mass_kg - 576) * 9.80665;
+  EXPECT_NEAR(run(craft, state, Vector6d::Zero(), EvenWater{}, 200).velocity_body(2), -std::sqrt(weight / 500), 1e-3);
+}
+
+TEST(Integrator, TheErrorFallsWithTheFourthPowerOfTheStep) {
+  CraftParameters p = neutral_box();
+  p.quadratic_damping.diagonal().setConstant(100);
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState start;
+  start.world_from_body.position_m.z() = -50;
+  start.velocity_body << 1, 0.3, -0.2, 0.8, -0.5, 0.4;
+  const auto end_with = [&](int steps) {
+    BodyState state = start;
+    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, 4.0 / steps);
+    return state.world_from_body.position_m;
+  };
+  const Eigen::Vector3d exact = end_with(6400);
+  const double coarse = (end_with(100) - exact).norm(), fine = (end_with(200) - exact).norm();
+  EXPECT_GT(std::log2(coarse / fine), 3.5);
+}
+
+TEST(Integrator, AChaoticTumbleConvergesOverFiveSeconds) {
+  const Craft craft(neutral_box(), BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState start;
+  start.world_from_body.position_m.z() = -500;
+  start.velocity_body << 0.8, -0.6, 0.5, 1.2, 0.9, -1.0;
+  const auto end_with = [&](int steps) {
+    BodyState state = start;
+    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, 5.0 / steps);
+    return state.world_from_body.orientation;
+  };
+  const Eigen::Quaterniond exact = end_with(16'000);
+  const double at_default = end_with(1000).angularDistance(exact), at_half = end_with(2000).angularDistance(exact);
+  EXPECT_LT(at_default, 1e-3);
+  EXPECT_LT(at_half, at_default / 8);
+}
+
+}  // namespace
+}  // namespace uwsim

@@ -1,0 +1,112 @@
+"""`uwsim survey` as a user meets it: results on disk, interruptions, and errors in one line."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from command_line import UWSIM, error_line, files_limited_to, uwsim
+from uwsim.mapping import OccupancyMap
+from uwsim.scenario.read.assets import assets_folder
+
+WIDE_AREA = "[[-90, -90], [90, -90], [90, 90], [-90, 90]]"
+
+
+def test_a_survey_writes_a_map_a_report_and_figures(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    result = uwsim("survey", "pool", "--out", str(out), "--seed", "5", "--sonar-model", "1")
+    assert result.returncode == 0, result.stderr
+    for words in ("simulated time", "real-time factor", "pings", "echoes", "occupied voxels", "coverage", "95th"):
+        assert words in result.stdout
+    assert len(OccupancyMap.read(out / "map.bt").occupied_voxels()) > 100
+    scored = uwsim("map", "score", str(out / "map.bt"), "--scenario", "pool")
+    assert scored.returncode == 0, scored.stderr
+    coverage = next(line for line in result.stdout.splitlines() if "coverage" in line)
+    assert coverage.split("│")[2].strip() in scored.stdout, "the map file scores as it did in the survey"
+    report = (out / "report.html").read_text()
+    assert "data:image/png;base64," in report
+    assert "seed" in report
+    assert {path.suffix for path in out.iterdir()} == {".bt", ".html", ".npz", ".png"}
+
+
+def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    text = text.replace("size_m: [20, 20]", "size_m: [200, 200]").replace(
+        "[[-4, -4], [4, -4], [4, 4], [-4, 4]]", WIDE_AREA
+    )
+    scenario = tmp_path / "wide.yaml"
+    scenario.write_text(text)
+    process = subprocess.Popen(
+        [*UWSIM, "survey", str(scenario), "--out", str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not (tmp_path / "out").exists():  # it is made when the flight begins
+        assert process.poll() is None
+        time.sleep(0.05)
+    time.sleep(1.0)  # the whole survey takes ten times as long
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=90)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+    assert "interrupted" in output
+    assert len(OccupancyMap.read(tmp_path / "out" / "map.bt").occupied_voxels()) > 0
+    assert (tmp_path / "out" / "report.html").is_file()
+
+
+@pytest.mark.parametrize("after_s", [0.05, 0.2, 0.4, 0.6, 0.8])
+def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True
+    )
+    time.sleep(after_s)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=300)
+    assert process.returncode in (130, -signal.SIGINT), "the latter before Python has started"
+    assert process.returncode < 0 or "Traceback" not in errors
+
+
+def test_a_reader_that_stops_reading_does_not_prevent_the_report(tmp_path: Path) -> None:
+    command = f"{sys.executable} -c 'from uwsim.cli import main; main()' survey pool --out {tmp_path} --mission-time 5"
+    subprocess.run(f"{command} | true", shell=True, timeout=600, check=True)
+    assert {"map.bt", "report.html"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_a_simulation_that_diverges_leaves_the_map_so_far(tmp_path: Path) -> None:
+    vehicle = (assets_folder() / "vehicles" / "rov.yaml").read_text()
+    start = vehicle.index("linear_damping:")
+    end = vehicle.index("\n", start)
+    (tmp_path / "stiff.yaml").write_text(
+        vehicle[:start] + "linear_damping: [1.0e6, 1.0e6, 1.0e6, 1.0e6, 1.0e6, 1.0e6]" + vehicle[end:]
+    )
+    scenario = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace("model: rov", "model: stiff.yaml")
+    (tmp_path / "stiff_pool.yaml").write_text(scenario)
+    line = error_line(uwsim("survey", str(tmp_path / "stiff_pool.yaml"), "--out", str(tmp_path / "out")))
+    assert "diverged" in line
+    assert (tmp_path / "out" / "map.bt").is_file()
+
+
+def test_an_output_folder_that_cannot_be_written_is_refused_before_the_flight(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    assert "cannot write there" in error_line(uwsim("survey", "pool", "--out", str(tmp_path / "file")))
+    assert "cannot write there" in error_line(uwsim("survey", "pool", "--out", "/proc/uwsim"))
+
+
+def test_a_full_disk_gives_one_line_and_no_partial_file(tmp_path: Path) -> None:
+    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "5")
+    line = error_line(uwsim(*arguments, preexec_fn=files_limited_to(100)))
+    assert "map.bt" in line
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_disk_that_is_full_after_the_map_gives_the_summary_and_says_so(tmp_path: Path) -> None:
+    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "5")
+    result = uwsim(*arguments, preexec_fn=files_limited_to(20_000))
+    assert "is complete" in error_line(result)
+    assert "coverage" in result.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz", "checkpoint"}
+    assert "--resume makes the report" in result.stderr

@@ -1,0 +1,45 @@
+"""Laws of the depth grid."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uwsim.mapping.depth_grid import depth_grid
+
+
+@given(n=st.integers(1, 200), seed=st.integers(0, 1000), cell_m=st.sampled_from([0.2, 0.5, 3.0]))
+def test_every_cell_holds_the_median_and_the_count_of_its_points(n, seed, cell_m):
+    points = np.random.default_rng(seed).uniform(-4.0, 4.0, (n, 3)) + np.array([100.0, -50.0, -30.0])
+    grid = depth_grid(points, cell_m)
+    assert grid.count.sum() == n
+    columns = np.floor((points[:, 0] - grid.west_m) / cell_m + 1e-9).astype(int)
+    rows = np.floor((points[:, 1] - grid.south_m) / cell_m + 1e-9).astype(int)
+    for row, column in np.ndindex(grid.count.shape):
+        mine = -points[(rows == row) & (columns == column), 2]
+        assert grid.count[row, column] == len(mine)
+        if len(mine):
+            assert grid.depth_m[row, column] == pytest.approx(np.median(mine))
+        else:
+            assert np.isnan(grid.depth_m[row, column])
+    west, east, south, north = grid.extent_m
+    assert west <= points[:, 0].min()
+    assert points[:, 0].max() <= east + 1e-9
+    assert south <= points[:, 1].min()
+    assert points[:, 1].max() <= north + 1e-9
+    assert west / cell_m == pytest.approx(round(west / cell_m))
+
+
+@pytest.mark.parametrize(
+    ("points", "cell_m", "message"),
+    [
+        (np.empty((0, 3)), 1.0, "no points"),
+        (np.zeros((1, 3)), 0.0, "cell_m = 0.0 m: must be positive"),
+        (np.zeros((1, 3)), np.nan, "cell_m = nan m"),
+        (np.full((1, 3), np.nan), 1.0, "must be finite"),
+        (np.array([[0.0, 0, 0], [1e6, 1e6, 0]]), 0.1, r"gives 1e\+14 cells"),
+    ],
+)
+def test_invalid_points_and_cells_are_refused(points, cell_m, message):
+    with pytest.raises(ValueError, match=message):
+        depth_grid(points, cell_m)

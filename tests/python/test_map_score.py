@@ -1,0 +1,198 @@
+"""Laws of the score: a perfect map has coverage 1, an empty one 0, and a map shifted by d lies at distance d."""
+
+import numpy as np
+import pytest
+
+from uwsim import _core
+from uwsim.scoring import true_surface
+from uwsim.scoring.map_score import MapScore, score_map
+
+VOXEL_M = 0.5
+AREA = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
+ABOVE = np.array([[0.0, 0.0, 6.0]])
+
+
+def plane(z_m: float) -> _core.World:
+    world = _core.World()
+    world.set_terrain(np.full((31, 31), z_m, np.float32), 1.0, (-15.0, -15.0))
+    return world
+
+
+def box(low, high):
+    x, y, z = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    return np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), np.array(triangles)
+
+
+def score(world, occupied, path=ABOVE, range_max_m=50.0) -> MapScore:
+    return score_map(world, np.asarray(occupied, float).reshape(-1, 3), VOXEL_M, path, AREA, range_max_m)
+
+
+def test_a_visible_plane_has_area_over_voxel_area_voxels_and_a_map_of_them_is_perfect():
+    world = plane(0.2)
+    truth = score(world, [])
+    assert truth.visible_truth_voxels == 10 * 10 / VOXEL_M**2
+    perfect = score(world, truth.visible_centres_m)
+    assert perfect.coverage == 1.0
+    assert len(perfect.missed_centres_m) == 0
+    assert perfect.distance_max_m == pytest.approx(0.05)  # the plane lies 0.05 m below the voxels' centres
+
+
+def test_an_empty_map_covers_nothing_and_has_no_distance():
+    empty = score(plane(0.2), [])
+    assert empty.coverage == 0.0
+    assert len(empty.missed_centres_m) == empty.visible_truth_voxels
+    assert np.isnan([empty.distance_mean_m, empty.distance_p95_m, empty.distance_max_m]).all()
+
+
+def test_without_a_flown_pose_nothing_was_visible():
+    nowhere = score(plane(0.2), [[0.25, 0.25, 0.25]], path=np.empty((0, 3)))
+    assert nowhere.visible_truth_voxels == 0
+    assert nowhere.coverage == 0.0
+
+
+def test_a_map_of_half_the_plane_covers_half():
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    half = truth[truth[:, 0] < -VOXEL_M]  # neighbours of the mapped voxels reach to x = 0
+    assert score(world, half).coverage == 0.5
+
+
+@pytest.mark.parametrize(("voxels", "coverage"), [(1, 1.0), (2, 0.0), (3, 0.0)])
+def test_a_map_one_voxel_off_covers_and_one_further_off_does_not(voxels, coverage):
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    assert score(world, truth + np.array([0.0, 0.0, voxels * VOXEL_M])).coverage == coverage
+
+
+def test_a_map_shifted_by_d_lies_at_distance_d():
+    world = plane(0.25)
+    truth = score(world, []).visible_centres_m
+    for voxels in (0, 1, 5):
+        shifted = score(world, truth + np.array([0.0, 0.0, voxels * VOXEL_M]))
+        distances = [shifted.distance_mean_m, shifted.distance_p95_m, shifted.distance_max_m]
+        assert distances == pytest.approx([voxels * VOXEL_M] * 3)
+
+
+def test_hidden_surface_is_not_counted():
+    world = plane(0.2)
+    world.add_solid("slab", *box((-1.9, -1.9, 1.7), (1.9, 1.9, 2.7)))
+    seen = score(world, []).visible_centres_m
+    below = np.all(np.abs(seen[:, :2]) < 1.5, axis=1) & (seen[:, 2] < 2.5)
+    assert not below.any()
+    assert score(world, seen).coverage == 1.0
+    from_the_side = np.array([[0.0, 0.0, 6.0], [9.0, 0.0, 0.7]])
+    assert score(world, [], path=from_the_side).visible_truth_voxels > len(seen)
+
+
+def test_surface_out_of_range_is_not_counted():
+    reach = score(plane(0.0), [], range_max_m=6.5)
+    from_nadir_m = np.linalg.norm(reach.visible_centres_m[:, :2], axis=1)
+    assert from_nadir_m.max() <= 2.5 + VOXEL_M  # 6.5, 6, 2.5: a right triangle
+    assert reach.visible_truth_voxels >= np.pi * 2.5**2 / VOXEL_M**2
+
+
+def test_the_direction_of_the_path_does_not_matter():
+    world = plane(0.2)
+    world.add_solid("wall", *box((-0.1, -3.0, 0.0), (0.1, 3.0, 4.0)))
+    path = np.stack([np.linspace(-4.0, 4.0, 60), np.full(60, 0.3), np.full(60, 2.0)], axis=1)
+    there, back = score(world, [], path=path), score(world, [], path=path[::-1])
+    assert there.visible_truth_voxels == pytest.approx(back.visible_truth_voxels, rel=0.02)
+    assert there.visible_truth_voxels > score(world, [], path=path[:1]).visible_truth_voxels
+
+
+def test_voxels_on_another_grid_are_refused():
+    with pytest.raises(ValueError, match=r"occupied_centres_m = up to 0\.25 m off the grid"):
+        score(plane(0.2), [[0.0, 0.0, 0.0]])
+
+
+def test_tiles_do_not_change_the_score(monkeypatch):
+    world = plane(0.2)
+    world.add_solid("wall", *box((-0.1, -3.0, 0.0), (0.1, 3.0, 4.0)))
+    occupied = score(world, []).visible_centres_m[::5]
+    whole = score(world, occupied)
+    monkeypatch.setattr(true_surface, "TILE_VOXELS", 3)
+    tiled = score(world, occupied)
+    assert np.array_equal(tiled.visible_centres_m, whole.visible_centres_m)
+    assert np.array_equal(tiled.covered, whole.covered)
+    assert 0.0 < tiled.coverage < 1.0
+
+
+def test_surface_out_of_range_of_the_path_does_not_count_towards_the_limit(monkeypatch):
+    monkeypatch.setattr(true_surface, "MAX_VOXELS", 100)
+    assert score(plane(0.2), [], path=np.array([[0.0, 0.0, 1.2]]), range_max_m=1.5).visible_truth_voxels > 0
+    with pytest.raises(ValueError, match=r"must be at most 0\.0001 million"):
+        score(plane(0.2), [])
+
+
+def test_a_perfect_map_has_precision_and_recall_1():
+    world = plane(0.2)
+    perfect = score(world, score(world, []).visible_centres_m)
+    assert (perfect.precision, perfect.recall) == (1.0, 1.0)
+    assert len(perfect.false_centres_m) == 0
+
+
+def test_recall_requires_the_voxel_itself_and_coverage_a_neighbour():
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    above = score(world, truth + np.array([0.0, 0.0, VOXEL_M]))
+    assert (above.coverage, above.recall, above.precision) == (1.0, 0.0, 0.0)
+    assert len(above.false_centres_m) == len(truth)
+    half = score(world, truth[::2])
+    assert half.recall == 0.5
+    assert half.precision == 1.0
+
+
+def test_false_voxels_are_found():
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    floating = truth[:100] + np.array([0.0, 0.0, 6.0 * VOXEL_M])
+    mixed = score(world, np.concatenate([truth, floating]))
+    assert mixed.precision == pytest.approx(len(truth) / (len(truth) + 100))
+    assert np.array_equal(mixed.false_centres_m, floating)
+
+
+def test_a_voxel_is_right_exactly_when_the_surface_runs_through_it():
+    """A tilted plane through a grid of voxels, compared with the exact intersection test of a plane and a cube."""
+    normal = np.array([0.3, -0.5, 1.0])
+    x, y = np.meshgrid(np.arange(-10.0, 11.0), np.arange(-10.0, 11.0))
+    world = _core.World()
+    world.set_terrain((-(normal[0] * x + normal[1] * y)).astype(np.float32), 1.0, (-10.0, -10.0))
+    axis = (np.arange(-8, 8) + 0.5) * VOXEL_M
+    cubes = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    depth_of_cut = np.abs(normal).sum() * VOXEL_M / 2.0 - np.abs(cubes @ normal)
+    sure = np.abs(depth_of_cut) > 0.03 * np.linalg.norm(normal)  # after all HALVINGS 1/32 of a voxel is undecided
+    right = cubes[sure & (depth_of_cut > 0)]
+    wrong = cubes[sure & (depth_of_cut < 0)]
+    assert min(len(right), len(wrong)) > 400
+    found = score(world, np.concatenate([right, wrong]))
+    assert np.array_equal(found.false_centres_m, wrong)
+
+
+def test_a_vertical_shift_of_the_map_is_the_seabeds_error():
+    world = plane(-20.25)
+    truth = score(world, [], path=np.array([[0.0, 0.0, -15.0]])).visible_centres_m
+    for voxels in (-2, 0, 1):
+        seabed = score(world, truth - np.array([0.0, 0.0, voxels * VOXEL_M])).seabed
+        assert seabed.judged.sum() == len(truth)
+        assert seabed.errors_m == pytest.approx(voxels * VOXEL_M)
+        assert seabed.depths_m == pytest.approx(20.25)
+        assert (seabed.mean_m, seabed.p95_m) == pytest.approx((voxels * VOXEL_M, abs(voxels) * VOXEL_M))
+
+
+def test_cells_under_an_obstacle_and_outside_the_polygon_are_not_judged():
+    world = plane(0.25)
+    world.add_solid("slab", *box((-1.05, -1.05, 2.0), (1.05, 1.05, 2.2)))
+    flat = np.stack(np.meshgrid(*[(np.arange(-20, 20) + 0.5) * VOXEL_M] * 2), axis=-1).reshape(-1, 2)
+    seabed = score(world, np.column_stack([flat, np.full(len(flat), 0.25)])).seabed
+    assert seabed.obstructed.sum() == 6 * 6  # every cell that the slab overlaps
+    assert seabed.judged.sum() == 20 * 20 - 36
+    assert (seabed.grid.count > 0).sum() == 40 * 40
+
+
+def test_an_empty_map_has_no_seabed_and_no_precision():
+    empty = score(plane(0.2), [])
+    assert empty.seabed is None
+    assert np.isnan(empty.precision)
+    assert empty.recall == 0.0

@@ -1,0 +1,12 @@
+"""Keys of voxels are OctoMap's."""
+
+import numpy as np
+
+from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_keys
+
+
+def test_keys_are_rounded_down_and_packed_in_order_without_collisions():
+    assert voxel_keys(np.array([[-0.01, 0.0, 0.5]]), 0.5).tolist() == [[-1, 0, 1]]
+    keys = np.array([[i, j, k] for i in (-32768, -1, 0, 32767) for j in (-32768, 0, 7) for k in (-2, 3)])
+    assert np.all(np.diff(pack_keys(keys)) > 0)
+    assert np.array_equal(unpack_keys(pack_keys(keys)), keys)

@@ -1,0 +1,69 @@
+"""Draws docs/cameras.jpg, the contact sheet in the README.
+
+The ROV's cameras and the station's in several waters, at noon and at dusk, with and without lamps. The layout is in
+figures/contact_sheet.py. Needs the built package.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from uwsim import Simulator
+from uwsim.cameras.image_file import write_image
+from uwsim.figures.contact_sheet import contact_sheet
+from uwsim.scenario import load
+
+OUT = Path(__file__).resolve().parents[2] / "docs" / "cameras.jpg"
+WATERS = ("I", "III", "5C", "9C")
+NOON_DEG, DUSK_DEG = 60.0, 1.0
+THUMBNAIL = (240, 135)
+BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
+
+
+def hover_beside_the_pipeline(sim: Simulator) -> None:
+    """Place the ROV above the bed, looking along the pipeline."""
+    x, y, above, yaw = BESIDE_PIPE
+    bed = float(sim.world.height_at([[x, y]])[0])
+    sim.rov.place((x, y, bed + above), Rotation.from_euler("z", yaw, degrees=True).as_quat())
+
+
+def thumbnail(
+    sim: Simulator, camera: str, jerlov: str, sun_deg: float, *, lamps: bool, effects: str = "on"
+) -> np.ndarray:
+    """Capture one picture and reduce it."""
+    sim.set_optics(jerlov=jerlov, sun_elevation_deg=sun_deg)
+    for lamp in sim.rov.lamps.values():
+        lamp.on = lamps
+    cameras = {**sim.cameras, **sim.rov.cameras}
+    image = Image.fromarray(cameras[camera].capture(effects).rgb)
+    return np.asarray(image.resize(THUMBNAIL, Image.Resampling.LANCZOS))
+
+
+def main() -> None:
+    """Draw the sheet and write it."""
+    lake = load("lake")
+    shallow = lake.terrain.model_copy(update={"bed_depth_m": 9.0, "hill_height_m": 3.0})  # so that noon reaches the bed
+    sim = Simulator(lake.model_copy(update={"terrain": shallow}))
+    sim.rov.release()
+    hover_beside_the_pipeline(sim)
+    rows = []
+    for camera in ("front", "down"):
+        rows.append([thumbnail(sim, camera, water, NOON_DEG, lamps=False) for water in WATERS])
+        rows.append([thumbnail(sim, camera, water, DUSK_DEG, lamps=True) for water in WATERS])
+    rows.append(
+        [
+            thumbnail(sim, "front", "III", NOON_DEG, lamps=False, effects="off"),
+            thumbnail(sim, "front", "III", DUSK_DEG, lamps=False),
+            thumbnail(sim, "station", "III", NOON_DEG, lamps=False),
+            thumbnail(sim, "station", "III", DUSK_DEG, lamps=False),
+        ]
+    )
+    write_image(OUT, contact_sheet(rows))
+
+
+if __name__ == "__main__":
+    main()
