@@ -1,0 +1,142 @@
+"""The ROS message types that are spoken here: names, fields and classes, from the typestores of `rosbags`.
+
+A message is an object of `typestore().types[name]`, whatever the client: the classes of ROS 2 Jazzy, in whose spelling
+names are written here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` says how it is spelled for a client of ROS 1
+(Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or of ROS 2.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import Any, Literal, NamedTuple
+
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+Ros = Literal[1, 2]
+"""The generation of ROS that a client speaks."""
+
+ADDED = {
+    # https://github.com/OctoMap/octomap_msgs
+    "octomap_msgs/msg/Octomap": "std_msgs/Header header\nbool binary\nstring id\nfloat64 resolution\nint8[] data\n",
+    "octomap_msgs/msg/OctomapWithPose": (
+        "std_msgs/Header header\ngeometry_msgs/Pose origin\noctomap_msgs/Octomap octomap\n"
+    ),
+    # The published simulator's own, for `decodedDepth` and `rovParameters`
+    "misc/msg/floatarray": "float32[] data\n",
+}
+"""Types that neither typestore has, as .msg texts. Add yours here, with its source."""
+
+TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
+EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # ROS 2's only field of a message without fields
+_NAME = re.compile(r"([A-Za-z]\w*)/(?:(msg)/)?([A-Za-z]\w*)")
+
+
+class Kind(NamedTuple):
+    """What a field holds. base: a primitive's name ("float32"), or a message's ("std_msgs/msg/Header").
+
+    length: None for one value, 0 for any number of them, else the fixed number of them. limit: of a sequence's length,
+    or of a string's; 0 for none.
+    """
+
+    base: str
+    length: int | None
+    limit: int
+
+    @property
+    def is_message(self) -> bool:
+        """Whether the field holds messages."""
+        return "/" in self.base
+
+
+class Field(NamedTuple):
+    """One field. name: as the client spells it. attribute: of the message object; None if the object lacks it."""
+
+    name: str
+    attribute: str | None
+    kind: Kind
+
+
+@cache
+def typestore() -> Typestore:
+    """Return the types: those of ROS 2 Jazzy, those that only ROS 1 Noetic has, and ADDED."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    noetic = get_typestore(Stores.ROS1_NOETIC).fielddefs
+    store.register({name: noetic[name] for name in noetic.keys() - store.fielddefs.keys()})
+    _add(store)
+    return store
+
+
+@cache
+def ros1_typestore() -> Typestore:
+    """Return the types as ROS 1 Noetic has them, with those that it lacks: for bytes in ROS 1's format."""
+    store = get_typestore(Stores.ROS1_NOETIC)
+    jazzy = get_typestore(Stores.ROS2_JAZZY).fielddefs
+    missing = {name: jazzy[name] for name in jazzy.keys() - store.fielddefs.keys()}
+    store.register({name: (consts, without_placeholder(parts)) for name, (consts, parts) in missing.items()})
+    _add(store)
+    return store
+
+
+def _add(store: Typestore) -> None:
+    for name, text in ADDED.items():
+        store.register(get_types_from_msg(text, name))
+
+
+def without_placeholder(parts: Any) -> Any:
+    """Return the fields of rosbags' definition without the one that stands for none."""
+    return [part for part in parts if part[0] != EMPTY_PLACEHOLDER]
+
+
+def resolve(name: object) -> tuple[str, Ros | None]:
+    """Return a type's name in ROS 2's spelling, and the ROS that the spelling is of; None if it may be either's.
+
+    Both generations write "sensor_msgs/LaserScan", only ROS 2 "sensor_msgs/msg/LaserScan". Raises ValueError for a name
+    that is no type's.
+    """
+    match = _NAME.fullmatch(name) if isinstance(name, str) and len(name) < 200 else None
+    if match is None:
+        raise ValueError(f"type = {shortened(name)}: must be the name of a message type, such as 'std_msgs/String'")
+    full = f"{match[1]}/msg/{match[3]}"
+    if full not in typestore().fielddefs:
+        raise ValueError(f"type = '{name}': no such message type is known here")
+    return full, 2 if match[2] else None
+
+
+def spelled(name: str, ros: Ros) -> str:
+    """Spell a type's full name as a generation of ROS does."""
+    return name if ros == 2 else name.replace("/msg/", "/", 1)
+
+
+@cache
+def fields(name: str, ros: Ros) -> tuple[Field, ...]:
+    """Return a type's fields as a client of `ros` sees them."""
+    attributes = {_folded(field): field for field, _ in typestore().fielddefs[name][1]}
+    definitions = (typestore() if ros == 2 else ros1_typestore()).fielddefs[name][1]
+    found = []
+    for field, description in without_placeholder(definitions):
+        spelling = {"sec": "secs", "nanosec": "nsecs"}.get(field, field) if ros == 1 and name in TIMES else field
+        found.append(Field(spelling, attributes.get(_folded(field)), _kind(description)))
+    return tuple(found)
+
+
+def _folded(field: str) -> str:
+    return field.lower()
+
+
+def _kind(description: Any) -> Kind:
+    """Read rosbags' description: (node type, argument)."""
+    node, argument = int(description[0]), description[1]
+    if node == 1:  # a primitive
+        return Kind(argument[0], None, argument[1])
+    if node == 2:  # a message
+        return Kind(argument, None, 0)
+    inner = _kind(argument[0])
+    return Kind(inner.base, argument[1], 0) if node == 3 else Kind(inner.base, 0, argument[1])
+
+
+def shortened(value: object) -> str:
+    """Return a value as an error message shows it."""
+    text = repr(value) if isinstance(value, str | int | float | bool | None) else type(value).__name__
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,22 @@
+"""ROS messages without ROS: what a message is, and how it becomes JSON, CBOR or ROS's own bytes, and comes back.
+
+A message is an object of `typestore().types["std_msgs/msg/String"]`. `to_plain(message, ros=1)` gives {"data": "hello"}
+for orjson or cbor2; `from_plain("std_msgs/msg/String", plain)` checks, fills in defaults and gives the message.
+"""
+
+from uwsim.channels.message_in import from_plain, typed_array
+from uwsim.channels.message_out import default_message, from_bytes, to_bytes, to_plain
+from uwsim.channels.message_types import Ros, resolve, spelled, typestore
+
+__all__ = [
+    "Ros",
+    "default_message",
+    "from_bytes",
+    "from_plain",
+    "resolve",
+    "spelled",
+    "to_bytes",
+    "to_plain",
+    "typed_array",
+    "typestore",
+]
