@@ -104,6 +104,11 @@ class Simulator:
         return self.scenario.step_s
 
     @property
+    def tick(self) -> int:
+        """The number of steps since the start."""
+        return self._core.tick
+
+    @property
     def time_ns(self) -> int:
         """Simulated time since the start, nanoseconds."""
         return self._core.time_ns

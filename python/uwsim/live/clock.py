@@ -1,0 +1,59 @@
+"""Clocks of missions on a live simulator: they wait, and let the stepping thread step."""
+
+from __future__ import annotations
+
+from uwsim.live.step_loop import StepLoop
+
+
+class LiveClock:
+    """A Clock (uwsim.control.Clock) of one mission on one thread: simulated time as it passes.
+
+    A wait ends duration_s after the last one ended if that is still to come, else after now: a control loop keeps its
+    period although it thinks between waits.
+    """
+
+    def __init__(self, loop: StepLoop) -> None:
+        self._loop = loop
+        self._woken_at: int | None = None  # the loop's count of steps when the last wait ended
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since the start."""
+        return self._loop.sim.time_s
+
+    def wait(self, duration_s: float) -> None:
+        """Return when duration_s simulated seconds, rounded to whole steps, have passed.
+
+        While the simulator is paused, so does this. Raises ValueError; NotRunningError when the simulator stops,
+        RuntimeError when it is reset, and the error that stopped the simulation.
+        """
+        steps = duration_s / self._loop.sim.step_s
+        if not 0 <= steps < 2**53:
+            raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
+        until = self._until(round(steps))
+        self._wait_until(until)
+        self._woken_at = until
+
+    def _until(self, steps: int) -> int:
+        now = self._loop.steps_made
+        if self._woken_at is None or self._woken_at + steps < now:
+            return now + steps
+        return self._woken_at + steps
+
+    def _wait_until(self, until: int) -> None:
+        self._loop.alarm(until).result()
+
+
+class MissionClock(LiveClock):
+    """A LiveClock for which no step is made between two waits; see LiveSimulator.mission_clock."""
+
+    def __init__(self, loop: StepLoop) -> None:
+        super().__init__(loop)
+        self._woken_at = loop.hold(self)
+
+    def _wait_until(self, until: int) -> None:
+        self._loop.alarm(until, holder=self).result()
+
+    def close(self) -> None:
+        """Let time pass freely again."""
+        self._loop.release(self)

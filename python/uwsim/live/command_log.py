@@ -1,0 +1,97 @@
+"""The log of everything that was asked of a live simulator, by tick, and its replay."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from uwsim.live.commands import bound_command
+from uwsim.scenario import Scenario
+from uwsim.simulator import Simulator
+
+ENTRIES_MAX = 1_000_000
+CALL, RESET = "call", "reset"
+
+
+class Entry(NamedTuple):
+    """A command and the tick at which it took effect, before the next step.
+
+    name: one of COMMANDS; "reset" (state: bytes, or None for the start); or "call" (function: what was called;
+    raised: whether it raised), which only the same process can repeat.
+    """
+
+    tick: int
+    name: str
+    arguments: dict[str, Any]
+
+
+class CommandLog:
+    """The entries of one live run, in the order in which they took effect, and the state at its start.
+
+    Commands that raised an error changed nothing and are not in it. It holds the newest ENTRIES_MAX entries; forgotten
+    counts the older ones.
+    """
+
+    def __init__(self, start_state: bytes, start_tick: int) -> None:
+        self.start_state = start_state
+        self.start_tick = start_tick
+        self.forgotten = 0
+        self._entries: deque[Entry] = deque()
+
+    def append(self, entry: Entry) -> None:
+        """Add an entry."""
+        self._entries.append(entry)
+        if len(self._entries) > ENTRIES_MAX:
+            self._entries.popleft()
+            self.forgotten += 1
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def __iter__(self) -> Iterator[Entry]:
+        """Return an iterator over a copy: the log may grow meanwhile."""
+        return iter(list(self._entries.copy()))
+
+
+def replay(
+    simulator: Simulator | str | Path | Scenario, log: CommandLog | Iterable[Entry], until_tick: int
+) -> Simulator:
+    """Repeat a log; return the simulator at until_tick, in the state of the original to the last bit.
+
+    simulator: of the same scenario, seed and build. A CommandLog begins with its own start; other entries begin with
+    the simulator as it is. until_tick: after the last entry. Raises ValueError if the log cannot be repeated.
+    """
+    sim = simulator if isinstance(simulator, Simulator) else Simulator(simulator)
+    start = sim.save_state()
+    if isinstance(log, CommandLog):
+        if log.forgotten:
+            raise ValueError(f"log: its first {log.forgotten} entries are forgotten: it cannot be replayed")
+        start = log.start_state
+        sim.restore_state(start)
+    for entry in log:
+        _advance_to(sim, entry.tick)
+        _repeat(sim, entry, start)
+    _advance_to(sim, until_tick)
+    return sim
+
+
+def _repeat(sim: Simulator, entry: Entry, start: bytes) -> None:
+    if entry.name == RESET:
+        state = entry.arguments["state"]
+        sim.restore_state(start if state is None else state)
+    elif entry.name == CALL:
+        try:
+            entry.arguments["function"](sim)
+        except Exception:
+            if not entry.arguments["raised"]:
+                raise
+    else:
+        bound_command(entry.name, entry.arguments)(sim)
+
+
+def _advance_to(sim: Simulator, tick: int) -> None:
+    if tick < sim.tick:
+        raise ValueError(f"log: tick {tick} is before tick {sim.tick}: entries must be in order")
+    sim.step(tick - sim.tick)

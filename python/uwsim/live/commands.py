@@ -1,0 +1,119 @@
+"""The commands that a log can name: functions of a simulator whose arguments are plain values, by name.
+
+A new command is one function here: its first parameter is the simulator, the others are keywords. All raise ValueError,
+changing nothing, for values that are out of range.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from uwsim.simulator import Simulator
+from uwsim.vehicle import Vehicle
+
+T = TypeVar("T")
+
+
+def release(sim: Simulator, vehicle: str) -> None:
+    """Leave the station."""
+    _vehicle(sim, vehicle).release()
+
+
+def set_effort(sim: Simulator, vehicle: str, **effort: float) -> None:
+    """Command efforts; see Vehicle.set_effort."""
+    _vehicle(sim, vehicle).set_effort(**effort)
+
+
+def set_wrench(
+    sim: Simulator, vehicle: str, force_body_n: Sequence[float], torque_body_nm: Sequence[float] = (0.0, 0.0, 0.0)
+) -> None:
+    """Command force and torque; see Vehicle.set_wrench."""
+    _vehicle(sim, vehicle).set_wrench(force_body_n, torque_body_nm)
+
+
+def set_thrusters(sim: Simulator, vehicle: str, commands: Mapping[str, float]) -> None:
+    """Command thrusters by name; see Vehicle.set_thrusters."""
+    _vehicle(sim, vehicle).set_thrusters(commands)
+
+
+def set_fins(sim: Simulator, vehicle: str, angles_rad: Mapping[str, float]) -> None:
+    """Command fins by name; see Vehicle.set_fins."""
+    _vehicle(sim, vehicle).set_fins(angles_rad)
+
+
+def place(
+    sim: Simulator,
+    vehicle: str,
+    position_world_m: Sequence[float],
+    orientation_xyzw: Sequence[float] = (0.0, 0.0, 0.0, 1.0),
+    velocity_body: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+) -> None:
+    """Put a vehicle at a pose; see Vehicle.place."""
+    _vehicle(sim, vehicle).place(position_world_m, orientation_xyzw, velocity_body)
+
+
+def aim(sim: Simulator, vehicle: str, elevation_rad: float, sonar: str | None = None) -> None:
+    """Turn a sonar's head, by default the first's; see Sonar.aim."""
+    rov = _vehicle(sim, vehicle)
+    head = rov.sonar if sonar is None else _item(rov.sonars, sonar, f"vehicle '{vehicle}' sonar")
+    head.aim(elevation_rad)
+
+
+def set_lamp(sim: Simulator, vehicle: str, lamp: str, on: bool) -> None:
+    """Switch a vehicle's lamps."""
+    _item(_vehicle(sim, vehicle).lamps, lamp, f"vehicle '{vehicle}' lamp").on = on
+
+
+def set_optics(sim: Simulator, **changes: Any) -> None:
+    """Change the light; see Simulator.set_optics."""
+    sim.set_optics(**changes)
+
+
+COMMANDS: dict[str, Callable[..., Any]] = {
+    command.__name__: command
+    for command in (release, set_effort, set_wrench, set_thrusters, set_fins, place, aim, set_lamp, set_optics)
+}
+"""Every command by its name, except `reset`, which belongs to LiveSimulator."""
+
+
+def bound_command(name: str, arguments: Mapping[str, Any]) -> Callable[[Simulator], Any]:
+    """Return the command as a function of the simulator. Raises ValueError for an unknown name or keyword."""
+    if name not in COMMANDS:
+        raise ValueError(f"command = {name!r}: must be one of {', '.join(COMMANDS)}")
+    command = COMMANDS[name]
+    if command is set_effort:
+        unknown = sorted(set(arguments) - {"vehicle"} - set(inspect.signature(Vehicle.set_effort).parameters))
+        if unknown:
+            raise ValueError(f"command 'set_effort': {unknown[0]!r}: is no axis")
+    try:
+        inspect.signature(command).bind(None, **arguments)
+    except TypeError as error:
+        raise ValueError(f"command '{name}': {error}") from None
+    return lambda sim: command(sim, **arguments)
+
+
+def plain(value: Any, path: str) -> Any:
+    """Return a copy that nobody else can change, of JSON's types and bytes. Raises ValueError for other types."""
+    if value is None or isinstance(value, bool | int | float | str | bytes):
+        return value
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist(), path)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item, f"{path}.{key}") for key, item in value.items()}
+    if isinstance(value, Sequence):
+        return [plain(item, f"{path}[{k}]") for k, item in enumerate(value)]
+    raise ValueError(f"{path} is {type(value).__name__}: must be a number, text, a list or a dict")
+
+
+def _vehicle(sim: Simulator, name: str) -> Vehicle:
+    return _item(sim.vehicles, name, "vehicle")
+
+
+def _item(items: Mapping[str, T], name: str, what: str) -> T:
+    if not isinstance(name, str) or name not in items:
+        raise ValueError(f"{what} = {name!r}: must be one of {', '.join(items)}")
+    return items[name]

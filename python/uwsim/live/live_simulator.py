@@ -1,0 +1,236 @@
+"""LiveSimulator, the front door of a simulator that runs on the wall clock."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import weakref
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+from uwsim.live.clock import LiveClock, MissionClock
+from uwsim.live.command_log import CALL, RESET, CommandLog
+from uwsim.live.commands import bound_command, plain
+from uwsim.live.pace import Pace, Speed
+from uwsim.live.requests import Request
+from uwsim.live.step_loop import StepLoop
+from uwsim.live.subscription import Subscription
+from uwsim.live.vehicle import LiveVehicle
+from uwsim.scenario import Scenario
+from uwsim.simulator import Simulator
+
+T = TypeVar("T")
+
+STOP_S = 1.0
+
+logger = logging.getLogger("uwsim.live")
+
+
+class LiveSimulator:
+    """A simulator that one thread steps at a pace on the wall clock, while other threads command and read it.
+
+        with LiveSimulator("lake", speed=1.0) as live:
+            live.command("set_effort", vehicle="rov", surge=0.5).result()
+            live.every(0.1, lambda sim: sim.rov.pose, poses.append)
+
+    simulator: a Simulator, which belongs to this from now on, or what one is made of. speed: simulated seconds per wall
+    second, or "max". paused: whether it starts so.
+
+    Commands of all threads form one queue, in the order in which they come; they take effect between two steps, of a
+    paused simulator at once. Each is logged with its tick: `replay(scenario, live.log, tick)` gives the same bytes. If
+    the pace cannot be held, short delays are made up for and longer ones slip: `factor`, `lateness`, `slipped_s` say
+    so. If a step fails, the simulator pauses; `error` says why, and `reset` continues.
+
+    simulator: for reading what is fixed, and for single readings; do not step or command it. vehicles, rov: the same
+    names for commands from other threads; log: the CommandLog.
+    """
+
+    def __init__(
+        self, simulator: Simulator | str | Path | Scenario = "lake", *, speed: Speed = 1.0, paused: bool = False
+    ) -> None:
+        self.simulator = simulator if isinstance(simulator, Simulator) else Simulator(simulator)
+        self.log = CommandLog(self.simulator.save_state(), self.simulator.tick)
+        self.vehicles = {name: LiveVehicle(self, vehicle) for name, vehicle in self.simulator.vehicles.items()}
+        self._pace = Pace(speed, self.simulator.step_s)
+        self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
+        self._thread: threading.Thread | None = None
+
+    @property
+    def rov(self) -> LiveVehicle:
+        """The scenario's first vehicle."""
+        return next(iter(self.vehicles.values()))
+
+    @property
+    def clock(self) -> LiveClock:
+        """A clock for one mission on one thread; see uwsim.control.Clock."""
+        return LiveClock(self._loop)
+
+    @contextmanager
+    def mission_clock(self) -> Iterator[MissionClock]:
+        """Give the clock of one mission, for which simulated time stands still while the mission thinks.
+
+            with live.mission_clock() as clock:
+                run(mission, live.rov, clock)
+
+        So the mission flies as on a Simulator, to the same bytes, however busy the machine is. A mission that thinks
+        for long makes the simulator late.
+        """
+        clock = MissionClock(self._loop)
+        try:
+            yield clock
+        finally:
+            clock.close()
+
+    def start(self) -> Self:
+        """Start stepping; return itself. Raises RuntimeError if it has started already, or has not yet stopped."""
+        if self.running:
+            raise RuntimeError("the live simulator runs already")
+        self._pace.restart()
+        self._loop.open()
+        self._thread = threading.Thread(target=self._loop.run, name="uwsim-live", daemon=True)
+        self._thread.start()
+        # A thread that is in native code when the interpreter ends would abort the process.
+        weakref.finalize(self, _end, self._loop, self._thread)
+        return self
+
+    def stop(self) -> None:
+        """Stop stepping, within a second; what still waits raises NotRunningError. `start` continues."""
+        self._loop.close()
+        if self._thread is None or self._on_loop:
+            return
+        self._thread.join(STOP_S)
+        if self._thread.is_alive():
+            logger.warning("the live simulator stops as soon as a call ends that has lasted for %g s", STOP_S)
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop."""
+        self.stop()
+
+    @property
+    def running(self) -> bool:
+        """Whether its thread is at work, paused or not."""
+        return self._thread is not None and self._thread.is_alive()
+
+    @property
+    def speed(self) -> Speed:
+        """The pace that is asked for: simulated seconds per wall second, or "max". Raises ValueError when set so."""
+        return self._pace.speed
+
+    @speed.setter
+    def speed(self, speed: Speed) -> None:
+        with self._loop.lock:
+            self._pace.set_speed(speed)
+            self._loop.lock.notify_all()
+
+    @property
+    def factor(self) -> float:
+        """The speed that was achieved over the last second; 0 while paused."""
+        with self._loop.lock:
+            return 0.0 if self.paused or not self.running else self._pace.factor
+
+    @property
+    def lateness(self) -> float:
+        """The worst delay of a step behind its schedule, seconds, since the start or `forget_delays`."""
+        return self._pace.lateness_s
+
+    @property
+    def slipped_s(self) -> float:
+        """The wall time that the schedule has slipped by, in all, since the start or `forget_delays`."""
+        return self._pace.slipped_s
+
+    def forget_delays(self) -> None:
+        """Measure `lateness` and `slipped_s` anew."""
+        self._pace.forget_delays()
+
+    @property
+    def paused(self) -> bool:
+        """Whether simulated time stands still."""
+        return self._loop.paused
+
+    @property
+    def error(self) -> Exception | None:
+        """The error that stopped the simulation, such as diverging motion, or None."""
+        return self._loop.error
+
+    def pause(self) -> None:
+        """Stand still; return when no step is under way."""
+        self._loop.set_paused(True)
+        if self.running and not self._on_loop:
+            self.read(lambda sim: None).result()
+
+    def resume(self) -> None:
+        """Run again from now. Raises the error that stopped the simulation, if one did."""
+        self._loop.set_paused(False)
+
+    def step(self, n: int = 1) -> None:
+        """Make n steps while paused, as fast as possible; return after the last. Raises ValueError."""
+        if isinstance(n, bool) or not isinstance(n, int) or not 0 <= n < 2**53:
+            raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
+        if self._on_loop:
+            raise RuntimeError("step: a call or sink must not wait for steps")
+        self._loop.step_when_paused(n).result()
+
+    def reset(self, state: bytes | None = None) -> None:
+        """Go to a state of save_state, by default to the start, and return when there. Raises ValueError."""
+        future = self._submit(lambda sim: sim.restore_state(state or self.log.start_state), RESET, {"state": state})
+        future.result()
+
+    def call(self, function: Callable[[Simulator], T]) -> Future[T]:
+        """Call function(simulator) at the start of the next step. The log cannot be written to a file then.
+
+        The function must be brief: it delays the steps. Its error goes to the future. Raises NotRunningError.
+        """
+        return self._submit(function, CALL, {"function": function, "raised": False})
+
+    def read(self, function: Callable[[Simulator], T]) -> Future[T]:
+        """Like `call`, between two steps, for a function that changes nothing: it is not logged."""
+        return self._submit(function, None, {})
+
+    def command(self, name: str, **arguments: Any) -> Future[Any]:
+        """Give one of uwsim.live.COMMANDS at the start of the next step, with arguments of JSON's types or arrays.
+
+        Raises ValueError for an unknown name or keyword; what the command itself raises goes to the future.
+        """
+        kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
+        return self._submit(bound_command(name, kept), name, kept)
+
+    def every(self, period_s: float, read: Callable[[Simulator], T], sink: Callable[[T], object]) -> Subscription:
+        """Take a reading now, after each jump of time, and at all multiples of period_s, and hand it to the sink.
+
+        In simulated time: the first step at or after each multiple. Both run on the stepping thread and must be brief;
+        the sink must not block. Their errors are logged and kept in the subscription. Raises ValueError,
+        NotRunningError.
+        """
+        if not 0 < period_s <= 1e9:
+            raise ValueError(f"period_s = {period_s} s: must be in (0, 1e9]")
+        step_ns = round(self.simulator.step_s * 1e9)
+        subscription = Subscription(max(round(period_s * 1e9), 1), step_ns, read, sink, self.simulator.tick)
+        self._loop.subscribe(subscription)
+        return subscription
+
+    @property
+    def _on_loop(self) -> bool:
+        return threading.current_thread() is self._thread
+
+    def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
+        request = Request(function, name, arguments)
+        if self._on_loop:  # a sink commands: that is between two steps
+            self._loop.answer(request)
+        else:
+            self._loop.submit(request)
+        return request.future
+
+
+def _end(loop: StepLoop, thread: threading.Thread) -> None:
+    loop.close()
+    if thread is not threading.current_thread():
+        thread.join(STOP_S)

@@ -1,0 +1,109 @@
+"""The pace: when steps are due on the wall clock, and how well that is kept."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Literal
+
+Speed = float | Literal["max"]
+
+SLIP_S = 0.25
+"""Delays up to this are made up for afterwards; beyond it the schedule slips: simulated time stays behind."""
+WINDOW_S, MARK_S = 1.0, 0.1  # the achieved factor is measured over about WINDOW_S
+BATCH_S = 1e-3  # steps that are due together run in batches of about this, so that commands do not wait longer
+BATCH_STEPS_MAX = 10_000
+
+
+class Pace:
+    """The schedule of steps at a speed: simulated seconds per wall second, or "max".
+
+    Times `now_s` are of one monotonic clock. lateness_s: the worst delay of a step behind its schedule. slipped_s: the
+    wall time that the schedule has slipped by in all. factor: the speed that was achieved over the last second.
+    """
+
+    def __init__(self, speed: Speed, step_s: float) -> None:
+        self.speed = checked_speed(speed)
+        self.lateness_s = 0.0
+        self.slipped_s = 0.0
+        self._step_s = step_s
+        self._start_s = math.nan  # wall time at which the schedule starts; nan: at the next step
+        self._steps = 0  # that have been made since then
+        self._step_cost_s = 1e-5
+        self._marks: deque[tuple[float, float]] = deque()  # (wall time, simulated time made until then)
+        self._made_s = 0.0
+
+    @property
+    def factor(self) -> float:
+        """Simulated seconds per wall second, achieved over the last second of running; 0 before anything ran."""
+        if len(self._marks) < 2 or self._marks[-1][0] <= self._marks[0][0]:
+            return 0.0
+        (first_s, made_first_s), (last_s, made_last_s) = self._marks[0], self._marks[-1]
+        return (made_last_s - made_first_s) / (last_s - first_s)
+
+    def restart(self) -> None:
+        """Start the schedule anew at the next step: after a pause, or when time has jumped."""
+        self._start_s = math.nan
+        self._marks.clear()
+
+    def set_speed(self, speed: Speed) -> None:
+        """Change the speed from now on. Raises ValueError, changing nothing."""
+        self.speed = checked_speed(speed)
+        self.restart()
+
+    def forget_delays(self) -> None:
+        """Measure lateness and slip anew."""
+        self.lateness_s = self.slipped_s = 0.0
+
+    def due(self, now_s: float) -> int:
+        """Return the number of steps to make now, at most a batch; 0: none is due yet."""
+        if math.isnan(self._start_s):
+            self._start_s, self._steps = now_s, 0
+        if self.speed == "max":
+            return self.batch
+        late_s = now_s - self._due_s
+        if late_s < 0:
+            return 0
+        self.lateness_s = max(self.lateness_s, late_s)
+        if late_s > SLIP_S:
+            self._start_s += late_s
+            self.slipped_s += late_s
+            late_s = 0.0
+        return min(self.batch, 1 + int(late_s * self.speed / self._step_s))
+
+    def wait_s(self, now_s: float) -> float:
+        """Return the time until the next step is due; not positive if it is."""
+        return 0.0 if self.speed == "max" or math.isnan(self._start_s) else self._due_s - now_s
+
+    @property
+    def batch(self) -> int:
+        """The number of steps that run together, about BATCH_S."""
+        return min(max(1, int(BATCH_S / self._step_cost_s)), BATCH_STEPS_MAX)
+
+    def made(self, steps: int, began_s: float, now_s: float) -> None:
+        """Record that `steps` were made from began_s to now_s."""
+        self._steps += steps
+        self._step_cost_s += 0.2 * ((now_s - began_s) / steps - self._step_cost_s)
+        if not self._marks:
+            self._marks.append((began_s, self._made_s))
+        self._made_s += steps * self._step_s
+        if now_s - self._marks[-1][0] >= MARK_S or len(self._marks) == 1:
+            self._marks.append((now_s, self._made_s))
+        while len(self._marks) > 2 and now_s - self._marks[0][0] > WINDOW_S:
+            self._marks.popleft()
+
+    @property
+    def _due_s(self) -> float:
+        """Wall time at which the next step is due."""
+        assert self.speed != "max"
+        return self._start_s + self._steps * self._step_s / self.speed
+
+
+def checked_speed(speed: Speed) -> Speed:
+    """Return the speed as a float or "max". Raises ValueError."""
+    if isinstance(speed, str) and speed == "max":
+        return "max"
+    is_number = isinstance(speed, int | float) and not isinstance(speed, bool)
+    if not is_number or not 1e-3 <= float(speed) <= 1e6:
+        raise ValueError(f"speed = {speed!r}: must be a factor in [0.001, 1000000], or 'max'")
+    return float(speed)

@@ -1,0 +1,27 @@
+"""What other threads ask of the thread that owns the simulator, in the order in which they ask."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any
+
+from uwsim.simulator import Simulator
+
+
+class NotRunningError(RuntimeError):
+    """The live simulator has not been started, or has stopped."""
+
+
+@dataclass(eq=False)
+class Request:
+    """A function of the simulator, to be called between two steps; the future receives its result or its error.
+
+    name, arguments: what the log says about it; None: it changes nothing and is not logged.
+    """
+
+    function: Callable[[Simulator], Any]
+    name: str | None = None
+    arguments: dict[str, Any] = field(default_factory=dict)
+    future: Future[Any] = field(default_factory=Future)

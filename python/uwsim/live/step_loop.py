@@ -1,0 +1,264 @@
+"""The thread that owns a simulator: it answers requests, makes the steps that are due and hands out readings."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from concurrent.futures import Future
+
+from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
+from uwsim.live.pace import Pace
+from uwsim.live.requests import NotRunningError, Request
+from uwsim.live.subscription import Subscription
+from uwsim.simulator import Simulator
+
+REQUESTS_MAX = 10_000  # that may wait; more are refused, so that a flood cannot fill the memory
+REQUESTS_PER_STEP = 1_000  # that are answered between two steps, so that a flood cannot stop the time
+
+logger = logging.getLogger("uwsim.live")
+
+
+class StepLoop:
+    """Everything that the stepping thread and the others share; `lock` guards it.
+
+    An alarm is a future that resolves when the loop has made a number of steps. steps_made counts up, also when a reset
+    takes simulated time back. holds: the steps_made beyond which their keys let no step be made. error: why the
+    simulation stopped stepping, if it did.
+    """
+
+    def __init__(self, sim: Simulator, pace: Pace, log: CommandLog, *, paused: bool) -> None:
+        self.sim = sim
+        self.pace = pace
+        self.log = log
+        self.lock = threading.Condition()
+        self.paused = paused
+        self.steps_made = 0
+        self.error: Exception | None = None
+        self._requests: deque[Request] = deque()
+        self._subscriptions: list[Subscription] = []
+        self._alarms: list[tuple[int, Future[None]]] = []
+        self._steps_until = 0  # while paused, step until steps_made is this
+        self._tick = sim.tick
+        self._is_open = False
+        self._stepping = False
+        self.holds: dict[object, int] = {}
+
+    def open(self) -> None:
+        """Accept requests, before `run`."""
+        with self.lock:
+            self._is_open = True
+
+    def close(self) -> None:
+        """Refuse requests from now on, and end `run`."""
+        with self.lock:
+            self._is_open = False
+            self.lock.notify_all()
+
+    def submit(self, request: Request) -> None:
+        """Queue a request. Raises NotRunningError, and RuntimeError if too many wait."""
+        with self.lock:
+            self._require_open()
+            if len(self._requests) >= REQUESTS_MAX:
+                raise RuntimeError(f"{REQUESTS_MAX} commands wait for the next step already: more are refused")
+            self._requests.append(request)
+            self.lock.notify_all()
+
+    def subscribe(self, subscription: Subscription) -> None:
+        """Deliver the subscription from now on. Raises NotRunningError."""
+        with self.lock:
+            self._require_open()
+            self._subscriptions = [s for s in self._subscriptions if not s.cancelled] + [subscription]
+            self.lock.notify_all()
+
+    def alarm(self, until: int, *, holder: object = None) -> Future[None]:
+        """Return a future that resolves when steps_made is `until`; holder: no step is made beyond that meanwhile.
+
+        Raises NotRunningError, and the error that stopped the simulation.
+        """
+        with self.lock:
+            self._require_open()
+            if holder is not None:
+                self.holds[holder] = until
+            return self._alarm(until)
+
+    def hold(self, holder: object) -> int:
+        """Make no more steps until `release` or an `alarm` of this holder; return steps_made, once it stands."""
+        with self.lock:
+            self._require_open()
+            while self._stepping:
+                self.lock.wait()
+            self.holds[holder] = self.steps_made
+            return self.steps_made
+
+    def release(self, holder: object) -> None:
+        """Let steps be made again."""
+        with self.lock:
+            self.holds.pop(holder, None)
+            self.lock.notify_all()
+
+    def step_when_paused(self, steps: int) -> Future[None]:
+        """Make steps; the future resolves after the last. Raises ValueError unless paused, and as `alarm`."""
+        with self.lock:
+            self._require_open()
+            if not self.paused:
+                raise ValueError("step: the simulator runs; pause it first")
+            self._steps_until = max(self.steps_made, self._steps_until) + steps
+            return self._alarm(self._steps_until)
+
+    def _alarm(self, until: int) -> Future[None]:
+        if self.error is not None:
+            raise self.error
+        future: Future[None] = Future()
+        if until <= self.steps_made:
+            future.set_result(None)
+        else:
+            self._alarms.append((until, future))
+        self.lock.notify_all()
+        return future
+
+    def set_paused(self, paused: bool) -> None:
+        """Pause or run. Raises the error that stopped the simulation, if one did."""
+        with self.lock:
+            if not paused and self.error is not None:
+                raise self.error
+            self.paused = paused
+            self._steps_until = self.steps_made
+            self.pace.restart()
+            self.lock.notify_all()
+
+    def run(self) -> None:
+        """Work until closed. No error of a request, a reading or a step ends it."""
+        try:
+            while self._wait_for_work():
+                self._answer_requests()
+                self._deliver_readings()
+                self._make_steps()
+        finally:
+            self._refuse_what_waits()
+
+    def _require_open(self) -> None:
+        if not self._is_open:
+            raise NotRunningError("the live simulator is not running: start it first")
+
+    def _wait_for_work(self) -> bool:
+        """Sleep until there is something to do; return whether to go on."""
+        with self.lock:
+            while self._is_open:
+                if self._requests or any(self._due(s) for s in self._subscriptions):
+                    return True
+                wait_s = self._time_to_step_s(time.monotonic())
+                if wait_s is not None and wait_s <= 0:
+                    return True
+                self.lock.wait(wait_s)
+            return False
+
+    def _time_to_step_s(self, now_s: float) -> float | None:
+        if any(until <= self.steps_made for until in self.holds.values()):
+            return None
+        if self.paused:
+            return 0.0 if self.steps_made < self._steps_until else None
+        return self.pace.wait_s(now_s)
+
+    def _due(self, subscription: Subscription) -> bool:
+        return not subscription.cancelled and subscription.due_tick <= self._tick
+
+    def _answer_requests(self) -> None:
+        with self.lock:
+            count = min(len(self._requests), REQUESTS_PER_STEP)
+            requests = [self._requests.popleft() for _ in range(count)]
+        for request in requests:
+            self.answer(request)
+
+    def answer(self, request: Request) -> None:
+        """Carry out a request, on the stepping thread."""
+        if not request.future.set_running_or_notify_cancel():
+            return
+        tick = self._tick
+        try:
+            result = request.function(self.sim)
+        except BaseException as error:
+            if request.name == CALL:
+                self.log.append(Entry(tick, CALL, {**request.arguments, "raised": True}))
+            self._notice_jump(request)
+            request.future.set_exception(error)
+            return
+        if request.name is not None:
+            self.log.append(Entry(tick, request.name, request.arguments))
+        self._notice_jump(request)
+        request.future.set_result(result)
+
+    def _notice_jump(self, request: Request) -> None:
+        """After a request that moved the time: read everything anew, and let nobody wait for a time that is no more."""
+        tick = self.sim.tick
+        if tick == self._tick and request.name != RESET:
+            return
+        with self.lock:
+            self._tick = tick
+            self.error = None
+            self._steps_until = self.steps_made
+            self.pace.restart()
+            for subscription in self._subscriptions:
+                subscription.due_tick = tick
+            alarms, self._alarms = self._alarms, []
+        for _, future in alarms:
+            future.set_exception(RuntimeError("the simulation was reset while this waited"))
+
+    def _deliver_readings(self) -> None:
+        for subscription in self._subscriptions:
+            if self._due(subscription):
+                subscription.deliver(self.sim, self._tick)
+
+    def _make_steps(self) -> None:
+        with self.lock:
+            steps = self._steps_to_make(time.monotonic())
+            self._stepping = steps > 0
+        if steps <= 0:
+            return
+        began_s = time.monotonic()
+        try:
+            self.sim.step(steps)
+        except Exception as error:
+            logger.exception("the simulation stopped near tick %d", self._tick)
+            self._halt(error)
+            return
+        self._tick += steps
+        with self.lock:
+            self.pace.made(steps, began_s, time.monotonic())
+            self._stepping = False
+            self.steps_made += steps
+            self.lock.notify_all()
+            rung = [future for until, future in self._alarms if until <= self.steps_made]
+            self._alarms = [alarm for alarm in self._alarms if alarm[0] > self.steps_made]
+        for future in rung:
+            future.set_result(None)
+
+    def _steps_to_make(self, now_s: float) -> int:
+        """Return the steps that are due, up to the next reading or alarm."""
+        wanted = self._steps_until - self.steps_made
+        steps = min(wanted, self.pace.batch) if self.paused else self.pace.due(now_s)
+        readings = (s.due_tick - self._tick for s in self._subscriptions if not s.cancelled)
+        alarms = (until - self.steps_made for until, _ in self._alarms)
+        return min(steps, *readings, *alarms, *(until - self.steps_made for until in self.holds.values()), steps)
+
+    def _halt(self, error: Exception) -> None:
+        with self.lock:
+            self._stepping = False
+            self.lock.notify_all()
+            self.error = error
+            self.paused = True
+            self._tick = self.sim.tick
+            self._steps_until = self.steps_made
+            alarms, self._alarms = self._alarms, []
+        for _, future in alarms:
+            future.set_exception(error)
+
+    def _refuse_what_waits(self) -> None:
+        with self.lock:
+            requests, self._requests = list(self._requests), deque()
+            alarms, self._alarms = self._alarms, []
+            self._subscriptions = []
+        for future in [request.future for request in requests] + [future for _, future in alarms]:
+            if future.set_running_or_notify_cancel():
+                future.set_exception(NotRunningError("the live simulator has stopped"))
