@@ -1760,9 +1760,11 @@ class SonarSpec:
         orientation_xyzw: typing.Any,
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         acoustics: AcousticSpec | None = None,
+        strengths_db: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
     ) -> None:
         """
-        acoustics: makes it a sonar in physics mode; without, it is in geometry mode.
+        acoustics: makes it a sonar in physics mode; without, it is in geometry mode. strengths_db: backscatter at
+        normal incidence by label, for geometry mode; labels beyond are rock.
         """
     @property
     def model(self) -> MultibeamModel: ...

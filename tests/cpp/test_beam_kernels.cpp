@@ -18,7 +18,7 @@ using Lanes = std::array<T, 16>;
 struct Beams {
   Lanes<double> distance, nx, ny, nz, dx, dy, dz;
   Lanes<std::uint32_t> label;
-  Lanes<float> range, incidence, intensity;
+  Lanes<float> strength, range, incidence, intensity;
   Lanes<std::uint16_t> out_label;
   Lanes<std::uint8_t> valid;
 
@@ -34,16 +34,18 @@ struct Beams {
       dx[k] = dy[k] = 0;
       dz[k] = random.uniform(tick, 4 * k + 2) < 0.9 ? -1 : 1;
       label[k] = 1 + k;
+      strength[k] = -20 - static_cast<float>(k);
     }
   }
 
   void run(const BeamKernels& kernels, const EchoRule& rule) {
-    kernels.echoes({distance.data(), nx.data(), ny.data(), nz.data(), dx.data(), dy.data(), dz.data(), label.data()},
+    kernels.echoes({distance.data(), nx.data(), ny.data(), nz.data(), dx.data(), dy.data(), dz.data(), label.data(),
+                    strength.data()},
                    rule, {range.data(), incidence.data(), intensity.data(), out_label.data(), valid.data()});
   }
 };
 
-constexpr EchoRule kRule{-100, 600, -30, 0.07};
+constexpr EchoRule kRule{-100, 600, 0.07};
 
 TEST(BeamKernels, AnEchoFollowsTheSonarEquationWithinAMillionth) {
   for (std::uint64_t tick = 0; tick < 500; ++tick) {
@@ -59,8 +61,8 @@ TEST(BeamKernels, AnEchoFollowsTheSonarEquationWithinAMillionth) {
       }
       EXPECT_EQ(beams.range[k], static_cast<float>(beams.distance[k]));
       EXPECT_NEAR(beams.incidence[k], std::acos(std::abs(beams.nz[k] * beams.dz[k])), 1e-6);
-      const double level =
-          -40 * std::log10(beams.distance[k]) - 2 * 0.07 * beams.distance[k] - 30 + 20 * std::log10(beams.nz[k]);
+      const double level = -40 * std::log10(beams.distance[k]) - 2 * 0.07 * beams.distance[k] + beams.strength[k] +
+                           20 * std::log10(beams.nz[k]);
       EXPECT_NEAR(beams.intensity[k], level, 2e-6 * std::abs(level) + 1e-5);
     }
   }

@@ -87,6 +87,20 @@ TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
   EXPECT_LT(near[0], near[256]);
 }
 
+TEST(Multibeam, AnEchoIsAsStrongAsWhatItWasReturnedBy) {
+  const RayScene scene(flat_world(-20));
+  const Pose pose{{0, 0, -5}, Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitY()))};
+  const std::vector<double> mud{-30, -44};  // nothing, terrain
+  const MultibeamPing rock = Multibeam(em2040(1)).ping(scene, Water{}, pose);
+  const MultibeamPing soft = Multibeam(em2040(1), mud).ping(scene, Water{}, pose);
+  EXPECT_EQ(rock.ranges_m, soft.ranges_m);
+  for (std::size_t k = 0; k < 513; ++k) {
+    ASSERT_EQ(rock.valid[k], 1);
+    EXPECT_NEAR(rock.intensity_db[k] - soft.intensity_db[k], 14, 1e-4);
+  }
+  EXPECT_THROW(Multibeam(em2040(1), std::vector<double>{0, 31}), InvalidValue);
+}
+
 TEST(Multibeam, SoundDoesNotLeaveTheWater) {
   World world = flat_world(-20);
   TriangleMesh bank = testing::box(1, 60, 10);  // from z = -5 up to z = 5

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from uwsim import Simulator, _core, ranging
 from uwsim.scenario import ScenarioError, load
@@ -168,6 +169,18 @@ def test_echo_levels_follow_the_materials_of_surfaces(tmp_path: Path) -> None:
         with pytest.raises(ScenarioError) as error:
             load(pool(tmp_path, physics, more=f"ground: {ground}\n"))
         assert message in str(error.value)
+
+
+def test_exact_rays_return_levels_by_material_too(tmp_path: Path) -> None:
+    def levels(bed: str) -> NDArray[np.float32]:
+        sim = Simulator(pool(tmp_path, "{model: 2, tilt_deg: 90}", more=f"ground: {{bed: {bed}}}\n"))
+        sim.rov.release()
+        sim.rov.place((-6.5, 5.0, -2.0))
+        ping = sim.rov.sonar.ping()
+        return ping.intensity_db[ping.labels == 1]
+
+    np.testing.assert_allclose(levels("rock") - levels("mud"), 14.0, atol=1e-4)
+    assert len(levels("sand")) > 100
 
 
 def test_each_label_scatters_as_its_material() -> None:

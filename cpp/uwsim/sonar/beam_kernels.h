@@ -10,13 +10,13 @@ struct BeamHits {
   const double *distance_m, *normal_x, *normal_y, *normal_z;
   const double *direction_x, *direction_y, *direction_z;
   const std::uint32_t* label;
+  const float* strength_db;  ///< backscatter of what was hit, at normal incidence
 };
 
 /// Which hits are echoes, and their level.
 struct EchoRule {
   double head_z_m;
   double range_max_m;      ///< hits at or beyond it are no echoes; 0 discards all
-  double strength_db;      ///< of the bottom, at normal incidence
   double absorption_db_m;  ///< one way
 };
 

@@ -77,7 +77,7 @@ void echoes(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& out) {
     const auto visible = static_cast<float>(cosine > kMinCosine ? cosine : kMinCosine);
     const float angle = angle_series(std::sqrt(static_cast<float>(1 - cosine * cosine)), static_cast<float>(cosine));
     const float level = kDecibel * log_series(visible / (near * near)) -
-                        static_cast<float>(2 * rule.absorption_db_m) * range + static_cast<float>(rule.strength_db);
+                        static_cast<float>(2 * rule.absorption_db_m) * range + hits.strength_db[k];
     out.range_m[k] = echo ? range : kInfinity;
     out.incidence_rad[k] = echo ? angle : __builtin_nanf("");
     out.intensity_db[k] = echo ? level : -kInfinity;

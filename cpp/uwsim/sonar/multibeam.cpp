@@ -4,15 +4,15 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <string>
 
 #include "uwsim/acoustics/sea_water.h"
+#include "uwsim/core/check.h"
 #include "uwsim/sonar/beam_kernels.h"
 #include "uwsim/sonar/water_sound.h"
 
 namespace uwsim {
 namespace {
-
-constexpr double kBottomStrength_db = -30;
 
 constexpr std::size_t kPacketsAtOnce = 4;
 
@@ -27,8 +27,8 @@ struct PacketEchoes {
 /// Casts some packets of a fan at a time and stores their echoes.
 class FanCaster {
  public:
-  explicit FanCaster(const Pose& world_from_sonar)
-      : head_(world_from_sonar.position_m), rotation_(world_from_sonar.rotation()) {
+  FanCaster(const Pose& world_from_sonar, std::span<const float> strengths_db)
+      : head_(world_from_sonar.position_m), rotation_(world_from_sonar.rotation()), strengths_db_(strengths_db) {
     for (ExactRays& rays : rays_) {
       rays.origin_x.fill(head_.x());
       rays.origin_y.fill(head_.y());
@@ -55,9 +55,13 @@ class FanCaster {
     for (std::size_t done = 0; done < count; done += kPacketRays) {
       const ExactRays& rays = rays_[done / kPacketRays];
       const ExactHits& hits = hits_[done / kPacketRays];
+      alignas(64) std::array<float, kPacketRays> strength_db;
+      for (std::size_t k = 0; k < kPacketRays; ++k) {
+        strength_db[k] = strengths_db_[std::min<std::size_t>(hits.label[k], strengths_db_.size() - 1)];
+      }
       const BeamHits met{hits.distance_m.data(),  hits.normal_x.data(),    hits.normal_y.data(),
                          hits.normal_z.data(),    rays.direction_x.data(), rays.direction_y.data(),
-                         rays.direction_z.data(), hits.label.data()};
+                         rays.direction_z.data(), hits.label.data(),       strength_db.data()};
       const std::size_t at = first + done, full = std::min(kPacketRays, count - done);
       const BeamEchoes out{rows.ranges_m + at, rows.incidence_rad + at, rows.intensity_db + at, rows.labels + at,
                            rows.valid + at};
@@ -89,6 +93,7 @@ class FanCaster {
 
   Eigen::Vector3d head_;
   Eigen::Matrix3d rotation_;
+  std::span<const float> strengths_db_;
   const BeamKernels& kernels_ = beam_kernels();
   std::array<ExactRays, kPacketsAtOnce> rays_;
   std::array<ExactHits, kPacketsAtOnce> hits_;
@@ -103,7 +108,14 @@ PingRows PingRows::row(std::size_t ping, std::size_t beams) const {
           valid + skip};
 }
 
-Multibeam::Multibeam(const MultibeamModel& model) : model_(model) {
+Multibeam::Multibeam(const MultibeamModel& model, std::span<const double> strengths_db) : model_(model) {
+  for (std::size_t label = 0; label < strengths_db.size(); ++label) {
+    const double strength_db = strengths_db[label];
+    require(strength_db >= -100 && strength_db <= 30, "sonar.strengths_db[" + std::to_string(label) + "]", strength_db,
+            "dB: must be in [-100, 30] dB");
+    strengths_db_.push_back(static_cast<float>(strength_db));
+  }
+  strengths_db_.push_back(kRockStrength_db);
   const auto beams = static_cast<std::size_t>(model_.beams);
   const std::size_t lanes = (beams + kPacketRays - 1) / kPacketRays * kPacketRays;
   for (std::size_t k = 0; k < lanes; ++k) {
@@ -132,11 +144,11 @@ void Multibeam::ping(const RayScene& scene, const Water& water, const Pose& worl
                      const PingRows& rows) const {
   const Eigen::Vector3d& head = world_from_sonar.position_m;
   const bool no_echoes = !(head.z() <= 0) || scene.under_ground(head);
-  const EchoRule rule{head.z(), no_echoes ? 0 : model_.range_max_m, kBottomStrength_db,
+  const EchoRule rule{head.z(), no_echoes ? 0 : model_.range_max_m,
                       absorption_db_km(model_.frequency_hz, water.temperature_deg_c(head.z()),
                                        water.salinity_at_psu(head.z()), std::max(0.0, Water::depth_m(head.z()))) /
                           1000};
-  FanCaster caster(world_from_sonar);
+  FanCaster caster(world_from_sonar, strengths_db_);
   for (std::size_t first = 0; first < beams(); first += kPacketsAtOnce * kPacketRays) {
     const std::size_t count = std::min(kPacketsAtOnce * kPacketRays, beams() - first);
     caster.cast(scene, rule, &cosines_[first], &sines_[first], count);

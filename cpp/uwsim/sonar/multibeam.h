@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "uwsim/core/pose.h"
@@ -37,11 +38,15 @@ struct MultibeamPing {
 ///
 /// The echo's level follows the active sonar equation for a bottom that scatters by Lambert's law (Urick 1983,
 /// "Principles of Underwater Sound", ch. 2 and 8): EL - SL = -40 log10 R - 2 alpha R + BS + 20 log10 cos(incidence),
-/// with BS = -30 dB (rock, EM 2040's data sheet) and Francois-Garrison absorption at the head. It omits the insonified
+/// with BS by the label of what was hit, and Francois-Garrison absorption at the head. It omits the insonified
 /// area, so levels are comparable between beams of one ping, not between instruments.
 class Multibeam {
  public:
-  explicit Multibeam(const MultibeamModel& model);
+  /// The bottom strength of rock (EM 2040's data sheet), for labels beyond those given.
+  static constexpr double kRockStrength_db = -30;
+
+  /// `strengths_db`: backscatter at normal incidence by label. Throws InvalidValue that names the label.
+  explicit Multibeam(const MultibeamModel& model, std::span<const double> strengths_db = {});
 
   const MultibeamModel& model() const { return model_; }
   std::size_t beams() const { return angles_rad_.size(); }
@@ -58,6 +63,7 @@ class Multibeam {
  private:
   MultibeamModel model_;
   std::vector<float> angles_rad_;
+  std::vector<float> strengths_db_;      // by label; the last for all further labels
   std::vector<double> cosines_, sines_;  // of the beams' angles, padded to whole packets
 };
 

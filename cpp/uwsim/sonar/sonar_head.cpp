@@ -8,7 +8,9 @@
 namespace uwsim {
 
 SonarHead::SonarHead(const SonarSpec& spec, const Water& water, const RandomStream& stream)
-    : name_(spec.name), multibeam_((spec.model.check(), spec.model)), body_from_mount_(spec.body_from_mount) {
+    : name_(spec.name),
+      multibeam_((spec.model.check(), spec.model), spec.strengths_db),
+      body_from_mount_(spec.body_from_mount) {
   aim(spec.elevation_rad);
   elevation_rad_ = aimed_rad_;
   if (spec.acoustics) acoustics_.emplace(spec.model, *spec.acoustics, water, water.bottom_depth_m, stream);

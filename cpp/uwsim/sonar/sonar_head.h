@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/pose.h"
@@ -20,6 +21,7 @@ struct SonarSpec {
   Pose body_from_mount;
   double elevation_rad = 0;               ///< of the head at the start
   std::optional<AcousticSpec> acoustics;  ///< given: physics mode; left out: geometry mode
+  std::vector<double> strengths_db = {};  ///< backscatter by label in geometry mode, see Multibeam
 };
 
 /// The head of a vehicle's multibeam sonar. It tilts about its y axis and pings in geometry mode (one exact ray for

@@ -60,14 +60,14 @@ def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Ve
 
 def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, float, float]) -> _core.SonarSpec:
     sonar, model = vehicle.sonar, vehicle.sonar.loaded
-    acoustics = None
+    acoustics, bottoms = None, backscatter_by_label(scenario)
     if sonar.mode == "physics":
         acoustics = acoustic_spec(
             model,
             sonar.frequency_khz,
             bending=sonar.bending,
             rays_per_beam=sonar.rays_per_beam,
-            bottoms=backscatter_by_label(scenario),
+            bottoms=bottoms,
         )
     return _core.SonarSpec(
         "sonar",
@@ -76,6 +76,7 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
         model.mounting.orientation_xyzw,
         elevation_rad=-np.radians(sonar.tilt_deg),
         acoustics=acoustics,
+        strengths_db=[bottom.strength_db for bottom in bottoms],
     )
 
 
