@@ -25,6 +25,8 @@ ADDED = {
     ),
     # The published simulator's own, for `decodedDepth` and `rovParameters`
     "misc/msg/floatarray": "float32[] data\n",
+    # https://github.com/RobotWebTools/tf2_web_republisher, for tf clients of rosbridge
+    "tf2_web_republisher/msg/TFArray": "geometry_msgs/TransformStamped[] transforms\n",
 }
 """Types that neither typestore has, as .msg texts. Add yours here, with its source."""
 
@@ -109,6 +111,11 @@ def spelled(name: str, ros: Ros) -> str:
     return name if ros == 2 else name.replace("/msg/", "/", 1)
 
 
+def message_text(name: str, ros: Ros) -> str:
+    """Return a type's definition with all that it contains, as rosbags and `rosmsg show` write it."""
+    return (typestore() if ros == 2 else ros1_typestore()).generate_msgdef(name, ros_version=ros)[0]
+
+
 @cache
 def fields(name: str, ros: Ros) -> tuple[Field, ...]:
     """Return a type's fields as a client of `ros` sees them."""
@@ -117,7 +124,7 @@ def fields(name: str, ros: Ros) -> tuple[Field, ...]:
     found = []
     for field, description in without_placeholder(definitions):
         spelling = {"sec": "secs", "nanosec": "nsecs"}.get(field, field) if ros == 1 and name in TIMES else field
-        found.append(Field(spelling, attributes.get(_folded(field)), _kind(description)))
+        found.append(Field(spelling, attributes.get(_folded(field)), kind_of(description)))
     return tuple(found)
 
 
@@ -125,14 +132,14 @@ def _folded(field: str) -> str:
     return field.lower()
 
 
-def _kind(description: Any) -> Kind:
-    """Read rosbags' description: (node type, argument)."""
+def kind_of(description: Any) -> Kind:
+    """Return a field's kind from rosbags' description: (node type, argument)."""
     node, argument = int(description[0]), description[1]
     if node == 1:  # a primitive
         return Kind(argument[0], None, argument[1])
     if node == 2:  # a message
         return Kind(argument, None, 0)
-    inner = _kind(argument[0])
+    inner = kind_of(argument[0])
     return Kind(inner.base, argument[1], 0) if node == 3 else Kind(inner.base, 0, argument[1])
 
 

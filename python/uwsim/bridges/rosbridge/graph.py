@@ -1,0 +1,170 @@
+"""The graph: topics and services by name, who offers them and who wants them. It belongs to one thread.
+
+Clients and the simulator are peers in it, as nodes are in ROS: each is an owner, known by its name.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from uwsim.bridges.rosbridge.encoding import Sample
+from uwsim.channels.messages import from_plain, resolve, spelled
+
+LOGGER = logging.getLogger("uwsim.rosbridge")
+
+Sink = Callable[[Sample], None]
+Reply = Callable[[bool, Any], None]
+"""Answers a call: whether it succeeded, and its values, or the reason in words."""
+Handler = Callable[[Any, Reply], None]
+"""Serves a call: its arguments, and what to call with the answer, now or later, once."""
+
+
+def plain_name(name: object, what: str = "topic") -> str:
+    """Return a name without its leading slash, by which "/scan" and "scan" meet. Raises ValueError."""
+    if not isinstance(name, str) or not 1 <= len(name) <= 256 or not name.strip("/"):
+        raise ValueError(f"{what} = {name!r:.40}: must be a name")
+    if not name.isprintable() or " " in name:
+        raise ValueError(f"{what} = {name!r:.40}: must be a name without spaces")
+    return name.lstrip("/")
+
+
+@dataclass(eq=False)
+class Topic:
+    """One topic. publishers: by owner, whether latched. sinks: of subscribers, by owner and key."""
+
+    name: str
+    type: str | None = None
+    publishers: dict[str, bool] = field(default_factory=dict)
+    sinks: dict[tuple[str, Any], Sink] = field(default_factory=dict)
+    latched: Sample | None = None
+
+
+@dataclass(eq=False)
+class Service:
+    """One service."""
+
+    name: str
+    type: str
+    owner: str
+    handler: Handler
+
+
+class Graph:
+    """Topics, services and owners. All methods raise ValueError in words that name what is wrong.
+
+    on_demand: called with a topic's name and whether anybody subscribes to it now, when that changes.
+    """
+
+    def __init__(self, on_demand: Callable[[str, bool], None] = lambda name, wanted: None) -> None:
+        self.topics: dict[str, Topic] = {}
+        self.services: dict[str, Service] = {}
+        self.nodes: dict[str, None] = {}
+        self.on_demand = on_demand
+
+    def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:
+        """Let an owner publish on a topic."""
+        topic = self._topic(name, type_name)
+        topic.publishers[owner] = latch
+        return topic
+
+    def unadvertise(self, owner: str, name: str) -> None:
+        """Take an owner from a topic's publishers. What was latched goes with the last of them."""
+        topic = self.topics.get(plain_name(name))
+        if topic is None or topic.publishers.pop(owner, None) is None:
+            raise ValueError(f"topic '{name}': you do not advertise it")
+        if not any(topic.publishers.values()):
+            topic.latched = None
+        self._forget_if_unused(topic)
+
+    def read_message(self, owner: str, name: str, plain: Any) -> tuple[Topic, Any]:
+        """Check what a client wants to publish against the topic's type; return the topic and the message."""
+        topic = self.topics.get(plain_name(name))
+        if topic is None or topic.type is None:
+            raise ValueError(f"topic '{name}': advertise it first, for its type is not known")
+        return topic, from_plain(topic.type, plain)
+
+    def publish(self, topic: Topic, sample: Sample, latch: bool = False) -> None:
+        """Hand a sample to a topic's subscribers."""
+        if latch:
+            topic.latched = sample
+        for sink in list(topic.sinks.values()):
+            sink(sample)
+
+    def known_type(self, name: str, type_name: str | None) -> str | None:
+        """Return a topic's type, or the one that a client says it has if nobody knows. Raises if the two differ."""
+        resolved = resolve(type_name)[0] if type_name else None
+        topic = self.topics.get(plain_name(name))
+        present = topic.type if topic is not None else None
+        if resolved and present and resolved != present:
+            raise ValueError(f"topic '{name}' is {spelled(present, 1)}, not {type_name}")
+        return present or resolved
+
+    def subscribe(self, owner: str, key: Any, name: str, type_name: str | None, sink: Sink) -> Topic:
+        """Let a sink hear a topic, which need not have a publisher yet."""
+        topic = self._topic(name, type_name)
+        was_wanted = bool(topic.sinks)
+        topic.sinks[owner, key] = sink
+        if topic.latched is not None:
+            sink(topic.latched)
+        if not was_wanted:
+            self.on_demand(topic.name, True)
+        return topic
+
+    def unsubscribe(self, owner: str, key: Any, name: str) -> None:
+        """Take a sink away."""
+        topic = self.topics.get(plain_name(name))
+        if topic is None or topic.sinks.pop((owner, key), None) is None:
+            raise ValueError(f"topic '{name}': you do not subscribe to it")
+        if not topic.sinks:
+            self.on_demand(topic.name, False)
+        self._forget_if_unused(topic)
+
+    def advertise_service(self, owner: str, name: str, type_name: str, handler: Handler) -> None:
+        """Offer a service. One that another offers cannot be taken over."""
+        plain = plain_name(name, "service")
+        present = self.services.get(plain)
+        if present is not None and present.owner != owner:
+            raise ValueError(f"service '{name}': {present.owner} offers it already")
+        self.services[plain] = Service(plain, type_name, owner, handler)
+
+    def unadvertise_service(self, owner: str, name: str) -> None:
+        """Offer a service no longer."""
+        service = self.services.get(plain_name(name, "service"))
+        if service is None or service.owner != owner:
+            raise ValueError(f"service '{name}': you do not offer it")
+        del self.services[service.name]
+
+    def call(self, name: str, arguments: Any, reply: Reply) -> None:
+        """Call a service. A missing one, and one that fails, answers False and why."""
+        service = self.services.get(plain_name(name, "service"))
+        if service is None:
+            reply(False, f"service '{name}': nobody offers it")
+            return
+        try:
+            service.handler(arguments, reply)
+        except ValueError as error:
+            reply(False, str(error))
+
+    def leave(self, owner: str) -> None:
+        """Remove an owner with all that it offers and wants."""
+        for topic in list(self.topics.values()):
+            for key in [key for key in topic.sinks if key[0] == owner]:
+                self.unsubscribe(owner, key[1], topic.name)
+            if owner in topic.publishers:
+                self.unadvertise(owner, topic.name)
+        for service in [service for service in self.services.values() if service.owner == owner]:
+            del self.services[service.name]
+        self.nodes.pop(owner, None)
+
+    def _topic(self, name: str, type_name: str | None) -> Topic:
+        known = self.known_type(name, type_name)
+        topic = self.topics.setdefault(plain_name(name), Topic(plain_name(name)))
+        topic.type = known
+        return topic
+
+    def _forget_if_unused(self, topic: Topic) -> None:
+        if not topic.publishers and not topic.sinks:
+            del self.topics[topic.name]

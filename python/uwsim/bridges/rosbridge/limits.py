@@ -1,0 +1,38 @@
+"""What a client may ask of the server: beyond these it gets an answer that says so, waits, or is disconnected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds for each client, and for all. Raises ValueError unless all are positive."""
+
+    connections: int = 256
+    """Clients at a time; further ones are refused with HTTP 503."""
+    frame_bytes: int = 2 << 20
+    """Size of a frame from a client, and of a message put together from fragments."""
+    nesting: int = 32
+    """Depth of objects and lists in a client's JSON or CBOR."""
+    fragmented_messages: int = 4
+    """Messages that a client may have begun to send in fragments; a further one makes the oldest forgotten."""
+    fragments: int = 1000
+    """Fragments of one message."""
+    names: int = 1000
+    """Topics and services that a client may advertise and subscribe to."""
+    queue_length: int = 1000
+    """The longest queue that a subscription may ask for; of images, clouds and maps 8."""
+    replies: int = 1000
+    """Answers that wait to be sent: a client that asks on and does not read is disconnected."""
+    open_calls: int = 1000
+    """Calls that a client's own services have not answered yet."""
+    messages_per_s: float = 2000.0
+    """From a client; one that sends more is read more slowly. A second's worth may come at once."""
+    bytes_per_s: float = 16e6
+    """From a client, likewise."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if not getattr(self, field.name) > 0:
+                raise ValueError(f"limits.{field.name} = {getattr(self, field.name)}: must be positive")

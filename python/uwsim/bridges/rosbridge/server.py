@@ -1,0 +1,197 @@
+"""RosbridgeServer: roslibpy, roslibjs and other rosbridge clients connect to a live simulator, without ROS."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import threading
+from collections.abc import Iterable
+from http import HTTPStatus
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.http11 import Request, Response
+
+from uwsim.bridges.rosbridge import admission
+from uwsim.bridges.rosbridge.connection import converse
+from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.parameters import Parameters
+from uwsim.bridges.rosbridge.rosapi import offer_rosapi
+from uwsim.bridges.rosbridge.session import Session
+from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
+from uwsim.bridges.rosbridge.tf_republisher import offer_tf
+from uwsim.channels import Channel, Service
+from uwsim.channels.message_types import ros1_typestore
+from uwsim.channels.messages import Ros, typestore
+from uwsim.live import LiveSimulator
+
+STOP_S = 5.0
+WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
+
+
+class RosbridgeServer:
+    """A rosbridge v2 server on an event loop of its own thread.
+
+        with LiveSimulator("lake") as live, RosbridgeServer(live, port=9090):
+            ...
+
+    live: whose channels and services clients see; None: clients see each other alone. host, port: where it listens;
+    port 0 chooses one, see `port`. ros: whose spelling of times and headers a client gets that names its types as both
+    generations do ("sensor_msgs/LaserScan"). origins: web pages beyond this
+    machine's own that may connect. token: clients must know it: ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for
+    wss. channels, services: the simulator's, see uwsim.channels. Raises ValueError, OSError.
+    """
+
+    def __init__(
+        self,
+        live: LiveSimulator | None,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        *,
+        ros: Ros = 1,
+        origins: Iterable[str] = (),
+        token: str | None = None,
+        certfile: Path | str | None = None,
+        keyfile: Path | str | None = None,
+        limits: Limits | None = None,
+        channels: Iterable[Channel] = (),
+        services: Iterable[Service] = (),
+    ) -> None:
+        if not 0 <= port <= 65535:
+            raise ValueError(f"port = {port}: must be in [0, 65535]")
+        if ros not in (1, 2):
+            raise ValueError(f"ros = {ros!r}: must be 1 or 2")
+        admission.check_token(token)
+        self._live = live
+        self._host, self._asked_port = host, port
+        self._ros: Ros = ros
+        self._origins = admission.allowed_origins(origins)
+        self._token = token
+        self._tls = admission.tls_context(certfile, keyfile)
+        self._limits = limits or Limits()
+        self._channels = list(channels)
+        self._services = list(services)
+        self.sessions: dict[str, Session] = {}
+        self._numbers = itertools.count(1)
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread: threading.Thread | None = None
+        self._failure: BaseException | None = None
+        self._port: int | None = None
+
+    @property
+    def port(self) -> int:
+        """Where it listens. Raises RuntimeError before start."""
+        if self._port is None:
+            raise RuntimeError("the server has not been started")
+        return self._port
+
+    @property
+    def url(self) -> str:
+        """What clients connect to, without the token."""
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        return f"{'wss' if self._tls else 'ws'}://{host}:{self.port}"
+
+    def start(self) -> Self:
+        """Listen; return itself. Raises OSError if it cannot, and warns (UserWarning) when others can connect."""
+        if self._thread is not None:
+            raise RuntimeError("the server runs already")
+        admission.warn_beyond_loopback(self._host, self._token, self._tls is not None)
+        ready = threading.Event()
+        self._failure = None
+        self._thread = threading.Thread(target=self._run, args=(ready,), name="uwsim-rosbridge", daemon=True)
+        self._thread.start()
+        ready.wait()
+        if self._failure is not None:
+            self._thread.join()
+            self._thread = None
+            raise OSError(f"cannot listen on {self._host}:{self._asked_port}: {self._failure}")
+        return self
+
+    def stop(self) -> None:
+        """Close all connections and end the thread."""
+        thread, loop = self._thread, self._loop
+        if thread is None or loop is None:
+            return
+        loop.call_soon_threadsafe(self._stopping.set)
+        thread.join(STOP_S)
+        self._thread = None
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop."""
+        self.stop()
+
+    def _run(self, ready: threading.Event) -> None:
+        try:
+            asyncio.run(self._serve(ready))
+        except OSError as error:
+            self._failure = error
+        finally:
+            ready.set()
+
+    async def _serve(self, ready: threading.Event) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._stopping = asyncio.Event()
+        ros1_typestore(), typestore()  # a third of a second, which the first client should not wait for
+        self.graph = Graph()
+        async with self._listen() as server:
+            self._port = next(iter(server.sockets)).getsockname()[1]
+            node = None
+            if self._live is not None:
+                node = SimulatorNode(self._live, self._channels, self._services, self.graph, self._loop)
+            offer_rosapi(self.graph, Parameters({"use_sim_time": "true"} if node else {}), self._ros, self._time_ns)
+            republisher = offer_tf(self.graph, self._loop)
+            ready.set()
+            await self._stopping.wait()
+            republisher.close()
+            if node is not None:
+                node.close()
+
+    def _time_ns(self) -> int:
+        return 0 if self._live is None else self._live.simulator.time_ns
+
+    def _listen(self) -> Any:
+        return serve(
+            self._handle,
+            self._host,
+            self._asked_port,
+            ssl=self._tls,
+            origins=self._origins,  # type: ignore[arg-type]
+            compression=None,
+            process_request=self._admit,
+            max_size=self._limits.frame_bytes,
+            max_queue=4,
+            write_limit=WRITE_LIMIT,
+            ping_interval=20,
+            ping_timeout=40,
+            close_timeout=1,
+            server_header=None,
+        )
+
+    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+        reason = admission.refusal(
+            request, clients=len(self.sessions), limit=self._limits.connections, token=self._token
+        )
+        return None if reason is None else connection.respond(*reason)
+
+    async def _handle(self, connection: ServerConnection) -> None:
+        if len(self.sessions) >= self._limits.connections:  # others came while this one shook hands
+            await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
+            return
+        wakes = asyncio.Event()
+        agent = "" if connection.request is None else connection.request.headers.get("User-Agent", "")
+        name = f"/client_{next(self._numbers)}"
+        session = Session(self.graph, name, ros=self._ros, agent=agent, limits=self._limits, wake=wakes.set)
+        self.sessions[name] = session
+        try:
+            await converse(connection, session, wakes, self._limits)
+        finally:
+            del self.sessions[name]
+            session.close()

@@ -1,0 +1,63 @@
+"""A client's subscription to one topic, which may have several ids with options of their own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, get_args
+
+from uwsim.bridges.rosbridge.encoding import Compression
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.outbox import NEWEST_ONLY, Mailbox
+from uwsim.channels.messages import Ros
+
+COMPRESSIONS: tuple[str, ...] = get_args(Compression)
+
+
+class Options(NamedTuple):
+    """Of one id. throttle_s: least time between messages. queue_length: 0 for the default."""
+
+    throttle_s: float
+    queue_length: int
+    compression: Compression
+
+
+def read_options(operation: dict[str, Any], limits: Limits) -> Options:
+    """Read the options of an operation "subscribe". Raises ValueError."""
+    throttle_ms = operation.get("throttle_rate") or 0
+    length = operation.get("queue_length") or 0
+    compression: Any = operation.get("compression") or "none"
+    if not _is_number(throttle_ms) or not 0 <= throttle_ms <= 1e9:
+        raise ValueError(f"throttle_rate = {throttle_ms!r:.40} ms: must be in [0, 1e9]")
+    if not _is_number(length) or length < 0:
+        raise ValueError(f"queue_length = {length!r:.40}: must not be negative")
+    if compression not in COMPRESSIONS:
+        raise ValueError(f"compression = {compression!r:.40}: must be one of {', '.join(COMPRESSIONS)}")
+    return Options(throttle_ms / 1000.0, int(min(length, limits.queue_length)), compression)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+@dataclass
+class Subscription:
+    """A topic under its name as the client wrote it, and the options of each id."""
+
+    topic: str
+    ros: Ros
+    ids: dict[Any, Options] = field(default_factory=dict)
+
+    def mailbox(self, type_name: str | None, *, png: bool) -> Mailbox:
+        """Return a queue that serves all ids: the shortest throttle, the longest queue, the strongest compression."""
+        options = list(self.ids.values())
+        wanted = {option.compression for option in options}
+        order: tuple[Compression, ...] = ("cbor-raw", "cbor", "png") if png else ("cbor-raw", "cbor")
+        return Mailbox(
+            self.topic,
+            self.ros,
+            next((compression for compression in order if compression in wanted), "none"),
+            throttle_s=min(option.throttle_s for option in options),
+            length=max(option.queue_length for option in options),
+            large=type_name in NEWEST_ONLY,
+        )

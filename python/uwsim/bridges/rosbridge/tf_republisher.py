@@ -1,0 +1,213 @@
+"""Transforms for clients that keep no tree of their own: the service of tf2_web_republisher, which tf clients call.
+
+A client names frames, a target, a rate and thresholds, and gets a topic on which what changed is said. It ends when
+nobody has listened for the time that the client named. (Its older action interface is not offered: roslibjs needs
+`groovyCompatibility: false`.) https://github.com/RobotWebTools/tf2_web_republisher
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import math
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from uwsim.bridges.rosbridge.encoding import Sample
+from uwsim.bridges.rosbridge.graph import Graph, Reply, Topic
+from uwsim.channels.messages import default_message
+
+OWNER = "/tf2_web_republisher"
+SERVICE = "republish_tfs"
+TOPICS = ("tf", "tf_static")
+MOST = 100  # requests at a time
+MOST_FRAMES = 1000
+FRAMES_DEEP = 64
+
+
+@dataclass(frozen=True)
+class Transform:
+    """The pose of a frame in another: translation_m (3,), rotation, and the time of the newest part."""
+
+    translation_m: np.ndarray[Any, np.dtype[np.float64]]
+    rotation: Rotation
+    stamp: Any = None
+
+    def __mul__(self, other: Transform) -> Transform:
+        """Chain: a_from_b * b_from_c."""
+        moved = self.translation_m + self.rotation.apply(other.translation_m)
+        return Transform(moved, self.rotation * other.rotation, other.stamp or self.stamp)
+
+    def inverse(self) -> Transform:
+        """Return b_from_a."""
+        back = self.rotation.inv()
+        return Transform(-back.apply(self.translation_m), back, self.stamp)
+
+
+IDENTITY = Transform(np.zeros(3), Rotation.identity())
+
+
+@dataclass(eq=False)
+class Request:
+    """One client's request, and what was last said of each frame."""
+
+    topic: Topic
+    frames: list[str]
+    target: str
+    angle_rad: float
+    distance_m: float
+    period_s: float
+    patience_s: float
+    wanted_s: float
+    said: dict[str, Transform] = field(default_factory=dict)
+
+
+class TfRepublisher:
+    """Keeps the newest transform of each frame to its parent, while any request needs it."""
+
+    def __init__(self, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
+        self._graph = graph
+        self._loop = loop
+        self._parents: dict[str, tuple[str, Transform]] = {}
+        self._requests: list[Request] = []
+        self._numbers = itertools.count()
+        graph.nodes[OWNER] = None
+        graph.advertise_service(OWNER, SERVICE, "tf2_web_republisher/RepublishTFs", self._begin)
+
+    def close(self) -> None:
+        """End all requests."""
+        self._requests.clear()
+
+    def _begin(self, arguments: Any, reply: Reply) -> None:
+        if len(self._requests) >= MOST:
+            raise ValueError(f"{MOST} tf requests are served, which is the most")
+        name = f"tf_repub_{next(self._numbers)}"
+        request = _read_request(arguments, Topic(name), time.monotonic())
+        if not self._requests:
+            for topic in TOPICS:
+                self._graph.subscribe(OWNER, topic, topic, "tf2_msgs/msg/TFMessage", self._learn)
+        request.topic = self._graph.advertise(OWNER, name, "tf2_web_republisher/msg/TFArray")
+        self._requests.append(request)
+        self._tick(request)
+        reply(True, {"topic_name": f"/{name}"})
+
+    def _learn(self, sample: Sample) -> None:
+        for stamped in sample.message.transforms:
+            moved, turned = stamped.transform.translation, stamped.transform.rotation
+            quaternion = np.array([turned.x, turned.y, turned.z, turned.w])
+            length = float(np.linalg.norm(quaternion))
+            child = stamped.child_frame_id.lstrip("/")
+            if not 0.5 < length < 2.0 or (len(self._parents) >= MOST_FRAMES and child not in self._parents):
+                continue  # no rotation
+            transform = Transform(np.array([moved.x, moved.y, moved.z]), Rotation.from_quat(quaternion), stamped.header)
+            self._parents[child] = stamped.header.frame_id.lstrip("/"), transform
+
+    def _tick(self, request: Request) -> None:
+        """Say what has changed, then be due again; end when nobody has listened for long."""
+        if request not in self._requests:
+            return
+        now_s = time.monotonic()
+        if request.topic.sinks:
+            request.wanted_s = now_s
+            self._say(request)
+        elif now_s - request.wanted_s > request.patience_s:
+            self._end(request)
+            return
+        self._loop.call_later(request.period_s, self._tick, request)
+
+    def _end(self, request: Request) -> None:
+        self._requests.remove(request)
+        self._graph.unadvertise(OWNER, request.topic.name)
+        if not self._requests:
+            for topic in TOPICS:
+                self._graph.unsubscribe(OWNER, topic, topic)
+
+    def _say(self, request: Request) -> None:
+        message = default_message("tf2_web_republisher/msg/TFArray")
+        for frame in request.frames:
+            found = self._find(request.target, frame)
+            if found is not None and _differs(found, request.said.get(frame), request):
+                request.said[frame] = found
+                message.transforms.append(_stamped(request.target, frame, found))
+        if message.transforms:
+            self._graph.publish(request.topic, Sample(message))
+
+    def _find(self, target: str, frame: str) -> Transform | None:
+        """Return target_from_frame, over their common ancestor, if the tree connects them."""
+        of_target, of_frame = self._ancestors(target), self._ancestors(frame)
+        for ancestor, from_frame in of_frame.items():
+            if ancestor in of_target:
+                return of_target[ancestor].inverse() * from_frame
+        return None
+
+    def _ancestors(self, frame: str) -> dict[str, Transform]:
+        """Return ancestor_from_frame for the frame itself and all above it, nearest first."""
+        found = {frame: IDENTITY}
+        ancestor, transform = frame, IDENTITY
+        while ancestor in self._parents and len(found) < FRAMES_DEEP:
+            ancestor, step = self._parents[ancestor]
+            if ancestor in found:
+                break  # a loop
+            transform = step * transform
+            found[ancestor] = transform
+        return found
+
+
+def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
+    """Offer the service in a graph."""
+    return TfRepublisher(graph, loop)
+
+
+def _read_request(arguments: Any, topic: Topic, now_s: float) -> Request:
+    """Read the call's arguments. Raises ValueError."""
+    if not isinstance(arguments, dict):
+        raise ValueError("args: must be an object")
+    frames, target = arguments.get("source_frames"), arguments.get("target_frame")
+    if not isinstance(frames, list) or not all(isinstance(frame, str) for frame in frames) or len(frames) > 100:
+        raise ValueError("args.source_frames: must be a list of 100 frames at most")
+    if not isinstance(target, str):
+        raise ValueError("args.target_frame: must be a frame")
+    timeout = arguments.get("timeout")
+    patience_s = 2.0
+    if isinstance(timeout, dict):
+        patience_s = _number(timeout, "secs", timeout.get("sec", 2)) + 1e-9 * _number(timeout, "nsecs", 0)
+    return Request(
+        topic,
+        frames=[frame.lstrip("/") for frame in frames],
+        target=target.lstrip("/"),
+        angle_rad=_number(arguments, "angular_thres", 0.0),
+        distance_m=_number(arguments, "trans_thres", 0.0),
+        period_s=1.0 / min(max(_number(arguments, "rate", 10.0), 0.1), 100.0),
+        patience_s=min(max(patience_s, 0.1), 60.0),
+        wanted_s=now_s,
+    )
+
+
+def _number(values: dict[str, Any], key: str, default: float) -> float:
+    value = values.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"args.{key} = {value!r:.40}: must be a number")
+    return float(value)
+
+
+def _differs(new: Transform, old: Transform | None, request: Request) -> bool:
+    if old is None:
+        return True
+    distance_m = float(np.linalg.norm(new.translation_m - old.translation_m))
+    angle_rad = float((old.rotation.inv() * new.rotation).magnitude())
+    return distance_m > request.distance_m or angle_rad > request.angle_rad
+
+
+def _stamped(target: str, frame: str, transform: Transform) -> Any:
+    message = default_message("geometry_msgs/msg/TransformStamped")
+    message.header.frame_id, message.child_frame_id = target, frame
+    if transform.stamp is not None:
+        message.header.stamp = transform.stamp.stamp
+    translation, rotation = message.transform.translation, message.transform.rotation
+    translation.x, translation.y, translation.z = (float(v) for v in transform.translation_m)
+    rotation.x, rotation.y, rotation.z, rotation.w = (float(v) for v in transform.rotation.as_quat())
+    return message

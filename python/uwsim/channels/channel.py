@@ -1,0 +1,55 @@
+"""Channel and Service: one entry each of the table of what a vehicle says and hears."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+
+
+def _says_nothing(sim: Simulator) -> Any:
+    return None
+
+
+def _hears_nothing(live: LiveSimulator, message: Any) -> None:
+    raise ValueError("it is not for commands")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A topic.
+
+    name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
+    simulated time; None: one reading when somebody begins to listen. latched: whoever comes later gets the newest
+    message at once. over_link: whether it goes over the acoustic link.
+    read: for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time,
+    of `messages.typestore()`, or None if there is nothing to say. apply: for "in", called on any thread; must not
+    block; raises ValueError for what cannot be done.
+    """
+
+    name: str
+    type: str
+    direction: Literal["out", "in"]
+    description: str
+    rate_hz: float | None = None
+    latched: bool = False
+    frame_id: str = ""
+    over_link: bool = False
+    read: Callable[[Simulator], Any] = _says_nothing
+    apply: Callable[[LiveSimulator, Any], object] = _hears_nothing
+
+
+@dataclass(frozen=True)
+class Service:
+    """A service. call: with the request as a dict of plain values; returns the response; may wait for steps.
+
+    Raises ValueError, whose text goes to the caller.
+    """
+
+    name: str
+    type: str
+    call: Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]
+    description: str = ""
