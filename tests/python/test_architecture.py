@@ -34,7 +34,10 @@ MAY_INCLUDE: dict[str, set[str]] = {
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
     "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree_(cast|float_cast|query|round|terrain|tree)\.cpp"),
-    "Bullet": (r"bt\w+\.h|Bullet\w*/|LinearMath/", r"cpp/uwsim/dynamics/(convex_contact|solid_triangles)\.cpp"),
+    "Bullet": (
+        r"bt\w+\.h|Bullet\w*/|LinearMath/",
+        r"cpp/uwsim/dynamics/(convex_contact|polytope|solid_triangles)\.cpp",
+    ),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),

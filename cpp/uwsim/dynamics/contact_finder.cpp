@@ -1,22 +1,21 @@
 #include "uwsim/dynamics/contact_finder.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 #include "uwsim/dynamics/broad_phase.h"
 #include "uwsim/dynamics/convex_contact.h"
 #include "uwsim/dynamics/solid_triangles.h"
+#include "uwsim/dynamics/surface_contact.h"
+#include "uwsim/dynamics/terrain_patch.h"
 
 namespace uwsim {
 namespace {
 
 constexpr double kSamePlace_m = 0.01;             // contacts closer together than this, with normals alike, are merged
 constexpr double kSameNormal = 0.99;              // cosine
-constexpr std::size_t kReservedTriangles = 4096;  // near one piece; with more, a step allocates
-// Least cosine between an overlap's normal and the terrain's; deeper overlaps are found by the shape's corners.
-constexpr double kFacesUp = 0.3;
+constexpr double kDeeper_m = 1e-9;                // of two merged contacts the deeper one is kept, beyond rounding
+constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; with more, a step allocates
 
 struct Box {
   Eigen::Vector3d low_m, high_m;
@@ -63,13 +62,16 @@ struct ContactFinder::Impl {
   BroadPhase broad_phase;
   SolidTriangles solids;
   ConvexContact convex_contact;
+  SurfaceContact surface_contact;
   std::vector<Body> bodies;
-  std::vector<SolidTriangles::Index> near;  // kept so that steps allocate nothing
+  // Kept so that steps allocate nothing.
+  SurfacePatch terrain_patch;
+  std::vector<SurfacePatch> solid_patches;
   std::vector<Contact>* contacts = nullptr;
   std::size_t first_of_pair = 0;
 
   explicit Impl(const World& source) : world(source), broad_phase(source), solids(source) {
-    near.reserve(kReservedTriangles);
+    terrain_patch.reserve(kReservedTriangles);
   }
 
   void find(std::span<const MovingBody> moving, std::vector<Contact>& out) {
@@ -94,90 +96,23 @@ struct ContactFinder::Impl {
     const Box whole = body.box.in_world(pose.position_m, rotation, reach_m);
     if (!broad_phase.may_touch(whole.low_m, whole.high_m)) return;
     first_of_pair = contacts->size();
+    terrain_patch.clear();
+    if (world.terrain()) add_terrain(*world.terrain(), whole.low_m, whole.high_m, terrain_patch);
+    const std::size_t solid_count = solids.find(whole.low_m, whole.high_m, solid_patches);
+    if (terrain_patch.triangles.empty() && solid_count == 0) return;
     for (const Piece& piece : body.pieces) {
       const Box box = piece.box.in_world(pose.position_m, rotation, reach_m);
       if (!broad_phase.may_touch(box.low_m, box.high_m)) continue;
-      if (world.terrain()) find_with_terrain(a, piece.shape, pose, box, reach_m);
-      find_with_solids(a, piece.shape, pose, box, reach_m);
+      const PlacedShape placed{piece.shape, pose,       rotation, piece.box.middle_body_m, piece.box.half_size_body_m,
+                               box.low_m,   box.high_m, reach_m};
+      add_all(a, surface_contact.find(placed, terrain_patch, SurfaceContact::Under::kSolid));
+      for (std::size_t k = 0; k < solid_count; ++k)
+        add_all(a, surface_contact.find(placed, solid_patches[k], SurfaceContact::Under::kClosed));
     }
   }
 
-  void find_with_terrain(int a, const ConvexShape& shape, const Pose& pose, const Box& box, double reach_m) {
-    const Heightfield& terrain = *world.terrain();
-    const auto cell = [&](double along_m, std::size_t nodes) {
-      return static_cast<std::size_t>(
-          std::clamp(std::floor(along_m / terrain.spacing_m()), 0.0, static_cast<double>(nodes - 2)));
-    };
-    const Eigen::Vector2d low = box.low_m.head<2>() - terrain.origin_m();
-    const Eigen::Vector2d high = box.high_m.head<2>() - terrain.origin_m();
-    bool reaches = false;
-    for (std::size_t j = cell(low.y(), terrain.ny()); j <= cell(high.y(), terrain.ny()); ++j) {
-      for (std::size_t i = cell(low.x(), terrain.nx()); i <= cell(high.x(), terrain.nx()); ++i) {
-        const float* corner = terrain.heights_m().data() + j * terrain.nx() + i;
-        const auto [lowest, highest] =
-            std::minmax({corner[0], corner[1], corner[terrain.nx()], corner[terrain.nx() + 1]});
-        if (highest < box.low_m.z()) continue;
-        reaches = true;
-        if (lowest > box.high_m.z()) continue;
-        for (std::size_t half = 0; half < 2; ++half) {
-          const auto [u, v, w] = terrain.triangle(2 * (j * (terrain.nx() - 1) + i) + half);
-          find_with_terrain_triangle(a, shape, pose, {terrain.vertex(u), terrain.vertex(v), terrain.vertex(w)},
-                                     reach_m);
-        }
-      }
-    }
-    if (reaches) add_corners_under_terrain(a, shape, pose);
-  }
-
-  void find_with_terrain_triangle(int a, const ConvexShape& shape, const Pose& pose,
-                                  const std::array<Eigen::Vector3d, 3>& triangle, double reach_m) {
-    const Eigen::Vector3d up = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
-    for (const ContactPoint& found : convex_contact.with_triangle(shape, pose, triangle, reach_m)) {
-      const bool overlaps = found.distance_m <= 0;
-      if (found.normal_world.dot(up) < (overlaps ? kFacesUp : 0.0)) continue;
-      if (overlaps || terrain_is_nearest(found)) add(a, kFixedBody, found);
-    }
-  }
-
-  /// The terrain's counterpart of InternalEdges::is_nearest: from the point towards the body, the terrain must fall
-  /// away at least as steeply as the plane perpendicular to the normal.
-  bool terrain_is_nearest(const ContactPoint& found) const {
-    const Eigen::Vector2d aside = found.normal_world.head<2>();
-    const double lean = aside.norm();
-    if (lean < 1e-6) return true;
-    const double step_m = 0.02 * world.terrain()->spacing_m();
-    const Eigen::Vector2d there = found.point_world_m.head<2>() + step_m / lean * aside;
-    const double height_m = world.terrain()->height_at(there.x(), there.y());
-    if (std::isnan(height_m)) return true;
-    return lean + found.normal_world.z() * (height_m - found.point_world_m.z()) / step_m < 1e-3;
-  }
-
-  /// Corners under the terrain are contacts, however deep they are.
-  void add_corners_under_terrain(int a, const ConvexShape& shape, const Pose& pose) {
-    const Heightfield& terrain = *world.terrain();
-    const double d = 0.01 * terrain.spacing_m();
-    for (const Eigen::Vector3d& corner : shape.corners_body_m()) {
-      const Eigen::Vector3d p = pose.point(corner);
-      const double height_m = terrain.height_at(p.x(), p.y());
-      if (!(p.z() < height_m)) continue;
-      const double east = terrain.height_at(p.x() + d, p.y()), north = terrain.height_at(p.x(), p.y() + d);
-      const Eigen::Vector3d normal = std::isnan(east + north)
-                                         ? Eigen::Vector3d::UnitZ()
-                                         : Eigen::Vector3d(height_m - east, height_m - north, d).normalized();
-      add(a, kFixedBody, {p, normal, (p.z() - height_m) * normal.z()});
-    }
-  }
-
-  void find_with_solids(int a, const ConvexShape& shape, const Pose& pose, const Box& box, double reach_m) {
-    solids.find(box.low_m, box.high_m, near);
-    for (const SolidTriangles::Index& index : near) {
-      const InternalEdges& edges = solids.edges(index);
-      for (const ContactPoint& found :
-           convex_contact.with_triangle(shape, pose, solids.corners_world_m(index), reach_m)) {
-        if (found.distance_m <= 0 || edges.is_nearest(index.triangle, found.point_world_m, found.normal_world))
-          add(a, kFixedBody, found);
-      }
-    }
+  void add_all(int a, std::span<const ContactPoint> found) {
+    for (const ContactPoint& point : found) add(a, kFixedBody, point);
   }
 
   void find_between(std::size_t a, const MovingBody& body_a, std::size_t b, const MovingBody& body_b) {
@@ -205,7 +140,7 @@ struct ContactFinder::Impl {
     };
     const auto first = contacts->begin() + static_cast<std::ptrdiff_t>(first_of_pair);
     const auto known = std::find_if(first, contacts->end(), same);
-    if (known != contacts->end() && gap_m >= known->gap_m) return;
+    if (known != contacts->end() && gap_m >= known->gap_m - kDeeper_m) return;
     Contact& contact = known != contacts->end() ? *known : contacts->emplace_back();
     contact.a = a;
     contact.b = b;
@@ -225,8 +160,9 @@ void ContactFinder::add_body(std::span<const ConvexPiece> pieces_body_m) {
   ConvexPiece all;
   for (const ConvexPiece& points : pieces_body_m) {
     ConvexShape shape(points);
-    const BodyBox box = BodyBox::around(shape.corners_body_m());
-    all.insert(all.end(), shape.corners_body_m().begin(), shape.corners_body_m().end());
+    const ConvexPiece& corners = shape.polytope_body().corners_m;
+    const BodyBox box = BodyBox::around(corners);
+    all.insert(all.end(), corners.begin(), corners.end());
     body.pieces.push_back({std::move(shape), box});
   }
   body.box = BodyBox::around(all);

@@ -7,7 +7,6 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
 #include <BulletCollision/NarrowPhaseCollision/btPolyhedralContactClipping.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
-#include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,14 +23,6 @@ Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; 
 btTransform to_bullet(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.orientation;
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(pose.position_m));
-}
-
-ConvexPiece hull_corners(const ConvexPiece& points_m) {
-  btConvexHullComputer hull;
-  hull.compute(points_m.front().data(), sizeof(Eigen::Vector3d), static_cast<int>(points_m.size()), 0, 0);
-  ConvexPiece corners;
-  for (int k = 0; k < hull.vertices.size(); ++k) corners.push_back(from_bullet(hull.vertices[k]));
-  return corners;
 }
 
 struct ContactPointList : btDiscreteCollisionDetectorInterface::Result {
@@ -62,8 +53,8 @@ struct ConvexShape::Impl {
 };
 
 ConvexShape::ConvexShape(const ConvexPiece& points_body_m)
-    : corners_body_m_(hull_corners(points_body_m)), impl_(std::make_unique<Impl>()) {
-  for (const Eigen::Vector3d& corner : corners_body_m_) impl_->shape.addPoint(to_bullet(corner), false);
+    : polytope_body_(points_body_m), impl_(std::make_unique<Impl>()) {
+  for (const Eigen::Vector3d& corner : polytope_body_.corners_m) impl_->shape.addPoint(to_bullet(corner), false);
   impl_->shape.setMargin(0);
   impl_->shape.recalcLocalAabb();
   impl_->shape.initializePolyhedralFeatures();
@@ -114,20 +105,9 @@ std::span<const ContactPoint> ConvexContact::with_triangle(const ConvexShape& sh
   impl_->triangle.m_vertices1[0] = to_bullet(a);
   impl_->triangle.m_vertices1[1] = to_bullet(b);
   impl_->triangle.m_vertices1[2] = to_bullet(c);
-  const btTransform transform = to_bullet(world_from_shape);
-  std::vector<ContactPoint>& found = impl_->points.all;
-  if (!impl_->find_nearest(shape.impl_->shape, transform, impl_->triangle, btTransform::getIdentity(), reach_m))
-    return found;
-  const Eigen::Vector3d normal = found.front().normal_world;
-  const btConvexPolyhedron& hull = *shape.impl_->shape.getConvexPolyhedron();
-  const bool faces_meet = std::abs((b - a).cross(c - a).normalized().dot(normal)) > kFlush &&
-                          best_face_cosine(hull, transform, -to_bullet(normal)) > kFlush;
-  if (!faces_meet) return found;
-  impl_->clip_in.resize(0);
-  for (const Eigen::Vector3d& corner : corners_world_m) impl_->clip_in.push_back(to_bullet(corner));
-  btPolyhedralContactClipping::clipFaceAgainstHull(to_bullet(normal), hull, transform, impl_->clip_in, impl_->clip_out,
-                                                   -reach_m, reach_m, impl_->points);
-  return found;
+  impl_->find_nearest(shape.impl_->shape, to_bullet(world_from_shape), impl_->triangle, btTransform::getIdentity(),
+                      reach_m);
+  return impl_->points.all;
 }
 
 std::span<const ContactPoint> ConvexContact::with_shape(const ConvexShape& shape, const Pose& world_from_shape,

@@ -7,6 +7,7 @@
 
 #include "uwsim/core/pose.h"
 #include "uwsim/dynamics/collision_shape.h"
+#include "uwsim/dynamics/polytope.h"
 
 namespace uwsim {
 
@@ -19,12 +20,12 @@ class ConvexShape {
   ConvexShape(ConvexShape&&) noexcept;
   ConvexShape& operator=(ConvexShape&&) noexcept;
 
-  const ConvexPiece& corners_body_m() const { return corners_body_m_; }
+  const Polytope& polytope_body() const { return polytope_body_; }
 
  private:
   friend class ConvexContact;
   struct Impl;
-  ConvexPiece corners_body_m_;
+  Polytope polytope_body_;
   std::unique_ptr<Impl> impl_;
 };
 
@@ -34,9 +35,9 @@ struct ContactPoint {
   double distance_m;  ///< negative where they overlap
 };
 
-/// Finds where two convex shapes are nearest and, where two faces meet, the corners of the area that they share. By
-/// Bullet: GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. A pure function of the poses. A result is
-/// valid until the next call.
+/// Finds where two convex shapes are nearest and, where two faces of bodies meet, the corners of the area that they
+/// share. By Bullet: GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. A pure function of the poses. A
+/// result is valid until the next call.
 class ConvexContact {
  public:
   ConvexContact();
@@ -44,7 +45,7 @@ class ConvexContact {
   ConvexContact(ConvexContact&&) noexcept;
   ConvexContact& operator=(ConvexContact&&) noexcept;
 
-  /// Empty when the shapes are farther apart than `reach_m`.
+  /// The nearest points. Empty when the shapes are farther apart than `reach_m`.
   std::span<const ContactPoint> with_triangle(const ConvexShape& shape, const Pose& world_from_shape,
                                               const std::array<Eigen::Vector3d, 3>& corners_world_m, double reach_m);
   std::span<const ContactPoint> with_shape(const ConvexShape& shape, const Pose& world_from_shape,

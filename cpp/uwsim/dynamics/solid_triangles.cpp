@@ -4,22 +4,25 @@
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 
+#include <cstdint>
 #include <utility>
+
+#include "uwsim/dynamics/mesh_edges.h"
 
 namespace uwsim {
 namespace {
+
+constexpr std::size_t kReservedTriangles = 1024;  // of a solid near a body; with more, a step allocates
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 struct Tree {
   std::shared_ptr<const Solid> solid;  // owns the arrays that Bullet's shape points into
-  std::size_t index;
-  InternalEdges edges;
+  MeshEdges edges;
   btTriangleIndexVertexArray arrays;
   std::unique_ptr<btBvhTriangleMeshShape> shape;
 
-  Tree(std::shared_ptr<const Solid> source, std::size_t number)
-      : solid(std::move(source)), index(number), edges(solid->mesh_world) {
+  explicit Tree(std::shared_ptr<const Solid> source) : solid(std::move(source)), edges(solid->mesh_world) {
     const TriangleMesh& mesh = solid->mesh_world;
     btIndexedMesh part;
     part.m_numTriangles = static_cast<int>(mesh.triangles.size());
@@ -37,15 +40,21 @@ struct Tree {
 /// Visits the solids whose boxes overlap, and of each the triangles whose boxes overlap.
 struct Search final : btDbvt::ICollide, btTriangleCallback {
   btVector3 low, high;
-  const Tree* tree = nullptr;
-  std::vector<SolidTriangles::Index>* found = nullptr;
+  const MeshEdges* edges = nullptr;
+  std::vector<SurfacePatch>* patches = nullptr;
+  std::size_t count = 0;
 
   void Process(const btDbvtNode* leaf) override {
-    tree = static_cast<const Tree*>(leaf->data);
-    tree->shape->processAllTriangles(this, low, high);
+    const auto& tree = *static_cast<const Tree*>(leaf->data);
+    edges = &tree.edges;
+    if (count == patches->size()) patches->emplace_back().reserve(kReservedTriangles);
+    SurfacePatch& patch = (*patches)[count];
+    patch.clear();
+    tree.shape->processAllTriangles(this, low, high);
+    if (!patch.triangles.empty()) ++count;
   }
   void processTriangle(btVector3*, int, int triangle) override {
-    found->push_back({tree->index, static_cast<std::size_t>(triangle)});
+    edges->add_triangle(static_cast<std::uint32_t>(triangle), (*patches)[count]);
   }
 };
 
@@ -60,7 +69,7 @@ struct SolidTriangles::Impl {
 SolidTriangles::SolidTriangles(const World& world) : impl_(std::make_unique<Impl>()) {
   impl_->stack.reserve(btDbvt::DOUBLE_STACKSIZE);
   for (const auto& solid : world.solids()) {
-    impl_->trees.push_back(std::make_unique<Tree>(solid, impl_->trees.size()));
+    impl_->trees.push_back(std::make_unique<Tree>(solid));
     btVector3 low, high;
     impl_->trees.back()->shape->getAabb(btTransform::getIdentity(), low, high);
     impl_->boxes.insert(btDbvtVolume::FromMM(low, high), impl_->trees.back().get());
@@ -70,23 +79,15 @@ SolidTriangles::~SolidTriangles() = default;
 SolidTriangles::SolidTriangles(SolidTriangles&&) noexcept = default;
 SolidTriangles& SolidTriangles::operator=(SolidTriangles&&) noexcept = default;
 
-void SolidTriangles::find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
-                          std::vector<Index>& found) {
-  found.clear();
+std::size_t SolidTriangles::find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
+                                 std::vector<SurfacePatch>& patches) {
   Search search;
   search.low = to_bullet(low_world_m);
   search.high = to_bullet(high_world_m);
-  search.found = &found;
+  search.patches = &patches;
   impl_->boxes.collideTVNoStackAlloc(impl_->boxes.m_root, btDbvtVolume::FromMM(search.low, search.high), impl_->stack,
                                      search);
+  return search.count;
 }
-
-std::array<Eigen::Vector3d, 3> SolidTriangles::corners_world_m(const Index& index) const {
-  const TriangleMesh& mesh = impl_->trees[index.solid]->solid->mesh_world;
-  const auto& [a, b, c] = mesh.triangles[index.triangle];
-  return {mesh.vertices_m[a], mesh.vertices_m[b], mesh.vertices_m[c]};
-}
-
-const InternalEdges& SolidTriangles::edges(const Index& index) const { return impl_->trees[index.solid]->edges; }
 
 }  // namespace uwsim

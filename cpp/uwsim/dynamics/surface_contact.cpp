@@ -1,0 +1,242 @@
+#include "uwsim/dynamics/surface_contact.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; with more, a step allocates
+constexpr double kTolerance_m = 1e-9;    // rounding of places
+constexpr double kCone = 1e-3;           // sine of the angle by which a normal may leave its cone
+constexpr double kFacesUp = 0.3;         // least cosine between the normal of a deep overlap and the terrain's
+
+bool meets(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& other_low,
+           const Eigen::Vector3d& other_high) {
+  return (low.array() <= other_high.array()).all() && (other_low.array() <= high.array()).all();
+}
+
+/// Whether the triangle's plane holds at a point `gap_m` above it: over the triangle, or beyond a hollow edge, where
+/// both planes hold. Over a flat edge, the planes' normals may leave a wedge between them.
+bool holds_at(const SurfaceTriangle& triangle, const Eigen::Vector3d& point_m, double gap_m, double beyond_hollow_m) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double inside_m = triangle.into[k].dot(point_m - triangle.corners_m[k]);
+    double tolerance_m = kTolerance_m;
+    if (triangle.bends[k] == Bend::kFlat) tolerance_m += 2 * kFlat * std::abs(gap_m);
+    if (triangle.bends[k] == Bend::kConcave) tolerance_m += beyond_hollow_m;
+    if (inside_m < -tolerance_m) return false;
+  }
+  return true;
+}
+
+/// The point of a polytope's surface that is nearest to a point outside it.
+Eigen::Vector3d nearest_on_edges(const Polytope& polytope, const Eigen::Vector3d& point_m) {
+  double least = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d nearest = point_m;
+  for (const Polytope::Edge& edge : polytope.edges) {
+    const Eigen::Vector3d& from = polytope.corners_m[edge.from];
+    const Eigen::Vector3d on_edge = from + std::clamp(edge.along.dot(point_m - from), 0.0, edge.length_m) * edge.along;
+    const double distance = (on_edge - point_m).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = on_edge;
+  }
+  return nearest;
+}
+
+bool is_separated(const Polytope& polytope, const std::array<Eigen::Vector3d, 3>& triangle_m) {
+  return std::any_of(polytope.faces.begin(), polytope.faces.end(), [&](const Polytope::Face& face) {
+    return std::all_of(triangle_m.begin(), triangle_m.end(),
+                       [&](const Eigen::Vector3d& p) { return face.normal.dot(p) > face.offset_m; });
+  });
+}
+
+}  // namespace
+
+SurfaceContact::SurfaceContact() {
+  close_.reserve(kReserved);
+  corners_world_m_.reserve(kReserved);
+  found_.reserve(kReserved);
+}
+
+std::span<const ContactPoint> SurfaceContact::find(const PlacedShape& placed, const SurfacePatch& patch, Under under) {
+  placed_ = &placed;
+  under_ = under;
+  found_.clear();
+  find_close_triangles(patch);
+  if (close_.empty()) return found_;
+  corners_world_m_.clear();
+  for (const Eigen::Vector3d& corner : placed.shape.polytope_body().corners_m)
+    corners_world_m_.push_back(placed.world_from_body.position_m + placed.rotation * corner);
+  for (const Eigen::Vector3d& corner : corners_world_m_) {
+    if (under == Under::kSolid) {
+      add_corner_on_terrain(corner);
+    } else {
+      add_corner_at_solid(corner);
+    }
+  }
+  for (const SurfacePeak& peak : patch.peaks) add_peak(patch, peak);
+  for (const SurfaceEdge& edge : patch.edges) add_edge(edge);
+  for (const SurfaceTriangle* triangle : close_) add_deep_overlap(*triangle);
+  return found_;
+}
+
+void SurfaceContact::find_close_triangles(const SurfacePatch& patch) {
+  close_.clear();
+  const Eigen::Vector3d low = placed_->low_m;
+  Eigen::Vector3d high = placed_->high_m;
+  if (under_ == Under::kSolid) high.z() = std::numeric_limits<double>::infinity();
+  for (const SurfaceTriangle& triangle : patch.triangles) {
+    if (meets(low, high, triangle.low_m, triangle.high_m) && lowest_over(triangle) <= placed_->reach_m)
+      close_.push_back(&triangle);
+  }
+}
+
+/// The least height of the piece's box over the triangle's plane.
+double SurfaceContact::lowest_over(const SurfaceTriangle& triangle) const {
+  const Eigen::Vector3d normal_body = placed_->rotation.transpose() * triangle.normal;
+  return triangle.normal.dot(placed_->world_from_body.position_m) - triangle.offset_m +
+         normal_body.dot(placed_->middle_m) - normal_body.cwiseAbs().dot(placed_->half_size_m);
+}
+
+void SurfaceContact::add_above(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m, double gap_m) {
+  found_.push_back({corner_m - gap_m * triangle.normal, triangle.normal, gap_m});
+}
+
+/// A corner under the terrain touches the triangle over it, however deep it is.
+void SurfaceContact::add_corner_on_terrain(const Eigen::Vector3d& corner_m) {
+  for (const SurfaceTriangle* triangle : close_) {
+    const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
+    if (gap_m > placed_->reach_m) continue;
+    if (gap_m >= 0) {
+      if (holds_at(*triangle, corner_m, gap_m, placed_->reach_m)) add_above(*triangle, corner_m, gap_m);
+      continue;
+    }
+    const Eigen::Vector3d above = corner_m - gap_m / triangle->normal.z() * Eigen::Vector3d::UnitZ();
+    if (holds_at(*triangle, above, 0, 0)) add_above(*triangle, corner_m, gap_m);
+  }
+}
+
+/// A corner inside a solid is pushed out of the nearest triangle; one outside touches all that it is near.
+void SurfaceContact::add_corner_at_solid(const Eigen::Vector3d& corner_m) {
+  const SurfaceTriangle* nearest = nullptr;
+  double nearest_gap_m = 0;
+  for (const SurfaceTriangle* triangle : close_) {
+    const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
+    if (std::abs(gap_m) > placed_->reach_m || !holds_at(*triangle, corner_m, gap_m, 0)) continue;
+    if (nearest != nullptr && std::abs(gap_m) >= std::abs(nearest_gap_m)) continue;
+    nearest = triangle;
+    nearest_gap_m = gap_m;
+  }
+  if (nearest != nullptr && nearest_gap_m < 0) return add_above(*nearest, corner_m, nearest_gap_m);
+  for (const SurfaceTriangle* triangle : close_) {
+    const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
+    if (gap_m < 0 || gap_m > placed_->reach_m) continue;
+    if (holds_at(*triangle, corner_m, gap_m, placed_->reach_m)) add_above(*triangle, corner_m, gap_m);
+  }
+}
+
+/// A peak touches the face, edge or corner of the piece that is nearest.
+void SurfaceContact::add_peak(const SurfacePatch& patch, const SurfacePeak& peak) {
+  if (!meets(placed_->low_m, placed_->high_m, peak.point_m, peak.point_m)) return;
+  const Polytope& polytope = placed_->shape.polytope_body();
+  const auto height_over = [](const Polytope::Face& face, const Eigen::Vector3d& point) {
+    return face.normal.dot(point) - face.offset_m;
+  };
+  const Eigen::Vector3d point = placed_->rotation.transpose() * (peak.point_m - placed_->world_from_body.position_m);
+  const Polytope::Face* face = nullptr;
+  double gap_m = -std::numeric_limits<double>::infinity();
+  for (const Polytope::Face& candidate : polytope.faces) {
+    const double height_m = height_over(candidate, point);
+    if (height_m <= gap_m) continue;
+    face = &candidate;
+    gap_m = height_m;
+  }
+  if (face == nullptr || std::abs(gap_m) > placed_->reach_m) return;
+  Eigen::Vector3d normal_body = -face->normal;
+  const Eigen::Vector3d foot = point - gap_m * face->normal;
+  const bool beside_face = std::any_of(polytope.faces.begin(), polytope.faces.end(), [&](const Polytope::Face& other) {
+    return height_over(other, foot) > kTolerance_m;
+  });
+  if (gap_m > 0 && beside_face) {
+    const Eigen::Vector3d way = nearest_on_edges(polytope, point) - point;
+    gap_m = way.norm();
+    normal_body = way / gap_m;
+  }
+  if (!(gap_m <= placed_->reach_m)) return;
+  const Eigen::Vector3d normal = placed_->rotation * normal_body;
+  for (std::uint32_t k = 0; k < peak.neighbour_count; ++k) {
+    const Eigen::Vector3d way = patch.neighbours_m[peak.first_neighbour + k] - peak.point_m;
+    if (normal.dot(way) > kCone * way.norm()) return;
+  }
+  found_.push_back({peak.point_m, normal, gap_m});
+}
+
+void SurfaceContact::add_edge(const SurfaceEdge& edge) {
+  const Eigen::Vector3d to = edge.from_m + edge.length_m * edge.along;
+  if (!meets(placed_->low_m, placed_->high_m, edge.from_m.cwiseMin(to), edge.from_m.cwiseMax(to))) return;
+  // Nothing of the piece is near when its support along the edge's middle normal is not.
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& corner : corners_world_m_)
+    lowest_m = std::min(lowest_m, edge.middle_normal.dot(corner - edge.from_m));
+  if (lowest_m > placed_->reach_m) return;
+
+  for (const Eigen::Vector3d& corner : corners_world_m_) {
+    const double along_m = edge.along.dot(corner - edge.from_m);
+    if (along_m < 0 || along_m > edge.length_m) continue;
+    const Eigen::Vector3d foot = edge.from_m + along_m * edge.along, way = corner - foot;
+    const double gap_m = way.norm();
+    if (gap_m > placed_->reach_m || gap_m < kTolerance_m) continue;
+    if (edge.into[0].dot(way) <= 0 && edge.into[1].dot(way) <= 0) found_.push_back({foot, way / gap_m, gap_m});
+  }
+
+  const Eigen::Matrix3d body_from_world = placed_->rotation.transpose();
+  const Eigen::Vector3d from = body_from_world * (edge.from_m - placed_->world_from_body.position_m);
+  const Eigen::Vector3d along = body_from_world * edge.along;
+  const Eigen::Vector3d into[] = {body_from_world * edge.into[0], body_from_world * edge.into[1]};
+  const Polytope& polytope = placed_->shape.polytope_body();
+  for (const Polytope::Edge& other : polytope.edges) {
+    Eigen::Vector3d across = along.cross(other.along);
+    const double sine = across.norm();
+    if (sine < kCone) continue;  // parallel: corners touch
+    const double tolerance = kCone * sine, side[] = {across.dot(other.into[0]), across.dot(other.into[1])};
+    if (side[0] <= tolerance && side[1] <= tolerance) {
+      across = -across;
+    } else if (side[0] < -tolerance || side[1] < -tolerance) {
+      continue;  // the piece is on both sides
+    }
+    if (across.dot(into[0]) > tolerance || across.dot(into[1]) > tolerance) continue;
+    const Eigen::Vector3d normal = across / sine;
+    const Eigen::Vector3d between = polytope.corners_m[other.from] - from;
+    const double gap_m = normal.dot(between);
+    if (std::abs(gap_m) > placed_->reach_m) continue;
+    // Both lines in the plane perpendicular to the normal: they cross at `at_m` along ours and `other_at_m` along its.
+    const Eigen::Vector3d cross = along.cross(other.along);
+    const double at_m = between.cross(other.along).dot(cross) / (sine * sine);
+    const double other_at_m = between.cross(along).dot(cross) / (sine * sine);
+    const bool crosses = at_m >= -kTolerance_m && at_m <= edge.length_m + kTolerance_m && other_at_m >= -kTolerance_m &&
+                         other_at_m <= other.length_m + kTolerance_m;
+    if (crosses) found_.push_back({edge.from_m + at_m * edge.along, placed_->rotation * normal, gap_m});
+  }
+}
+
+void SurfaceContact::add_deep_overlap(const SurfaceTriangle& triangle) {
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(placed_->reach_m);
+  if (lowest_over(triangle) >= -placed_->reach_m ||
+      !meets(placed_->low_m + reach, placed_->high_m - reach, triangle.low_m, triangle.high_m))
+    return;
+  std::array<Eigen::Vector3d, 3> in_body;
+  for (std::size_t k = 0; k < 3; ++k)
+    in_body[k] = placed_->rotation.transpose() * (triangle.corners_m[k] - placed_->world_from_body.position_m);
+  if (is_separated(placed_->shape.polytope_body(), in_body)) return;
+  for (const ContactPoint& found :
+       convex_contact_.with_triangle(placed_->shape, placed_->world_from_body, triangle.corners_m, 0)) {
+    if (found.distance_m >= -placed_->reach_m) continue;
+    if (under_ == Under::kClosed || found.normal_world.dot(triangle.normal) >= kFacesUp) found_.push_back(found);
+  }
+}
+
+}  // namespace uwsim
