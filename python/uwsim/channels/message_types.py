@@ -27,6 +27,17 @@ ADDED = {
     "misc/msg/floatarray": "float32[] data\n",
     # https://github.com/RobotWebTools/tf2_web_republisher, for tf clients of rosbridge
     "tf2_web_republisher/msg/TFArray": "geometry_msgs/TransformStamped[] transforms\n",
+    "tf2_web_republisher/msg/TFSubscriptionGoal": (
+        "string[] source_frames\nstring target_frame\nfloat32 angular_thres\nfloat32 trans_thres\nfloat32 rate\n"
+    ),
+    "tf2_web_republisher/msg/TFSubscriptionFeedback": "geometry_msgs/TransformStamped[] transforms\n",
+    "tf2_web_republisher/msg/TFSubscriptionActionGoal": (
+        "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\ntf2_web_republisher/TFSubscriptionGoal goal\n"
+    ),
+    "tf2_web_republisher/msg/TFSubscriptionActionFeedback": (
+        "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
+        "tf2_web_republisher/TFSubscriptionFeedback feedback\n"
+    ),
 }
 """Types that neither typestore has, as .msg texts. Add yours here, with its source."""
 

@@ -1,8 +1,8 @@
-"""Transforms for clients that keep no tree of their own: the service of tf2_web_republisher, which tf clients call.
+"""Transforms for clients that keep no tree of their own: tf2_web_republisher, which tf clients call.
 
-A client names frames, a target, a rate and thresholds, and gets a topic on which what changed is said. It ends when
-nobody has listened for the time that the client named. (Its older action interface is not offered: roslibjs needs
-`groovyCompatibility: false`.) https://github.com/RobotWebTools/tf2_web_republisher
+A client names frames, a target, a rate and thresholds, and is told what changes: by the service (roslibpy) on a topic
+of its own, by the action (roslibjs) as feedback. It ends when nobody has listened for a while, or when the goal is
+cancelled. https://github.com/RobotWebTools/tf2_web_republisher
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply, Topic
-from uwsim.channels.messages import default_message
+from uwsim.channels.messages import default_message, to_plain
 
 OWNER = "/tf2_web_republisher"
 SERVICE = "republish_tfs"
 TOPICS = ("tf", "tf_static")
+ACTION = "tf2_web_republisher/msg/TFSubscriptionAction"
+ACTIVE = 1  # actionlib_msgs/GoalStatus
 MOST = 100  # requests at a time
 MOST_FRAMES = 1000
 FRAMES_DEEP = 64
@@ -53,7 +55,7 @@ IDENTITY = Transform(np.zeros(3), Rotation.identity())
 
 @dataclass(eq=False)
 class Request:
-    """One client's request, and what was last said of each frame."""
+    """One client's request, and what was last said of each frame. goal_id: of an action's, else ""."""
 
     topic: Topic
     frames: list[str]
@@ -63,6 +65,7 @@ class Request:
     period_s: float
     patience_s: float
     wanted_s: float
+    goal_id: str = ""
     said: dict[str, Transform] = field(default_factory=dict)
 
 
@@ -76,24 +79,39 @@ class TfRepublisher:
         self._requests: list[Request] = []
         self._numbers = itertools.count()
         graph.nodes[OWNER] = None
-        graph.advertise_service(OWNER, SERVICE, "tf2_web_republisher/RepublishTFs", self._begin)
+        graph.advertise_service(OWNER, SERVICE, "tf2_web_republisher/RepublishTFs", self._serve)
+        node = OWNER.lstrip("/")
+        self._feedback = graph.advertise(OWNER, f"{node}/feedback", f"{ACTION}Feedback")
+        graph.subscribe(OWNER, "goal", f"{node}/goal", f"{ACTION}Goal", self._take_goal)
+        graph.subscribe(OWNER, "cancel", f"{node}/cancel", "actionlib_msgs/msg/GoalID", self._cancel_goal)
 
     def close(self) -> None:
         """End all requests."""
         self._requests.clear()
 
-    def _begin(self, arguments: Any, reply: Reply) -> None:
+    def _serve(self, arguments: Any, reply: Reply) -> None:
+        name = f"tf_repub_{next(self._numbers)}"
+        request = _read_request(arguments, Topic(name))
+        self._begin(request)
+        request.topic = self._graph.advertise(OWNER, name, "tf2_web_republisher/msg/TFArray")
+        reply(True, {"topic_name": f"/{name}"})
+
+    def _take_goal(self, sample: Sample) -> None:
+        goal = to_plain(sample.message.goal)
+        self._begin(_read_request(goal, self._feedback, sample.message.goal_id.id or f"goal {next(self._numbers)}"))
+
+    def _cancel_goal(self, sample: Sample) -> None:
+        for request in [request for request in self._requests if request.goal_id == sample.message.id != ""]:
+            self._end(request)
+
+    def _begin(self, request: Request) -> None:
         if len(self._requests) >= MOST:
             raise ValueError(f"{MOST} tf requests are served, which is the most")
-        name = f"tf_repub_{next(self._numbers)}"
-        request = _read_request(arguments, Topic(name), time.monotonic())
         if not self._requests:
             for topic in TOPICS:
                 self._graph.subscribe(OWNER, topic, topic, "tf2_msgs/msg/TFMessage", self._learn)
-        request.topic = self._graph.advertise(OWNER, name, "tf2_web_republisher/msg/TFArray")
         self._requests.append(request)
-        self._tick(request)
-        reply(True, {"topic_name": f"/{name}"})
+        self._loop.call_soon(self._tick, request)
 
     def _learn(self, sample: Sample) -> None:
         for stamped in sample.message.transforms:
@@ -121,20 +139,29 @@ class TfRepublisher:
 
     def _end(self, request: Request) -> None:
         self._requests.remove(request)
-        self._graph.unadvertise(OWNER, request.topic.name)
+        if not request.goal_id:
+            self._graph.unadvertise(OWNER, request.topic.name)
         if not self._requests:
             for topic in TOPICS:
                 self._graph.unsubscribe(OWNER, topic, topic)
 
     def _say(self, request: Request) -> None:
-        message = default_message("tf2_web_republisher/msg/TFArray")
+        changed = []
         for frame in request.frames:
             found = self._find(request.target, frame)
             if found is not None and _differs(found, request.said.get(frame), request):
                 request.said[frame] = found
-                message.transforms.append(_stamped(request.target, frame, found))
-        if message.transforms:
-            self._graph.publish(request.topic, Sample(message))
+                changed.append(_stamped(request.target, frame, found))
+        if not changed:
+            return
+        if request.goal_id:
+            message = default_message(f"{ACTION}Feedback")
+            message.status.goal_id.id, message.status.status = request.goal_id, ACTIVE
+            message.feedback.transforms = changed
+        else:
+            message = default_message("tf2_web_republisher/msg/TFArray")
+            message.transforms = changed
+        self._graph.publish(request.topic, Sample(message))
 
     def _find(self, target: str, frame: str) -> Transform | None:
         """Return target_from_frame, over their common ancestor, if the tree connects them."""
@@ -162,8 +189,8 @@ def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
     return TfRepublisher(graph, loop)
 
 
-def _read_request(arguments: Any, topic: Topic, now_s: float) -> Request:
-    """Read the call's arguments. Raises ValueError."""
+def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
+    """Read the call's arguments, or the goal's. Raises ValueError."""
     if not isinstance(arguments, dict):
         raise ValueError("args: must be an object")
     frames, target = arguments.get("source_frames"), arguments.get("target_frame")
@@ -183,7 +210,8 @@ def _read_request(arguments: Any, topic: Topic, now_s: float) -> Request:
         distance_m=_number(arguments, "trans_thres", 0.0),
         period_s=1.0 / min(max(_number(arguments, "rate", 10.0), 0.1), 100.0),
         patience_s=min(max(patience_s, 0.1), 60.0),
-        wanted_s=now_s,
+        wanted_s=time.monotonic(),
+        goal_id=goal_id,
     )
 
 
