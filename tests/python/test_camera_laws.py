@@ -68,3 +68,9 @@ def test_a_distortion_five_percent_off_fails_the_check(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(_core, "Lens", off)
     assert failed(camera.checkerboard_corners())
+
+
+@pytest.mark.parametrize("jerlov", ["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"])
+def test_daylight_is_attenuated_by_at_least_the_absorption(jerlov: str) -> None:
+    water = _core.WaterOptics.jerlov(jerlov)
+    assert np.all(np.asarray(water.diffuse_attenuation) >= np.asarray(water.absorption))

@@ -27,12 +27,13 @@ struct WaterOptics {
 };
 
 /// The water of a Jerlov type: I, IA, IB, II, III, 1C, 3C, 5C, 7C or 9C. Throws InvalidValue.
-/// Kd: Jerlov 1976, "Marine Optics", table XXVII. a and b: types IB to 5C as measured, Williamson and Hollins 2022,
+/// Kd: Jerlov 1976, "Marine Optics", table XXVII. a and b: types II to 5C as measured, Williamson and Hollins 2022,
 /// "Measured IOPs of Jerlov water types", Appl. Opt. 61:9951; types I, IA, 7C and 9C, which that paper omits, by
 /// inversion of Kd, Solonenko and Mobley 2015, "Inherent optical properties of Jerlov water types", Appl. Opt. 54:5392.
-/// All values are taken from the tables of the Python package jerlov 0.22 (Ishibashi), which documents its checks; the
-/// papers themselves were not read. Valid for the open sea and coasts, which Jerlov classified; for a lake choose the
-/// most similar type.
+/// So is IB: its measured absorption of blue, 0.0407 1/m, exceeds Jerlov's Kd, 0.036, and Kd is never less than a
+/// (light that goes down a metre has gone at least a metre). All values are taken from the tables of the Python package
+/// jerlov 0.22 (Ishibashi), which documents its checks; the papers themselves were not read. Valid for the open sea and
+/// coasts, which Jerlov classified; for a lake choose the most similar type.
 WaterOptics jerlov_water(std::string_view type);
 const std::vector<std::string>& jerlov_types();
 
