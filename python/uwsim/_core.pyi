@@ -293,12 +293,12 @@ class Water:
         """
     def pressure_pa(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Absolute pressure of still water: p_atm + the integral of rho g.
+        Absolute pressure of still water: p_atm + the integral of rho g, with compression.
         """
     def salinity_at_psu(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     def sound_speed_m_s(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        That of the profile, else by temperature, salinity and depth (Mackenzie 1981).
+        That of the profile, else by temperature, salinity and pressure (sound_speed_equation).
         """
     def surface_height_m(
         self, xy_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
@@ -326,6 +326,13 @@ class Water:
     @bottom_temperature_deg_c.setter
     def bottom_temperature_deg_c(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def compressible(self) -> bool:
+        """
+        Whether pressure includes the compression of the water by its own weight (EOS-80).
+        """
+    @compressible.setter
+    def compressible(self, arg0: bool) -> None: ...
+    @property
     def current_world_m_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
     @current_world_m_s.setter
     def current_world_m_s(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
@@ -348,6 +355,14 @@ class Water:
     def salinity_psu(self) -> float: ...
     @salinity_psu.setter
     def salinity_psu(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def sound_speed_equation(self) -> str:
+        """
+        unesco, del_grosso, belogolskii, leroy, mackenzie or medwin; assign "automatic" for the best. Raises
+        ValueError where the water, as it is, exceeds the equation's range.
+        """
+    @sound_speed_equation.setter
+    def sound_speed_equation(self, arg1: str) -> None: ...
     @property
     def surface_temperature_deg_c(self) -> float: ...
     @surface_temperature_deg_c.setter
@@ -2151,7 +2166,7 @@ def absorption_db_km(
     acidity_ph: typing.SupportsFloat | typing.SupportsIndex = 8.0,
 ) -> float:
     """
-    Absorption of sound in water [dB/km], Francois and Garrison 1982.
+    Absorption of sound in water [dB/km], Francois and Garrison 1982. Raises ValueError.
     """
 
 def decode_depth_string(
@@ -2351,9 +2366,10 @@ def scan_to_points(
 def sea_water_density_kg_m3(
     temperature_deg_c: typing.SupportsFloat | typing.SupportsIndex,
     salinity_psu: typing.SupportsFloat | typing.SupportsIndex,
+    gauge_pressure_pa: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> float:
     """
-    Density at atmospheric pressure by EOS-80 (UNESCO 44, 1983).
+    Density by EOS-80 (UNESCO 44, 1983); gauge_pressure_pa: above that of the atmosphere. Raises ValueError.
     """
 
 def sensor_kind(name: str) -> SensorKind:
@@ -2375,9 +2391,12 @@ def sound_speed_m_s(
     temperature_deg_c: typing.SupportsFloat | typing.SupportsIndex,
     salinity_psu: typing.SupportsFloat | typing.SupportsIndex,
     depth_m: typing.SupportsFloat | typing.SupportsIndex,
+    equation: str = "automatic",
 ) -> float:
     """
-    Speed of sound in water [m/s], Mackenzie 1981.
+    Speed of sound in water [m/s]: unesco (Chen and Millero 1977), del_grosso (1974; both with Wong and Zhu's
+    coefficients of 1995), belogolskii (1999, fresh water), leroy (2008), mackenzie (1981), medwin (1975), or the
+    one whose range of validity fits best. Raises ValueError.
     """
 
 def sound_speed_profile(water: Water) -> SoundSpeedProfile:

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "meshes.h"
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/absorption.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {

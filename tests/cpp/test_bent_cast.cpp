@@ -97,14 +97,23 @@ TEST(BentCast, InHomogeneousWaterItIsAStraightCastOfOneChord) {
   EXPECT_EQ(cast_one(scene, even, {0, 0, -10}, direction, 0.02).label, kNothing) << "not within the time";
 }
 
-TEST(WaterSound, TheProfileFollowsMackenzieBetweenItsLevels) {
+TEST(WaterSound, TheProfileFollowsTheWaterBetweenItsLevelsAndBelowThem) {
   Water water;
+  water.select_sound_speed_equation("automatic");
   water.surface_temperature_deg_c = 18;
   water.bottom_temperature_deg_c = 6;
   water.bottom_depth_m = 40;
   const SoundSpeedProfile profile = sound_speed_profile(water);
-  for (double depth = 0; depth < 60; depth += 0.7) {
-    EXPECT_NEAR(profile.at(depth), sound_speed_m_s(water, -depth), depth < 40 ? 0.05 : 0.5);
+  for (double depth = 0; depth < 12000; depth += depth < 60 ? 0.7 : 97) {
+    EXPECT_NEAR(profile.at(depth), water.sound_speed_m_s(-depth), 0.05) << depth;
+  }
+  water.profile = std::make_shared<const WaterProfile>(
+      std::vector{WaterLevel{.depth_m = 3, .temperature_deg_c = 20, .salinity_psu = 0},
+                  WaterLevel{.depth_m = 30, .temperature_deg_c = 8, .salinity_psu = 35}});
+  water.select_sound_speed_equation("automatic");
+  const SoundSpeedProfile brackish = sound_speed_profile(water);
+  for (double depth = 0; depth < 60; depth += 0.3) {
+    EXPECT_NEAR(brackish.at(depth), water.sound_speed_m_s(-depth), 0.1) << depth;
   }
 }
 

@@ -1,5 +1,4 @@
 #include "sensor_bench.h"
-#include "uwsim/acoustics/sea_water.h"
 
 namespace uwsim {
 namespace {
@@ -15,6 +14,9 @@ Eigen::Quaterniond turn(double yaw, double pitch = 0, double roll = 0) {
 const Pose kPort{{0, 0.5, 0}, turn(kPi / 2)};
 
 TEST_F(Sensors, PressureAndDepthFollowTheWater) {
+  const double compressed_m = truth(sensor_spec("depth")).values[0] - 12;
+  EXPECT_NEAR(compressed_m, 12 * 12 * 9806.65 / (2 * 2.1e9), 0.05 * compressed_m) << "d^2 rho g / (2 K)";
+  world.water.compressible = false;
   const Pose lower{{0, 0, -0.5}, Eigen::Quaterniond::Identity()};
   EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 1000 * 9.80665 * 12, 1e-6);
   EXPECT_NEAR(truth(sensor_spec("depth", {}, lower)).values[0], 12.5, 1e-12);
@@ -30,6 +32,7 @@ TEST_F(Sensors, PressureIntegratesAStratifiedProfileAndDepthErrsAccordingly) {
   const std::vector<WaterLevel> levels = {{.depth_m = 0, .temperature_deg_c = 20, .density_kg_m3 = 998},
                                           {.depth_m = 10, .temperature_deg_c = 5, .density_kg_m3 = 1008}};
   world.water.profile = std::make_shared<const WaterProfile>(levels);
+  world.water.compressible = false;
   const double column_kg_m2 = 998 * 10 + 10 * 10 / 2 + 1008 * 2;  // of 12 m
   EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 9.80665 * column_kg_m2, 1e-6);
   EXPECT_NEAR(truth(sensor_spec("depth")).values[0], column_kg_m2 / 998, 1e-9)

@@ -96,8 +96,10 @@ TEST(AbsorptionColumn, TheMeanAlongAPathIsTheMeanOverItsDepths) {
   EXPECT_NEAR(column.mean_db_m(100, 300), (50 + 20) / 1000.0, 1e-9);
   EXPECT_NEAR(column.mean_db_m(300, 100), (50 + 20) / 1000.0, 1e-9);
   EXPECT_NEAR(column.mean_db_m(200, 200), (50 + 20) / 1000.0, 1e-9);
-  EXPECT_NEAR(column.mean_db_m(1000, 3000), 0.15, 1e-9) << "constant below the bottom";
-  EXPECT_NEAR(column.mean_db_m(0, 2000), 0.001 * (100 + 150) / 2, 1e-9);
+  EXPECT_NEAR(column.mean_db_m(1000, 3000), 0.25, 1e-9) << "below the bottom, too";
+  EXPECT_NEAR(column.mean_db_m(0, 2000), 0.15, 1e-9);
+  EXPECT_NEAR(column.mean_db_m(400, 11000), 0.62, 1e-9) << "down to the deepest bed";
+  EXPECT_NEAR(column.at_db_m(13000), 1.25, 1e-9) << "and constant there";
 }
 
 }  // namespace

@@ -80,6 +80,7 @@ TEST(Water, TheSumOfCurrentsIsLimitedToTenMetresPerSecond) {
 
 TEST(Water, PressureIsHydrostaticAndTemperatureLinear) {
   Water water;
+  water.compressible = false;
   water.density_kg_m3 = 1025;
   EXPECT_NEAR(water.pressure_pa(-10) - water.pressure_pa(0), 1025 * 9.80665 * 10, 1e-6);
   EXPECT_NEAR(water.pressure_pa(0), 101325, 1e-9);

@@ -30,7 +30,7 @@ def test_water_without_surface_current_and_profile_is_still_and_uniform() -> Non
     water = built({"density_kg_m3": 1010.0, "current_world_m_s": [0.1, 0.0, 0.0], "surface_temperature_deg_c": 12.0})
     assert water.waves is None
     assert water.profile is None
-    assert water.pressure_pa(-10.0) == pytest.approx(101325 + 1010 * 9.80665 * 10)
+    assert water.pressure_pa(-10.0) == pytest.approx(101325 + 1010 * 9.80665 * 10, rel=3e-5)
     np.testing.assert_allclose(water.velocity_m_s([[0, 0, -3]]), [[0.1, 0, 0]])
 
 
@@ -112,11 +112,46 @@ def test_a_table_gives_density_pressure_and_sound_speed(tmp_path: Path) -> None:
     top, middle = (_core.sea_water_density_kg_m3(t, s) for t, s in ((15.0, 34.0), (13.0, 34.5)))
     for water in waters:
         assert water.density_at_kg_m3(-5.0) == pytest.approx((top + middle) / 2)
-        assert water.pressure_pa(-10.0) == pytest.approx(101325 + 9.80665 * 10 * (top + middle) / 2)
+        assert water.pressure_pa(-10.0) == pytest.approx(101325 + 9.80665 * 10 * (top + middle) / 2, rel=3e-5)
         assert water.temperature_deg_c(-20.0) == pytest.approx(10.5)
         assert water.sound_speed_m_s(-20.0) == pytest.approx(_core.sound_speed_m_s(10.5, 34.75, 20.0))
     given = [{**level, "sound_speed_m_s": 1500.0 - level["depth_m"]} for level in inline]
     assert built({"profile": {"kind": "table", "levels": given}}).sound_speed_m_s(-20.0) == pytest.approx(1480)
+
+
+def test_pressure_includes_compression_unless_the_scenario_says_otherwise() -> None:
+    still = {"density_kg_m3": 1000.0, "bottom_temperature_deg_c": 15.0}
+    squeezed, stiff = built(still), built({**still, "compressible": False})
+    depth_m = 1000.0
+    weight_pa = 1000 * 9.80665 * depth_m
+    assert stiff.pressure_pa(-depth_m) == pytest.approx(101325 + weight_pa, rel=1e-12)
+    more_m = (squeezed.pressure_pa(-depth_m) - stiff.pressure_pa(-depth_m)) / (1000 * 9.80665)
+    ratio = _core.sea_water_density_kg_m3(15.0, 0.0, weight_pa) / _core.sea_water_density_kg_m3(15.0, 0.0)
+    assert more_m == pytest.approx(depth_m * (ratio - 1) / 2, rel=0.01), "the mean compression over the column"
+
+
+def test_the_sound_speed_equation_is_the_best_or_the_named_one() -> None:
+    assert built({}).sound_speed_equation == "belogolskii"
+    assert built({"salinity_psu": 35.0}).sound_speed_equation == "unesco"
+    named = built({"salinity_psu": 35.0, "sound_speed_equation": "mackenzie"})
+    assert named.sound_speed_m_s(0.0) == pytest.approx(_core.sound_speed_m_s(15.0, 35.0, 0.0, "mackenzie"), abs=1e-9)
+    got = refusal({"sound_speed_equation": "mackenzie"})
+    assert "sound_speed_equation = mackenzie: is valid for 2 to 30 deg C, 25 to 40 psu" in got and "0 to 0 psu" in got
+    assert "sound_speed_equation" in refusal({"sound_speed_equation": "wilson"})
+    levels = [{"depth_m": 0.0, "temperature_deg_c": 9.0, "sound_speed_m_s": 1450.0}]
+    got = refusal({"profile": {"kind": "table", "levels": levels}, "sound_speed_equation": "unesco"})
+    assert "must not be given beside a profile that gives sound_speed_m_s" in got
+
+
+@pytest.mark.parametrize("bad", [float("nan"), -3.0, float("inf")])
+def test_sound_in_impossible_water_is_refused(bad: float) -> None:
+    for arguments in ((bad, 35.0, 10.0), (10.0, bad, 10.0), (10.0, 35.0, bad)):
+        with pytest.raises(ValueError, match="must be in"):
+            _core.sound_speed_m_s(*arguments)
+        with pytest.raises(ValueError, match="must be in"):
+            _core.absorption_db_km(3e5, *arguments)
+    with pytest.raises(ValueError, match="frequency_hz"):
+        _core.absorption_db_km(bad, 10.0, 35.0, 10.0)
 
 
 def test_the_density_of_a_linear_profile_follows_eos_80_to_the_bottom() -> None:

@@ -8,7 +8,7 @@
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/absorption.h"
 #include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/acoustics/sound_speed_profile.h"
@@ -57,11 +57,9 @@ py::array_t<double> soundings(const py::object& directions_world, const py::obje
 }
 
 void bind_water_sound(py::module_& m) {
-  m.def("sound_speed_m_s", &sound_speed_m_s, py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("depth_m"),
-        "Speed of sound in water [m/s], Mackenzie 1981.");
   m.def("absorption_db_km", &absorption_db_km, py::arg("frequency_hz"), py::arg("temperature_deg_c"),
         py::arg("salinity_psu"), py::arg("depth_m"), py::arg("acidity_ph") = 8.0,
-        "Absorption of sound in water [dB/km], Francois and Garrison 1982.");
+        "Absorption of sound in water [dB/km], Francois and Garrison 1982. Raises ValueError.");
   py::class_<SoundSpeedProfile>(m, "SoundSpeedProfile",
                                 "Speed of sound by depth: linear between levels, constant above and below them.")
       .def(py::init(&profile), py::arg("depths_m"), py::arg("speeds_m_s"),

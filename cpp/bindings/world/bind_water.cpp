@@ -11,7 +11,7 @@
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "bindings/world/binders.h"
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/world/sea_water.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim::bindings {
@@ -72,14 +72,23 @@ py::array_t<double> velocity_at(const Water& water, const py::object& points_m, 
   return move_out(std::move(values), {static_cast<py::ssize_t>(points.size()), 3});
 }
 
-double sound_speed(const Water& water, double z_world_m) {
-  const double given = water.given_sound_speed_m_s(z_world_m);
-  if (given > 0) return given;
-  return sound_speed_m_s(water.temperature_deg_c(z_world_m), water.salinity_at_psu(z_world_m),
-                         std::max(0.0, Water::depth_m(z_world_m)));
-}
-
 }  // namespace
+
+void bind_sea_water(py::module_& m) {
+  m.def(
+      "sea_water_density_kg_m3",
+      [](double t, double s, double p) {
+        return p == 0 ? sea_water_density_kg_m3(t, s) : sea_water_density_kg_m3(t, s, p);
+      },
+      py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("gauge_pressure_pa") = 0.0,
+      "Density by EOS-80 (UNESCO 44, 1983); gauge_pressure_pa: above that of the atmosphere. Raises ValueError.");
+  m.def(
+      "sound_speed_m_s", py::overload_cast<double, double, double, std::string_view>(&sound_speed_m_s),
+      py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("depth_m"), py::arg("equation") = "automatic",
+      "Speed of sound in water [m/s]: unesco (Chen and Millero 1977), del_grosso (1974; both with Wong and Zhu's\n"
+      "coefficients of 1995), belogolskii (1999, fresh water), leroy (2008), mackenzie (1981), medwin (1975), or the\n"
+      "one whose range of validity fits best. Raises ValueError.");
+}
 
 void bind_water(py::module_& m) {
   bind_waves(m);
@@ -89,8 +98,7 @@ void bind_water(py::module_& m) {
       .def(py::init(&profile), py::arg("depth_m"), py::arg("temperature_deg_c"), py::arg("salinity_psu"),
            py::arg("density_kg_m3"), py::arg("sound_speed_m_s") = py::none(),
            "Each (n,), depths rising; without sound_speed_m_s it follows from the others. Raises ValueError.");
-  m.def("sea_water_density_kg_m3", &sea_water_density_kg_m3, py::arg("temperature_deg_c"), py::arg("salinity_psu"),
-        "Density at atmospheric pressure by EOS-80 (UNESCO 44, 1983).");
+  bind_sea_water(m);
 
   py::class_<Water>(
       m, "Water", "The water: calm, uniform and with one steady current, unless waves, a profile or currents are set.")
@@ -102,6 +110,13 @@ void bind_water(py::module_& m) {
       .def_readwrite("bottom_temperature_deg_c", &Water::bottom_temperature_deg_c)
       .def_readwrite("bottom_depth_m", &Water::bottom_depth_m)
       .def_readwrite("salinity_psu", &Water::salinity_psu)
+      .def_readwrite("compressible", &Water::compressible,
+                     "Whether pressure includes the compression of the water by its own weight (EOS-80).")
+      .def_property(
+          "sound_speed_equation", [](const Water& water) { return name_of(water.sound_speed_equation); },
+          &Water::select_sound_speed_equation,
+          "unesco, del_grosso, belogolskii, leroy, mackenzie or medwin; assign \"automatic\" for the best. Raises\n"
+          "ValueError where the water, as it is, exceeds the equation's range.")
       .def_readwrite("current_world_m_s", &Water::current_world_m_s)
       .def_property(
           "waves", [](const Water& water) { return or_none<Waves>(water.waves); },
@@ -119,14 +134,14 @@ void bind_water(py::module_& m) {
           py::arg("current"), "Adds a current to current_world_m_s and to those added before.")
       .def("check", &Water::check, "Raises ValueError that names the field, its value, unit and rule.")
       .def("pressure_pa", py::overload_cast<double>(&Water::pressure_pa, py::const_), py::arg("z_world_m"),
-           "Absolute pressure of still water: p_atm + the integral of rho g.")
+           "Absolute pressure of still water: p_atm + the integral of rho g, with compression.")
       .def("pressure_at_pa", &pressure_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
            "(n, 3) -> (n,) absolute pressure under the waves of the moment.")
       .def("density_at_kg_m3", &Water::density_at, py::arg("z_world_m"), "Density of still water.")
       .def("temperature_deg_c", &Water::temperature_deg_c, py::arg("z_world_m"))
       .def("salinity_at_psu", &Water::salinity_at_psu, py::arg("z_world_m"))
-      .def("sound_speed_m_s", &sound_speed, py::arg("z_world_m"),
-           "That of the profile, else by temperature, salinity and depth (Mackenzie 1981).")
+      .def("sound_speed_m_s", &Water::sound_speed_m_s, py::arg("z_world_m"),
+           "That of the profile, else by temperature, salinity and pressure (sound_speed_equation).")
       .def("surface_height_m", &surface_height, py::arg("xy_m"), py::arg("time_s") = 0.0, "(n, 2) -> (n,)")
       .def("velocity_m_s", &velocity_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
            "(n, 3) -> (n, 3), currents and waves together.");

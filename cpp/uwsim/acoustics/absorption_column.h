@@ -9,8 +9,8 @@ namespace uwsim {
 /// look-ups.
 class AbsorptionColumn {
  public:
-  /// Samples absorption_db_km(depth_m) at `knots` evenly spaced depths from 0 to bottom_m [m], linear in between;
-  /// below bottom_m it is constant. Throws InvalidValue.
+  /// Samples absorption_db_km(depth_m) at `knots` evenly spaced depths from 0 to bottom_m [m], and as many from there
+  /// to the ocean's deepest bed at 12 km; linear in between, constant above and below. Throws InvalidValue.
   AbsorptionColumn(const std::function<double(double)>& absorption_db_km, double bottom_m, int knots = 512);
 
   double at_db_m(double depth_m) const;
@@ -23,9 +23,19 @@ class AbsorptionColumn {
   double down_to_db(double depth_m) const;
 
  private:
-  double spacing_m_, per_spacing_1_m_;
-  std::vector<double> at_db_m_;
-  std::vector<double> down_db_;
+  /// Evenly spaced knots from `top_m` down.
+  struct Part {
+    double top_m, spacing_m, per_spacing_1_m;
+    std::vector<double> at_db_m, down_db;
+
+    Part(const std::function<double(double)>& absorption_db_km, double top_m, double bottom_m, int knots,
+         double down_to_top_db);
+    double at(double depth_m) const;
+    double down_to(double depth_m) const;
+  };
+  const Part& part_of(double depth_m) const { return depth_m < below_.top_m ? above_ : below_; }
+
+  Part above_, below_;
 };
 
 }  // namespace uwsim

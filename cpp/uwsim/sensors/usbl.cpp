@@ -1,6 +1,5 @@
 #include <cmath>
 
-#include "uwsim/acoustics/sea_water.h"
 #include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
@@ -9,8 +8,8 @@ namespace {
 /// Acoustic position fix by an ultra-short baseline system at the station. The vehicle pings at the time of the sample;
 /// the station measures range and direction and sends the fix back, which arrives after the two-way travel time, 2 R /
 /// c. The range error acts along the line of sight; the bearing error is two small angles across it, an error of R x
-/// angle in position. c: the water's profile, else Mackenzie's, averaged along a straight ray; obstacles do not block
-/// it. Out of range there is no fix: range 0, invalid.
+/// angle in position. c: that of the water (Water::sound_speed_m_s), averaged along a straight ray; obstacles do not
+/// block it. Out of range there is no fix: range 0, invalid.
 class Usbl final : public MountedSensor {
  public:
   explicit Usbl(const SensorSpec& spec) : MountedSensor(spec), range_max_m_(spec.number("range_max_m")) {}
@@ -43,7 +42,7 @@ class Usbl final : public MountedSensor {
     const double station_z = input.around.station_world_m.z();
     double slowness_s_m = 0;  // mean over depth, along a straight ray
     for (int part = 0; part < kParts; ++part) {
-      slowness_s_m += 1 / sound_speed(input.around.water, station_z + line.z() * (part + 0.5) / kParts) / kParts;
+      slowness_s_m += 1 / input.around.water.sound_speed_m_s(station_z + line.z() * (part + 0.5) / kParts) / kParts;
     }
     return 2 * std::min(line.norm(), range_max_m_) * slowness_s_m;
   }
@@ -53,12 +52,6 @@ class Usbl final : public MountedSensor {
  private:
   static constexpr int kParts = 8;
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
-
-  /// As given by the water's profile, else Mackenzie's.
-  static double sound_speed(const Water& water, double z_world_m) {
-    const double z = std::min(z_world_m, 0.0), given_m_s = water.given_sound_speed_m_s(z);
-    return given_m_s > 0 ? given_m_s : sound_speed_m_s(water.temperature_deg_c(z), water.salinity_at_psu(z), -z);
-  }
 
   Eigen::Vector3d from_station(const SensorInput& input) const {
     return world_from_sensor(input).position_m - input.around.station_world_m;

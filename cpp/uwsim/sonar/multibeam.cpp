@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/absorption.h"
 #include "uwsim/core/check.h"
 #include "uwsim/sonar/beam_kernels.h"
 #include "uwsim/sonar/water_sound.h"
@@ -127,7 +127,7 @@ Multibeam::Multibeam(const MultibeamModel& model, std::span<const double> streng
 }
 
 double Multibeam::ping_rate_max_hz(const Water& water, double head_z_m) const {
-  return std::min(model_.ping_rate_max_hz, sound_speed_m_s(water, head_z_m) / (2 * model_.range_max_m));
+  return std::min(model_.ping_rate_max_hz, water.sound_speed_m_s(head_z_m) / (2 * model_.range_max_m));
 }
 
 MultibeamPing Multibeam::ping(const RayScene& scene, const Water& water, const Pose& world_from_sonar) const {

@@ -4,44 +4,51 @@
 #include <cmath>
 #include <vector>
 
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/absorption.h"
 
 namespace uwsim {
 namespace {
 
-/// The second derivative of Mackenzie's speed by temperature is at most 0.106 (m/s)/K^2: linear interpolation over 2 K
-/// is within 0.05 m/s.
-constexpr double kPiece_k = 1.9;
+constexpr double kDeepest_m = 12000;  // of all oceans
 
+/// Longest pieces in which the speed of sound is taken as linear, for an error of at most 0.05 m/s in each: its second
+/// derivative is at most 0.116 (m/s)/K^2 by temperature and 5e-7 (m/s)/m^2 by depth; by salinity it grows with S^1.5.
+constexpr double kPiece_k = 1.8, kPiece_psu = 5, kPiece_m = 800;
+
+/// Depths between which temperature and salinity are linear.
 std::vector<double> kinks_m(const Water& water) {
-  if (!water.profile) return {0, water.bottom_depth_m};
-  std::vector<double> depths;
-  for (const WaterLevel& level : water.profile->levels()) depths.push_back(level.depth_m);
+  std::vector<double> depths = {0, water.bottom_depth_m};
+  if (water.profile) {
+    depths.clear();
+    for (const WaterLevel& level : water.profile->levels()) depths.push_back(level.depth_m);
+    if (water.gives_sound_speed()) return depths;
+    if (depths.front() > 0) depths.insert(depths.begin(), 0);
+  }
+  if (depths.back() < kDeepest_m) depths.push_back(kDeepest_m);
   return depths;
+}
+
+int pieces_between(const Water& water, double upper_m, double lower_m) {
+  if (water.gives_sound_speed()) return 1;
+  const double kelvin = water.temperature_deg_c(-lower_m) - water.temperature_deg_c(-upper_m);
+  const double psu = water.salinity_at_psu(-lower_m) - water.salinity_at_psu(-upper_m);
+  return std::max(1, static_cast<int>(std::ceil(std::max(
+                         {std::abs(kelvin) / kPiece_k, std::abs(psu) / kPiece_psu, (lower_m - upper_m) / kPiece_m}))));
 }
 
 }  // namespace
 
-double sound_speed_m_s(const Water& water, double z_world_m) {
-  const double given = water.given_sound_speed_m_s(z_world_m);
-  if (given > 0) return given;
-  return sound_speed_m_s(water.temperature_deg_c(z_world_m), water.salinity_at_psu(z_world_m),
-                         std::max(0.0, Water::depth_m(z_world_m)));
-}
-
 SoundSpeedProfile sound_speed_profile(const Water& water) {
   const std::vector<double> kinks = kinks_m(water);
-  const bool given = water.given_sound_speed_m_s(0) > 0;
   std::vector<double> depths = {kinks.front()};
   for (std::size_t k = 1; k < kinks.size(); ++k) {
-    const double warmer = water.temperature_deg_c(-kinks[k]) - water.temperature_deg_c(-kinks[k - 1]);
-    const int pieces = given ? 1 : std::max(1, static_cast<int>(std::ceil(std::abs(warmer) / kPiece_k)));
+    const int pieces = pieces_between(water, kinks[k - 1], kinks[k]);
     for (int piece = 1; piece <= pieces; ++piece) {
       depths.push_back(kinks[k - 1] + (kinks[k] - kinks[k - 1]) * piece / pieces);
     }
   }
   std::vector<double> speeds;
-  for (const double depth : depths) speeds.push_back(sound_speed_m_s(water, -depth));
+  for (const double depth : depths) speeds.push_back(water.sound_speed_m_s(-depth));
   return SoundSpeedProfile(depths, speeds);
 }
 

@@ -6,14 +6,11 @@
 
 namespace uwsim {
 
-/// The speed of sound by depth: as given by the water's profile, or else Mackenzie's, from temperature, salinity and
-/// depth, at depths that are close enough for linear interpolation to be within 0.05 m/s.
+/// The water's speed of sound by depth, at levels that are close enough for linear interpolation to be within 0.05 m/s.
 SoundSpeedProfile sound_speed_profile(const Water& water);
 
-/// The same at one depth [m/s], without interpolation.
-double sound_speed_m_s(const Water& water, double z_world_m);
-
-/// Francois-Garrison absorption by depth from the water's temperature and salinity, down to `bottom_m`.
+/// Francois-Garrison absorption by depth from the water's temperature and salinity, down to the ocean's deepest bed: in
+/// fine steps to `bottom_m`, and in coarser ones below, where only pressure changes it.
 AbsorptionColumn absorption_column(const Water& water, double frequency_hz, double acidity_ph, double bottom_m);
 
 }  // namespace uwsim

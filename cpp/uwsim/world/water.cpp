@@ -4,9 +4,13 @@
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/world/sea_water.h"
 
 namespace uwsim {
 namespace {
+
+constexpr double kDeepest_m = 12000;  // of all oceans
+constexpr double kDeepest_pa = 1.5e8;
 
 void require_in(double value, double low, double high, const char* path, const char* rule) {
   require(value >= low && value <= high, path, value, rule);
@@ -31,7 +35,7 @@ void Water::check() const {
 }
 
 double Water::pressure_pa(double z_world_m) const {
-  return atmospheric_pressure_pa + std::max(0.0, still_pressure_at(z_world_m));
+  return atmospheric_pressure_pa + compressed_pa(std::max(0.0, still_pressure_at(z_world_m)), depth_m(z_world_m));
 }
 
 double Water::pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const {
@@ -48,8 +52,44 @@ double Water::salinity_at_psu(double z_world_m) const {
   return profile ? profile->at(z_world_m).salinity_psu : salinity_psu;
 }
 
-double Water::given_sound_speed_m_s(double z_world_m) const {
-  return profile ? profile->at(z_world_m).sound_speed_m_s : 0;
+bool Water::gives_sound_speed() const { return profile && profile->levels().front().sound_speed_m_s > 0; }
+
+double Water::sound_speed_m_s(double z_world_m) const {
+  if (gives_sound_speed()) return profile->at(z_world_m).sound_speed_m_s;
+  const double depth = std::clamp(depth_m(z_world_m), 0.0, kDeepest_m);
+  const double gauge_pa = compressed_pa(still_pressure_at(-depth), depth);
+  return uwsim::sound_speed_m_s(sound_speed_equation, temperature_deg_c(-depth), salinity_at_psu(-depth), depth,
+                                gauge_pa);
+}
+
+void Water::select_sound_speed_equation(std::string_view name) {
+  if (name == kAutomaticSoundSpeed) {
+    sound_speed_equation = best_sound_speed_equation(range());
+    return;
+  }
+  const SoundSpeedEquation named = uwsim::sound_speed_equation(name);
+  require(!gives_sound_speed(), "water.sound_speed_equation", name,
+          "must not be given beside a profile that gives sound_speed_m_s");
+  require(valid_range(named).covers(range()), "water.sound_speed_equation", name,
+          "is valid for " + valid_range(named).text() + "; this water has " + range().text());
+  sound_speed_equation = named;
+}
+
+WaterRange Water::range() const {
+  if (!profile) {
+    const auto [cold, warm] = std::minmax(surface_temperature_deg_c, bottom_temperature_deg_c);
+    return {cold, warm, salinity_psu, salinity_psu, bottom_depth_m};
+  }
+  const WaterLevel& top = profile->levels().front();
+  WaterRange all{top.temperature_deg_c, top.temperature_deg_c, top.salinity_psu, top.salinity_psu, bottom_depth_m};
+  for (const WaterLevel& level : profile->levels()) {
+    all.coldest_deg_c = std::min(all.coldest_deg_c, level.temperature_deg_c);
+    all.warmest_deg_c = std::max(all.warmest_deg_c, level.temperature_deg_c);
+    all.freshest_psu = std::min(all.freshest_psu, level.salinity_psu);
+    all.saltiest_psu = std::max(all.saltiest_psu, level.salinity_psu);
+    all.deepest_m = std::max(all.deepest_m, level.depth_m);
+  }
+  return all;
 }
 
 double Water::density_at(double z_world_m) const {
@@ -71,7 +111,15 @@ double Water::surface_height_at(double x, double y, double time_s) const {
 
 double Water::gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const {
   const double head_m = waves ? waves->head_at(point_world_m, time_s) : -point_world_m.z();
-  return std::max(0.0, still_pressure_at(-head_m));
+  return compressed_pa(std::max(0.0, still_pressure_at(-head_m)), head_m);
+}
+
+/// With the temperature and the salinity that sea_water.h asks for. Deeper than kDeepest_m the compression grows no
+/// more.
+double Water::compressed_pa(double still_pa, double depth_m) const {
+  if (!compressible || !(still_pa > 0)) return still_pa;
+  const double z = -2.0 / 3 * depth_m, squeezed_pa = std::min(still_pa, kDeepest_pa);
+  return still_pa - squeezed_pa + compressed_pressure_pa(squeezed_pa, temperature_deg_c(z), salinity_at_psu(z));
 }
 
 double Water::still_pressure_at(double z_world_m) const {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "uwsim/core/water_field.h"
 #include "uwsim/world/current.h"
+#include "uwsim/world/sound_speed.h"
 #include "uwsim/world/water_profile.h"
 #include "uwsim/world/waves.h"
 
@@ -13,6 +15,11 @@ namespace uwsim {
 /// The water of a world. By default it is calm, of uniform density, with one steady current, and its temperature
 /// changes linearly from the surface to `bottom_depth_m` and is constant below. Waves, currents and a profile may be
 /// added. Copies are cheap: they share these, which never change.
+///
+/// Densities are those at atmospheric pressure. Where the water is compressible, its pressure includes the compression
+/// by its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Buoyancy does not: hulls are taken to shrink with
+/// the water around them (assumed: syntactic foam and thin pressure hulls have about the bulk modulus of water; a rigid
+/// hull would gain 0.45 % of its displacement at 1000 m).
 class Water : public EvenWater {
  public:
   double atmospheric_pressure_pa = 101325;
@@ -20,6 +27,8 @@ class Water : public EvenWater {
   double bottom_temperature_deg_c = 6;
   double bottom_depth_m = 40;
   double salinity_psu = 0;
+  bool compressible = true;
+  SoundSpeedEquation sound_speed_equation = SoundSpeedEquation::kUnesco;
   std::shared_ptr<const Waves> waves;           ///< null: a flat surface
   std::shared_ptr<const WaterProfile> profile;  ///< null: density_kg_m3, salinity_psu and the temperatures above
   std::vector<std::shared_ptr<const Current>> currents;  ///< added to current_world_m_s
@@ -28,14 +37,22 @@ class Water : public EvenWater {
   void check() const;
 
   static double depth_m(double z_world_m) { return -z_world_m; }
-  /// Absolute pressure of still water: p_atm + the integral of rho g; p_atm above the surface.
+  /// Absolute pressure of still water: p_atm + the integral of rho g, with compression; p_atm above the surface.
   double pressure_pa(double z_world_m) const;
   /// Absolute pressure under the waves of the moment.
   double pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const;
   double temperature_deg_c(double z_world_m) const;
   double salinity_at_psu(double z_world_m) const;
-  /// The profile's sound speed; 0 where none is given: it then follows from temperature, salinity and depth.
-  double given_sound_speed_m_s(double z_world_m) const;
+  /// Speed of sound: the profile's, if it gives one, else by the equation from temperature, salinity and pressure.
+  double sound_speed_m_s(double z_world_m) const;
+  /// Whether the profile gives the speed of sound.
+  bool gives_sound_speed() const;
+  /// Selects the equation for the speed of sound by its name, or the best for this water by "automatic"
+  /// (best_sound_speed_equation). Throws InvalidValue where this water exceeds the named one's range, or its profile
+  /// gives the speed of sound.
+  void select_sound_speed_equation(std::string_view name);
+  /// Extremes down to the deeper of bottom_depth_m and the profile's last level.
+  WaterRange range() const;
 
   bool calm_and_even() const override { return !waves && (!profile || profile->even()); }
   double density_at(double z_world_m) const override;
@@ -50,6 +67,9 @@ class Water : public EvenWater {
   WaveLoad wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
                      double time_s) const override;
   WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
+
+ private:
+  double compressed_pa(double still_pa, double depth_m) const;
 };
 
 }  // namespace uwsim

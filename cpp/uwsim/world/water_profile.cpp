@@ -1,7 +1,6 @@
 #include "uwsim/world/water_profile.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -91,14 +90,6 @@ double WaterProfile::column_kg_m2(double z_world_m) const {
   if (k == 0) return levels_.front().density_kg_m3 * depth;
   const WaterLevel& a = levels_[k - 1];
   return columns_kg_m2_[k - 1] + 0.5 * (a.density_kg_m3 + at(z_world_m).density_kg_m3) * (depth - a.depth_m);
-}
-
-double sea_water_density_kg_m3(double t, double s) {
-  const double water =
-      999.842594 + t * (6.793952e-2 + t * (-9.095290e-3 + t * (1.001685e-4 + t * (-1.120083e-6 + t * 6.536332e-9))));
-  const double a = 8.24493e-1 + t * (-4.0899e-3 + t * (7.6438e-5 + t * (-8.2467e-7 + t * 5.3875e-9)));
-  const double b = -5.72466e-3 + t * (1.0227e-4 - t * 1.6546e-6);
-  return water + s * (a + b * std::sqrt(s) + 4.8314e-4 * s);
 }
 
 }  // namespace uwsim

@@ -40,10 +40,4 @@ class WaterProfile {
   bool even_ = true;
 };
 
-/// Density of sea water at atmospheric pressure [kg/m^3]: the one-atmosphere equation of state of sea water EOS-80
-/// (Millero and Poisson 1981; Fofonoff and Millard 1983, UNESCO technical papers in marine science 44). Valid for
-/// -2..40 deg C (ITS-90 is used for its T68; they differ by 0.024 %) and 0..42 psu, within 0.004 kg/m^3. Compression by
-/// depth (about 0.45 kg/m^3 per 100 m) is left out.
-double sea_water_density_kg_m3(double temperature_deg_c, double salinity_psu);
-
 }  // namespace uwsim

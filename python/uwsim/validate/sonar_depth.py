@@ -36,7 +36,7 @@ class ColdWater:
     @property
     def sound_speed_m_s(self) -> float:
         """The speed of sound at the head, which is at the surface."""
-        return _core.sound_speed_m_s(TEMPERATURE_DEG_C, self.salinity_psu, 0.0)
+        return self.core_water().sound_speed_m_s(0.0)
 
     def core_water(self) -> _core.Water:
         """Return the core's water."""

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/absorption.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {

@@ -43,6 +43,7 @@ def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Wate
     native.bottom_temperature_deg_c = water.bottom_temperature_deg_c
     native.bottom_depth_m = bottom_depth_m
     native.salinity_psu = water.salinity_psu
+    native.compressible = water.compressible
     native.current_world_m_s = steady_current_m_s(water)
     try:
         native.waves = _waves(water, bottom_depth_m, seed)
@@ -54,6 +55,7 @@ def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Wate
             native.density_kg_m3 = native.density_at_kg_m3(0.0)
             native.salinity_psu = native.salinity_at_psu(0.0)
         native.check()
+        native.sound_speed_equation = water.sound_speed_equation
     except ScenarioError:
         raise
     except ValueError as error:

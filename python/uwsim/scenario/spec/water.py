@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, broken
 
@@ -58,6 +58,7 @@ class JonswapSurface(Model):
     depth_m: BottomDepth | None = None
 
 
+SoundSpeedEquation = Literal["automatic", "unesco", "del_grosso", "belogolskii", "leroy", "mackenzie", "medwin"]
 SurfaceSpec = Annotated[StillSurface | AirySurface | JonswapSurface, Field(discriminator="kind")]
 
 
@@ -140,7 +141,7 @@ CurrentSpecs = Annotated[tuple[CurrentSpec, ...], BeforeValidator(_as_list), Fie
 
 
 class WaterLevel(Model):
-    """The water at a depth. By default its density follows from temperature and salinity (EOS-80)."""
+    """The water at a depth. Its density, at atmospheric pressure, follows by default from the others (EOS-80)."""
 
     depth_m: Depth
     temperature_deg_c: Celsius
@@ -205,12 +206,17 @@ class Water(Model):
 
     Without a profile it has one density and salinity, and its temperature is linear from the surface to the terrain's
     deepest point. current_world_m_s and all currents add up, to 10 m/s at most, gusts counted at three sigma.
+    Densities are those at atmospheric pressure; compressible: whether pressure includes the compression by the water's
+    own weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the water; one that is
+    not valid in it is refused.
     """
 
     density_kg_m3: Density = 1000.0
     surface_temperature_deg_c: Celsius = 15.0
     bottom_temperature_deg_c: Celsius = 6.0
     salinity_psu: Salinity = 0.0
+    compressible: StrictBool = True
+    sound_speed_equation: SoundSpeedEquation = "automatic"
     current_world_m_s: Velocity = (0.0, 0.0, 0.0)
     surface: SurfaceSpec = StillSurface()
     current: CurrentSpecs = ()

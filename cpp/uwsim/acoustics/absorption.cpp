@@ -1,6 +1,8 @@
-#include "uwsim/acoustics/sea_water.h"
+#include "uwsim/acoustics/absorption.h"
 
 #include <cmath>
+
+#include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
@@ -14,12 +16,12 @@ double relaxation(double amplitude, double relaxation_khz, double frequency_khz)
 
 }  // namespace
 
-double sound_speed_m_s(double t, double s, double d) {
-  return 1448.96 + 4.591 * t - 5.304e-2 * t * t + 2.374e-4 * t * t * t + 1.340 * (s - 35) + 1.630e-2 * d +
-         1.675e-7 * d * d - 1.025e-2 * t * (s - 35) - 7.139e-13 * t * d * d * d;
-}
-
 double absorption_db_km(double frequency_hz, double t, double s, double d, double acidity_ph) {
+  require(frequency_hz > 0 && frequency_hz <= 1e7, "frequency_hz", frequency_hz, "Hz: must be in (0, 1e7] Hz");
+  require(t >= -2 && t <= 40, "temperature_deg_c", t, "deg C: must be in [-2, 40] deg C");
+  require(s >= 0 && s <= 45, "salinity_psu", s, "psu: must be in [0, 45] psu");
+  require(d >= 0 && d <= 12000, "depth_m", d, "m: must be in [0, 12000] m");
+  require(acidity_ph >= 6 && acidity_ph <= 9, "acidity_ph", acidity_ph, "must be in [6, 9]");
   const double f = frequency_hz / 1000;
   const double theta = 273 + t;
   const double c = 1412 + 3.21 * t + 1.19 * s + 0.0167 * d;
