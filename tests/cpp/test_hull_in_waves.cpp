@@ -38,7 +38,9 @@ TEST(HullInWaves, TheForceOnAFloatingBoxIsThePressureUnderItsBottom) {
     for (int i = 0; i < kCells; ++i) {
       for (int j = 0; j < kCells; ++j) {
         const Eigen::Vector3d p(2 * ((i + 0.5) / kCells - 0.5), (j + 0.5) / kCells - 0.5, -0.5);
-        sum += water.gauge_pressure_at(p, t) * 2 / (kCells * kCells);
+        double head_m = 0;
+        water.pressure_heads({&p, 1}, t, {&head_m, 1});
+        sum += water.still_pressure_at(-head_m) * 2 / (kCells * kCells);
       }
     }
     const Buoyancy got = buoyancy(hull, {{0, 0, 0}, Eigen::Quaterniond::Identity()}, water, t);
@@ -102,6 +104,40 @@ TEST(HullInWaves, ASmallNeutralBodyThatMovesWithTheWaterAcceleratesWithIt) {
     state.velocity_body.head<3>() = flow.velocity_m_s;
     const Vector6d rate = craft.acceleration_body(state, Vector6d::Zero(), water, t);
     EXPECT_LT((rate.head<3>() - flow.wave_acceleration_m_s2).norm(), 2e-3 * flow.wave_acceleration_m_s2.norm()) << t;
+  }
+}
+
+/// A small neutral body without drag that starts with the water stays with it, in waves and a current: as a particle of
+/// water, it drifts along but does not rise or sink.
+TEST(HullInWaves, ANeutralBodyWithoutDragStaysWithTheWater) {
+  const TriangleMesh mesh = testing::box(0.12, 0.08, 0.06);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 1000 * solid.volume_m3;
+  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  p.added_mass.diagonal() << 0.2, 0.5, 1.4, 1e-4, 1e-4, 1e-4;
+  p.linear_damping.diagonal().tail<3>().setConstant(0.01);  // keeps it level
+  const Craft craft(p, BuoyantHull(mesh));
+  Water water = with_wave(0.25, 4);
+  for (const double current_m_s : {0.0, 0.5}) {
+    water.current_world_m_s.x() = current_m_s;
+    BodyState state;
+    state.world_from_body.position_m.z() = -5;
+    state.velocity_body.head<3>() = water.flow_at(state.world_from_body.position_m, 0).velocity_m_s;
+    constexpr double kStep_s = 0.02;
+    for (int k = 0; k < 3000; ++k) state = advance(craft, state, {}, water, kStep_s * k, kStep_s);
+    // Its middle height over the last period.
+    double middle_m = 0;
+    const double period_s = 4 / (1 - current_m_s * 2 * kPi / (4 * 9.80665));
+    const int steps = static_cast<int>(period_s / kStep_s);
+    for (int k = 0; k < steps; ++k) {
+      state = advance(craft, state, {}, water, 60 + kStep_s * k, kStep_s);
+      middle_m += state.world_from_body.position_m.z() / steps;
+      const Eigen::Vector3d slip = state.world_from_body.orientation * state.velocity_body.head<3>() -
+                                   water.flow_at(state.world_from_body.position_m, 60 + kStep_s * (k + 1)).velocity_m_s;
+      EXPECT_LT(slip.norm(), 0.001) << "of orbits at 0.11 m/s";
+    }
+    EXPECT_NEAR(middle_m, -5, 0.1) << current_m_s << ": within an orbit of the start";
   }
 }
 

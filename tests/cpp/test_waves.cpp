@@ -6,6 +6,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "uwsim/core/check.h"
 
@@ -146,6 +147,55 @@ TEST(Waves, HeadsOfManyPointsEqualThoseOfEachAlone) {
   }
 }
 
+/// The autocorrelation of the surface at a place, over all times.
+double correlation(const std::vector<WaveComponent>& waves, double lag_s) {
+  double sum = 0, all = 0;
+  for (const WaveComponent& w : waves) {
+    sum += w.amplitude_m * w.amplitude_m * std::cos(w.angular_frequency_rad_s * lag_s);
+    all += w.amplitude_m * w.amplitude_m;
+  }
+  return sum / all;
+}
+
+TEST(Waves, ASeaDoesNotRecurWithinTwoHours) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const auto waves = Waves::jonswap({.peak_period_s = 8, .seed = seed}, 200).components();
+    EXPECT_DOUBLE_EQ(correlation(waves, 0), 1);
+    double most = 0;
+    for (double lag = 150; lag < 7200; lag += 0.5) most = std::max(most, std::abs(correlation(waves, lag)));
+    EXPECT_LT(most, 0.5) << seed;  // that of evenly spaced frequencies is 1 after 205 s
+  }
+}
+
+TEST(Waves, ASeaHasTheSpectrumsMeanFrequencies) {
+  const auto waves = Waves::jonswap({.peak_period_s = 8, .component_count = 512, .seed = 1}, 1000).components();
+  double energy = 0, first = 0, second = 0;
+  for (double x = 0.5005; x < 3; x += 0.001) {  // over the band, in units of the peak's frequency
+    const double sigma = x <= 1 ? 0.07 : 0.09, off = (x - 1) / sigma;
+    const double density =
+        std::pow(x, -5) * std::exp(-1.25 * std::pow(x, -4)) * std::pow(3.3, std::exp(-off * off / 2));
+    energy += density;
+    first += density * x;
+    second += density * x * x;
+  }
+  double mean = 0, square = 0;
+  for (const WaveComponent& w : waves) {
+    const double x = w.angular_frequency_rad_s * 8 / (2 * kPi);
+    mean += x / 512;
+    square += x * x / 512;
+  }
+  EXPECT_NEAR(mean, first / energy, 0.002 * mean);
+  EXPECT_NEAR(square, second / energy, 0.005 * square);
+}
+
+TEST(Waves, TheSteepestSeaOfFewWavesIsNotRefused) {
+  const double highest_m = kGravity * 16 / (2 * kPi) / 15 - 1e-9;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    EXPECT_NO_THROW(Waves::jonswap(
+        {.significant_height_m = highest_m, .peak_period_s = 4, .component_count = 8, .seed = seed}, 50));
+  }
+}
+
 TEST(Waves, ASeaDependsOnItsSeed) {
   const JonswapSea sea{.seed = 1}, other{.seed = 2};
   EXPECT_EQ(Waves::jonswap(sea, 20).height_at(1, 2, 3), Waves::jonswap(sea, 20).height_at(1, 2, 3));
@@ -155,6 +205,9 @@ TEST(Waves, ASeaDependsOnItsSeed) {
 TEST(Waves, InvalidWavesAreRefused) {
   EXPECT_THROW(airy(-0.1, 4, 10), InvalidValue);
   EXPECT_THROW(airy(2, 2, 10), InvalidValue) << "it would break";
+  const double k = wave_number_rad_m(2 * kPi / 2, kDeep, kGravity);
+  EXPECT_NO_THROW(airy(0.4499 / k, 2, kDeep)) << "as steep as the message says";
+  EXPECT_THROW(airy(0.4501 / k, 2, kDeep), InvalidValue);
   EXPECT_THROW(airy(0.4, 10, 0.5), InvalidValue) << "higher than the water is deep";
   EXPECT_THROW(Waves::jonswap({.peak_period_s = 0}, 10), InvalidValue);
   EXPECT_THROW(Waves::jonswap({.component_count = 1}, 10), InvalidValue);

@@ -9,8 +9,8 @@ namespace uwsim {
 /// Motion of the water at a place and time, world frame.
 struct WaterFlow {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();               ///< current and waves together
-  Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();     ///< local; its pressure is in gauge_pressure_at
-  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();  ///< local; its pressure is not
+  Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();     ///< of particles; its force is in wave_load
+  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();  ///< local; its force is not
 };
 
 /// A layer in which density is linear in height: rho(z) = density_kg_m3 + gradient_kg_m4 (z - reference_m).
@@ -54,7 +54,8 @@ class WaterField {
   virtual double surface_height_at(double x_world_m, double y_world_m, double time_s) const = 0;  ///< [m]
   /// Pressure above that of the atmosphere; 0 above the surface [Pa].
   virtual double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Gauge pressure of still water under a surface at z = 0: the integral of rho g from z up to 0; negative above [Pa].
+  /// Gauge pressure of still water under a surface at z = 0, as hulls feel it, without the water's compression: the
+  /// integral of rho g from z up to 0; negative above [Pa].
   virtual double still_pressure_at(double z_world_m) const = 0;
   /// Pressure head of each point: the height of still water [m] that gives the same pressure, so that the gauge
   /// pressure is still_pressure_at(-head). Above the surface it is minus the height over the surface.

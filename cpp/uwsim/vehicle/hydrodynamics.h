@@ -32,10 +32,12 @@ struct CraftParameters {
 /// (BuoyantHull). nu_c is the water's velocity (current and orbital motion of the waves) at the centre of the submerged
 /// volume; it is treated as uniform over the hull, which must be shorter than a quarter of the wave length and of the
 /// length over which the current varies. nu_c' is its rate in the body frame: the rotation of the body and the water's
-/// local acceleration. The convective part, from drifting through a velocity that varies in space, is second order and
-/// left out. F_c = rho V a_c is the pressure that drives an unsteady current; the pressure of waves is in g
-/// (Froude-Krylov). There is no radiation damping and no diffraction beyond M_A. Added mass and damping scale with the
-/// submerged fraction of the hull. Valid for constant coefficients, deeply submerged or slowly surfacing.
+/// acceleration: of waves that of the particles, convective part included (Auton, Hunt and Prud'homme 1988, J. Fluid
+/// Mech. 197:241), so that a neutral body which moves with the water keeps doing so; of currents the local one, without
+/// the second-order part from drifting through a velocity that varies in space. F_c = rho V a_c is the pressure that
+/// drives an unsteady current; the pressure of waves is in g (Froude-Krylov). There is no radiation damping and no
+/// diffraction beyond M_A. Added mass and damping scale with the submerged fraction of the hull. Valid for constant
+/// coefficients, deeply submerged or slowly surfacing.
 class Craft {
  public:
   /// Throws InvalidValue when the parameters are not valid or the centre of mass is outside the hull's bounding box.

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
@@ -24,21 +26,32 @@ double spectrum(double x, double peak_enhancement) {
   return std::pow(x, -5) * std::exp(-1.25 * std::pow(x, -4)) * std::pow(peak_enhancement, b);
 }
 
-/// Quantile `u` of the distribution cos^n over [-pi/2, pi/2], by the trapezium rule and inversion.
-double spread_angle(double u, double exponent) {
-  constexpr int kSteps = 400;
-  constexpr double kStep = std::numbers::pi / kSteps;
-  const auto lobe = [exponent](int k) { return std::pow(std::cos((k - kSteps / 2) * kStep), exponent); };
-  double total = 0;
-  for (int k = 1; k < kSteps; ++k) total += lobe(k);
-  double sum = 0;
-  for (int k = 1; k < kSteps; ++k) {
-    const double next = sum + lobe(k) / total;
-    if (next >= u) return (k - 0.5 + (u - sum) / (next - sum) - kSteps / 2) * kStep;
-    sum = next;
+/// A density over an interval, and its quantiles: tabulated by the trapezium rule, linear in between.
+class Distribution {
+ public:
+  template <typename Density>
+  Distribution(double low, double high, int steps, Density density) : low_(low), step_((high - low) / steps) {
+    double last = density(low);
+    for (int k = 1; k <= steps; ++k) {
+      const double next = density(low + k * step_);
+      below_.push_back(below_.back() + 0.5 * (last + next));
+      last = next;
+    }
   }
-  return 0.5 * std::numbers::pi;
-}
+
+  /// The value that the share `u` of the distribution lies below; u in [0, 1).
+  double quantile(double u) const {
+    const double target = u * below_.back();
+    const auto next = std::upper_bound(below_.begin() + 1, below_.end() - 1, target);
+    const double last = *(next - 1);
+    const double part = *next > last ? (target - last) / (*next - last) : 0;
+    return low_ + (static_cast<double>(next - below_.begin() - 1) + part) * step_;
+  }
+
+ private:
+  double low_, step_;
+  std::vector<double> below_ = {0};
+};
 
 void check(const JonswapSea& sea, double gravity_m_s2) {
   require(sea.significant_height_m >= 0 && sea.significant_height_m <= 20, "water.surface.significant_height_m",
@@ -56,29 +69,34 @@ void check(const JonswapSea& sea, double gravity_m_s2) {
           sea.spreading_exponent, "must be in [0, 100]");
 }
 
+/// The frequency at which a wave would break: the tail of a steep sea is limited by it [rad/s].
+double steepest_frequency(double amplitude_m, double depth_m, double gravity_m_s2) {
+  if (amplitude_m == 0) return std::numeric_limits<double>::infinity();
+  const double k = 0.99 * Waves::kSteepest / amplitude_m;
+  return std::sqrt(gravity_m_s2 * k * std::tanh(k * depth_m));
+}
+
 }  // namespace
 
 Waves Waves::jonswap(const JonswapSea& sea, double depth_m, double gravity_m_s2) {
   check(sea, gravity_m_s2);
-  // Each wave has a random frequency in one of equal bins, so that the sea does not repeat.
   const RandomStream draw(sea.seed, stream_name("water", "waves"));
   const double peak = 2 * std::numbers::pi / sea.peak_period_s;
-  const double width = (kHighest - kLowest) / sea.component_count;
+  const double amplitude_m = sea.significant_height_m / 4 * std::sqrt(2.0 / sea.component_count);
+  const Distribution frequencies(kLowest, kHighest, 4096, [&](double x) { return spectrum(x, sea.peak_enhancement); });
+  const Distribution spread(-0.5 * std::numbers::pi, 0.5 * std::numbers::pi, 400,
+                            [&](double angle) { return std::pow(std::cos(angle), sea.spreading_exponent); });
+  const double steepest_x = steepest_frequency(amplitude_m, depth_m, gravity_m_s2) / peak;
   std::vector<WaveComponent> waves;
-  double variance = 0;
   for (int k = 0; k < sea.component_count; ++k) {
     const auto tick = static_cast<std::uint64_t>(k);
-    const double x = kLowest + width * (k + draw.uniform(tick, 0));
-    const double energy = spectrum(x, sea.peak_enhancement) * width;
-    const double spread = sea.spreading_exponent > 0 ? spread_angle(draw.uniform(tick, 2), sea.spreading_exponent) : 0;
-    waves.push_back({.amplitude_m = std::sqrt(2 * energy),
-                     .angular_frequency_rad_s = x * peak,
-                     .heading_rad = sea.heading_rad + spread,
-                     .phase_rad = 2 * std::numbers::pi * draw.uniform(tick, 1)});
-    variance += energy;
+    const double x = std::min(frequencies.quantile((k + draw.uniform(tick, 0)) / sea.component_count), steepest_x);
+    waves.push_back(
+        {.amplitude_m = amplitude_m,
+         .angular_frequency_rad_s = x * peak,
+         .heading_rad = sea.heading_rad + (sea.spreading_exponent > 0 ? spread.quantile(draw.uniform(tick, 2)) : 0),
+         .phase_rad = 2 * std::numbers::pi * draw.uniform(tick, 1)});
   }
-  const double scale = sea.significant_height_m / (4 * std::sqrt(variance));
-  for (WaveComponent& w : waves) w.amplitude_m *= scale;
   return Waves(waves, depth_m, gravity_m_s2);
 }
 

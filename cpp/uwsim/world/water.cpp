@@ -110,7 +110,8 @@ double Water::surface_height_at(double x, double y, double time_s) const {
 }
 
 double Water::gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const {
-  const double head_m = waves ? waves->head_at(point_world_m, time_s) : -point_world_m.z();
+  const double head_m = waves ? waves->head_at(point_world_m, time_s) + waves->bernoulli_head_at(point_world_m, time_s)
+                              : -point_world_m.z();
   return compressed_pa(std::max(0.0, still_pressure_at(-head_m)), head_m);
 }
 
@@ -134,16 +135,23 @@ void Water::pressure_heads(std::span<const Eigen::Vector3d> points_world_m, doub
 
 WaveLoad Water::wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3,
                           const Eigen::Matrix3d& second_moment_m5, double time_s) const {
-  return waves ? waves->load(centroid_world_m, volume_m3, second_moment_m5, time_s) : WaveLoad{};
+  if (!waves) return {};
+  const Eigen::Vector3d current_m_s = current_at(centroid_world_m, time_s).velocity_m_s;
+  return waves->load(centroid_world_m, volume_m3, second_moment_m5, time_s, current_m_s);
 }
 
-WaterFlow Water::flow_at(const Eigen::Vector3d& point_world_m, double time_s) const {
+WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s) const {
   WaterFlow flow{.velocity_m_s = current_world_m_s};
   for (const auto& current : currents) {
     const CurrentSample sample = current->at(point_world_m, time_s);
     flow.velocity_m_s += sample.velocity_m_s;
     flow.current_acceleration_m_s2 += sample.rate_m_s2;
   }
+  return flow;
+}
+
+WaterFlow Water::flow_at(const Eigen::Vector3d& point_world_m, double time_s) const {
+  WaterFlow flow = current_at(point_world_m, time_s);
   if (waves) waves->add_flow(point_world_m, time_s, flow);
   return flow;
 }

@@ -70,6 +70,8 @@ class Water : public EvenWater {
 
  private:
   double compressed_pa(double still_pa, double depth_m) const;
+  /// The currents alone.
+  WaterFlow current_at(const Eigen::Vector3d& point_world_m, double time_s) const;
 };
 
 }  // namespace uwsim

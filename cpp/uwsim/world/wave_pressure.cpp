@@ -26,6 +26,8 @@ int Waves::polynomial_order(double radius_m) const {
 void Waves::heads(std::span<const Eigen::Vector3d> points, double time_s, std::span<double> heads_m) const {
   int order = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  std::array<Crest, kMaxComponents> crests;
+  double height = 0;
   if (points.size() > kFewPoints) {
     Eigen::Vector3d low = points[0], high = points[0];
     for (const Eigen::Vector3d& p : points) {
@@ -34,39 +36,41 @@ void Waves::heads(std::span<const Eigen::Vector3d> points, double time_s, std::s
     }
     centre = 0.5 * (low + high);
     Eigen::Vector3d reach = 0.5 * (high - low);
-    reach.z() += std::min(slope_ * reach.head<2>().norm(), 2 * bound_m_);  // the stretching varies over the patch
+    height = crests_at(centre.x(), centre.y(), time_s, waves_.size(), crests.data());
+    // The stretching varies over the patch, and is largest where the surface is lowest.
+    const double change = std::min(slope_ * reach.head<2>().norm(), 2 * bound_m_);
+    const double lowest = std::min(0.0, std::max(height - change, -bound_m_)), layer = layer_m(lowest);
+    reach.z() = layer / (layer + lowest) * (reach.z() + change);
     order = polynomial_order(reach.norm());
   }
   switch (order) {
     case 2:
-      return polynomial_heads<2>(points, centre, time_s, heads_m);
+      return polynomial_heads<2>(points, centre, height, crests.data(), heads_m);
     case 3:
-      return polynomial_heads<3>(points, centre, time_s, heads_m);
+      return polynomial_heads<3>(points, centre, height, crests.data(), heads_m);
     case 4:
-      return polynomial_heads<4>(points, centre, time_s, heads_m);
+      return polynomial_heads<4>(points, centre, height, crests.data(), heads_m);
     case 5:
-      return polynomial_heads<5>(points, centre, time_s, heads_m);
+      return polynomial_heads<5>(points, centre, height, crests.data(), heads_m);
     case 6:
-      return polynomial_heads<6>(points, centre, time_s, heads_m);
+      return polynomial_heads<6>(points, centre, height, crests.data(), heads_m);
     case 7:
-      return polynomial_heads<7>(points, centre, time_s, heads_m);
+      return polynomial_heads<7>(points, centre, height, crests.data(), heads_m);
     case 8:
-      return polynomial_heads<8>(points, centre, time_s, heads_m);
+      return polynomial_heads<8>(points, centre, height, crests.data(), heads_m);
     case 9:
-      return polynomial_heads<9>(points, centre, time_s, heads_m);
+      return polynomial_heads<9>(points, centre, height, crests.data(), heads_m);
     default:
       for (std::size_t k = 0; k < points.size(); ++k) heads_m[k] = head_at(points[k], time_s);
   }
 }
 
 template <int kOrder>
-void Waves::polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double time_s,
-                             std::span<double> heads_m) const {
-  std::array<Crest, kMaxComponents> crests;
+void Waves::polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double height_m,
+                             const Crest* crests, std::span<double> heads_m) const {
   std::array<WaveTerm, kMaxComponents> flat;
   std::array<WaveTerm, 2 * kMaxComponents> deep;
-  const double height = crests_at(centre.x(), centre.y(), time_s, waves_.size(), crests.data());
-  const double middle = unstretched(centre.z(), height);
+  const double middle = unstretched(centre.z(), height_m);
   std::size_t count = 0;
   for (std::size_t k = 0; k < waves_.size(); ++k) {
     const Wave& w = waves_[k];

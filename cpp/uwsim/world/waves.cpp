@@ -11,6 +11,7 @@
 namespace uwsim {
 namespace {
 
+constexpr double kTroughs = 2;         // depth of the stretched layer in units of the trough's
 constexpr double kDepthOfMotion = 25;  // in units of 1 / k; deeper, less than 2e-11 of a wave's motion is left
 
 }  // namespace
@@ -43,8 +44,8 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
     require(std::isfinite(c.heading_rad) && std::isfinite(c.phase_rad), "water.surface.heading_rad", c.heading_rad,
             "must be finite");
     const double k = wave_number_rad_m(c.angular_frequency_rad_s, depth_m, gravity_m_s2);
-    require(c.amplitude_m * k <= 0.45, "water.surface.amplitude_m", c.amplitude_m,
-            "m: the wave would break: amplitude times wave number must be at most 0.44");
+    require(c.amplitude_m * k <= kSteepest, "water.surface.amplitude_m", c.amplitude_m,
+            "m: the wave would break: amplitude times wave number must be at most 0.45");
     require(c.amplitude_m < 0.5 * depth_m, "water.surface.amplitude_m", c.amplitude_m,
             "m: must be less than half the depth of the water");
     waves_.push_back({c.amplitude_m, c.angular_frequency_rad_s, k, k * std::cos(c.heading_rad),
@@ -57,6 +58,7 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
   std::stable_sort(waves_.begin(), waves_.end(),
                    [](const Wave& a, const Wave& b) { return a.number_rad_m < b.number_rad_m; });
   require(bound_m_ < depth_m, "water.surface", bound_m_, "m, the sum of the amplitudes: must be less than the depth");
+  stretched_m_ = std::min(0.5 * significant_height_m(), depth_m_);
 }
 
 double Waves::significant_height_m() const {
@@ -94,10 +96,19 @@ double Waves::crests_at(double x, double y, double time_s, std::size_t count, Cr
   return height;
 }
 
-/// Wheeler's stretching: the z at which linear theory is evaluated; 0 at the surface and above it.
-double Waves::unstretched(double z_m, double height_m) const {
-  const double z = std::min(z_m - height_m, 0.0);
-  return std::isfinite(depth_m_) ? std::max(z * depth_m_ / (depth_m_ + height_m), -depth_m_) : z;
+double Waves::layer_m(double height_m) const {
+  return std::min(std::max(stretched_m_, -kTroughs * height_m), depth_m_);
+}
+
+/// At the surface and above it, z_m is 0.
+Waves::Stretched Waves::stretched(double z_m, double height_m) const {
+  if (z_m >= height_m) return {0, 0, 0};
+  const double layer = layer_m(height_m);
+  if (z_m <= -layer) return {std::max(z_m, -depth_m_), 1, 0};
+  const double under = layer + height_m, factor = layer / under;
+  // The layer deepens with its trough, or stays as it is.
+  const bool deepens = layer > stretched_m_ && layer < depth_m_;
+  return {factor * (z_m - height_m), factor, deepens ? -factor : -factor * (layer + z_m) / under};
 }
 
 double Waves::height_at(double x, double y, double time_s) const {
@@ -127,31 +138,63 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
   return head;
 }
 
-void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
+/// With the surface eta and its derivatives, and the velocity's gradient, which is symmetric and without trace: linear
+/// theory's flow has neither rotation nor divergence. A particle at z' has linear theory's velocity at z(z', eta), so
+/// that its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, Dz/Dt by the chain rule.
+WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen::Vector3d& current_m_s) const {
+  WaveMotion sum;
   const std::size_t count = count_reaching(p.z());
-  if (count == 0) return;
+  if (count == 0) return sum;
   std::array<Crest, kMaxComponents> crests;
-  const double z = unstretched(p.z(), crests_at(p.x(), p.y(), time_s, count, crests.data()));
-  for (std::size_t k = 0; k < count; ++k) {
-    const Wave& w = waves_[k];
-    const double up = w.deep * std::exp(w.number_rad_m * z);
-    const double down = w.deep < 1 ? w.deep * std::exp(-w.number_rad_m * (z + 2 * depth_m_)) : 0;
+  const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
+  const Stretched at = stretched(p.z(), height);
+  Eigen::Vector3d surface = Eigen::Vector3d::Zero();  // eta by x, y and t
+  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const Wave& w = waves_[j];
+    const double up = w.deep * std::exp(w.number_rad_m * at.z_m);
+    const double down = w.deep < 1 ? w.deep * std::exp(-w.number_rad_m * (at.z_m + 2 * depth_m_)) : 0;
     const double along = w.omega_rad_s * w.shallow * (up + down) / w.number_rad_m;  // over k, along the heading
     const double rise = w.omega_rad_s * w.shallow * (up - down);
-    const double c = crests[k].cosine, s = crests[k].sine;
-    flow.velocity_m_s += Eigen::Vector3d(along * c * w.number_x_rad_m, along * c * w.number_y_rad_m, rise * s);
-    flow.wave_acceleration_m_s2 +=
-        w.omega_rad_s * Eigen::Vector3d(along * s * w.number_x_rad_m, along * s * w.number_y_rad_m, -rise * c);
+    const double c = crests[j].cosine, s = crests[j].sine, kx = w.number_x_rad_m, ky = w.number_y_rad_m;
+    sum.velocity_m_s += Eigen::Vector3d(along * c * kx, along * c * ky, rise * s);
+    sum.local_m_s2 += w.omega_rad_s * Eigen::Vector3d(along * s * kx, along * s * ky, -rise * c);
+    surface += s * Eigen::Vector3d(-kx, -ky, w.omega_rad_s);
+    xx -= along * s * kx * kx;
+    xy -= along * s * kx * ky;
+    yy -= along * s * ky * ky;
+    xz += rise * c * kx;
+    yz += rise * c * ky;
   }
+  const Eigen::Vector3d carried = sum.velocity_m_s + current_m_s;
+  const double surface_rises = surface.z() + carried.x() * surface.x() + carried.y() * surface.y();
+  const double rises = at.by_point * carried.z() + at.by_surface * surface_rises;
+  sum.convective_m_s2 = carried.x() * Eigen::Vector3d(xx, xy, xz) + carried.y() * Eigen::Vector3d(xy, yy, yz) +
+                        rises * Eigen::Vector3d(xz, yz, -xx - yy);
+  if (at.z_m < 0) sum.fade = std::min((height - p.z()) / (layer_m(height) + height), 1.0);
+  return sum;
+}
+
+void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
+  const WaveMotion motion = motion_at(p, time_s, flow.velocity_m_s);
+  flow.velocity_m_s += motion.velocity_m_s;
+  flow.wave_acceleration_m_s2 += motion.local_m_s2 + motion.convective_m_s2;
+}
+
+double Waves::bernoulli_head_at(const Eigen::Vector3d& p, double time_s) const {
+  const WaveMotion motion = motion_at(p, time_s, Eigen::Vector3d::Zero());
+  return -motion.fade * motion.velocity_m_s.squaredNorm() / (2 * gravity_m_s2_);
 }
 
 /// Each wave is eta exp(kappa . r) with kappa = (i k_x, i k_y, +-k). Integrated over a volume about its centroid, to
 /// second order, the gradient of its pressure is kappa (V + kappa^T C kappa / 2) and its moment (C kappa) x kappa,
-/// where C is the second moment of the volume.
-WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Matrix3d& second, double time_s) const {
+/// where C is the second moment of the volume. The convective part is taken as uniform over the volume.
+WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Matrix3d& second, double time_s,
+                     const Eigen::Vector3d& current_m_s) const {
   WaveLoad sum;
   const std::size_t count = count_reaching(c.z());
   if (count == 0) return sum;
+  sum.force = volume_m3 * motion_at(c, time_s, current_m_s).convective_m_s2;
   std::array<Crest, kMaxComponents> crests;
   const double z = unstretched(c.z(), crests_at(c.x(), c.y(), time_s, count, crests.data()));
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();

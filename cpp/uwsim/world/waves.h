@@ -23,7 +23,10 @@ struct WaveComponent {
 ///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b,   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
 ///
 /// sigma 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the significant
-/// height (4 sqrt(m0)). Directions spread about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
+/// height (4 sqrt(m0)). Each component has the same energy and a random frequency in its share of the spectrum, drawn
+/// with the spectrum's own density: no two frequencies have a common measure, so that the sea does not recur (evenly
+/// spaced frequencies recur after 2 pi / spacing; 64 of them after 26 peak periods). Directions spread about the
+/// heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
 struct JonswapSea {
   double significant_height_m = 0.5;
   double peak_period_s = 4;
@@ -37,14 +40,34 @@ struct JonswapSea {
 /// The solution k of omega^2 = g k tanh(k h) [rad/m]. `depth_m` may be infinite.
 double wave_number_rad_m(double angular_frequency_rad_s, double depth_m, double gravity_m_s2);
 
-/// A sum of linear (Airy) waves on water of constant depth (Dean and Dalrymple 1991, ch. 3 and 4), with Wheeler's
-/// stretching (1970) near the surface: linear theory holds for z in [-h, 0] and is evaluated at
-/// z = (z' - eta) h / (h + eta) for a point at z', so that the pressure at the wave's own surface is that of the
-/// atmosphere. Valid for small steepness, which the sum of the slopes bounds: a wave higher than 0.142 wave lengths
-/// (k a = 0.44) would break. Valid above the bed at z = -depth_m only.
+/// Motion of the water by the waves alone, world frame.
+struct WaveMotion {
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d local_m_s2 = Eigen::Vector3d::Zero();       ///< du/dt of linear theory, which its pressure drives
+  Eigen::Vector3d convective_m_s2 = Eigen::Vector3d::Zero();  ///< the rest of the acceleration of a particle
+  double fade = 0;                                            ///< 0 at the surface, 1 where nothing is stretched
+};
+
+/// A sum of linear (Airy) waves on water of constant depth (Dean and Dalrymple 1991, ch. 3 and 4). Linear theory holds
+/// for z in [-h, 0]; near the surface it is stretched: between the surface eta and z = -D it is evaluated at
+/// z = D (z' - eta) / (D + eta) for a point at z', so that the pressure at the wave's own surface is that of the
+/// atmosphere; below -D it is evaluated at z' itself. This is delta stretching (Rodenbusch and Forristall 1986, OTC
+/// 5246) with Delta = 0, which is Wheeler's (1970) confined to a layer, and their D of half the significant height, but
+/// at least twice as deep as the trough of the moment. Wheeler's own, down to the bed, has a mean velocity against the
+/// waves of a^2 omega k exp(k z) / 2, which exceeds the Stokes drift below k z = -0.7.
+///
+/// To second order, particles drift with the waves at a^2 omega k exp(2 k z) in deep water (Stokes 1847) and do not
+/// drift vertically. So that a body which moves with the water keeps doing so, the acceleration is that of the
+/// particles, with the convective part (u . grad) u; its pressure is Bernoulli's -rho u^2 / 2. A current carries the
+/// particles through the waves, but does not shift the waves' frequencies: valid for currents that are slow compared
+/// with the phase speed. There are no second-order waves at sums and differences of frequencies, and no return flow.
+///
+/// Valid for small steepness, which the sum of the slopes bounds: a wave higher than 0.142 wave lengths (k a = 0.45)
+/// would break. Valid above the bed at z = -depth_m only.
 class Waves {
  public:
   static constexpr std::size_t kMaxComponents = 512;
+  static constexpr double kSteepest = 0.45;  ///< amplitude times wave number; a steeper wave breaks
 
   /// Throws InvalidValue that names water.surface.
   Waves(std::span<const WaveComponent> components, double depth_m, double gravity_m_s2 = 9.80665);
@@ -60,16 +83,21 @@ class Waves {
   double height_at(double x_world_m, double y_world_m, double time_s) const;
   SurfaceSpan span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const;
   /// Pressure head (WaterField::pressure_heads): eta K(z) - z, K the decay of the waves' pressure with depth; above the
-  /// surface eta - z.
+  /// surface eta - z. To first order: see bernoulli_head_at.
   double head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
   /// Pressure heads of many points. Where these are close together compared with the wave lengths, one polynomial
   /// serves all of them, within 5e-4 of the sum of the amplitudes.
   void heads(std::span<const Eigen::Vector3d> points_world_m, double time_s, std::span<double> heads_m) const;
-  /// Adds velocity and local acceleration of the orbital motion.
+  /// The second-order part of the pressure head, -u^2 / (2 g). It fades out towards the surface, where stretching
+  /// lowers the mean pressure by as much.
+  double bernoulli_head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
+  /// Adds velocity and acceleration of the orbital motion to a flow that holds the current.
   void add_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow) const;
+  /// The motion of a particle that a current carries along.
+  WaveMotion motion_at(const Eigen::Vector3d& point_world_m, double time_s, const Eigen::Vector3d& current_m_s) const;
   /// See WaterField::wave_load.
   WaveLoad load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
-                double time_s) const;
+                double time_s, const Eigen::Vector3d& current_m_s) const;
 
  private:
   struct Wave {
@@ -80,19 +108,27 @@ class Waves {
   struct Crest {
     double cosine, sine;  // amplitude times cosine and sine of the phase
   };
+  /// Where linear theory is evaluated for a point, and how that changes with the point's and the surface's height.
+  struct Stretched {
+    double z_m, by_point, by_surface;
+  };
   /// Number of waves, the longest first, whose motion reaches down to `z_m`.
   std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
-  double unstretched(double z_m, double height_m) const;
+  /// Depth D of the stretched layer under a surface that is `height_m` high.
+  double layer_m(double height_m) const;
+  Stretched stretched(double z_m, double height_m) const;
+  double unstretched(double z_m, double height_m) const { return stretched(z_m, height_m).z_m; }
   int polynomial_order(double radius_m) const;
   template <int kOrder>
-  void polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double time_s,
-                        std::span<double> heads_m) const;
+  void polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double height_m,
+                        const Crest* crests, std::span<double> heads_m) const;
 
   std::vector<Wave> waves_;  // longest first
   double depth_m_;
   double gravity_m_s2_;
   double bound_m_ = 0;
+  double stretched_m_ = 0;            // D where no trough is deep
   double slope_ = 0;                  // upper bound of the surface's slope: sum of a k
   std::array<double, 11> moments_{};  // sum of a k^n, n = 0 .. 10
 };
