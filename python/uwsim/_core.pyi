@@ -475,14 +475,32 @@ class RayScene:
     """
     def __init__(self, world: World) -> None: ...
     def cast(
-        self, origins_m: typing.Any, directions: typing.Any, max_range_m: typing.SupportsFloat | typing.SupportsIndex
+        self,
+        origins_m: typing.Any,
+        directions: typing.Any,
+        max_range_m: typing.SupportsFloat | typing.SupportsIndex,
+        exact: bool = True,
     ) -> RayHits:
         """
-        origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. Returns RayHits. Raises ValueError.
+        origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. exact: False for pictures, in float
+        and faster; distances then err by about 1e-4 m. Returns RayHits. Raises ValueError.
         """
     def distance_m(self, points_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
         (n, 3) -> (n,) float64, the distance to the nearest triangle, exact to double rounding.
+        """
+    def seen_groups(
+        self,
+        viewpoints_m: typing.Any,
+        points_m: typing.Any,
+        group_of_point: typing.Any,
+        group_count: typing.SupportsInt | typing.SupportsIndex,
+        range_m: typing.SupportsFloat | typing.SupportsIndex,
+        tolerance_m: typing.SupportsFloat | typing.SupportsIndex = 0.001,
+    ) -> numpy.typing.NDArray[numpy.bool]:
+        """
+        (group_count,) bool: seen from one of viewpoints_m (v, 3), a point of the group lies within range_m and no
+        surface lies more than tolerance_m before it. points_m: (n, 3); group_of_point: (n,), sorted. Raises ValueError.
         """
     def visible(
         self,

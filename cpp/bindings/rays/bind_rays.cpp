@@ -1,12 +1,15 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/rays/ray_scene.h"
+#include "uwsim/rays/visibility.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -17,8 +20,33 @@ struct RayHits {
   py::array_t<Label> labels;
 };
 
-RayHits cast(const RayScene& scene, const py::object& origins_m, const py::object& directions_world,
-             double max_range_m) {
+/// Embree's answers in float, for pictures: sixteen rays at a time, about the first one's origin.
+void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) {
+  for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+    const std::size_t count = std::min(kPacketRays, rays.size() - first);
+    const Eigen::Vector3d anchor = rays[first].origin_world_m;
+    RayPacket packet{};
+    for (std::size_t k = 0; k < count; ++k) {
+      const Eigen::Vector3f from = (rays[first + k].origin_world_m - anchor).cast<float>();
+      const Eigen::Vector3f along = rays[first + k].direction_world.cast<float>();
+      packet.origin_x[k] = from.x(), packet.origin_y[k] = from.y(), packet.origin_z[k] = from.z();
+      packet.direction_x[k] = along.x(), packet.direction_y[k] = along.y(), packet.direction_z[k] = along.z();
+      packet.far_m[k] = static_cast<float>(max_range_m);
+      packet.active[k] = -1;
+    }
+    HitPacket met;
+    scene.cast(anchor, packet, met, RayOrder::kCoherent);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool hit = std::isfinite(met.distance_m[k]);
+      const Eigen::Vector3f normal(met.normal_x[k], met.normal_y[k], met.normal_z[k]);
+      hits[first + k] = {met.distance_m[k], hit ? normal.stableNormalized().eval() : Eigen::Vector3f::Zero().eval(),
+                         static_cast<Label>(met.label[k])};
+    }
+  }
+}
+
+RayHits cast(const RayScene& scene, const py::object& origins_m, const py::object& directions_world, double max_range_m,
+             bool exact) {
   require(max_range_m > 0, "max_range_m", max_range_m, "must be positive");
   const auto origins = as_points(origins_m, "origins_m");
   const auto directions = as_points(directions_world, "directions");
@@ -36,7 +64,14 @@ RayHits cast(const RayScene& scene, const py::object& origins_m, const py::objec
       require(!directions[k].isZero(0), "directions", 0, "must not be zero");
       rays[k] = {origins[shared ? 0 : k], directions[k].stableNormalized()};
     }
-    scene.cast(rays, max_range_m, hits, usable_threads());
+    if (exact) {
+      scene.cast(rays, max_range_m, hits, usable_threads());
+    } else {
+      parallel_ranges(n, usable_threads(), [&](std::size_t first, std::size_t last) {
+        cast_for_picture(scene, std::span<const Ray>(rays).subspan(first, last - first), max_range_m,
+                         std::span<RayHit>(hits).subspan(first, last - first));
+      });
+    }
     for (std::size_t k = 0; k < n; ++k) {
       ranges[k] = static_cast<float>(hits[k].distance_m);
       std::copy_n(hits[k].normal_world.data(), 3, normals.begin() + static_cast<std::ptrdiff_t>(3 * k));
@@ -71,6 +106,32 @@ py::array_t<bool> visible(const RayScene& scene, const py::object& origin_m, con
   return seen;
 }
 
+py::array_t<bool> seen(const RayScene& scene, const py::object& viewpoints_m, const py::object& points_m,
+                       const py::object& group_of_point, std::size_t group_count, double range_m, double tolerance_m) {
+  require(range_m > 0, "range_m", range_m, "must be positive");
+  require(tolerance_m >= 0, "tolerance_m", tolerance_m, "must not be negative");
+  const auto viewpoints = as_points(viewpoints_m, "viewpoints_m");
+  const auto points = as_points(points_m, "points_m");
+  const auto group_of = as_array<std::int64_t>(group_of_point, "group_of_point", {-1});
+  require(group_of.shape(0) == static_cast<py::ssize_t>(points.size()), "group_of_point.shape[0]", group_of.shape(0),
+          "must be the number of points");
+  const std::int64_t* group = group_of.data();
+  std::vector<std::uint8_t> out;
+  {
+    const py::gil_scoped_release unlocked;
+    std::vector<std::size_t> first(group_count + 1, 0);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      require(group[k] >= 0 && group[k] < static_cast<std::int64_t>(group_count), "group_of_point", group[k],
+              "must be below group_count");
+      require(k == 0 || group[k - 1] <= group[k], "group_of_point", group[k], "must be sorted");
+      ++first[static_cast<std::size_t>(group[k]) + 1];
+    }
+    for (std::size_t k = 0; k < group_count; ++k) first[k + 1] += first[k];
+    out = seen_groups(scene, viewpoints, {points, first}, range_m, tolerance_m, usable_threads());
+  }
+  return move_out(std::move(out)).attr("view")("bool").cast<py::array_t<bool>>();
+}
+
 py::array_t<double> distance(const RayScene& scene, const py::object& points_m) {
   const auto points = as_points(points_m, "points_m");
   std::vector<double> distances(points.size());
@@ -96,11 +157,18 @@ void bind_rays(py::module_& m) {
              return std::make_shared<RayScene>(world);
            }),
            py::arg("world"))
-      .def("cast", &cast, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"),
-           "origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. Returns RayHits. Raises "
-           "ValueError.")
+      .def("cast", &cast, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"), py::arg("exact") = true,
+           "origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. exact: False for pictures, in "
+           "float\n"
+           "and faster; distances then err by about 1e-4 m. Returns RayHits. Raises ValueError.")
       .def("visible", &visible, py::arg("origin_m"), py::arg("points_m"), py::arg("tolerance_m") = 1e-3,
            "(n,) bool: seen from origin_m (3,), no surface lies more than tolerance_m before the point.")
+      .def(
+          "seen_groups", &seen, py::arg("viewpoints_m"), py::arg("points_m"), py::arg("group_of_point"),
+          py::arg("group_count"), py::arg("range_m"), py::arg("tolerance_m") = 1e-3,
+          "(group_count,) bool: seen from one of viewpoints_m (v, 3), a point of the group lies within range_m and no\n"
+          "surface lies more than tolerance_m before it. points_m: (n, 3); group_of_point: (n,), sorted. Raises "
+          "ValueError.")
       .def("distance_m", &distance, py::arg("points_m"),
            "(n, 3) -> (n,) float64, the distance to the nearest triangle, exact to double rounding.");
 }

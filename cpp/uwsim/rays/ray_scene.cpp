@@ -52,8 +52,9 @@ struct RayScene::Impl {
   RayDevice device = make_ray_device();
   std::vector<RayTile> tiles;
   std::shared_ptr<const Heightfield> terrain;
+  std::vector<std::shared_ptr<const Solid>> solids;
 
-  explicit Impl(const World& world) : terrain(world.terrain()) {
+  explicit Impl(const World& world) : terrain(world.terrain()), solids(world.solids()) {
     for (TileContents& contents : cut_into_tiles(world)) tiles.emplace_back(device.get(), world, std::move(contents));
   }
 
@@ -116,11 +117,12 @@ struct RayScene::Impl {
     }
   }
 
-  double distance_to(const Eigen::Vector3d& point_world_m) const {
+  /// The distance, which is known to be below `nearest_m`.
+  double distance_to(const Eigen::Vector3d& point_world_m, double nearest_m) const {
+    if (tiles.size() == 1) return tiles.front().distance(point_world_m, nearest_m);
     std::vector<std::pair<double, const RayTile*>> by_distance;
     for (const RayTile& tile : tiles) by_distance.emplace_back(tile.box().exteriorDistance(point_world_m), &tile);
     std::ranges::stable_sort(by_distance, {}, [](const auto& entry) { return entry.first; });
-    double nearest_m = kInfinity;
     for (const auto& [to_box_m, tile] : by_distance) {
       if (to_box_m >= nearest_m) break;
       nearest_m = tile->distance(point_world_m, nearest_m);
@@ -184,12 +186,29 @@ bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
   return terrain && point_world_m.z() <= terrain->height_at(point_world_m.x(), point_world_m.y());
 }
 
+bool RayScene::within_round(const Eigen::Vector3d& point_world_m, double depth_m) const {
+  for (const auto& solid : impl_->solids) {
+    if ((point_world_m.array() < solid->low_world_m.array()).any()) continue;
+    if ((point_world_m.array() > solid->high_world_m.array()).any()) continue;
+    for (const RoundShape& shape : solid->shapes) {
+      if (depth_within(shape, point_world_m) > depth_m) return true;
+    }
+  }
+  return false;
+}
+
 void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m,
                         int threads) const {
   require(distances_m.size() == points_world_m.size(), "distances_m.size", distances_m.size(),
           "must equal the number of points");
   parallel_ranges(points_world_m.size(), threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) distances_m[k] = impl_->distance_to(points_world_m[k]);
+    double nearest_m = kInfinity;
+    for (std::size_t k = first; k < last; ++k) {
+      distances_m[k] = impl_->distance_to(points_world_m[k], nearest_m);
+      // Neighbours in the list are mostly neighbours in space: the next point is at most this far from that surface.
+      const double apart_m = k + 1 < last ? (points_world_m[k + 1] - points_world_m[k]).norm() : 0;
+      nearest_m = (distances_m[k] + apart_m) * (1 + kFartherSearch) + kFartherSearch;
+    }
   });
 }
 

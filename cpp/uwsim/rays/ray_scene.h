@@ -54,6 +54,10 @@ class RayScene {
   /// Whether the point lies on or under the terrain; never beside it.
   bool under_ground(const Eigen::Vector3d& point_world_m) const;
 
+  /// Whether the point lies in a round shape, deeper than `depth_m`. Shapes are closed: no ray from outside comes
+  /// closer to it than that.
+  bool within_round(const Eigen::Vector3d& point_world_m, double depth_m) const;
+
   /// Distance from each point to the nearest triangle of the terrain and the solids' meshes, exact to double rounding;
   /// infinity in an empty world.
   void distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m, int threads = 1) const;

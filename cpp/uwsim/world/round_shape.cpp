@@ -1,5 +1,6 @@
 #include "uwsim/world/round_shape.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "uwsim/core/check.h"
@@ -131,6 +132,16 @@ std::optional<ShapeHit> first_hit(const RoundShape& shape, const Eigen::Vector3d
     meet_cap(shape, 1, origin_world_m, direction_world, nearest);
   }
   return nearest.hit();
+}
+
+double depth_within(const RoundShape& shape, const Eigen::Vector3d& point_world_m) {
+  const Eigen::Vector3d from_end = point_world_m - shape.ends[0].point_world_m;  // of a sphere: from its centre
+  double depth = shape.radius_m - (from_end - shape.axis.dot(from_end) * shape.axis).norm();
+  if (shape.is_sphere()) return depth;
+  for (const RoundShape::End& end : shape.ends) {
+    depth = std::min(depth, end.outward.dot(end.point_world_m - point_world_m));
+  }
+  return depth;
 }
 
 ShapeBounds bounds(const RoundShape& shape) {

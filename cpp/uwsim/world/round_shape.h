@@ -50,6 +50,10 @@ std::optional<ShapeHit> first_hit(const RoundShape& shape, const Eigen::Vector3d
                                   const Eigen::Vector3d& direction_world, double near_m = 0,
                                   double far_m = std::numeric_limits<double>::infinity());
 
+/// A ball of this radius about the point lies within the shape: the distance to the nearest of its wall and its ends.
+/// Negative outside.
+double depth_within(const RoundShape& shape, const Eigen::Vector3d& point_world_m);
+
 ShapeBounds bounds(const RoundShape& shape);
 
 }  // namespace uwsim

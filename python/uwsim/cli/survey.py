@@ -34,6 +34,10 @@ def survey(
         float | None,
         typer.Option(help="Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit."),
     ] = None,
+    report: Annotated[
+        str,
+        typer.Option(help="full: report.html and figures; json: summary.json instead; none: map.bt alone, no score."),
+    ] = "full",
     resume: Annotated[bool, typer.Option("--resume", help="Continue the survey last saved in --out.")] = False,
 ) -> None:
     """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far.
@@ -52,7 +56,9 @@ def survey(
     }
     if resume:
         arguments |= {"scenario": scenario, "verify_map": verify_map or None}
-        record = resume_survey(out, threads=threads, autosave_s=autosave, map_memory_mb=map_memory, **arguments)
+        record = resume_survey(
+            out, threads=threads, autosave_s=autosave, map_memory_mb=map_memory, report=report, **arguments
+        )
     else:
         record = run_survey(
             scenario or "lake",
@@ -60,6 +66,7 @@ def survey(
             threads=threads,
             autosave_s=autosave,
             map_memory_mb=map_memory,
+            report=report,
             verify_map=verify_map,
             **arguments,
         )

@@ -67,7 +67,7 @@ def _shade(
     enter, leave = _span(subject.prism, eye, directions)
     crossing = np.flatnonzero(enter < leave)
     origins = eye[crossing] + directions[crossing] * enter[crossing, None]
-    hits = subject.rays.cast(origins, directions[crossing], FAR_M)
+    hits = subject.rays.cast(origins, directions[crossing], FAR_M, exact=False)
     reached = hits.ranges_m + enter[crossing]
     inside = np.isfinite(reached) & (reached <= leave[crossing])
 
@@ -101,7 +101,7 @@ def _span(
 def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return which points (n, 3) see the sun: (n,) bool. Parts outside the prism cast no shadow."""
     directions = np.broadcast_to(sun_world, points_m.shape).copy()
-    blocked_m = subject.rays.cast(points_m, directions, FAR_M).ranges_m
+    blocked_m = subject.rays.cast(points_m, directions, FAR_M, exact=False).ranges_m
     _, leave = _span(subject.prism, points_m, directions)
     return np.asarray((blocked_m > leave) | np.isinf(blocked_m))
 

@@ -56,32 +56,43 @@ class _Comparison:
         return np.asarray(HEIGHTS(self.heights(heights_m))[:, :3], np.float64)
 
 
-def draw_truth_and_map(
-    path: Path,
+@dataclass(frozen=True, eq=False)
+class TruthAndMap:
+    """The rendered pictures of truth and map, ready to be laid out."""
+
+    rows: list[_Row]
+    map_name: str
+    heights: Normalize
+
+
+def render_truth_and_map(
     world: _core.World,
+    rays: _core.RayScene,
     area_world_m: NDArray[np.float64],
-    path_world_m: NDArray[np.float64],
     occupied_centres_m: NDArray[np.floating],
     voxel_m: float,
-) -> None:
-    """Draw the polygon (k, 2) as a block cut from the world beside the map's voxels, with the path (n, 3) on top.
+) -> TruthAndMap:
+    """Render the polygon (k, 2) as a block cut from the world, and the map's voxels in the same view.
 
-    A second row shows a close view of both at the solid that stands highest in the map, if there is one. Raises OSError
-    when the file cannot be written.
+    A second row shows a close view of both at the solid that stands highest in the map, if there is one. rays: the
+    world's. May run beside other figures on a thread of its own.
     """
     area = area_world_m[ConvexHull(area_world_m).vertices]
     occupied = occupied_centres_m[inside_polygon(occupied_centres_m[:, :2], area)]
     heights = height_range(_ground_heights(world, area))
-    comparison = _Comparison(world, _core.RayScene(world), voxel_m, occupied, heights)
+    comparison = _Comparison(world, rays, voxel_m, occupied, heights)
 
     detail = _detail_block(world, occupied, voxel_m)
     blocks = [(area, OVERVIEW_ELEVATION_RAD)]
     if detail is not None:
         blocks.append((detail, DETAIL_ELEVATION_RAD))
     rows = [_render_block(comparison, block, elevation) for block, elevation in blocks]
+    return TruthAndMap(rows, f"map: {len(occupied_centres_m):,} occupied voxels of {voxel_m:g} m", heights)
 
-    name = f"map: {len(occupied_centres_m):,} occupied voxels of {voxel_m:g} m"
-    _compose(path, rows, name, path_world_m, heights)
+
+def draw_truth_and_map(path: Path, rendered: TruthAndMap, path_world_m: NDArray[np.float64]) -> None:
+    """Lay the pictures out side by side, the path (n, 3) on top. Raises OSError when the file cannot be written."""
+    _compose(path, rendered.rows, rendered.map_name, path_world_m, rendered.heights)
 
 
 def _compose(
@@ -175,10 +186,16 @@ def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevatio
     truth = render(block, view, sun)
     if not len(mapped):
         return view, truth, None
-    voxels = Subject(
-        _core.RayScene(voxel_world(mapped, comparison.voxel_m)), comparison.colours, voxel_m=comparison.voxel_m
-    )
+    around = ClipPrism(_rectangle(mapped[:, :2], comparison.voxel_m), float(mapped[:, 2].min()) - comparison.voxel_m)
+    cubes = _core.RayScene(voxel_world(mapped, comparison.voxel_m, from_above=True))
+    voxels = Subject(cubes, comparison.colours, around, voxel_m=comparison.voxel_m)
     return view, truth, render(voxels, view, sun)
+
+
+def _rectangle(xy_m: NDArray[np.floating], margin_m: float) -> NDArray[np.float64]:
+    """Return the corners (4, 2) of the rectangle about points (n, 2): all of it, but rays begin close to it."""
+    (west, south), (east, north) = xy_m.min(axis=0) - margin_m, xy_m.max(axis=0) + margin_m
+    return np.array([[west, south], [east, south], [east, north], [west, north]], np.float64)
 
 
 def _draw_path(axes: Axes, view: PinholeView, path_world_m: NDArray[np.float64]) -> None:

@@ -66,8 +66,10 @@ def score_map(
     path_world_m: NDArray[np.float64],
     area_world_m: NDArray[np.float64],
     range_max_m: float,
+    *,
+    rays: _core.RayScene | None = None,
 ) -> MapScore:
-    """Score occupied voxel centres (n, 3) against the world.
+    """Score occupied voxel centres (n, 3) against the world. rays: the world's own scene, if there is one already.
 
     Coverage: the truth voxels that count lie inside the polygon area_world_m (k, 2), in line of sight and within
     range_max_m of any flown position in path_world_m (n, 3). Covered are those that are occupied or have an occupied
@@ -83,7 +85,7 @@ def score_map(
     Raises ValueError when the occupied centres are not on this grid, or the true surface within range of the path has
     more voxels than true_surface.MAX_VOXELS.
     """
-    rays = _core.RayScene(world)
+    rays = rays or _core.RayScene(world)
     occupied = np.unique(pack_keys(_grid_keys(occupied_centres_m, resolution_m)))
     visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
     covered = _have_occupied_neighbour(visible, occupied)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import json
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from rich.table import Table
 
-from uwsim.atomic_file import write_atomically
 from uwsim.mapping.files import CLOUD_FORMATS, read_cloud
 from uwsim.mapping.files.map_files import Origin, open_map
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scoring.map_score import MapScore, score_map
-from uwsim.scoring.s44 import ORDERS, share_within
+from uwsim.scoring.score_json import score_values, write_json
 from uwsim.scoring.score_text import order_rows, score_rows
 from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
@@ -70,33 +67,7 @@ def score_table(scored: ScoredMap, title: str) -> Table:
 
 def write_score_json(path: Path, scored: ScoredMap) -> None:
     """Write the score atomically as JSON: SI units, shares in [0, 1], null for unknown values. Raises OSError."""
-    score, seabed = scored.score, scored.score.seabed
-    known = scored.path_known and score.visible_truth_voxels > 0
-    figures: dict[str, float | int | str | None] = {
-        "occupied_voxels": score.occupied_voxels,
-        "false_voxels": len(score.false_centres_m),
-        "precision": score.precision,
-        "visible_truth_voxels": score.visible_truth_voxels if scored.path_known else None,
-        "coverage": score.coverage if known else None,
-        "recall": score.recall if known else None,
-        "distance_mean_m": score.distance_mean_m,
-        "distance_p95_m": score.distance_p95_m,
-        "distance_max_m": score.distance_max_m,
-        "resolution_m": score.resolution_m,
-    }
-    if seabed is not None:
-        best = seabed.best_order
-        figures |= {
-            "seabed_cells": int(seabed.judged.sum()),
-            "seabed_obstructed_cells": int(seabed.obstructed.sum()),
-            "seabed_error_mean_m": seabed.mean_m,
-            "seabed_error_p95_m": seabed.p95_m,
-            "s44_order": best.name if best is not None else None,
-        }
-        errors, depths = seabed.errors_m, seabed.depths_m
-        figures |= {f"s44_share_{order.name.lower()}": share_within(order, errors, depths) for order in ORDERS}
-    values = {name: None if isinstance(v, float) and math.isnan(v) else v for name, v in figures.items()}
-    write_atomically(path, (json.dumps(values, indent=2) + "\n").encode("utf-8"))
+    write_json(path, score_values(scored.score, path_known=scored.path_known))
 
 
 def _read_track(path: Path, scenario: Scenario) -> SurveyTrack:

@@ -38,7 +38,15 @@ def visible_voxels(
     def visible_in(tile: SurfaceSamples) -> NDArray[np.int64]:
         low, high = tile.points_world_m.min(axis=0), tile.points_world_m.max(axis=0)
         near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
-        return pack_keys(tile.voxel_keys[_seen_voxels(rays, tile, poses[near], range_max_m)])
+        seen = rays.seen_groups(
+            poses[near],
+            tile.points_world_m,
+            tile.voxel_of_sample,
+            len(tile.voxel_keys),
+            range_max_m,
+            VISIBILITY_TOLERANCE_M,
+        )
+        return pack_keys(tile.voxel_keys[seen])
 
     visible = list(_in_parallel(visible_in, surface_tiles(world, resolution_m, area_world_m, box)))
     return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))
@@ -60,40 +68,13 @@ def _in_parallel(
 
 
 def _thinned_path(path_world_m: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
-    """Return about one position per spacing_m of the path, ordered from coarse to fine (first, middle, quarters, ...).
+    """Return about one position per spacing_m of the path.
 
-    Every position of the path is within spacing_m, along the path, of one that is kept. In this order the first few
-    dozen positions see nearly all voxels, and a voxel that was seen is not tested again.
+    Every position of the path is within spacing_m, along the path, of one that is kept.
     """
     if not len(path_world_m):
         return np.empty((0, 3))
     flown_m = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path_world_m, axis=0), axis=1))])
     stops = np.linspace(0.0, flown_m[-1], int(np.ceil(flown_m[-1] / spacing_m)) + 1)
     kept = np.unique(np.append(np.searchsorted(flown_m, stops[:-1]), len(path_world_m) - 1))
-    bits = max(int(len(kept) - 1).bit_length(), 1)
-    index = np.arange(1 << bits)
-    reversed_index = np.zeros_like(index)
-    for bit in range(bits):
-        reversed_index |= ((index >> bit) & 1) << (bits - 1 - bit)
-    return np.asarray(path_world_m[kept[reversed_index[reversed_index < len(kept)]]], np.float64)
-
-
-def _seen_voxels(
-    rays: _core.RayScene, samples: SurfaceSamples, poses_world_m: NDArray[np.float64], range_max_m: float
-) -> NDArray[np.bool_]:
-    """Return which voxels have a sample in line of sight and within range of any pose: (voxels,) bool."""
-    seen = np.zeros(len(samples.voxel_keys), bool)
-    voxel_of_sample, points = samples.voxel_of_sample, samples.points_world_m
-    for pose in poses_world_m:
-        away = points - pose
-        close = np.flatnonzero(np.einsum("ij,ij->i", away, away) <= range_max_m**2)
-        if not len(close):
-            continue
-        found = voxel_of_sample[close[rays.visible(pose, points[close], VISIBILITY_TOLERANCE_M)]]
-        if len(found):
-            seen[found] = True
-            hidden = ~seen[voxel_of_sample]
-            voxel_of_sample, points = voxel_of_sample[hidden], points[hidden]
-            if not len(voxel_of_sample):
-                break
-    return seen
+    return np.asarray(path_world_m[kept], np.float64)

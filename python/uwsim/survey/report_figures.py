@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,17 +14,10 @@ from uwsim.figures.depth_profile import draw_depth_profile
 from uwsim.figures.map_errors import draw_map_errors
 from uwsim.figures.map_from_above import draw_map_from_above
 from uwsim.figures.sonar_fan import sonar_fan
-from uwsim.figures.truth_and_map import draw_truth_and_map
+from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
 from uwsim.scoring.map_score import MapScore
 from uwsim.survey.record import SurveyRecord
-
-FIGURE_FILES = (
-    "truth_and_map.png",
-    "map_from_above.png",
-    "where_it_is_wrong.png",
-    "sonar_fan.png",
-    "depth_profile.png",
-)
+from uwsim.survey.results import FIGURE_FILES
 
 
 @dataclass(frozen=True)
@@ -41,9 +35,12 @@ def draw_report_figures(
     record: SurveyRecord,
     score: MapScore,
     occupied_centres_m: NDArray[np.floating],
+    *,
+    rays: _core.RayScene | None = None,
 ) -> list[ReportFigure]:
     """Draw the figures into an existing folder, in the report's order; without pings there is no fan and no profile.
 
+    rays: the world's, if there are some already. The 3D pictures are rendered while the other figures are drawn.
     Raises OSError when a file cannot be written.
     """
     figures = [
@@ -67,17 +64,34 @@ def draw_report_figures(
             "errors that IHO S-44 allows.",
         ),
     ]
-    draw_truth_and_map(
-        figures[0].path, world, record.area_world_m, record.path_world_m, occupied_centres_m, record.voxel_m
-    )
+    area, path = record.area_world_m, record.path_world_m
+    with ThreadPoolExecutor(1, "render") as pool:
+        rendered = pool.submit(
+            render_truth_and_map, world, rays or _core.RayScene(world), area, occupied_centres_m, record.voxel_m
+        )
+        figures += _draw_others(folder, figures, world, record, score, occupied_centres_m)
+        draw_truth_and_map(figures[0].path, rendered.result(), path)
+    return figures
+
+
+def _draw_others(
+    folder: Path,
+    figures: list[ReportFigure],
+    world: _core.World,
+    record: SurveyRecord,
+    score: MapScore,
+    occupied_centres_m: NDArray[np.floating],
+) -> list[ReportFigure]:
+    """Draw the second and the third figure, and return those that not every survey has."""
+    others = []
     draw_map_from_above(figures[1].path, record.area_world_m, record.path_world_m, score, occupied_centres_m)
     draw_map_errors(figures[2].path, score, record.area_world_m)
     if record.sample_ping is not None:
         caption = "One ping of the survey as the sonar sent it: from above over the true seabed, and from the side."
-        figures.append(ReportFigure(folder / FIGURE_FILES[3], "The sonar's fan", caption))
-        sonar_fan(figures[-1].path, world, record.sample_ping, record.range_max_m)
+        others.append(ReportFigure(folder / FIGURE_FILES[3], "The sonar's fan", caption))
+        sonar_fan(others[-1].path, world, record.sample_ping, record.range_max_m)
     if len(record.path_world_m) > 1:
         caption = "The sonar's depth along its path, and the true seabed straight below it."
-        figures.append(ReportFigure(folder / FIGURE_FILES[4], "Depth along the path", caption))
-        draw_depth_profile(figures[-1].path, world, record.path_world_m)
-    return figures
+        others.append(ReportFigure(folder / FIGURE_FILES[4], "Depth along the path", caption))
+        draw_depth_profile(others[-1].path, world, record.path_world_m)
+    return others

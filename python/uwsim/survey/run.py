@@ -18,7 +18,7 @@ from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import fly_survey, required_survey
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
-from uwsim.survey.results import REPORT, RESULT_FILES, write_results
+from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, write_results
 from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
 
 AUTOSAVE_S = 30.0
@@ -38,17 +38,20 @@ def run_survey(
     verify_map: bool = False,
     autosave_s: float = AUTOSAVE_S,
     map_memory_mb: float | None = None,
+    report: str = "full",
 ) -> SurveyRecord:
     """Fly a scenario's survey and write map.bt, report.html and figures into `out`; returns the survey's record.
 
     sonar_frequency_khz: for a sonar with several frequencies. engine: of the map, "bricks" by default. verify_map:
     insert every scan into a stock OctoMap map too, and compare the bytes. autosave_s: wall time between saves, from
     which `resume_survey` continues; 0 for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the
-    bytes of map.bt do not depend on it.
+    bytes of map.bt do not depend on it. report: "full"; "json" for map.bt and summary.json without report and figures;
+    "none" for map.bt alone, without a score.
     Raises ScenarioError or ValueError for an error in the scenario or the arguments, OSError for `out`. However the
     flight ends, the map of everything seen until then is written.
     """
     _require_interval(autosave_s)
+    kind = _checked_report(report)
     terminal = Terminal()
     with terminal.status(f"building {scenario}"):
         _require_surveyable(load(scenario))  # before the world is built
@@ -79,7 +82,7 @@ def run_survey(
     checkpoint.remove_leftovers()
     if (earlier := checkpoint.set_aside()) is not None:
         terminal.message(f"an unfinished survey was in {out}; it is kept in {earlier}")
-    return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal).run()
+    return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind).run()
 
 
 def resume_survey(
@@ -88,6 +91,7 @@ def resume_survey(
     threads: int | None = None,
     autosave_s: float = AUTOSAVE_S,
     map_memory_mb: float | None = None,
+    report: str = "full",
     **arguments: Any,
 ) -> SurveyRecord:
     """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
@@ -96,6 +100,7 @@ def resume_survey(
     Raises ValueError when there is nothing to resume or an argument differs; otherwise as run_survey.
     """
     _require_interval(autosave_s)
+    kind = _checked_report(report)
     terminal = Terminal()
     checkpoint = Checkpoint(out)
     with terminal.status(f"resuming {out}"):
@@ -104,7 +109,7 @@ def resume_survey(
         sim = saved.request.new_simulator(threads)
     _require_writable(out)
     checkpoint.remove_leftovers()
-    run = _SurveyRun(sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal)
+    run = _SurveyRun(sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal, kind)
     return run.run(saved)
 
 
@@ -120,6 +125,13 @@ def _require_interval(autosave_s: float) -> None:
         raise ValueError(f"autosave_s = {autosave_s} s: must be 0 (never) or more")
 
 
+def _checked_report(report: str) -> Report:
+    for known in REPORTS:
+        if report == known:
+            return known
+    raise ValueError(f"report = {report}: must be one of {', '.join(REPORTS)}")
+
+
 def _require_writable(folder: Path) -> None:
     """Raise OSError, before a long flight, if the results could not be written there."""
     try:
@@ -128,7 +140,7 @@ def _require_writable(folder: Path) -> None:
             pass
     except OSError as error:
         raise OSError(f"--out {folder}: cannot write there: {error.strerror}") from error
-    for name in (MAP, REPORT, TRACK):
+    for name in (MAP, REPORT, TRACK, SUMMARY):
         if (folder / name).exists() and not (folder / name).is_file():
             raise OSError(f"--out {folder}: '{name}' in it is not a file")
 
@@ -144,6 +156,7 @@ class _SurveyRun:
     checkpoint: Checkpoint
     autosave_s: float
     terminal: Terminal
+    report: Report
 
     def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
@@ -168,7 +181,7 @@ class _SurveyRun:
         if self.reference is not None:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         try:
-            write_results(self.sim, self.occupancy, record, out, terminal)
+            write_results(self.sim, self.occupancy, record, out, terminal, self.report)
         except OSError as error:
             hint = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
             raise OSError(f"{error} ({out / MAP} is complete{hint})") from error

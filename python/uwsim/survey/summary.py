@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
@@ -27,6 +29,29 @@ def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) ->
         ("free voxels", f"{free_voxel_count:,}"),
         *score_rows(score),
     ]
+
+
+def flight_values(record: SurveyRecord) -> dict[str, Any]:
+    """Return the figures of the flight by name, SI units, for JSON."""
+    return {
+        "scenario": record.scenario_name,
+        "seed": record.seed,
+        "sonar_model": record.sonar_model,
+        "ended_because": record.stopped_because,
+        "ended_early": record.ended_early,
+        "map_verified": record.verified,
+        "simulated_s": record.simulated_s,
+        "wall_s": record.wall_s,
+        "stage_wall_s": {**record.stage_wall_s, "mission and the rest": record.mission_wall_s},
+        "threads": record.threads,
+        "step_s": record.step_s,
+        "ping_interval_s": record.ping_interval_s,
+        "range_max_m": record.range_max_m,
+        "pings": record.ping_count,
+        "echoes": record.echo_count,
+        "path_length_m": record.path_length_m,
+        "collisions": record.collision_count,
+    }
 
 
 def summary_table(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> Table:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
@@ -79,6 +78,8 @@ def decompose(
 
 def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) -> None:
     """Write the pieces as objects of one OBJ file, which any modelling program can show."""
+    import trimesh
+
     lines = [f"# convex pieces of {made_from}: uwsim decompose (CoACD)"]
     first = 1
     for k, corners in enumerate(pieces):

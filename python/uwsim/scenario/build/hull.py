@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple, cast
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
+from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.mesh_repair import closed_mesh
@@ -35,6 +35,14 @@ class RigidBody:
     inertia_kg_m2: NDArray[np.float64]
 
 
+class _Solid(NamedTuple):
+    """centroid_m: (3,). inertia_m5: (3,), about the centroid for a density of 1."""
+
+    volume_m3: float
+    centroid_m: NDArray[np.float64]
+    inertia_m5: NDArray[np.float64]
+
+
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError.
 
@@ -46,12 +54,12 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
     vertices, triangles = _closed_hull(model.mesh, version, model.mesh_scale, model.mesh_up)
     if model.volume_m3 is None and model.centre_of_buoyancy_m is None:
         return vertices, triangles
-    hull = trimesh.Trimesh(vertices, triangles, process=False)
-    centroid = np.asarray(hull.center_mass, np.float64)
-    factor = 1.0 if model.volume_m3 is None else float(np.cbrt(model.volume_m3 / hull.volume))
+    hull = _solid(vertices, triangles)
+    centroid = hull.centroid_m
+    factor = 1.0 if model.volume_m3 is None else float(np.cbrt(model.volume_m3 / hull.volume_m3))
     if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
         raise ScenarioError(
-            f"mesh '{name}': encloses {hull.volume:.4g} m3, volume_m3 = {model.volume_m3:.4g} m3: "
+            f"mesh '{name}': encloses {hull.volume_m3:.4g} m3, volume_m3 = {model.volume_m3:.4g} m3: "
             f"lengths would scale by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale"
         )
     target = centroid if model.centre_of_buoyancy_m is None else np.asarray(model.centre_of_buoyancy_m)
@@ -63,10 +71,28 @@ def _closed_hull(
     path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Read the mesh and close it; `version` changes with the file and so keeps the cache fresh."""
-    vertices, triangles = closed_mesh(*load_mesh(path, scale=scale, up=up), name=str(path))
+    mesh = load_mesh(path, scale=scale, up=up)
+    vertices, triangles = cached_arrays(lambda: closed_mesh(*mesh, name=str(path)), "hull", *mesh)
     vertices.flags.writeable = False
     triangles.flags.writeable = False
-    return vertices, triangles
+    return cast("NDArray[np.float64]", vertices), cast("NDArray[np.uint32]", triangles)
+
+
+def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _Solid:
+    """Measure a closed mesh as a solid of density 1."""
+
+    def measure() -> tuple[NDArray[np.float64], ...]:
+        import trimesh
+
+        solid = trimesh.Trimesh(vertices_m, triangles, process=False)
+        return np.array(solid.volume), np.asarray(solid.center_mass), np.diagonal(solid.moment_inertia).copy()
+
+    volume, centroid, inertia = cached_arrays(measure, "solid", vertices_m, triangles)
+    return _Solid(
+        float(volume[()]),
+        np.asarray(centroid, np.float64),
+        np.asarray(inertia, np.float64),
+    )
 
 
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
@@ -74,20 +100,19 @@ def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
 
     Raises ScenarioError, also if the centre of mass is outside the box round the hull.
     """
-    hull = trimesh.Trimesh(*vehicle_hull(model), process=False)
-    _require_mass_inside(model, hull.bounds)
-    volume = float(hull.volume)
+    vertices, triangles = vehicle_hull(model)
+    _require_mass_inside(model, np.stack([vertices.min(axis=0), vertices.max(axis=0)]))
+    hull = _solid(vertices, triangles)
+    volume = hull.volume_m3
     density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
     mass = model.mass_kg if density is None else density * volume
     assert mass is not None  # the model has exactly one of the three
-    if model.inertia_kg_m2 is not None:
-        inertia = np.asarray(model.inertia_kg_m2)
-    else:
-        inertia = np.diagonal(hull.moment_inertia) * mass / volume
+    given = model.inertia_kg_m2
+    inertia = hull.inertia_m5 * mass / volume if given is None else np.asarray(given)
     return RigidBody(
         volume_m3=volume,
         mass_kg=mass,
-        centre_of_buoyancy_m=np.asarray(hull.center_mass, np.float64),
+        centre_of_buoyancy_m=hull.centroid_m,
         centre_of_mass_m=np.asarray(model.centre_of_mass_m),
         inertia_kg_m2=np.asarray(inertia, np.float64),
     )

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple, assert_never
+from typing import Any, NamedTuple, assert_never, cast
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, joined, load_mesh
 from uwsim.scenario.spec.obstacle import Box, Cylinder, Gate, MeshObstacle, ObstacleSpec, Pipeline, Sphere
@@ -42,20 +42,19 @@ class Solid(NamedTuple):
 
 def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
     """Build the obstacle at its place in the world. Raises ScenarioError."""
-    match obstacle:
+    match obstacle:  # trimesh, which takes a second, is imported where a mesh is not cached
         case Pipeline():
             return _pipeline(obstacle, terrain)
         case Gate():
             return _gate(obstacle, terrain)
         case Box():
-            return Solid(*_posed(_arrays(trimesh.creation.box(obstacle.size_m)), obstacle), [])
+            return Solid(*_posed(_created("box", obstacle.size_m), obstacle), [])
         case Cylinder():
             ends = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * obstacle.length_m
             start, end = _world_from_local(obstacle).apply(ends) + np.asarray(obstacle.position_m)
             return _bars([(start, end)], obstacle.radius_m)
         case Sphere():
-            ball = trimesh.creation.icosphere(subdivisions=BALL_SUBDIVISIONS, radius=obstacle.radius_m)
-            vertices, triangles = _arrays(ball)
+            vertices, triangles = _created("icosphere", BALL_SUBDIVISIONS, obstacle.radius_m)
             shape = _core.RoundShape.sphere(obstacle.position_m, obstacle.radius_m)
             return Solid(vertices + np.asarray(obstacle.position_m), triangles, [shape])
         case MeshObstacle():
@@ -64,8 +63,17 @@ def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
             assert_never(obstacle)
 
 
-def _arrays(solid: trimesh.Trimesh) -> Mesh:
-    return np.asarray(solid.vertices, np.float64), np.asarray(solid.faces, np.uint32)
+def _created(shape: str, *arguments: Any) -> Mesh:
+    """Return the mesh that a function of trimesh.creation makes."""
+
+    def make() -> Mesh:
+        import trimesh
+
+        solid = getattr(trimesh.creation, shape)(*arguments)
+        return np.asarray(solid.vertices, np.float64), np.asarray(solid.faces, np.uint32)
+
+    given = (np.asarray(argument, np.float64) for argument in arguments if argument is not None)
+    return cast(Mesh, cached_arrays(make, shape, *given))
 
 
 def _world_from_local(obstacle: Box | Cylinder | MeshObstacle) -> Rotation:
@@ -78,8 +86,8 @@ def _posed(mesh: Mesh, obstacle: Box | MeshObstacle) -> Mesh:
 
 def _bars(lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], radius_m: float) -> Solid:
     """Build round bars with flat ends, each between two points (3,) on its axis."""
-    bars = [trimesh.creation.cylinder(radius_m, segment=line, sections=SIDES) for line in lines]
-    vertices, triangles = joined([_arrays(bar) for bar in bars])
+    # trimesh.creation.cylinder(radius, height, sections, segment)
+    vertices, triangles = joined([_created("cylinder", radius_m, None, SIDES, line) for line in lines])
     shapes = [_core.RoundShape.cylinder(start, end, radius_m) for start, end in lines]
     return Solid(vertices, triangles.astype(np.uint32), shapes)
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import assert_never
+from typing import assert_never, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.scenario.build.terrain_image import image_heights
-from uwsim.scenario.build.terrain_noise import noise_heights
-from uwsim.scenario.build.terrain_raster import raster_heights
+from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrain, TerrainSpec
 
@@ -77,13 +75,23 @@ def build_terrain(spec: TerrainSpec) -> Terrain:
     return Terrain(heights, spec.spacing_m, origin)
 
 
-def _heights(spec: TerrainSpec) -> NDArray[np.float64]:
+def _heights(spec: TerrainSpec) -> NDArray[np.floating]:
+    # Each source is imported where it is used: rasterio alone takes half a second.
     match spec:
         case NoiseTerrain():
-            return noise_heights(spec)
+            from uwsim.scenario.build.terrain_noise import noise_heights
+
+            (heights,) = cached_arrays(
+                lambda: (noise_heights(spec).astype(np.float32),), "noise", spec.model_dump_json()
+            )
+            return cast("NDArray[np.float32]", heights)
         case RasterTerrain():
+            from uwsim.scenario.build.terrain_raster import raster_heights
+
             return raster_heights(spec)
         case ImageTerrain():
+            from uwsim.scenario.build.terrain_image import image_heights
+
             return image_heights(spec)
         case _:
             assert_never(spec)

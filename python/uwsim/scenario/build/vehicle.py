@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario.build.actuator import actuators_spec
-from uwsim.scenario.build.collision_pieces import vehicle_pieces
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
@@ -31,6 +30,10 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec.craft = _craft(model, surface_density_kg_m3(scenario.water))
     spec.actuators = actuators_spec(model)
     if model.collision_pieces is not None:
+        from uwsim.scenario.build.collision_pieces import (
+            vehicle_pieces,
+        )  # it needs scipy.sparse, which is slow to import
+
         spec.set_collision_pieces(vehicle_pieces(model))
     else:
         spec.shape = COLLISION_SHAPES[model.collision]

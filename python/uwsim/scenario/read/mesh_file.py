@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import re
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
+from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 
 Vertices = NDArray[np.float64]
@@ -21,6 +21,8 @@ MAX_TRIANGLES = 5_000_000
 TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
 MAX_REACH_M = 1e5
 Y_UP_SUFFIXES = (".glb", ".gltf")
+CACHED_SUFFIXES = (".obj", ".stl")
+"""Files that hold all of their mesh, so that their content is a key to it."""
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotates the file's y to z and keeps its x; the file's z, towards the viewer, becomes -y."""
@@ -38,10 +40,21 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
     """
     path = Path(path)
     _require_readable(path)
+    if path.suffix.lower() not in CACHED_SUFFIXES:
+        return _load(path, scale, up)
+    content = path.read_bytes()
+    vertices, triangles = cached_arrays(
+        lambda: _load(path, scale, up, content), "mesh", content, path.suffix.lower(), scale, up or ""
+    )
+    return cast(Vertices, vertices), cast(Triangles, triangles)
+
+
+def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
+    """Read the file; content: its bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
     suffix = path.suffix.lower()
     try:
         if suffix in TRIMESH_SUFFIXES:
-            vertices, triangles = _read_with_trimesh(path, suffix)
+            vertices, triangles = _read_with_trimesh(path, suffix, content)
             y_up = suffix in Y_UP_SUFFIXES
         else:
             vertices, triangles = _read_with_assimp(path)
@@ -77,13 +90,15 @@ def _require_readable(path: Path) -> None:
         )
 
 
-def _read_with_trimesh(path: Path, suffix: str) -> tuple[Vertices, NDArray[Any]]:
+def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertices, NDArray[Any]]:
+    import trimesh  # here, since it takes a second, and a cached mesh does not need it
+
     if suffix == ".obj":  # comments and names may be in any encoding
-        text = path.read_bytes().decode("utf-8", errors="replace")
+        text = content.decode("utf-8", errors="replace")
         _require_indices_from_one(path, text)
         scene = trimesh.load_scene(io.StringIO(text), file_type="obj", process=False, skip_materials=True)
     elif suffix == ".stl":
-        scene = trimesh.load_scene(io.BytesIO(_sound_stl(path)), file_type="stl", process=False)
+        scene = trimesh.load_scene(io.BytesIO(_sound_stl(content)), file_type="stl", process=False)
     else:
         scene = trimesh.load_scene(path, process=False)
     mesh = scene.to_mesh()
@@ -98,9 +113,8 @@ def _require_indices_from_one(path: Path, text: str) -> None:
         raise ScenarioError(f"mesh '{path}': line {line}: a face names vertex 0, but an OBJ file's count from 1")
 
 
-def _sound_stl(path: Path) -> bytes:
+def _sound_stl(data: bytes) -> bytes:
     """Return the file, as UTF-8 if it is text; refuse files in which trimesh would find no triangles."""
-    data = path.read_bytes()
     announced = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * announced:
         return data

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_union import crossings, united
+
+if TYPE_CHECKING:  # trimesh takes a second to import, and a cached hull does not need it
+    import trimesh
 
 
 def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh") -> tuple[Vertices, Triangles]:
@@ -21,6 +23,8 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     Closed parts that overlap are united. A surface that still crosses itself is refused: its inside is not defined.
     Merging the vertices that STL duplicates is silent; any other repair issues a RepairWarning.
     """
+    import trimesh
+
     if not len(triangles):
         raise ScenarioError(f"mesh '{name}': has no triangles")
     mesh = trimesh.Trimesh(vertices_m, np.asarray(triangles, np.int64), process=False)
@@ -59,6 +63,8 @@ def _without_overlaps(mesh: trimesh.Trimesh, name: str, repairs: list[str]) -> t
 
 def _repair(mesh: trimesh.Trimesh) -> list[str]:
     """Repair the mesh in place; return what was done."""
+    import trimesh
+
     repairs = []
     if not mesh.is_watertight:
         before = len(mesh.faces)
@@ -79,6 +85,8 @@ def _is_closed(mesh: trimesh.Trimesh) -> bool:
 
 def _turn_outward(mesh: trimesh.Trimesh) -> bool:
     """Flip parts of negative volume that do not lie inside another, as a cavity does; return whether any was."""
+    import trimesh
+
     parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)
     volumes = [_volume(mesh.triangles[part]) for part in parts]
     boxes = [(mesh.triangles[part].min(axis=(0, 1)), mesh.triangles[part].max(axis=(0, 1))) for part in parts]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from uwsim.scenario.read.mesh_file import Vertices
+
+if TYPE_CHECKING:
+    import trimesh
 
 Faces = NDArray[Any]
 
@@ -29,6 +31,7 @@ def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
     if len(solids) < 2 or not _boxes_meet(mesh, solids):
         return None
     import manifold3d
+    import trimesh
 
     def manifold(triangles: Faces) -> Any:
         body = manifold3d.Manifold(
@@ -117,6 +120,8 @@ def _pierces(ends: Vertices, corners: Vertices) -> NDArray[np.bool_]:
 
 
 def _components(mesh: trimesh.Trimesh) -> list[NDArray[np.int64]]:
+    import trimesh
+
     return list(trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1))
 
 

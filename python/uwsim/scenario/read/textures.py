@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from uwsim.scenario.read.mesh_file import load_mesh
@@ -26,6 +25,8 @@ def load_texture(path: Path) -> Texture | None:
     """
     if path.suffix.lower() not in TEXTURED_SUFFIXES:
         return None
+    import trimesh
+
     try:
         scene = trimesh.load_scene(path, process=False)
         mesh: Any = scene.to_mesh()

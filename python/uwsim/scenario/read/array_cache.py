@@ -1,0 +1,121 @@
+"""A cache on disk for arrays that take long to make, such as closed hulls and noise terrain.
+
+Its folder is $UWSIM_CACHE if that is set (empty: no cache), else uwsim in $XDG_CACHE_HOME or ~/.cache. A file's name is
+the digest of all that its arrays are made from: inputs, our sources and the libraries' versions. It may be deleted at
+any time; one that is damaged, of an unusual owner or unwritable costs only the time to make its arrays again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import io
+import os
+import warnings
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.atomic_file import write_atomically
+
+Arrays = tuple[NDArray[np.generic], ...]
+Input = str | bytes | float | NDArray[np.generic]
+
+MAX_FILE_BYTES, MAX_FOLDER_BYTES = 1 << 26, 1 << 29
+LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "pyfastnoiselite")
+DIGEST_BYTES = 32
+
+
+def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
+    """Return make(), or the arrays that it returned when it was last called with these inputs.
+
+    kind: names what is made. A result that came with warnings is not kept, so that they come
+    again.
+    """
+    folder = _folder()
+    if folder is None:
+        return make()
+    path = folder / f"{kind}-{_digest_of(kind, *inputs)}.npz"
+    with contextlib.suppress(OSError, ValueError, KeyError, EOFError):
+        return _unpacked(path.read_bytes())
+    with warnings.catch_warnings(record=True) as issued:
+        warnings.simplefilter("always")
+        arrays = make()
+    for warning in issued:
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    if not issued:
+        _keep(path, _packed(arrays))
+    return arrays
+
+
+def _folder() -> Path | None:
+    chosen = os.environ.get("UWSIM_CACHE")
+    if chosen is not None:
+        return Path(chosen) if chosen else None
+    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    with contextlib.suppress(RuntimeError):  # no home
+        return Path(base).expanduser() / "uwsim"
+    return None
+
+
+def _keep(path: Path, content: bytes) -> None:
+    if len(content) > MAX_FILE_BYTES:
+        return
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
+        write_atomically(path, content)
+
+
+def _make_room(folder: Path, limit_bytes: int) -> None:
+    """Remove the oldest files until the rest is within the limit."""
+    files = sorted(((p.stat().st_mtime, p.stat().st_size, p) for p in folder.glob("*.npz")), reverse=True)
+    total = 0
+    for _, size, path in files:
+        total += size
+        if total > limit_bytes:
+            path.unlink(missing_ok=True)
+
+
+def _packed(arrays: Arrays) -> bytes:
+    file = io.BytesIO()
+    np.savez(file, allow_pickle=False, **{f"a{k}": array for k, array in enumerate(arrays)})
+    content = file.getvalue()
+    return hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() + content
+
+
+def _unpacked(data: bytes) -> Arrays:
+    """Return the arrays. Raises ValueError when the bytes are not those that were written."""
+    digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
+    if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
+        raise ValueError("damaged")
+    with np.load(io.BytesIO(content), allow_pickle=False) as file:
+        return tuple(file[f"a{k}"] for k in range(len(file.files)))
+
+
+def _digest_of(*inputs: Input) -> str:
+    digest = hashlib.blake2b(_versions(), digest_size=DIGEST_BYTES)
+    for value in inputs:
+        if isinstance(value, np.ndarray):
+            described, content = f"{value.dtype.str}{value.shape}", np.ascontiguousarray(value).tobytes()
+        else:
+            described, content = type(value).__name__, value if isinstance(value, bytes) else repr(value).encode()
+        digest.update(f"{described}:{len(content)}:".encode() + content)
+    return digest.hexdigest()
+
+
+@functools.cache
+def _versions() -> bytes:
+    """The libraries' versions and our sources, which decide what is made."""
+    digest = hashlib.blake2b()
+    for name in LIBRARIES:
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            digest.update(f"{name} {metadata.version(name)} ".encode())
+    scenario = Path(__file__).parent.parent
+    for path in sorted(path for part in ("read", "build") for path in (scenario / part).glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.digest()

@@ -1,0 +1,84 @@
+"""Laws of the cache: it returns what was made, and never more than the making is lost with it."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim.scenario.read.array_cache import cached_arrays
+
+
+class Maker:
+    """Counts how often it was asked."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self) -> tuple[np.ndarray, ...]:
+        self.calls += 1
+        return np.arange(6.0).reshape(2, 3), np.array([3], np.uint32)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("UWSIM_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def check(arrays: tuple[np.ndarray, ...]) -> None:
+    expected = Maker()()
+    assert len(arrays) == len(expected)
+    for got, wanted in zip(arrays, expected, strict=True):
+        assert got.dtype == wanted.dtype
+        np.testing.assert_array_equal(got, wanted)
+
+
+def test_what_was_made_is_not_made_again(folder: Path) -> None:
+    make = Maker()
+    for _ in range(3):
+        check(cached_arrays(make, "thing", b"content", 1.0, "up", np.arange(3)))
+    assert make.calls == 1
+    assert len(list(folder.iterdir())) == 1
+
+
+@pytest.mark.parametrize("other", [(b"other", 1.0), (b"content", 2.0), (b"content", "1.0"), (b"conten", b"t1.0")])
+def test_other_inputs_are_other_things(folder: Path, other: tuple[bytes | float | str, ...]) -> None:
+    make = Maker()
+    cached_arrays(make, "thing", b"content", 1.0)
+    cached_arrays(make, "thing", *other)
+    assert make.calls == 2
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda data: b"", lambda data: data[:-7], lambda data: data[:50] + b"X" + data[51:]]
+)
+def test_a_damaged_file_is_made_again(folder: Path, damage) -> None:
+    make = Maker()
+    cached_arrays(make, "thing", b"content")
+    (path,) = folder.iterdir()
+    path.write_bytes(damage(path.read_bytes()))
+    check(cached_arrays(make, "thing", b"content"))
+    assert make.calls == 2
+    check(cached_arrays(make, "thing", b"content"))
+    assert make.calls == 2, "and it is mended"
+
+
+def test_without_a_folder_it_is_made_each_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("in the way")
+    make = Maker()
+    for setting in ("", str(tmp_path / "file" / "below"), "/proc/uwsim"):
+        monkeypatch.setenv("UWSIM_CACHE", setting)
+        check(cached_arrays(make, "thing", b"content"))
+    assert make.calls == 3
+
+
+def test_warnings_come_again(folder: Path) -> None:
+    def make() -> tuple[np.ndarray, ...]:
+        warnings.warn("repaired", UserWarning, stacklevel=1)
+        return (np.zeros(1),)
+
+    for _ in range(2):
+        with pytest.warns(UserWarning, match="repaired"):
+            cached_arrays(make, "thing", b"content")
+    assert not folder.exists()
