@@ -72,6 +72,19 @@ def test_what_several_threads_command_replays_to_the_same_bytes(live: LiveSimula
     assert again.save_state() == live.simulator.save_state()
 
 
+def test_a_command_takes_effect_before_steps_that_are_asked_for_later(live: LiveSimulator) -> None:
+    live.every(0.005, lambda sim: None, lambda _: time.sleep(0.002))  # commands come while it is busy
+    for k in range(50):
+        live.command("set_effort", vehicle="rov", surge=0.01 * k)
+        live.step(1)
+    with live.mission_clock() as clock:
+        live.command("set_effort", vehicle="rov", surge=0.5)
+        live.resume()
+        live.command("set_effort", vehicle="rov", surge=0.6)
+        clock.wait(0.005)
+    assert [entry.tick for entry in live.log] == [*range(50), 50, 50]
+
+
 def test_a_reset_is_replayed_too(live: LiveSimulator) -> None:
     live.command("set_effort", vehicle="rov", surge=0.5)
     live.rov.release()
@@ -242,8 +255,8 @@ def test_a_mission_flies_as_on_a_simulator(live: LiveSimulator) -> None:
     sim.rov.release()
     dive(sim.rov, sim)
     live.rov.release()
-    live.resume()
     with live.mission_clock() as clock:
+        live.resume()
         dive(live.rov, clock)
         assert live.simulator.save_state() == sim.save_state()
     assert eventually(lambda: live.simulator.tick > sim.tick)  # free again

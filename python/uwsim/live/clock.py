@@ -52,7 +52,7 @@ class MissionClock(LiveClock):
         self._woken_at = loop.hold(self)
 
     def _wait_until(self, until: int) -> None:
-        self._loop.alarm(until, holder=self).result()
+        self._loop.in_turn(lambda: self._loop.alarm(until, holder=self)).result()
 
     def close(self) -> None:
         """Let time pass freely again."""

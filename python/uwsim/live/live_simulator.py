@@ -168,8 +168,11 @@ class LiveSimulator:
             self.read(lambda sim: None).result()
 
     def resume(self) -> None:
-        """Run again from now. Raises the error that stopped the simulation, if one did."""
-        self._loop.set_paused(False)
+        """Run again, after all commands so far. Raises the error that stopped the simulation, if one did."""
+        if self.running and not self._on_loop:
+            self._loop.in_turn(lambda: self._loop.set_paused(False))
+        else:
+            self._loop.set_paused(False)
 
     def step(self, n: int = 1) -> None:
         """Make n steps while paused, as fast as possible; return after the last. Raises ValueError."""
@@ -177,7 +180,7 @@ class LiveSimulator:
             raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
         if self._on_loop:
             raise RuntimeError("step: a call or sink must not wait for steps")
-        self._loop.step_when_paused(n).result()
+        self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
 
     def reset(self, state: bytes | None = None) -> None:
         """Go to a state of save_state, by default to the start, and return when there. Raises ValueError."""

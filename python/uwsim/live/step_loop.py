@@ -6,13 +6,17 @@ import logging
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import Future
+from typing import TypeVar
 
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request
 from uwsim.live.subscription import Subscription
 from uwsim.simulator import Simulator
+
+T = TypeVar("T")
 
 REQUESTS_MAX = 10_000  # that may wait; more are refused, so that a flood cannot fill the memory
 REQUESTS_PER_STEP = 1_000  # that are answered between two steps, so that a flood cannot stop the time
@@ -64,6 +68,12 @@ class StepLoop:
                 raise RuntimeError(f"{REQUESTS_MAX} commands wait for the next step already: more are refused")
             self._requests.append(request)
             self.lock.notify_all()
+
+    def in_turn(self, function: Callable[[], T]) -> T:
+        """Call a function on the stepping thread after all requests so far; return its result or raise its error."""
+        request = Request(lambda sim: function())
+        self.submit(request)
+        return request.future.result()  # type: ignore[no-any-return]
 
     def subscribe(self, subscription: Subscription) -> None:
         """Deliver the subscription from now on. Raises NotRunningError."""
