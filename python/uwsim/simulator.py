@@ -109,6 +109,11 @@ class Simulator:
         return self._core.tick
 
     @property
+    def version(self) -> int:
+        """Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation."""
+        return self._core.version
+
+    @property
     def time_ns(self) -> int:
         """Simulated time since the start, nanoseconds."""
         return self._core.time_ns

@@ -46,8 +46,9 @@ class Camera:
         radiance: bool = False,
         measure: bool = False,
         threads: int | None = None,
+        at: Snapshot | None = None,
     ) -> Frame:
-        """Capture a picture of the world as it is now.
+        """Capture a picture of the world as it is now, or as it was `at` a snapshot.
 
         effects: "on", "off" (the plain scene, dry and under the open sky) or the names of those that are on; without:
         the names of those that are off. geometry_only: depth, normals, labels and classes only. radiance: keep it.
@@ -57,7 +58,7 @@ class Camera:
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
         picture, time_ns, world_from_camera = self._render(
-            names, threads, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
+            names, threads, at, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
         )
         return Frame(
             rgb=picture.rgb,
@@ -76,17 +77,21 @@ class Camera:
             task_s=dict(picture.task_s),
         )
 
+    def snapshot(self) -> Snapshot:
+        """Keep the present, for a `capture` later or on another thread."""
+        return self._scene.snapshot(with_lamps=True)
+
     def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
         """Return the packets of rays that a picture casts through the world, and its origin (3,), for benchmarks."""
-        picture, _, pose = self._render(list(EFFECTS), 1, geometry_only=geometry_only, record=True)
+        picture, _, pose = self._render(list(EFFECTS), 1, None, geometry_only=geometry_only, record=True)
         return picture.packets, pose[:3, 3]
 
     def _render(
-        self, effects: list[str], threads: int | None, *, geometry_only: bool, **options: bool
+        self, effects: list[str], threads: int | None, at: Snapshot | None, *, geometry_only: bool, **options: bool
     ) -> tuple[_core.Picture, int, Floats]:
         """Return the native picture, its time [ns] and world_from_camera (4, 4)."""
         scene = self._scene
-        snapshot = scene.snapshot(with_lamps=not geometry_only)
+        snapshot = at or scene.snapshot(with_lamps=not geometry_only)
         position, orientation, world_from_camera = _core.mounted_pose(
             *self._carrier_pose(snapshot), self.mount.position_m, self._orientation_xyzw
         )
@@ -94,7 +99,7 @@ class Camera:
             self._core = core_camera(self.name, self.mount)
         picture = scene.core.render(
             self._core,
-            core_optics(scene.optics),
+            core_optics(snapshot.optics),
             position,
             orientation,
             snapshot.time_ns * 1e-9,

@@ -19,12 +19,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The moving parts of the scene at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on."""
+    """What changes, at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on, light."""
 
     time_ns: int
     positions_m: Floats
     orientations_xyzw: Floats
     lamps: list[_core.SpotLamp]
+    optics: Optics
 
 
 class SharedScene:
@@ -69,4 +70,4 @@ class SharedScene:
             if with_lamps and lamp.on
             for light in lamp.lights(position, orientation)
         ]
-        return Snapshot(time_ns, positions, orientations, lamps)
+        return Snapshot(time_ns, positions, orientations, lamps, self.optics)

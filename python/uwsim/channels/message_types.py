@@ -38,6 +38,28 @@ ADDED = {
         "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
         "tf2_web_republisher/TFSubscriptionFeedback feedback\n"
     ),
+    # https://github.com/apl-ocean-engineering/marine_msgs
+    "marine_acoustic_msgs/msg/Dvl": (
+        "uint8 DVL_MODE_BOTTOM=1\nuint8 DVL_MODE_WATER=2\nuint8 DVL_TYPE_PISTON=0\nuint8 DVL_TYPE_PHASED_ARRAY=1\n"
+        "std_msgs/Header header\nuint8 velocity_mode\nuint8 dvl_type\ngeometry_msgs/Vector3 velocity\n"
+        "float64[9] velocity_covar\nfloat64 altitude\nfloat64 course_gnd\nfloat64 speed_gnd\nuint8 num_good_beams\n"
+        "float32 sound_speed\nbool beam_ranges_valid\nbool beam_velocities_valid\n"
+        "geometry_msgs/Vector3[4] beam_unit_vec\nfloat64[4] range\nfloat32[4] range_covar\nfloat32[4] beam_quality\n"
+        "float32[4] beam_velocity\nfloat32[4] beam_velocity_covar\n"
+    ),
+    "marine_acoustic_msgs/msg/PingInfo": (
+        "float32 frequency\nfloat32 sound_speed\nfloat32[] tx_beamwidths\nfloat32[] rx_beamwidths\n"
+    ),
+    "marine_acoustic_msgs/msg/SonarImageData": (
+        "bool is_bigendian\nuint32 DTYPE_UINT8=0\nuint32 DTYPE_INT8=1\nuint32 DTYPE_UINT16=2\nuint32 DTYPE_INT16=3\n"
+        "uint32 DTYPE_UINT32=4\nuint32 DTYPE_INT32=5\nuint32 DTYPE_UINT64=6\nuint32 DTYPE_INT64=7\n"
+        "uint32 DTYPE_FLOAT32=8\nuint32 DTYPE_FLOAT64=9\n"
+        "uint32 dtype\nuint32 beam_count\nuint8[] data\n"
+    ),
+    "marine_acoustic_msgs/msg/ProjectedSonarImage": (
+        "std_msgs/Header header\nmarine_acoustic_msgs/PingInfo ping_info\ngeometry_msgs/Vector3[] beam_directions\n"
+        "float32[] ranges\nmarine_acoustic_msgs/SonarImageData image\n"
+    ),
 }
 """Types that neither typestore has, as .msg texts. Add yours here, with its source."""
 

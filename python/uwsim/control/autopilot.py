@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from uwsim.control.protocols import SteeredVehicle
 
 Vector = NDArray[np.float64]
-STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `_steady`
+STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `steady_gains`
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Autopilot:
     def __init__(self, vehicle: SteeredVehicle, period_s: float = 0.1, gains: Gains | None = None) -> None:
         self.vehicle = vehicle
         self.period_s = period_s
-        self.gains = gains or _steady(Gains(), getattr(vehicle, "authority", None), period_s)
+        self.gains = gains or steady_gains(Gains(), getattr(vehicle, "authority", None), period_s)
         self._surge_integral = self._sway_integral = self._height_integral = 0.0
 
     def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Vector, z_world_m: float) -> None:
@@ -85,7 +85,7 @@ class Autopilot:
         self._surge_integral, self._sway_integral, self._height_integral = integrals
 
 
-def _steady(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
+def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
     """Lower the gains if the vehicle turns too fast for a loop of this period; authority: see uwsim.vehicle.Vehicle.
 
     A rate loop sampled at T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.

@@ -1,0 +1,98 @@
+"""Short ways to build messages: headers, times, poses and transforms from arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim.channels.messages import default_message
+
+IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
+# Frames of instruments in that of their mount (x ahead, y left, z up):
+OPTICAL_XYZW = (-0.5, 0.5, -0.5, 0.5)  # of a camera, REP 103: x right, y down, z ahead
+DOWN_XYZW = (1.0, 0.0, 0.0, 0.0)  # of a DVL, marine_acoustic_msgs/Dvl: x ahead, z along its beams
+FAN_XYZW = (
+    0.5**0.5,
+    0.0,
+    0.5**0.5,
+    0.0,
+)  # of an imaging sonar, marine_acoustic_msgs/ProjectedSonarImage: x up, z ahead
+
+
+def message(name: str, /, **fields: Any) -> Any:
+    """Return a message of a type, "sensor_msgs/msg/Imu"; fields that are not given have ROS's defaults."""
+    made = default_message(name)
+    for field, value in fields.items():
+        getattr(made, field)  # a wrong name is an AttributeError
+        setattr(made, field, value)
+    return made
+
+
+def time(stamp_ns: int) -> Any:
+    """Return a time."""
+    sec, nanosec = divmod(int(stamp_ns), 1_000_000_000)
+    return message("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
+
+
+def header(stamp_ns: int, frame_id: str) -> Any:
+    """Return a header."""
+    return message("std_msgs/msg/Header", stamp=time(stamp_ns), frame_id=frame_id)
+
+
+def text(data: str) -> Any:
+    """Return a std_msgs/String."""
+    return message("std_msgs/msg/String", data=data)
+
+
+def xyz(name: str, values: ArrayLike) -> Any:
+    """Return a message of x, y, z, such as geometry_msgs/msg/Point, from (3,)."""
+    x, y, z = np.asarray(values, np.float64).tolist()
+    return message(name, x=x, y=y, z=z)
+
+
+def vector(values: ArrayLike) -> Any:
+    """Return a geometry_msgs/Vector3 from (3,)."""
+    return xyz("geometry_msgs/msg/Vector3", values)
+
+
+def quaternion(orientation_xyzw: ArrayLike) -> Any:
+    """Return a geometry_msgs/Quaternion from (4,)."""
+    x, y, z, w = np.asarray(orientation_xyzw, np.float64).tolist()
+    return message("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+
+
+def pose(position_m: ArrayLike, orientation_xyzw: ArrayLike) -> Any:
+    """Return a geometry_msgs/Pose."""
+    position = xyz("geometry_msgs/msg/Point", position_m)
+    return message("geometry_msgs/msg/Pose", position=position, orientation=quaternion(orientation_xyzw))
+
+
+def transform(
+    stamp_ns: int, parent: str, child: str, position_m: ArrayLike, orientation_xyzw: ArrayLike = IDENTITY_XYZW
+) -> Any:
+    """Return the geometry_msgs/TransformStamped parent_from_child."""
+    moved = message(
+        "geometry_msgs/msg/Transform", translation=vector(position_m), rotation=quaternion(orientation_xyzw)
+    )
+    return message(
+        "geometry_msgs/msg/TransformStamped", header=header(stamp_ns, parent), child_frame_id=child, transform=moved
+    )
+
+
+def mount_xyzw(yaw_pitch_roll_deg: ArrayLike) -> NDArray[np.float64]:
+    """Return a mounting's rotation, (4,)."""
+    return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()  # type: ignore[no-any-return]
+
+
+def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
+    """Return the product of two rotations, (4,)."""
+    return (Rotation.from_quat(first_xyzw) * Rotation.from_quat(then_xyzw)).as_quat()  # type: ignore[no-any-return]
+
+
+def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:
+    """Return the rotation of a head at an elevation: about +y, positive is nose down."""
+    half = -0.5 * elevation_rad
+    return 0.0, float(np.sin(half)), 0.0, float(np.cos(half))

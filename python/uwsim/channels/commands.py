@@ -1,0 +1,92 @@
+"""What a vehicle hears: /cmd_vel, wrench, thruster and fin commands, the sonar's tilt."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels.channel import Channel
+from uwsim.channels.source import Source
+from uwsim.channels.steering import Steering
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+
+SPEED_MAX = 100.0  # m/s and rad/s
+FLOATS = "std_msgs/msg/Float64MultiArray"
+
+
+def command_channels(source: Source, sim: Simulator, steering: Steering) -> list[Channel]:
+    """Return the standard commands of a vehicle. Each steering command replaces the one before."""
+    vehicle, topic, frame_id = source.of(sim), source.topic, source.frame("base_link")
+    thrusters, fins = list(vehicle.thrusters), list(vehicle.fins)
+
+    def hear(name: str, kind: str, description: str, apply: Any) -> Channel:
+        return Channel(topic(name), kind, "in", description, frame_id=frame_id, over_link=True, apply=apply)
+
+    found = [
+        hear(
+            "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next command",
+            lambda live, message: steering.hold_velocity(live, _six("cmd_vel", message.linear, message.angular)),
+        ),
+        hear(
+            "cmd_wrench", "geometry_msgs/msg/Wrench", "force [N] and torque [N m] of the thrusters in still water",
+            lambda live, message: _wrench(live, steering, message),
+        ),
+    ]  # fmt: skip
+    if thrusters:
+        found.append(
+            hear(
+                "cmd_thrusters", FLOATS, f"commands in [-1, 1]: {', '.join(thrusters)}",
+                lambda live, message: steering.give(
+                    live, "set_thrusters", commands=_named("cmd_thrusters", thrusters, message.data, 1.0)
+                ),
+            )
+        )  # fmt: skip
+    if fins:
+        found.append(
+            hear(
+                "cmd_fins", FLOATS, f"deflections [rad]: {', '.join(fins)}",
+                lambda live, message: steering.give(
+                    live, "set_fins", angles_rad=_named("cmd_fins", fins, message.data, 0.5 * math.pi)
+                ),
+            )
+        )  # fmt: skip
+    if source.has_sonar:
+        found.append(
+            hear(
+                "cmd_tilt", "std_msgs/msg/Float64", "sonar_tilt [rad] to turn to, positive: nose down",
+                lambda live, message: _tilt(live, steering, message.data),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _six(topic: str, first: Any, second: Any, limit: float = SPEED_MAX) -> NDArray[np.float64]:
+    values = np.array([first.x, first.y, first.z, second.x, second.y, second.z], np.float64)
+    if not np.isfinite(values).all() or np.abs(values).max() > limit:
+        raise ValueError(f"{topic} = {values.tolist()}: must be finite and within {limit:g}")
+    return values
+
+
+def _wrench(live: LiveSimulator, steering: Steering, message: Any) -> None:
+    wrench = _six("cmd_wrench", message.force, message.torque, limit=1e9)
+    steering.give(live, "set_wrench", force_body_n=wrench[:3], torque_body_nm=wrench[3:])
+
+
+def _named(topic: str, names: Sequence[str], values: NDArray[np.float64], limit: float) -> dict[str, float]:
+    if len(values) != len(names):
+        raise ValueError(f"{topic}: {len(values)} values: must be {len(names)}: {', '.join(names)}")
+    for name, value in zip(names, values, strict=True):
+        if not abs(value) <= limit:
+            raise ValueError(f"{topic}: {name} = {value}: must be in [-{limit:g}, {limit:g}]")
+    return dict(zip(names, map(float, values), strict=True))
+
+
+def _tilt(live: LiveSimulator, steering: Steering, tilt_rad: float) -> None:
+    if not abs(tilt_rad) <= 0.5 * math.pi:
+        raise ValueError(f"cmd_tilt = {tilt_rad} rad: must be in [-pi/2, pi/2]")
+    steering.ask(live, "aim", elevation_rad=-tilt_rad)

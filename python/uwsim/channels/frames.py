@@ -1,0 +1,127 @@
+"""Time and place: /clock, /tf, /tf_static, odometry and joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from uwsim.cameras import Camera
+from uwsim.channels import build
+from uwsim.channels.channel import Channel
+from uwsim.channels.source import Source
+from uwsim.simulator import Simulator
+
+RATE_HZ = 50.0
+CLOCK_HZ = 100.0
+
+
+def common_channels(sources: Sequence[Source]) -> list[Channel]:
+    """Return the channels of all vehicles together."""
+    return [
+        Channel(
+            "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ,
+            read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
+        ),
+        Channel(
+            "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: odom -> base_footprint, base_link -> base_scan",
+            rate_hz=RATE_HZ, over_link=True, read=lambda sim: _moving(sources, sim),
+        ),
+        Channel(
+            "tf_static", "tf2_msgs/msg/TFMessage", "out", "what does not move: world -> odom, sensors and cameras",
+            latched=True, read=lambda sim: _fixed(sources, sim),
+        ),
+    ]  # fmt: skip
+
+
+def vehicle_channels(source: Source) -> list[Channel]:
+    """Return odometry and joint states of a vehicle."""
+    found = [
+        Channel(
+            source.topic("odom"), "nav_msgs/msg/Odometry", "out", "the true pose and velocity", rate_hz=RATE_HZ,
+            frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
+        )
+    ]  # fmt: skip
+    if source.has_sonar or source.entry.model.fins:
+        found.append(
+            Channel(
+                source.topic("joint_states"), "sensor_msgs/msg/JointState", "out",
+                "angles [rad]: sonar_tilt (positive: nose down) and the fins", rate_hz=RATE_HZ, over_link=True,
+                read=lambda sim: _joints(source, sim),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _odometry(source: Source, sim: Simulator) -> Any:
+    vehicle = source.of(sim)
+    velocity = vehicle.velocity
+    twist = build.message(
+        "geometry_msgs/msg/Twist",
+        linear=build.vector(velocity.linear_body_m_s),
+        angular=build.vector(velocity.angular_body_rad_s),
+    )
+    pose = build.pose(source.position_odom_m(sim), vehicle.pose.orientation_xyzw)
+    return build.message(
+        "nav_msgs/msg/Odometry",
+        header=build.header(sim.time_ns, source.frame("odom")),
+        child_frame_id=source.frame("base_footprint"),
+        pose=build.message("geometry_msgs/msg/PoseWithCovariance", pose=pose),
+        twist=build.message("geometry_msgs/msg/TwistWithCovariance", twist=twist),
+    )
+
+
+def _joints(source: Source, sim: Simulator) -> Any:
+    vehicle = source.of(sim)
+    angles = {"sonar_tilt": -vehicle.sonar.elevation_rad} if source.has_sonar else {}
+    angles |= vehicle.fins
+    return build.message(
+        "sensor_msgs/msg/JointState",
+        header=build.header(sim.time_ns, ""),
+        name=[source.topic(name) for name in angles],
+        position=np.array(list(angles.values()), np.float64),
+    )
+
+
+def _moving(sources: Sequence[Source], sim: Simulator) -> Any:
+    transforms = []
+    for source in sources:
+        vehicle, frame = source.of(sim), source.frame
+        pose = source.position_odom_m(sim), vehicle.pose.orientation_xyzw
+        transforms.append(build.transform(sim.time_ns, frame("odom"), frame("base_footprint"), *pose))
+        if source.has_sonar:
+            tilt = source.scan_mount_m, build.tilt_xyzw(vehicle.sonar.elevation_rad)
+            transforms.append(build.transform(sim.time_ns, frame("base_link"), frame("base_scan"), *tilt))
+    return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
+
+
+def _fixed(sources: Sequence[Source], sim: Simulator) -> Any:
+    station = sim.scenario.station
+    yaw_xyzw = build.mount_xyzw((station.yaw_deg, 0.0, 0.0))
+    transforms = [build.transform(sim.time_ns, "world", "station", station.position_m, yaw_xyzw)]
+    transforms += [_optical(sim, "station", name, camera) for name, camera in sim.cameras.items()]
+    for source in sources:
+        frame = source.frame
+        transforms += [
+            build.transform(sim.time_ns, "world", frame("odom"), -source.origin_m),
+            build.transform(sim.time_ns, frame("base_footprint"), frame("base_link"), (0.0, 0.0, 0.0)),
+        ]
+        for name, sensor in source.entry.model.sensors.items():
+            turn = build.mount_xyzw(sensor.yaw_pitch_roll_deg)
+            if sensor.kind == "dvl":
+                turn = build.turned_xyzw(turn, build.DOWN_XYZW)
+            child = frame(f"{name}_link")
+            transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sensor.position_m, turn))
+        for name, sonar in source.entry.model.imaging_sonars.items():
+            turn = build.turned_xyzw(build.mount_xyzw(sonar.yaw_pitch_roll_deg), build.FAN_XYZW)
+            child = frame(f"{name}_link")
+            transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sonar.position_m, turn))
+        for name, camera in source.of(sim).cameras.items():
+            transforms.append(_optical(sim, frame("base_link"), source.frame(name), camera))
+    return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
+
+
+def _optical(sim: Simulator, parent: str, name: str, camera: Camera) -> Any:
+    turn = build.turned_xyzw(build.mount_xyzw(camera.mount.yaw_pitch_roll_deg), build.OPTICAL_XYZW)
+    return build.transform(sim.time_ns, parent, f"{name}_optical", camera.mount.position_m, turn)

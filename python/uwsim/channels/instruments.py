@@ -1,0 +1,169 @@
+"""Sensors as ROS messages, and the battery. One function a kind of sensor, in the table KINDS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.channels import build
+from uwsim.channels.channel import Channel
+from uwsim.channels.source import Source
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.sensors import Sample
+from uwsim.simulator import Simulator
+
+DEFAULT_HZ = 10.0  # of sensors without a rate of their own
+BATTERY_HZ = 1.0
+ULTRASOUND = 0
+DVL_MODE_BOTTOM = 1
+
+
+class Kind(NamedTuple):
+    """How a kind of sensor is said. write(value, header, mount): the message. even_invalid: also without a fix."""
+
+    type: str
+    write: Callable[[Any, Any, SensorMount], Any]
+    even_invalid: bool = False
+
+
+def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
+    """Return the channels of a vehicle's sensors, named as the sensors are, and of its battery."""
+    found = [
+        Channel(
+            source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
+            "what is left of the mission time; no other quantity is simulated", rate_hz=BATTERY_HZ, over_link=True,
+            read=lambda sim: _battery(source, sim),
+        )
+    ]  # fmt: skip
+    for name, sensor in source.of(sim).sensors.items():
+        kind, mount = KINDS.get(sensor.kind), source.entry.model.sensors[name]
+        if kind is not None:
+            frame_id = source.frame(f"{name}_link")
+            found.append(
+                Channel(
+                    source.topic(name), kind.type, "out", sensor.meaning, rate_hz=sensor.rate_hz or DEFAULT_HZ,
+                    frame_id=frame_id, over_link=True, read=_reader(source, name, kind, mount, frame_id),
+                )
+            )  # fmt: skip
+    return found
+
+
+def _reader(source: Source, name: str, kind: Kind, mount: SensorMount, frame_id: str) -> Callable[[Simulator], Any]:
+    def read(sim: Simulator) -> Any:
+        sample: Sample = source.of(sim).sensors[name].sample()
+        if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
+            return None
+        return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), mount)
+
+    return read
+
+
+def _is_out_of_reach(value: Any) -> bool:
+    """Whether a sample is invalid since nothing answered, not since it was lost."""
+    return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
+
+
+def _battery(source: Source, sim: Simulator) -> Any:
+    unknown = dict.fromkeys(("voltage", "temperature", "current", "charge", "capacity"), math.nan)
+    return build.message(
+        "sensor_msgs/msg/BatteryState",
+        header=build.header(sim.time_ns, source.frame("base_link")),
+        percentage=0.01 * source.of(sim).telemetry().battery_percent,
+        design_capacity=math.nan,
+        present=True,
+        **unknown,
+    )
+
+
+def _imu(value: Any, header: Any, mount: SensorMount) -> Any:
+    """Return an Imu. Acceleration is specific force, as REP 145 says; covariances of 0 stand for unknown."""
+    return build.message(
+        "sensor_msgs/msg/Imu",
+        header=header,
+        orientation=build.quaternion(value.orientation_xyzw),
+        angular_velocity=build.vector(value.angular_velocity_rad_s),
+        linear_acceleration=build.vector(value.linear_acceleration_m_s2),
+    )
+
+
+def _range(value: float, header: Any, mount: SensorMount) -> Any:
+    (range_max_m,) = mount.parameters.get("range_max_m") or (_default(mount.kind, "range_max_m"),)
+    return build.message(
+        "sensor_msgs/msg/Range",
+        header=header,
+        radiation_type=ULTRASOUND,
+        max_range=range_max_m,
+        range=value,
+    )
+
+
+def _default(kind: str, parameter: str) -> float:
+    return float(_core.sensor_kind(kind).parameters[parameter].by_default)
+
+
+def _dvl(value: Any, header: Any, mount: SensorMount) -> Any:
+    """Return a marine_acoustic_msgs/Dvl: x ahead, z along the beams, so y is to starboard. Covariances: -1, unknown."""
+    down = np.array([1.0, -1.0, -1.0])
+    velocity = down * value.velocity_m_s
+    (slant,) = np.radians(mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),))
+    (first,) = np.radians(mount.parameters.get("beam_azimuth_deg") or (_default("dvl", "beam_azimuth_deg"),))
+    azimuths = first + 0.5 * np.pi * np.arange(4)
+    beams = np.array([np.sin(slant) * np.cos(azimuths), np.sin(slant) * np.sin(azimuths), -np.full(4, np.cos(slant))])
+    good = np.isfinite(value.beam_ranges_m)
+    return build.message(
+        "marine_acoustic_msgs/msg/Dvl",
+        header=header,
+        velocity_mode=DVL_MODE_BOTTOM,
+        velocity=build.vector(velocity),
+        velocity_covar=np.full(9, -1.0),
+        altitude=float(np.cos(slant) * value.beam_ranges_m[good].mean()) if good.any() else math.nan,
+        course_gnd=math.atan2(velocity[1], velocity[0]),
+        speed_gnd=math.hypot(velocity[0], velocity[1]),
+        num_good_beams=int(good.sum()),
+        sound_speed=0.0,
+        beam_ranges_valid=bool(good.any()),
+        beam_velocities_valid=bool(good.any()),
+        beam_unit_vec=[build.vector(down * beam) for beam in beams.T],
+        range=np.asarray(value.beam_ranges_m, np.float64),
+        range_covar=np.full(4, -1.0, np.float32),
+        beam_quality=good.astype(np.float32),
+        beam_velocity=np.asarray(value.beam_velocities_m_s, np.float32),
+        beam_velocity_covar=np.full(4, -1.0, np.float32),
+    )
+
+
+def _plain(name: str, field: str) -> Callable[[Any, Any, SensorMount], Any]:
+    """Return what writes a scalar with a header."""
+    return lambda value, header, mount: build.message(name, header=header, **{field: value})
+
+
+def _bare(name: str, convert: Callable[[float], Any]) -> Callable[[Any, Any, SensorMount], Any]:
+    """Return what writes a scalar alone."""
+    return lambda value, header, mount: build.message(name, data=convert(value))
+
+
+def _usbl(value: Any, header: Any, mount: SensorMount) -> Any:
+    """Return the position from the station along east, north and up, as the world's axes are."""
+    header.frame_id = "world"
+    return build.message(
+        "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)
+    )
+
+
+KINDS: dict[str, Kind] = {
+    "imu": Kind("sensor_msgs/msg/Imu", _imu),
+    "pressure": Kind("sensor_msgs/msg/FluidPressure", _plain("sensor_msgs/msg/FluidPressure", "fluid_pressure")),
+    "temperature": Kind("sensor_msgs/msg/Temperature", _plain("sensor_msgs/msg/Temperature", "temperature")),
+    "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
+    "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
+    "dvl": Kind("marine_acoustic_msgs/msg/Dvl", _dvl, even_invalid=True),
+    "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
+    "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
+}
+"""The message of each kind of sensor. A new kind is one entry; kinds without one (true motion) are said by /odom."""

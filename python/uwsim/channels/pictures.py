@@ -1,0 +1,100 @@
+"""The pictures of cameras: each is rendered once for all, beside the steps, and arrives one period later."""
+
+from __future__ import annotations
+
+import io
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from uwsim.cameras import Camera, Frame
+from uwsim.simulator import Simulator
+
+RATE_HZ = 10.0
+WIDTHS = (16, 4096)
+
+
+@dataclass(frozen=True)
+class Stream:
+    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: the camera's own."""
+
+    enabled: bool = True
+    rate_hz: float = RATE_HZ
+    width: int = 0
+    quality: int = 80
+
+    def is_due(self, slot: int) -> bool:
+        """Return whether the picture of a period of 1 / RATE_HZ is to be sent."""
+        share = self.rate_hz / RATE_HZ
+        return self.enabled and int(slot * share + 1e-6) != int((slot - 1) * share + 1e-6)
+
+
+class Picture(NamedTuple):
+    """A frame, its JPEG, and the stream's settings when it was taken."""
+
+    frame: Frame
+    jpeg: bytes
+    stream: Stream
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    slot: int
+    picture: Future[Picture]
+    is_first: bool
+
+
+class Pictures:
+    """The last two pictures of each camera, and how each is streamed.
+
+    Simulated time is cut into periods of 1 / RATE_HZ. The first reading in a period begins the picture of that moment,
+    on a thread of its own; readings in the next period get it. So the steps do not wait for a picture that takes less
+    than a period, and what is read does not depend on how long it takes. The first picture is waited for.
+    """
+
+    def __init__(self) -> None:
+        self._streams: dict[str, Stream] = {}
+        self._jobs: dict[str, list[_Job]] = {}
+        self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
+
+    def stream(self, name: str) -> Stream:
+        """Return a camera's settings."""
+        return self._streams.get(name, Stream())
+
+    def set_stream(self, name: str, stream: Stream) -> None:
+        """Change a camera's settings, from the next picture on."""
+        self._streams[name] = stream
+
+    def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
+        """Return the picture of the last period, or None if none was due."""
+        stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
+        jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
+        is_first = not jobs or slot - jobs[-1].slot > 1 + RATE_HZ / stream.rate_hz
+        if (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot):
+            jobs = [*jobs[-1:], self._begin(slot, camera, stream, is_first)]
+        self._jobs[name] = jobs
+        for job in jobs:
+            if job.slot == slot - 1 or (job.slot == slot and job.is_first):
+                return job.picture.result()
+        return None
+
+    def _begin(self, slot: int, camera: Camera, stream: Stream, is_first: bool) -> _Job:
+        snapshot = camera.snapshot()
+
+        def take() -> Picture:
+            frame = camera.capture(at=snapshot)
+            return Picture(frame, _jpeg(frame, stream), stream)
+
+        return _Job(slot, self._worker.submit(take), is_first)
+
+
+def _jpeg(frame: Frame, stream: Stream) -> bytes:
+    if not stream.width:
+        return frame.jpeg(stream.quality)
+    from PIL import Image
+
+    height, width = frame.rgb.shape[:2]
+    small = Image.fromarray(frame.rgb).resize((stream.width, max(1, round(height * stream.width / width))))
+    data = io.BytesIO()
+    small.save(data, "JPEG", quality=stream.quality)
+    return data.getvalue()

@@ -1,0 +1,60 @@
+"""The newest ping of a vehicle, as a real head delivers it: one travel time of sound after the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.channels.source import Source
+from uwsim.simulator import Simulator
+
+SLOT_S = 0.02
+"""Pings fall on readings at 50 Hz, so that poses that are said at 50 Hz are those of the pings."""
+
+
+@dataclass(frozen=True, eq=False)
+class TakenPing:
+    """A ping, and where the vehicle was: odom_from_body, odom_from_sonar (4, 4)."""
+
+    ping: _core.Ping
+    odom_from_body: NDArray[np.float64]
+    odom_from_sonar: NDArray[np.float64]
+
+
+class Pings:
+    """The pings of a vehicle's multibeam, interval_s apart: a multiple of SLOT_S, at least the travel time of sound.
+
+    Everybody who reads at one time gets the same ping; without readers none is computed.
+    """
+
+    def __init__(self, source: Source, sim: Simulator) -> None:
+        self.source = source
+        self.model = source.of(sim).sonar.model
+        slots = math.ceil(1.0 / source.of(sim).sonar.ping_rate_max_hz / SLOT_S - 1e-9)
+        self.interval_s = max(slots, 1) * SLOT_S
+        self._interval_ns = round(self.interval_s * 1e9)
+        self._newest: TakenPing | None = None
+
+    @property
+    def rate_hz(self) -> float:
+        """Pings per second."""
+        return 1.0 / self.interval_s
+
+    def newest(self, sim: Simulator) -> TakenPing:
+        """Return the newest ping; ping now if the interval since the last has begun anew, or time has gone back."""
+        now_ns, last = sim.time_ns, self._newest
+        if last is None or now_ns < last.ping.time_ns or self._interval(now_ns) != self._interval(last.ping.time_ns):
+            vehicle = self.source.of(sim)
+            ping = vehicle.sonar.ping()
+            poses = [np.array(vehicle.pose.world_from_body), np.array(ping.world_from_sonar)]
+            for pose in poses:
+                pose[:3, 3] += self.source.origin_m
+            self._newest = last = TakenPing(ping, *poses)
+        return last
+
+    def _interval(self, time_ns: int) -> int:
+        return time_ns // self._interval_ns

@@ -1,0 +1,209 @@
+"""The wire of the paper's own simulator: what it says and hears, as its nodes expect it.
+
+Numbers in its strings are C#'s: up to seven significant digits, each number followed by the letter a.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from uwsim import ranging
+from uwsim.channels import build
+from uwsim.channels.cameras import jpeg_message
+from uwsim.channels.channel import Channel
+from uwsim.channels.pictures import RATE_HZ, Pictures
+from uwsim.channels.pings import Pings
+from uwsim.channels.source import Source
+from uwsim.channels.steering import Steering
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+
+POSE_HZ = 50.0
+PANEL_HZ = 10.0
+SLOW_HZ = 1.0
+TEXT, POSE, PICTURE = "std_msgs/msg/String", "geometry_msgs/msg/Pose", "sensor_msgs/msg/CompressedImage"
+TILT_LIMIT_RAD = 0.5 * math.pi
+
+
+def csharp_number(value: float) -> str:
+    """Write a float32 as C# does by default: "12.31", "1E-05", "Infinity"."""
+    single = float(np.float32(value))
+    if math.isinf(single):
+        return "Infinity" if single > 0 else "-Infinity"
+    return f"{single:.7g}".replace("e", "E")
+
+
+def join(values: Iterable[float]) -> str:
+    """Write the numbers, each followed by the letter a."""
+    return "".join(csharp_number(value) + "a" for value in values)
+
+
+def state_text(sim: Simulator, source: Source) -> str:
+    """Return `stateData`: the nine values of the panel; an infinite distance is "Infinity"."""
+    panel = source.of(sim).telemetry()
+    return join(
+        [
+            panel.speed_m_s,
+            panel.angular_speed_rad_s,
+            panel.temperature_deg_c,
+            1e-3 * panel.pressure_pa,
+            panel.depth_m,
+            panel.distance_to_station_m,
+            panel.distance_to_seabed_m,
+            panel.mission_time_s,
+            panel.battery_percent,
+        ]
+    )
+
+
+def published_channels(
+    source: Source, sim: Simulator, pings: Pings | None, pictures: Pictures, steering: Steering
+) -> list[Channel]:
+    """Return the published topics of a vehicle. depthArray needs one of the wire's four sonar models."""
+    topic, vehicle = source.topic, source.of(sim)
+    found = [
+        Channel(
+            topic("propPos"), POSE, "out", "pose, odom -> base_footprint", rate_hz=POSE_HZ, over_link=True,
+            frame_id=source.frame("odom"),
+            read=lambda sim: build.pose(source.position_odom_m(sim), source.of(sim).pose.orientation_xyzw),
+        ),
+        Channel(
+            topic("stateData"), TEXT, "out",
+            "speed [m/s], angular speed [rad/s], temperature [deg C], pressure [kPa], depth [m], distances to station "
+            "and seabed [m], mission time [s], battery [%], each followed by a",
+            rate_hz=PANEL_HZ, over_link=True, read=lambda sim: build.text(state_text(sim, source)),
+        ),
+        Channel(
+            topic("key"), POSE, "in",
+            "efforts, saturating at +-1: position surge, sway (starboard), heave; orientation x, y, z pitch, roll, yaw "
+            "(starboard); w: 1 release, 2/3 front light off/on, 4/5 down light off/on, 6/7/8 tilt down/hold/up",
+            over_link=True, apply=lambda live, message: apply_key(live, source, steering, message),
+        ),
+    ]  # fmt: skip
+    if "proximity_port" in vehicle.sensors:
+        found.append(
+            Channel(
+                topic("proximitySensor"), TEXT, "out", "distance to port [m], 10 at most", rate_hz=PANEL_HZ,
+                over_link=True,
+                read=lambda sim: build.text(csharp_number(_number(source.of(sim).sensors["proximity_port"].read()))),
+            )
+        )  # fmt: skip
+    if pings is not None:
+        found += _sonar_channels(source, pings)
+    return found + _picture_channels(source, sim, pictures)
+
+
+def _number(value: Any) -> float:
+    return float(value)
+
+
+def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
+    topic, model = source.topic, pings.model
+    fov_deg = math.degrees(model.field_of_view_rad)
+    found = [
+        Channel(
+            topic("scanPos"), POSE, "out", "the sonar's head, base_footprint -> base_scan", rate_hz=POSE_HZ,
+            frame_id=source.frame("base_footprint"), over_link=True,
+            read=lambda sim: build.pose(source.scan_mount_m, build.tilt_xyzw(source.of(sim).sonar.elevation_rad)),
+        ),
+        Channel(
+            topic("hFOV"), TEXT, "out", "the sonar's field of view [deg]", rate_hz=SLOW_HZ, latched=True,
+            over_link=True, read=lambda sim: build.text(csharp_number(fov_deg)),
+        ),
+    ]  # fmt: skip
+    if model.number not in ranging.MODELS:
+        return found
+    return [
+        *found,
+        Channel(
+            topic("modelTrigger"), TEXT, "out", "the sonar's model, 1 to 4", rate_hz=SLOW_HZ, latched=True,
+            over_link=True, read=lambda sim: build.text(str(model.number)),
+        ),
+        Channel(
+            topic("depthArray"), TEXT, "out", "every beam's range [m], each followed by a; once for each ping",
+            rate_hz=pings.rate_hz, over_link=True,
+            read=lambda sim: build.text(ranging.encode_depth_string(pings.newest(sim).ping.ranges_m, model)),
+        ),
+    ]  # fmt: skip
+
+
+def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> list[Channel]:
+    found = []
+    cameras = list(source.of(sim).cameras)
+    if cameras:
+        found.append(
+            Channel(
+                source.topic("images/compressed"), PICTURE, "out",
+                "the vehicle's cameras in turn, told apart by frame_id", rate_hz=RATE_HZ * len(cameras),
+                over_link=True, read=lambda sim: _next_picture(source, pictures, cameras, sim),
+            )
+        )  # fmt: skip
+    return found
+
+
+def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
+    """Return the published picture of the station's first camera."""
+    if not sim.cameras:
+        return []
+    name = next(iter(sim.cameras))
+    frame_id = f"{name}_optical"
+
+    def read(sim: Simulator) -> Any:
+        picture = pictures.read(sim, name, sim.cameras[name])
+        return None if picture is None else jpeg_message(picture, frame_id)
+
+    return [
+        Channel(
+            "image/compressed", PICTURE, "out", "the station's camera", rate_hz=RATE_HZ, frame_id=frame_id, read=read
+        )
+    ]
+
+
+def _next_picture(source: Source, pictures: Pictures, cameras: Sequence[str], sim: Simulator) -> Any:
+    turn = int(sim.time_ns * RATE_HZ * len(cameras) // 1_000_000_000) % len(cameras)
+    name = cameras[turn]
+    picture = pictures.read(sim, source.topic(name), source.of(sim).cameras[name])
+    return None if picture is None else jpeg_message(picture, source.frame(f"{name}_optical"))
+
+
+def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: Any) -> None:
+    """Command what a published `key` message says. Raises ValueError, commanding nothing."""
+    linear, angular = message.position, message.orientation
+    efforts = {
+        "surge": linear.x, "sway": -linear.y, "heave": linear.z,
+        "pitch": angular.x, "roll": angular.y, "yaw": -angular.z,
+    }  # fmt: skip
+    for axis, effort in efforts.items():
+        if math.isnan(effort):
+            raise ValueError(f"key: {axis} effort = {effort}: must be a number")
+    functions = _functions(live, source)
+    if angular.w not in (0, *functions):
+        raise ValueError(f"key: orientation.w = {angular.w:g}: must be a function, 0 to {len(functions)}")
+    saturated = {axis: min(max(float(effort), -1.0), 1.0) for axis, effort in efforts.items()}
+    steering.give(live, "set_effort", **saturated)
+    if angular.w:
+        name, arguments = functions[int(angular.w)]
+        if name:
+            steering.ask(live, name, **arguments)
+
+
+def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:
+    """Return the command of each function; "" where the vehicle has no such part: the keyboard has no such key."""
+    vehicle = source.of(live.simulator)
+
+    def lamp(name: str, on: bool) -> tuple[str, dict[str, Any]]:
+        return ("set_lamp", {"lamp": name, "on": on}) if name in vehicle.lamps else ("", {})
+
+    def aim(elevation_rad: float) -> tuple[str, dict[str, Any]]:
+        return ("aim", {"elevation_rad": elevation_rad}) if source.has_sonar else ("", {})
+
+    return {
+        1: ("release", {}),
+        2: lamp("front", False), 3: lamp("front", True), 4: lamp("down", False), 5: lamp("down", True),
+        6: aim(-TILT_LIMIT_RAD), 7: aim(vehicle.sonar.elevation_rad if source.has_sonar else 0.0),
+        8: aim(TILT_LIMIT_RAD),
+    }  # fmt: skip

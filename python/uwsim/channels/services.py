@@ -1,0 +1,151 @@
+"""What can be asked of a vehicle and of the simulator itself; each answers {"success": ..., "message": ...}."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from uwsim.channels.channel import Service
+from uwsim.channels.map import PingMap
+from uwsim.channels.pictures import RATE_HZ, WIDTHS, Pictures, Stream
+from uwsim.channels.source import Source
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+
+TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
+Request = dict[str, Any]
+STEPS_MAX = 1_000_000
+
+
+def simulation_services() -> list[Service]:
+    """Return the services of the simulator itself."""
+    return [
+        Service("simulation/pause", TRIGGER, _done(lambda live, request: live.pause()), "stand still"),
+        Service("simulation/resume", TRIGGER, _done(lambda live, request: live.resume()), "run again"),
+        Service("simulation/reset", TRIGGER, _done(lambda live, request: live.reset()), "go to the start"),
+        Service(
+            "simulation/step", "uwsim_msgs/srv/Step", _done(_step), "make request.steps steps while paused"
+        ),
+        Service(
+            "simulation/set_speed", "uwsim_msgs/srv/SetSpeed", _done(_set_speed),
+            'run at request.speed simulated seconds per second; 0 stands for "max"',
+        ),
+        Service("simulation/pace", "uwsim_msgs/srv/Pace", _pace, "the pace that is asked for and how well it is held"),
+    ]  # fmt: skip
+
+
+def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_map: PingMap | None) -> list[Service]:
+    """Return the services of a vehicle."""
+    name, vehicle = source.name, source.of(sim)
+    found = [
+        Service(
+            source.topic("release"), TRIGGER,
+            _done(lambda live, request: live.command("release", vehicle=name).result()), "leave the station",
+        )
+    ]  # fmt: skip
+    for lamp in vehicle.lamps:
+        found.append(Service(source.topic(f"lights/{lamp}"), SET_BOOL, _done(_lamp(name, lamp)), "switch the lamps"))
+    for camera in vehicle.cameras:
+        found.append(stream_service(source.prefix, camera, source.topic(camera), pictures))
+    if ping_map is not None:
+        found.append(
+            Service(
+                source.topic("save_map"), "uwsim_msgs/srv/SaveMap", _done(_save_map(ping_map)),
+                "write the map to request.name, NAME.bt, in the folder where the simulator was started",
+            )
+        )  # fmt: skip
+    return found
+
+
+def stream_service(prefix: str, camera: str, key: str, pictures: Pictures) -> Service:
+    """Return the service that sets how a camera's pictures are sent."""
+    return Service(
+        f"{prefix}camera/{camera}/set_stream", "uwsim_msgs/srv/SetStream", _done(_set_stream(key, pictures)),
+        f"set enabled, rate_hz (at most {RATE_HZ:g}), width [pixels, 0: its own] and JPEG quality; "
+        "what is not given stays",
+    )  # fmt: skip
+
+
+def _done(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveSimulator, Request], Request]:
+    """Return a service that acts and says whether it could."""
+
+    def call(live: LiveSimulator, request: Request) -> Request:
+        try:
+            message = act(live, request)
+        except (ValueError, OSError) as error:
+            return {"success": False, "message": str(error)}
+        return {"success": True, "message": message if isinstance(message, str) else ""}
+
+    return call
+
+
+def _lamp(vehicle: str, lamp: str) -> Callable[[LiveSimulator, Request], object]:
+    def switch(live: LiveSimulator, request: Request) -> object:
+        return live.command("set_lamp", vehicle=vehicle, lamp=lamp, on=_field(request, "data", bool, None)).result()
+
+    return switch
+
+
+def _step(live: LiveSimulator, request: Request) -> None:
+    steps = _field(request, "steps", int, 1)
+    if not 0 <= steps <= STEPS_MAX:
+        raise ValueError(f"steps = {steps}: must be in [0, {STEPS_MAX}]")
+    live.step(steps)
+
+
+def _set_speed(live: LiveSimulator, request: Request) -> None:
+    live.speed = _field(request, "speed", float, None) or "max"
+
+
+def _pace(live: LiveSimulator, request: Request) -> Request:
+    return {
+        "speed": 0.0 if live.speed == "max" else live.speed,
+        "factor": live.factor,
+        "lateness_s": live.lateness,
+        "slipped_s": live.slipped_s,
+        "paused": live.paused,
+        "error": str(live.error or ""),
+    }
+
+
+def _save_map(ping_map: PingMap) -> Callable[[LiveSimulator, Request], str]:
+    def save(live: LiveSimulator, request: Request) -> str:
+        name: str = _field(request, "name", str, "map.bt")
+        if Path(name).name != name or Path(name).suffix != ".bt" or name.startswith("."):
+            raise ValueError(f"name = {name!r}: must be the name of a .bt file, without a folder")
+        ping_map.write(Path(name))
+        return name
+
+    return save
+
+
+def _set_stream(key: str, pictures: Pictures) -> Callable[[LiveSimulator, Request], None]:
+    def set_stream(live: LiveSimulator, request: Request) -> None:
+        stream = pictures.stream(key)
+        enabled = _field(request, "enabled", bool, stream.enabled)
+        rate_hz = _field(request, "rate_hz", float, stream.rate_hz)
+        width, quality = _field(request, "width", int, stream.width), _field(request, "quality", int, stream.quality)
+        _require(0.01 <= rate_hz <= RATE_HZ, "rate_hz", rate_hz, f"must be in [0.01, {RATE_HZ:g}]")
+        _require(width == 0 or WIDTHS[0] <= width <= WIDTHS[1], "width", width, f"must be 0 or in {list(WIDTHS)}")
+        _require(1 <= quality <= 100, "quality", quality, "must be in [1, 100]")
+        pictures.set_stream(key, Stream(enabled, rate_hz, width, quality))
+
+    return set_stream
+
+
+def _require(holds: bool, name: str, value: object, rule: str) -> None:
+    if not holds:
+        raise ValueError(f"{name} = {value}: {rule}")
+
+
+def _field(request: Request, name: str, kind: type, default: Any) -> Any:
+    """Return a field of a request, checked. Raises ValueError."""
+    value = request.get(name, default)
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if kind is int and isinstance(value, float) and value.is_integer():
+        value = int(value)  # JavaScript knows only floats
+    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+        raise ValueError(f"{name} = {value!r}: must be given, as {kind.__name__}")
+    return value

@@ -1,0 +1,58 @@
+"""A vehicle as its channels know it: what its topics and frames are called, and where its odometry starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.simulator import Simulator
+from uwsim.vehicle import Vehicle
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A vehicle. prefix: of its topics and frames: "" when it is alone, else "NAME/".
+
+    Frames: world -> odom -> base_footprint -> base_link -> base_scan. odom is fixed in the world; the world's origin
+    is at origin_m (3,) in it. base_footprint and base_link are the body's frame, base_scan turns with the head.
+    """
+
+    entry: VehicleEntry
+    prefix: str
+    origin_m: Vector
+
+    @property
+    def name(self) -> str:
+        """The vehicle's name."""
+        return self.entry.name
+
+    def of(self, sim: Simulator) -> Vehicle:
+        """Return the vehicle itself."""
+        return sim.vehicles[self.entry.name]
+
+    def topic(self, name: str) -> str:
+        """Return the full name of a topic, service or frame."""
+        return self.prefix + name
+
+    frame = topic
+
+    def position_odom_m(self, sim: Simulator) -> Vector:
+        """Return the vehicle's position in odom, (3,)."""
+        return self.of(sim).pose.position_world_m + self.origin_m
+
+    @property
+    def scan_mount_m(self) -> tuple[float, float, float]:
+        """The position of the sonar's head on the body."""
+        mount = self.entry.model.sonar
+        assert mount is not None
+        return mount.position_m
+
+    @property
+    def has_sonar(self) -> bool:
+        """Whether the vehicle carries a multibeam."""
+        return self.entry.model.sonar is not None

@@ -1,0 +1,65 @@
+"""Commands of a vehicle that come as messages: one way of steering at a time, and /cmd_vel's control loop."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from concurrent.futures import Future
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels.source import Source
+from uwsim.control.velocity_hold import VelocityHold
+from uwsim.live import LiveSimulator, Subscription
+
+CONTROL_S = 0.05
+
+logger = logging.getLogger("uwsim.channels")
+
+
+class Steering:
+    """What steers a vehicle: the last effort, wrench or thruster command, or a velocity that is held until the next.
+
+    Commands do not wait for their step; one that fails there is logged.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._lock = threading.Lock()
+        self._loop: Subscription | None = None
+        self._wanted = np.zeros(6)
+
+    def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> None:
+        """Give a command that does not steer."""
+        live.command(name, vehicle=self._source.name, **arguments).add_done_callback(_log_error)
+
+    def give(self, live: LiveSimulator, name: str, **arguments: Any) -> None:
+        """Give a command that steers; a velocity is no longer held."""
+        with self._lock:
+            if self._loop is not None:
+                self._loop.cancel()
+                self._loop = None
+            self.ask(live, name, **arguments)
+
+    def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
+        """Hold a velocity (6,), [m/s] and [rad/s], in body axes, from now on."""
+        with self._lock:
+            self._wanted = velocity_body
+            if self._loop is None or self._loop.cancelled:
+                hold = VelocityHold(live.simulator.vehicles[self._source.name], CONTROL_S)
+                self._loop = live.every(CONTROL_S, lambda sim: hold, lambda hold: self._steer(live, hold))
+
+    def _steer(self, live: LiveSimulator, hold: VelocityHold) -> None:
+        """Set the efforts of one control period, on the simulator's thread."""
+        efforts = hold.efforts(self._wanted)
+        with self._lock:
+            if self._loop is not None:  # no other command has come meanwhile
+                self.ask(live, "set_effort", **efforts)
+
+
+def _log_error(future: Future[Any]) -> None:
+    error = None if future.cancelled() else future.exception()
+    if error is not None:
+        logger.error("a command failed: %s", error)

@@ -1,0 +1,108 @@
+"""The table: every channel and service of a simulator. A new family of channels is one line here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels import frames
+from uwsim.channels.cameras import station_cameras, vehicle_cameras
+from uwsim.channels.channel import Channel, Service
+from uwsim.channels.commands import command_channels
+from uwsim.channels.instruments import sensor_channels
+from uwsim.channels.map import PingMap
+from uwsim.channels.pictures import Pictures
+from uwsim.channels.pings import Pings
+from uwsim.channels.published import published_channels, station_picture
+from uwsim.channels.scans import imaging_channels, scan_channels
+from uwsim.channels.services import simulation_services, stream_service, vehicle_services
+from uwsim.channels.source import Source
+from uwsim.channels.steering import Steering
+from uwsim.simulator import Simulator
+
+Wire = Literal["standard", "published", "both"]
+ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "published": (0.0, 0.0, 75.3)}
+"""Where the world's origin is in odom, by name. published: that world's water surface is at z = 75.3 m."""
+
+
+class Table:
+    """The channels and services of a simulator, which share its newest pings, pictures and map."""
+
+    def __init__(self, sim: Simulator, origin_m: NDArray[np.float64]) -> None:
+        alone = len(sim.scenario.vehicles) == 1
+        self.sources = [Source(entry, "" if alone else f"{entry.name}/", origin_m) for entry in sim.scenario.vehicles]
+        self.pictures = Pictures()
+        self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
+        self.maps = {
+            source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
+        }
+        self.steering = {source.name: Steering(source) for source in self.sources}
+
+    def published(self, sim: Simulator) -> list[Channel]:
+        """Return the wire of the paper's simulator."""
+        found = station_picture(self.pictures, sim)
+        for source in self.sources:
+            pings, steering = self.pings.get(source.name), self.steering[source.name]
+            found += published_channels(source, sim, pings, self.pictures, steering)
+        return found
+
+    def standard(self, sim: Simulator) -> list[Channel]:
+        """Return ROS's usual topics."""
+        found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
+        for source in self.sources:
+            found += frames.vehicle_channels(source)
+            found += sensor_channels(source, sim)
+            found += vehicle_cameras(source, sim, self.pictures)
+            found += imaging_channels(source, sim)
+            found += command_channels(source, sim, self.steering[source.name])
+            if source.name in self.pings:
+                found += scan_channels(source, self.pings[source.name])
+                found.append(self.maps[source.name].channel())
+        return found
+
+    def services(self, sim: Simulator) -> list[Service]:
+        """Return all services."""
+        found = simulation_services()
+        found += [stream_service("", name, name, self.pictures) for name in sim.cameras]
+        for source in self.sources:
+            found += vehicle_services(source, sim, self.pictures, self.maps.get(source.name))
+        return found
+
+
+_TABLES: WeakKeyDictionary[Simulator, Table] = WeakKeyDictionary()
+
+
+def channels(sim: Simulator, *, wire: Wire = "both", origin: str | Sequence[float] = "world") -> list[Channel]:
+    """Return everything that a simulator's vehicles say and hear; see the Channel.
+
+    wire: "published" is that of the paper's simulator, "standard" ROS's usual topics. origin: where the world's origin
+    is in the odom frame, (3,) [m], or a name in ORIGINS. A scenario with several vehicles has their names before topics
+    and frames. Raises ValueError.
+    """
+    if wire not in ("standard", "published", "both"):
+        raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
+    table = _TABLES[sim] = Table(sim, _origin_m(origin))
+    found = table.published(sim) if wire != "standard" else []
+    return found + (table.standard(sim) if wire != "published" else [])
+
+
+def services(sim: Simulator) -> list[Service]:
+    """Return everything that can be asked of a simulator. Those of maps and cameras act on its last `channels`."""
+    if sim not in _TABLES:
+        _TABLES[sim] = Table(sim, _origin_m("world"))
+    return _TABLES[sim].services(sim)
+
+
+def _origin_m(origin: str | Sequence[float]) -> NDArray[np.float64]:
+    if isinstance(origin, str):
+        if origin not in ORIGINS:
+            raise ValueError(f"origin = {origin!r}: must be (x, y, z) in metres or one of {', '.join(ORIGINS)}")
+        return np.array(ORIGINS[origin])
+    position = np.asarray(origin, np.float64)
+    if position.shape != (3,) or not np.isfinite(position).all():
+        raise ValueError(f"origin = {origin!r}: must be (x, y, z) in metres or one of {', '.join(ORIGINS)}")
+    return position

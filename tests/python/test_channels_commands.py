@@ -1,0 +1,134 @@
+"""Standard commands and services of the table do what they say, or say why not."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from channel_tools import table
+from uwsim.channels import build, services
+from uwsim.live import LiveSimulator
+from uwsim.mapping import OccupancyMap
+
+
+@pytest.fixture
+def live() -> Iterator[LiveSimulator]:
+    with LiveSimulator("pair", speed="max", paused=True) as live:
+        for k, vehicle in enumerate(live.vehicles.values()):
+            vehicle.release()
+            vehicle.place([10.0 * k, 0.0, -6.0])
+        yield live
+
+
+def twist(*values: float) -> Any:
+    return build.message("geometry_msgs/msg/Twist", linear=build.vector(values[:3]), angular=build.vector(values[3:]))
+
+
+def floats(*values: float) -> Any:
+    return build.message("std_msgs/msg/Float64MultiArray", data=np.array(values, np.float64))
+
+
+@pytest.mark.parametrize("name", ["rov", "scout"])
+def test_a_velocity_is_held_and_the_vehicle_stays_level(live: LiveSimulator, name: str) -> None:
+    hear = table(live.simulator)[f"{name}/cmd_vel"].apply
+    hear(live, twist(0.4, 0.0, 0.1, 0.0, 0.0, 0.2))
+    live.step(2000)
+    velocity = live.vehicles[name].velocity
+    np.testing.assert_allclose(velocity.linear_body_m_s, [0.4, 0.0, 0.1], atol=0.06)
+    assert velocity.angular_body_rad_s[2] == pytest.approx(0.2, abs=0.03)
+    assert live.vehicles[name].pose.world_from_body[2, 2] > math.cos(math.radians(10.0))
+    hear(live, twist(*[0.0] * 6))
+    live.step(2000)
+    assert np.linalg.norm(live.vehicles[name].velocity.linear_body_m_s) < 0.05
+
+
+def test_another_command_ends_the_holding_of_a_velocity(live: LiveSimulator) -> None:
+    found = table(live.simulator)
+    found["rov/cmd_vel"].apply(live, twist(0.5, 0, 0, 0, 0, 0))
+    live.step(100)
+    found["rov/key"].apply(live, build.pose((0.0, 0.0, -0.25), (0.0, 0.0, 0.0, 0.0)))
+    live.step(100)
+    np.testing.assert_array_equal(live.vehicles["rov"].effort, [0, 0, -0.25, 0, 0, 0])
+
+
+def test_wrench_and_thruster_commands_arrive(live: LiveSimulator) -> None:
+    found = table(live.simulator)
+    thrusters = list(live.vehicles["scout"].thrusters)
+    found["scout/cmd_thrusters"].apply(live, floats(*np.linspace(-0.5, 0.5, len(thrusters))))
+    live.step(1)
+    commands = [thruster.command for thruster in live.vehicles["scout"].thrusters.values()]
+    np.testing.assert_allclose(commands, np.linspace(-0.5, 0.5, len(thrusters)))
+    wrench = build.message("geometry_msgs/msg/Wrench", force=build.vector((100, 0, 0)), torque=build.vector((0, 0, 5)))
+    found["rov/cmd_wrench"].apply(live, wrench)
+    live.step(100)
+    assert live.vehicles["rov"].velocity.linear_body_m_s[0] > 0.02
+    found["rov/cmd_tilt"].apply(live, build.message("std_msgs/msg/Float64", data=0.05))
+    live.step(2000)
+    assert live.vehicles["rov"].sonar.elevation_rad == pytest.approx(-0.05)
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "rule"),
+    [
+        ("rov/cmd_vel", twist(math.nan, 0, 0, 0, 0, 0), "cmd_vel = .*: must be finite"),
+        ("rov/cmd_vel", twist(1e9, 0, 0, 0, 0, 0), "cmd_vel = .*: must be finite and within 100"),
+        ("scout/cmd_thrusters", floats(0.1), "cmd_thrusters: 1 values: must be"),
+        ("scout/cmd_thrusters", floats(*[1.5] * 8), r"cmd_thrusters: \w+ = 1.5: must be in \[-1, 1\]"),
+        ("rov/cmd_tilt", build.message("std_msgs/msg/Float64", data=9.0), "cmd_tilt = 9.0 rad: must be in"),
+    ],
+)
+def test_what_cannot_be_done_is_refused(live: LiveSimulator, topic: str, message: Any, rule: str) -> None:
+    before = len(live.log)
+    with pytest.raises(ValueError, match=rule):
+        table(live.simulator)[topic].apply(live, message)
+    live.step(20)
+    assert len(live.log) == before
+
+
+def ask(live: LiveSimulator, name: str, /, **request: Any) -> dict[str, Any]:
+    found = {service.name: service for service in services(live.simulator)}
+    return found[name].call(live, request)
+
+
+def test_services_of_the_simulator(live: LiveSimulator) -> None:
+    done = {"success": True, "message": ""}
+    assert ask(live, "simulation/step", steps=7.0) == done
+    assert live.simulator.tick == 7
+    assert ask(live, "simulation/step", steps=-1)["message"].startswith("steps = -1: must be")
+    assert ask(live, "simulation/step", steps=True)["success"] is False
+    assert ask(live, "simulation/set_speed", speed=2) == done
+    assert ask(live, "simulation/resume") == done
+    assert ask(live, "simulation/step")["message"] == "step: the simulator runs; pause it first"
+    pace = ask(live, "simulation/pace")
+    assert (pace["speed"], pace["paused"]) == (2.0, False)
+    assert ask(live, "simulation/pause") == done
+    assert ask(live, "simulation/reset") == done
+    assert live.simulator.tick == 0
+    assert "speed = -1" in ask(live, "simulation/set_speed", speed=-1)["message"]
+
+
+def test_services_of_a_vehicle(live: LiveSimulator) -> None:
+    live.reset()
+    assert not live.vehicles["rov"].released
+    assert ask(live, "rov/release")["success"]
+    assert live.vehicles["rov"].released
+    assert ask(live, "rov/lights/front", data=True)["success"]
+    assert live.vehicles["rov"].lamps["front"].on
+    assert ask(live, "rov/lights/front")["message"] == "data = None: must be given, as bool"
+
+
+def test_the_map_is_saved_where_the_simulator_runs_and_nowhere_else(
+    live: LiveSimulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = table(live.simulator)
+    assert "there is no map yet" in ask(live, "rov/save_map")["message"]
+    found["rov/octomap_binary"].read(live.simulator)
+    assert ask(live, "rov/save_map", name="here.bt") == {"success": True, "message": "here.bt"}
+    assert len(OccupancyMap.read("here.bt").occupied_voxels()) > 0
+    for name in ("../there.bt", "/tmp/there.bt", "here.ot", ".bt", "", 5):
+        assert "name = " in ask(live, "rov/save_map", name=name)["message"]
+    assert [path.name for path in tmp_path.iterdir()] == ["here.bt"]
