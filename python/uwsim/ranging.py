@@ -3,6 +3,7 @@
     text = encode_depth_string(ping.ranges_m, model=2)      the published wire: "12.31a12.3a55a..."
     ranges_m = decode_depth_string(text, model=2)           inf without echo
     scan = to_laser_scan(ranges_m, model=2, stamp_s=12.5)   sensor_msgs/LaserScan's fields
+    scan = reject_outliers(scan)                            in physics mode: false detections
     points_m = to_point_cloud(scan)                         in base_scan: x forward, y left, z up
     points_m = remove_box(transform_points(points_m, body_from_sonar), box_min_m, box_max_m)      self filter
     points_world_m = transform_points(points_m, world_from_body)
@@ -16,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -31,6 +32,9 @@ Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two r
 the wire sends for a beam without echo, and range_limit_m (94.9 or 54.9), above which the decoder reads a value as no
 echo, and which is the LaserScan's range_max.
 """
+
+REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
+"""Of `reject_outliers`, assumed: measured on the valley's physics mode, they keep 99.7 % of the echoes of a gate."""
 
 
 def _no_intensities() -> NDArray[np.float32]:
@@ -112,6 +116,25 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
     As laser_geometry does, a range counts if range_min <= range < range_max.
     """
     return _core.scan_to_points(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+
+
+def reject_outliers(scan: LaserScan) -> LaserScan:
+    """Turn ranges with which too few neighbours agree, such as false detections, into inf: a gate along the swath.
+
+    A neighbour k beams away agrees if the two ranges differ by at most NOISE_M and what a plane met at STEEPEST_RAD
+    makes of k beams: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range stays if
+    AGREEING of its REACH neighbours to either side agree. So an object that AGREEING + 1 beams meet is kept.
+    """
+    ranges = scan.ranges
+    nearby = np.lib.stride_tricks.sliding_window_view(np.pad(ranges, REACH, constant_values=np.inf), 2 * REACH + 1)
+    beams_away = np.abs(np.arange(-REACH, REACH + 1))
+    slope = abs(scan.angle_increment) * math.tan(STEEPEST_RAD)
+    own = ranges[:, None]
+    with np.errstate(invalid="ignore"):  # two beams without echo: inf - inf
+        agrees = np.abs(nearby - own) <= NOISE_M + slope * beams_away * np.minimum(nearby, own)
+    needed = min(AGREEING, (len(ranges) - 1) // 2)
+    kept = agrees.sum(axis=1) > needed  # it agrees with itself
+    return replace(scan, ranges=np.where(kept, ranges, np.float32(np.inf)))
 
 
 def transform_points(points_source_m: ArrayLike, target_from_source: ArrayLike) -> NDArray[np.float32]:

@@ -34,6 +34,13 @@ def survey(
         float | None,
         typer.Option(help="Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit."),
     ] = None,
+    outlier_filter: Annotated[
+        bool | None,
+        typer.Option(
+            "--outlier-filter/--no-outlier-filter",
+            help="Discard ranges with which their neighbours in the swath disagree. Default: in physics mode.",
+        ),
+    ] = None,
     report: Annotated[
         str,
         typer.Option(help="full: report.html and figures; json: summary.json instead; none: map.bt alone, no score."),
@@ -53,6 +60,7 @@ def survey(
         "mission_time_s": mission_time,
         "voxel_m": voxel,
         "engine": engine,
+        "outlier_filter": outlier_filter,
     }
     if resume:
         arguments |= {"scenario": scenario, "verify_map": verify_map or None}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Protocol
 
@@ -49,6 +50,7 @@ def fly_survey(
     reference: OccupancyMap | None = None,
     supervisor: FlightSupervisor | None = None,
     resume: FlightState | None = None,
+    outlier_filter: bool | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end or to Ctrl-C; returns the map and the record in both cases.
 
@@ -57,11 +59,13 @@ def fly_survey(
     decoder; receives each depth string and returns the string that arrives. reference: a second map, which gets every
     scan one by one. supervisor: may save or stop the flight whenever the mission waits. resume: a saved flight to
     continue; `occupancy` and `reference` must be the maps that were saved with it.
+    outlier_filter: see filters_outliers.
     Raises ScenarioError when the scenario has no survey, ValueError when the flight cannot be resumed.
     """
     survey = required_survey(sim.scenario)
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
+    filters = filters_outliers(sim, outlier_filter)
     flight = _Flight(sim, occupancy, reference, supervisor, resume)
     with PingToMap(
         occupancy,
@@ -71,9 +75,10 @@ def fly_survey(
         timer=flight.timer,
         transmit=transmit,
         reference=reference,
+        outlier_filter=filters,
     ) as chain:
         stopped_because = flight.fly(chain, mission, survey, on_progress)
-    return occupancy, flight.record(stopped_because)
+    return occupancy, replace(flight.record(stopped_because), outlier_filter=filters)
 
 
 class _Flight:
@@ -186,6 +191,13 @@ def required_survey(scenario: Scenario) -> Survey:
             f"scenario '{scenario.name}': no survey: give it area_m, altitude_m, line_spacing_m, speed_m_s"
         )
     return scenario.survey
+
+
+def filters_outliers(sim: Simulator, asked: bool | None) -> bool:
+    """Whether outliers are filtered: as asked, else as the scenario says, else in the sonar's physics mode."""
+    if asked is None:
+        asked = required_survey(sim.scenario).outlier_filter
+    return sim.rov.sonar.mode == "physics" if asked is None else asked
 
 
 def _ping_interval_s(sim: Simulator, survey: Survey) -> float:

@@ -42,6 +42,7 @@ class PingToMap:
     With more than one thread the map is filled in parallel to the simulation. Scans are inserted in order, so the
     map's bytes do not depend on the number of threads. transmit: simulates the channel; receives each depth string and
     returns the string that arrives. reference: a second map, which gets every scan one by one, for comparison.
+    outlier_filter: whether ranging.reject_outliers is a link of the chain.
     """
 
     def __init__(
@@ -54,6 +55,7 @@ class PingToMap:
         timer: WallTimer | None = None,
         transmit: Callable[[str], str] | None = None,
         reference: OccupancyMap | None = None,
+        outlier_filter: bool = False,
     ) -> None:
         self.occupancy = occupancy
         self.reference = reference
@@ -61,6 +63,7 @@ class PingToMap:
         self.hull_box = hull_box
         self.timer = timer or WallTimer()
         self._transmit = transmit
+        self._outlier_filter = outlier_filter
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
         self._map_threads = max(1, threads - 1)  # one thread flies
         self._batch: list[Scan] = []
@@ -82,6 +85,8 @@ class PingToMap:
             decoded = ranging.decode_depth_string(text, self.model)
         with self.timer.measure("conversion"):
             scan = ranging.to_laser_scan(decoded, self.model, stamp_s)
+            if self._outlier_filter:
+                scan = ranging.reject_outliers(scan)
             points_sonar = ranging.filter_range(ranging.to_point_cloud(scan), scan.range_min, scan.range_max)
             body_from_sonar = np.linalg.inv(world_from_body) @ world_from_sonar
             points_body = ranging.transform_points(points_sonar, body_from_sonar)

@@ -35,7 +35,8 @@ class SurveyRecord:
     path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
     ping_interval_s: longer than requested where sound takes longer to the maximum range and back. sample_ping: None
     when the survey ended too early for one. stage_wall_s: wall seconds by stage, see wall_time.py. verified: whether
-    the map equals stock OctoMap's byte for byte; None when it was not compared.
+    the map equals stock OctoMap's byte for byte; None when it was not compared. outlier_filter: whether
+    ranging.reject_outliers was in the chain.
     """
 
     scenario_name: str
@@ -59,6 +60,7 @@ class SurveyRecord:
     stage_wall_s: dict[str, float] = field(default_factory=dict)
     ended_early: bool = False
     verified: bool | None = None
+    outlier_filter: bool = False
 
     @property
     def interrupted(self) -> bool:

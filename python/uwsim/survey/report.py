@@ -70,6 +70,7 @@ def _setup(record: SurveyRecord) -> list[tuple[str, str]]:
         ("sonar model", f"{record.sonar_model} ({beams}range {record.range_max_m:g} m)"),
         ("time step", f"{record.step_s * 1000.0:g} ms"),
         ("voxel", f"{record.voxel_m:g} m"),
+        ("outlier filter", "on" if record.outlier_filter else "off"),
         ("threads", str(record.threads)),
         ("ended because", record.stopped_because),
     ]

@@ -24,6 +24,7 @@ class SurveyRequest:
     voxel_m: float
     engine: MapEngine
     verify_map: bool
+    outlier_filter: bool | None = None
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 

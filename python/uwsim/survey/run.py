@@ -15,7 +15,7 @@ from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
-from uwsim.survey.fly import fly_survey, required_survey
+from uwsim.survey.fly import filters_outliers, fly_survey, required_survey
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, write_results
@@ -39,6 +39,7 @@ def run_survey(
     autosave_s: float = AUTOSAVE_S,
     map_memory_mb: float | None = None,
     report: str = "full",
+    outlier_filter: bool | None = None,
 ) -> SurveyRecord:
     """Fly a scenario's survey and write map.bt, report.html and figures into `out`; returns the survey's record.
 
@@ -46,7 +47,7 @@ def run_survey(
     insert every scan into a stock OctoMap map too, and compare the bytes. autosave_s: wall time between saves, from
     which `resume_survey` continues; 0 for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the
     bytes of map.bt do not depend on it. report: "full"; "json" for map.bt and summary.json without report and figures;
-    "none" for map.bt alone, without a score.
+    "none" for map.bt alone, without a score. outlier_filter: replaces the scenario's.
     Raises ScenarioError or ValueError for an error in the scenario or the arguments, OSError for `out`. However the
     flight ends, the map of everything seen until then is written.
     """
@@ -75,6 +76,7 @@ def run_survey(
             voxel_m=survey.voxel_m,
             engine=engine or "bricks",
             verify_map=verify_map,
+            outlier_filter=filters_outliers(sim, outlier_filter),
         )
         occupancy, reference = request.new_map(map_memory_mb), request.new_reference()
     _require_writable(out)
@@ -201,6 +203,7 @@ class _SurveyRun:
                 reference=self.reference,
                 supervisor=autosave,
                 resume=saved.state if saved is not None else None,
+                outlier_filter=self.request.outlier_filter,
             )[1]
 
     def _write_map(self) -> None:

@@ -45,6 +45,7 @@ def flight_values(record: SurveyRecord) -> dict[str, Any]:
         "stage_wall_s": {**record.stage_wall_s, "mission and the rest": record.mission_wall_s},
         "threads": record.threads,
         "step_s": record.step_s,
+        "outlier_filter": record.outlier_filter,
         "ping_interval_s": record.ping_interval_s,
         "range_max_m": record.range_max_m,
         "pings": record.ping_count,

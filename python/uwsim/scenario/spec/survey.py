@@ -18,6 +18,7 @@ class Survey(Model):
 
     area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of
     the lawn-mower's lanes. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
+    outlier_filter: whether ranging.reject_outliers is in the chain; by default in the sonar's physics mode.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]
@@ -27,6 +28,7 @@ class Survey(Model):
     tilt_deg: NoseDown = 30.0
     ping_rate_hz: Annotated[float, InRange(0.1, 50, "Hz")] = 10.0
     voxel_m: Annotated[float, InRange(0.02, 10, "m")] = 0.5
+    outlier_filter: bool | None = None
 
     @model_validator(mode="after")
     def _is_a_polygon_of_some_size(self) -> Survey:
