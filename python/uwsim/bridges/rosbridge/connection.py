@@ -56,7 +56,7 @@ async def _read(connection: ServerConnection, session: Session, limits: Limits) 
 async def _write(connection: ServerConnection, session: Session, wakes: asyncio.Event) -> None:
     loop = asyncio.get_running_loop()
     count = 0
-    while not session.outbox.overflowed:
+    while True:
         frame, delay_s = session.outbox.take()
         if frame is None:
             wakes.clear()
@@ -69,4 +69,3 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
         count += 1
         if count % AT_ONCE == 0:
             await asyncio.sleep(0)
-    await connection.close(1008, "answers are not read")

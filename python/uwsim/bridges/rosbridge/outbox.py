@@ -61,24 +61,26 @@ class Mailbox:
 
 
 class Outbox:
-    """A client's queues. wake is called when there is something to send."""
+    """A client's queues. wake is called when there is something to send, give_up when too many answers wait."""
 
-    def __init__(self, replies: int, clock: Callable[[], float], wake: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self, replies: int, clock: Callable[[], float], wake: Callable[[], None], give_up: Callable[[], None]
+    ) -> None:
         self._limit = replies
         self._clock = clock
         self._replies: deque[Frame] = deque()
         self._mailboxes: dict[Any, Mailbox] = {}
         self._order = 0
-        self.wake = wake
-        self.overflowed = False
+        self._wake = wake
+        self._give_up = give_up
 
     def reply(self, frame: Frame) -> None:
-        """Queue an answer. If too many wait the client asks on and does not read: `overflowed`, to be disconnected."""
+        """Queue an answer. If too many wait, the client asks on and does not read: it is given up."""
         if len(self._replies) >= self._limit:
-            self.overflowed = True
+            self._give_up()
         else:
             self._replies.append(frame)
-        self.wake()
+            self._wake()
 
     def open(self, key: Any, mailbox: Mailbox) -> None:
         """Add a subscription's queue, or replace it."""
@@ -94,7 +96,7 @@ class Outbox:
         if mailbox is not None:
             self._order += 1
             mailbox.put(self._order, sample, self._clock())
-            self.wake()
+            self._wake()
 
     @property
     def lost(self) -> int:

@@ -188,7 +188,15 @@ class RosbridgeServer:
         wakes = asyncio.Event()
         agent = "" if connection.request is None else connection.request.headers.get("User-Agent", "")
         name = f"/client_{next(self._numbers)}"
-        session = Session(self.graph, name, ros=self._ros, agent=agent, limits=self._limits, wake=wakes.set)
+        session = Session(
+            self.graph,
+            name,
+            ros=self._ros,
+            agent=agent,
+            limits=self._limits,
+            wake=wakes.set,
+            give_up=connection.transport.abort,  # a closing handshake would wait behind what is not read
+        )
         self.sessions[name] = session
         try:
             await converse(connection, session, wakes, self._limits)

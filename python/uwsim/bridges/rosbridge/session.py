@@ -25,7 +25,8 @@ LEVELS = ("info", "warning", "error", "none")
 class Session:
     """A client. name: in the graph. agent: its User-Agent. ros: of type names that both generations write alike.
 
-    roslibpy knows neither status (unless it asks by set_level) nor png: both are kept from it.
+    wake: called when the outbox has something to send; give_up: when the client must be disconnected. roslibpy knows
+    neither status (unless it asks by set_level) nor png: both are kept from it.
     """
 
     def __init__(
@@ -38,12 +39,13 @@ class Session:
         limits: Limits | None = None,
         clock: Callable[[], float] = time.monotonic,
         wake: Callable[[], None] = lambda: None,
+        give_up: Callable[[], None] = lambda: None,
     ) -> None:
         self.graph = graph
         self.name = name
         self.ros: Ros = ros
         self.limits = limits or Limits()
-        self.outbox = Outbox(self.limits.replies, clock, wake)
+        self.outbox = Outbox(self.limits.replies, clock, wake, give_up)
         self._is_roslibpy = agent.startswith("AutobahnPython")
         self._level = "none" if self._is_roslibpy else "error"
         self._fragments = Fragments(self.limits)
@@ -53,7 +55,7 @@ class Session:
         self._services: set[str] = set()
         self._numbers = itertools.count(1)
         self._closed = False
-        self._operations: dict[str, Callable[[dict[str, Any]], None]] = {
+        self.operations: dict[str, Callable[[dict[str, Any]], None]] = {
             "advertise": self._advertise,
             "unadvertise": self._unadvertise,
             "publish": self._publish,
@@ -92,9 +94,9 @@ class Session:
             reply(False, f"{self.name}, who offers the service, has left")
 
     def _perform(self, operation: dict[str, Any]) -> None:
-        perform = self._operations.get(operation["op"]) if isinstance(operation.get("op"), str) else None
+        perform = self.operations.get(operation["op"]) if isinstance(operation.get("op"), str) else None
         if perform is None:
-            known = ", ".join(self._operations)
+            known = ", ".join(self.operations)
             raise ValueError(f"op = {operation.get('op')!r:.40}: unknown; there are: {known}")
         if not isinstance(operation.get("id"), str | int | None):
             raise ValueError(f"id = {operation['id']!r:.40}: must be a string")

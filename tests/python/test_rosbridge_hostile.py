@@ -1,0 +1,307 @@
+"""Hostile input: the answer is a status or a closed connection; the server serves on and forgets the client."""
+
+import json
+import logging
+import socket
+import ssl
+import time
+import warnings
+from contextlib import ExitStack
+from datetime import UTC, datetime, timedelta
+
+import cbor2
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect as websocket
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.rosbridge import Limits
+from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.session import Session
+
+PATIENCE_S = 10.0
+QUICK = Limits(connections=40, frame_bytes=100_000, messages_per_s=300, replies=50)
+
+
+@pytest.fixture(scope="module")
+def server():
+    with RosbridgeServer(None, limits=QUICK) as server:
+        yield server
+
+
+def connect(server, **options):
+    return websocket(server.url, compression=None, open_timeout=PATIENCE_S, close_timeout=0.1, **options)
+
+
+def works(client):
+    """Whether the server still answers this client, in order."""
+    client.send('{"op": "call_service", "service": "/rosapi/topics", "id": "still there?"}')
+    while (answer := json.loads(client.recv(PATIENCE_S))).get("id") != "still there?":
+        pass
+    return answer["result"]
+
+
+def until(condition):
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        b"\x00" * 1000,
+        b"GET / HTTP/1.1\r\n\r\n",
+        b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 10_000,
+        b"",
+    ],
+)
+def test_what_is_no_websocket_is_closed(server, damage):
+    with connect(server) as witness, socket.create_connection(("127.0.0.1", server.port)) as stranger:
+        stranger.settimeout(PATIENCE_S)
+        try:
+            stranger.sendall(damage)
+            stranger.shutdown(socket.SHUT_WR)
+            while stranger.recv(4096):
+                pass
+        except ConnectionError:
+            pass  # closed while we still sent
+        assert works(witness)
+
+
+def test_a_disconnect_in_the_middle_of_a_frame(server):
+    before = len(server.sessions)
+    with connect(server) as client:
+        until(lambda: len(server.sessions) > before)
+        client.socket.sendall(b"\x81\xfe\x10\x00mask{")  # announces 4,096 bytes
+        client.socket.shutdown(socket.SHUT_RDWR)
+        until(lambda: len(server.sessions) == before)
+    with connect(server) as witness:
+        assert works(witness)
+
+
+def test_a_huge_frame_closes_the_connection(server):
+    with connect(server) as client, connect(server) as witness:
+        client.send('{"op":"' + "x" * QUICK.frame_bytes + '"}')
+        with pytest.raises(ConnectionClosed) as closed:
+            client.recv(PATIENCE_S)
+        assert closed.value.rcvd.code == 1009
+        assert works(witness)
+
+
+def test_too_many_connections_are_refused_and_room_is_made_by_those_who_leave(server):
+    until(lambda: not server.sessions)
+    with ExitStack() as clients:
+        for _ in range(QUICK.connections):
+            clients.enter_context(connect(server))
+        for _ in range(5):
+            with pytest.raises(InvalidStatus) as refused:
+                connect(server)
+            assert refused.value.response.status_code == 503
+    until(lambda: not server.sessions)
+    with connect(server) as client:
+        assert works(client)
+
+
+def test_a_flood_is_read_slowly(server):
+    with connect(server) as flooder, connect(server) as witness:
+        start_s = time.monotonic()
+        for _ in range(int(QUICK.messages_per_s) + 60):
+            flooder.send('{"op": "status", "msg": "flood"}')
+        assert works(witness) and time.monotonic() - start_s < 1.0
+        assert works(flooder)
+        assert time.monotonic() - start_s > 0.15  # 60 messages beyond the allowance, at 300 a second
+
+
+def test_who_does_not_read_loses_its_own_messages_and_nobody_else_notices(server):
+    subscribe = '{"op": "subscribe", "topic": "/big", "type": "std_msgs/String", "queue_length": 2}'
+    with connect(server) as publisher, connect(server) as reader, connect(server, max_queue=1) as sleeper:
+        for client in (reader, sleeper):
+            client.send(subscribe)
+            assert works(client)
+        publisher.send('{"op": "advertise", "topic": "/big", "type": "std_msgs/String"}')
+        for k in range(200):
+            publisher.send(json.dumps({"op": "publish", "topic": "/big", "msg": {"data": str(k).ljust(90_000)}}))
+            assert json.loads(reader.recv(PATIENCE_S))["msg"]["data"].strip() == str(k)
+        lost = [session.outbox.lost for session in server.sessions.values()]
+        waiting = [len(box.samples) for s in server.sessions.values() for box in s.outbox._mailboxes.values()]
+        assert sorted(lost)[-1] > 0 and sorted(lost)[-2] == 0 and max(waiting) <= 2
+
+
+def test_who_asks_and_does_not_read_is_disconnected(server):
+    with connect(server, max_queue=1) as asker, connect(server) as witness:
+        asker.send('{"op": "set_level", "level": "error"}')
+        question = json.dumps({"op": "call_service", "service": "/nobody", "args": {}, "id": "x" * 90_000})
+        before = len(server.sessions)
+        try:
+            for _ in range(2000):
+                asker.send(question)
+                if len(server.sessions) < before:
+                    break
+        except ConnectionClosed:
+            pass
+        until(lambda: len(server.sessions) < before)
+        assert works(witness)
+
+
+def test_browsers_pages_need_permission():
+    with RosbridgeServer(None, origins=["https://station.example"]) as server:
+        for origin in ("http://localhost:8080", "http://127.0.0.1", "https://station.example", None):
+            with connect(server, origin=origin) as client:
+                assert works(client)
+        for origin in (
+            "https://evil.example",
+            "http://localhost.evil.example",
+            "null",
+            "http://127.0.0.1.evil.example",
+        ):
+            with pytest.raises(InvalidStatus) as refused:
+                connect(server, origin=origin)
+            assert refused.value.response.status_code == 403
+
+
+def test_a_token_is_asked_for():
+    with RosbridgeServer(None, token="a-secret-of-ours") as server:
+        for query, headers in (("?token=a-secret-of-ours", {}), ("", {"Authorization": "Bearer a-secret-of-ours"})):
+            with websocket(f"{server.url}/{query}", additional_headers=headers) as client:
+                assert works(client)
+        for query in ("", "?token=", "?token=wrong", "?token=a-secret-of-our"):
+            with pytest.raises(InvalidStatus) as refused:
+                websocket(f"{server.url}/{query}")
+            assert refused.value.response.status_code == 401
+
+
+def test_tls(tmp_path):
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "localhost")])
+    now = datetime.now(UTC)
+    certificate = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
+        .not_valid_before(now - timedelta(days=1))
+        .not_valid_after(now + timedelta(days=1))
+        .add_extension(x509.SubjectAlternativeName([x509.DNSName("localhost")]), critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    private = (serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
+    (tmp_path / "key.pem").write_bytes(key.private_bytes(*private))
+    (tmp_path / "cert.pem").write_bytes(certificate.public_bytes(serialization.Encoding.PEM))
+    with RosbridgeServer(None, certfile=tmp_path / "cert.pem", keyfile=tmp_path / "key.pem") as server:
+        trusted = ssl.create_default_context(cafile=str(tmp_path / "cert.pem"))
+        with websocket(f"wss://localhost:{server.port}", ssl=trusted) as client:
+            assert works(client)
+    for certfile, keyfile in (("key.pem", "key.pem"), ("nothing.pem", "key.pem")):
+        with pytest.raises((ValueError, OSError), match=certfile):
+            RosbridgeServer(None, certfile=tmp_path / certfile, keyfile=tmp_path / keyfile)
+
+
+def test_wrong_options_are_refused(server):
+    for options, complaint in (
+        ({"port": 70000}, "port = 70000"),
+        ({"token": "short"}, "token: must have 8 to 256"),
+        ({"ros": 3}, "ros = 3: must be 1 or 2"),
+        ({"keyfile": "key.pem"}, "keyfile: give the certfile"),
+        ({"origins": ["station"]}, "origin = 'station'"),
+    ):
+        with pytest.raises(ValueError, match=complaint):
+            RosbridgeServer(None, **options)
+    with pytest.raises(ValueError, match=r"limits.frame_bytes = 0: must be positive"):
+        Limits(frame_bytes=0)
+    with pytest.raises(OSError, match=f"cannot listen on 127.0.0.1:{server.port}"):
+        RosbridgeServer(None, port=server.port).start()
+
+
+def test_listening_beyond_this_machine_is_warned_of():
+    with pytest.warns(UserWarning, match="anyone who reaches this machine can drive the vehicle.*plain text"):
+        RosbridgeServer(None, host="0.0.0.0").start().stop()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        RosbridgeServer(None, host="::1").start().stop()
+
+
+# Fuzz: whatever comes, a session answers or ignores it, foresaw it, and leaves nothing behind.
+
+NAMES = st.sampled_from(["/t", "t", "u", "/rosapi/topics", "service", "", " ", "é"])
+TYPES = st.sampled_from(["std_msgs/String", "std_msgs/msg/UInt8", "sensor_msgs/LaserScan", "nonsense", "a/b"])
+OPS = st.sampled_from([*Session(Graph(), "/one").operations, "png", "auth"])
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.binary(max_size=20),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
+    max_leaves=12,
+)
+FIELDS = {
+    "topic": NAMES,
+    "service": NAMES,
+    "type": TYPES,
+    "id": st.sampled_from(["a", "b", 1]) | st.sampled_from([f"service_request:service:{k}" for k in range(1, 5)]),
+    "msg": st.fixed_dictionaries({"data": VALUES}) | st.fixed_dictionaries({"ranges": st.lists(st.floats())}),
+    "args": VALUES,
+    "values": VALUES,
+    "result": st.booleans(),
+    "compression": st.sampled_from(["none", "cbor", "cbor-raw", "png", "zip"]),
+    "throttle_rate": st.integers(-1, 100),
+    "queue_length": st.integers(-1, 5),
+    "latch": st.booleans(),
+    "level": st.sampled_from(["info", "none", "x"]),
+    "data": st.text(max_size=30),
+    "num": st.integers(-1, 3),
+    "total": st.integers(-1, 3),
+}
+OPERATIONS = st.builds(
+    lambda op, fields, odd: {"op": op} | fields | odd,
+    OPS,
+    st.fixed_dictionaries({}, optional=FIELDS),
+    st.dictionaries(st.sampled_from([*FIELDS, "op"]), VALUES, max_size=1),
+)
+
+
+def as_cbor(operation):
+    return cbor2.dumps(operation)
+
+
+def as_json(operation):
+    return json.dumps(operation, default=lambda value: value.hex())
+
+
+def damaged(frame, at, byte):
+    place = at % max(len(frame), 1)
+    return frame[:place] + (bytes([byte]) if isinstance(frame, bytes) else chr(byte)) + frame[place + 1 :]
+
+
+FRAMES = st.one_of(
+    OPERATIONS.map(as_json),
+    OPERATIONS.map(as_cbor),
+    st.builds(damaged, OPERATIONS.map(as_cbor) | OPERATIONS.map(as_json), st.integers(0, 300), st.integers(0, 255)),
+    st.binary(max_size=60),
+    st.text(max_size=60),
+)
+
+
+@settings(max_examples=100)
+@given(st.lists(st.tuples(st.integers(0, 2), FRAMES), max_size=30))
+def test_fuzz(steps):
+    records = []
+    handler = logging.Handler()
+    handler.emit = records.append
+    logger = logging.getLogger("uwsim.rosbridge")
+    logger.addHandler(handler)
+    graph = Graph()
+    limits = Limits(names=8, replies=20, fragmented_messages=2, open_calls=4)
+    sessions = [Session(graph, f"/{k}", limits=limits) for k in range(3)]
+    try:
+        for k, frame in steps:
+            sessions[k].receive(frame)
+        for session in sessions:
+            while (frame := session.outbox.take()[0]) is not None:
+                answer = json.loads(frame) if isinstance(frame, str) else cbor2.loads(frame)
+                assert answer["op"] in {"publish", "service_response", "call_service", "status", "png"}
+            session.close()
+    finally:
+        logger.removeHandler(handler)
+    assert [record.getMessage() for record in records if record.levelno >= logging.WARNING] == []
+    assert (graph.topics, graph.services, graph.nodes) == ({}, {}, {})

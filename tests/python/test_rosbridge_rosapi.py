@@ -1,0 +1,76 @@
+"""rosapi: what clients may ask about the graph, its types and its parameters."""
+
+import json
+
+import pytest
+
+from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.parameters import Parameters
+from uwsim.bridges.rosbridge.rosapi import offer_rosapi
+from uwsim.bridges.rosbridge.session import Session
+
+
+def send(session, op, **fields):
+    session.receive(json.dumps({"op": op, **fields}))
+    return session
+
+
+@pytest.fixture
+def graph():
+    return Graph()
+
+
+@pytest.fixture
+def ask(graph):
+    """Return a function that calls a service of rosapi and returns its values."""
+    offer_rosapi(graph, Parameters({}), 1, lambda: 12_000_000_034)
+    asker = Session(graph, "/asker")
+
+    def call(query, expected=True, **args):
+        send(asker, "call_service", service=f"/rosapi/{query}", args=args)
+        answer = json.loads(asker.outbox.take()[0])
+        assert answer["result"] is expected
+        return answer["values"]
+
+    return call
+
+
+def test_rosapi_knows_the_graph(ask, graph):
+    send(Session(graph, "/p"), "advertise", topic="t", type="std_msgs/String")
+    other = send(Session(graph, "/s"), "subscribe", topic="t")
+    send(other, "advertise_service", service="go", type="demo/Go")
+    assert ask("topics") == {"topics": ["/t"], "types": ["std_msgs/String"]}
+    assert ask("topic_type", topic="t") == {"type": "std_msgs/String"}
+    assert ask("topics_for_type", type="std_msgs/msg/String") == {"topics": ["/t"]}
+    assert ask("publishers", topic="/t") == {"publishers": ["/p"]}
+    assert ask("subscribers", topic="/t") == {"subscribers": ["/s"]}
+    assert {"/p", "/s", "/rosapi"} <= set(ask("nodes")["nodes"])
+    assert ask("node_details", node="/s") == {"subscribing": ["/t"], "publishing": [], "services": ["/go"]}
+    assert {"/go", "/rosapi/topics"} <= set(ask("services")["services"])
+    assert ask("service_type", service="/go") == {"type": "demo/Go"}
+    assert ask("services_for_type", type="demo/Go") == {"services": ["/go"]}
+    assert ask("get_time") == {"time": {"secs": 12, "nsecs": 34}}
+    assert "string data" in ask("topics_and_raw_types")["typedefs_full_text"][0]
+
+
+def test_rosapi_knows_types(ask):
+    first, *inner = ask("message_details", type="sensor_msgs/LaserScan")["typedefs"]
+    assert first["type"] == "sensor_msgs/LaserScan"
+    assert first["fieldnames"][:2] == ["header", "angle_min"] and first["fieldnames"][-2] == "ranges"
+    assert first["fieldarraylen"][-2:] == [0, 0] and first["fieldarraylen"][0] == -1
+    assert inner[0]["type"] == "std_msgs/Header"
+    (trigger,) = ask("service_response_details", type="std_srvs/Trigger")["typedefs"]
+    assert trigger["fieldnames"] == ["success", "message"]
+    assert "no such message type" in ask("message_details", expected=False, type="demo/Nothing")
+
+
+def test_parameters_are_json_and_a_missing_one_is_null(ask):
+    assert ask("get_param", name="/gain") == {"value": "null"}
+    assert ask("get_param", name="gain", default="2.5") == {"value": "2.5"}
+    ask("set_param", name="/gain", value='{"p": 1.5}')
+    assert json.loads(ask("get_param", name="gain")["value"]) == {"p": 1.5}
+    assert ask("has_param", name="gain") == {"exists": True}
+    assert ask("get_param_names") == {"names": ["/gain"]}
+    assert "not JSON" in ask("set_param", expected=False, name="gain", value="{")
+    ask("delete_param", name="gain")
+    assert ask("get_param_names") == {"names": []}
