@@ -142,7 +142,10 @@ RULES: list[tuple[Rule, str]] = [
     (pragma_once, r"(cpp|tests/cpp)/.*\.h"),
     (file_length, r"(cpp|python|tests|tools|assets)/.*\.(h|cpp|py|pyi|cmake)|tools/\w+|.*CMakeLists\.txt"),
     (only_core_from_uwsim, r"python/uwsim/(?!examples/).*\.py"),
-    (eager_imports, r"python/uwsim/cli/(?!draw_|map_convert|pose_option)\w+\.py"),  # all but what commands import
+    (
+        eager_imports,
+        r"python/uwsim/cli/(?!draw_|map_convert|pose_option|run_live)\w+\.py",
+    ),  # all but what commands import
 ]
 
 

@@ -77,6 +77,8 @@ def test_json_has_no_infinity_and_cbor_has():
     tag = to_plain(message, form="cbor")["ranges"]
     np.testing.assert_array_equal(typed_array(tag), message.ranges)
     assert np.isnan(from_plain(SCAN, {"ranges": [1.5, None]}).ranges[1])
+    assert np.isnan(from_plain(SCAN, {"range_max": None}).range_max)
+    assert from_plain(SCAN, {"header": {"seq": None, "stamp": None, "frame_id": None}}).header.frame_id == ""
 
 
 def test_bytes_are_base64_in_json_and_bytes_in_cbor():

@@ -1,5 +1,5 @@
 """Bridges to the world of ROS: thin users of uwsim.channels, each a folder of its own."""
 
-from uwsim.bridges.rosbridge import RosbridgeServer
+from uwsim.bridges.rosbridge import RosbridgeClient, RosbridgeServer
 
-__all__ = ["RosbridgeServer"]
+__all__ = ["RosbridgeClient", "RosbridgeServer"]

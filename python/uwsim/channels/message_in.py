@@ -1,6 +1,6 @@
 """Plain values, as a client sent them in JSON or CBOR, made a message object: checked field by field.
 
-A missing field, or a null one, gets its default; null among numbers is NaN. An error names the field's path, its value
+A missing field, or a null one, gets its default; but null for a floating-point number is NaN, as it leaves us. An error names the field's path, its value
 and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -75,8 +76,8 @@ def _reader(name: str) -> Reader:
         found = {}
         for key, part in value.items():
             if key in known:
-                attribute, read_value, _ = known[key]
-                if part is not None:
+                attribute, read_value, field = known[key]
+                if part is not None or (field.kind.length is None and field.kind.base.startswith("float")):
                     found[attribute] = read_value(part, f"{path}.{key}")
             elif key not in ignored:
                 rule = f"{name} has no such field; it has: {', '.join(wanted) or 'none'}"
@@ -133,6 +134,8 @@ def _read_bool(value: Any, path: str) -> bool:
 
 
 def _read_float(value: Any, path: str, base: str) -> float:
+    if value is None:
+        return math.nan
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{path} = {shortened(value)}: must be a number ({base})")
     try:

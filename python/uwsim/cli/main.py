@@ -15,11 +15,13 @@ import typer
 
 from uwsim.cli.bench import bench
 from uwsim.cli.camera import camera
+from uwsim.cli.connect import connect
 from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.run_typer import PASS_ON, run_typer
 from uwsim.cli.scenario import scenario
+from uwsim.cli.serve import serve
 from uwsim.cli.sonar import sonar
 from uwsim.cli.survey import survey
 from uwsim.cli.validate import validate
@@ -30,6 +32,8 @@ app = typer.Typer(
     **SETTINGS,
 )
 app.command()(survey)
+app.command()(serve)
+app.command()(connect)
 app.command()(scenario)
 app.command()(sonar)
 app.command()(validate)

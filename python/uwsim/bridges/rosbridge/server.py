@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from http import HTTPStatus
 from pathlib import Path
 from types import TracebackType
@@ -23,9 +23,10 @@ from uwsim.bridges.rosbridge.rosapi import offer_rosapi
 from uwsim.bridges.rosbridge.session import Session
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.bridges.rosbridge.tf_republisher import offer_tf
-from uwsim.channels import Channel, Service
+from uwsim.channels import Channel, Service, channels, services
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import Ros, typestore
+from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 
 STOP_S = 5.0
@@ -42,7 +43,7 @@ class RosbridgeServer:
     port 0 chooses one, see `port`. ros: whose spelling of times and headers a client gets that names its types as both
     generations do ("sensor_msgs/LaserScan"). origins: web pages beyond this
     machine's own that may connect. token: clients must know it: ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for
-    wss. channels, services: the simulator's, see uwsim.channels. Raises ValueError, OSError.
+    wss. wire, origin: which topics, and where odom is: see uwsim.channels. Raises ValueError, OSError.
     """
 
     def __init__(
@@ -57,8 +58,8 @@ class RosbridgeServer:
         certfile: Path | str | None = None,
         keyfile: Path | str | None = None,
         limits: Limits | None = None,
-        channels: Iterable[Channel] = (),
-        services: Iterable[Service] = (),
+        wire: Wire = "both",
+        origin: str | Sequence[float] = "world",
     ) -> None:
         if not 0 <= port <= 65535:
             raise ValueError(f"port = {port}: must be in [0, 65535]")
@@ -72,8 +73,11 @@ class RosbridgeServer:
         self._token = token
         self._tls = admission.tls_context(certfile, keyfile)
         self._limits = limits or Limits()
-        self._channels = list(channels)
-        self._services = list(services)
+        self.channels: list[Channel] = []  # what clients see of the simulator; others may be put here before start
+        self.services: list[Service] = []
+        if live is not None:
+            self.channels = channels(live.simulator, wire=wire, origin=origin)
+            self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
         self._numbers = itertools.count(1)
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -145,7 +149,7 @@ class RosbridgeServer:
             self._port = next(iter(server.sockets)).getsockname()[1]
             node = None
             if self._live is not None:
-                node = SimulatorNode(self._live, self._channels, self._services, self.graph, self._loop)
+                node = SimulatorNode(self._live, self.channels, self.services, self.graph, self._loop)
             offer_rosapi(self.graph, Parameters({"use_sim_time": "true"} if node else {}), self._ros, self._time_ns)
             republisher = offer_tf(self.graph, self._loop)
             ready.set()

@@ -1,0 +1,50 @@
+"""`uwsim connect`: a live simulator joins a ROS graph through a rosbridge_server."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.options import Seed, SonarModel, Threads
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.serve import Origin, Paused, Speed, Wire, parsed_speed
+
+
+def connect(
+    url: Annotated[str, typer.Argument(help="The rosbridge_server, such as ws://localhost:9090.")],
+    scenario: Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")] = "lake",
+    speed: Speed = "1",
+    seed: Seed = None,
+    sonar_model: SonarModel = None,
+    wire: Wire = "published",
+    origin: Origin = "world",
+    ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.")] = 1,
+    paused: Paused = False,
+    threads: Threads = None,
+) -> None:
+    """Run a scenario as a client of somebody's rosbridge_server, as the paper's simulator did. Ctrl-C ends it.
+
+    It connects again whenever the connection is lost. Every topic is sent at its rate: rosbridge does not tell who
+    listens.
+    """
+    import logging
+
+    from uwsim.bridges import RosbridgeClient
+    from uwsim.channels import channels, services
+    from uwsim.cli.run_live import run_until_interrupted, started_text
+    from uwsim.live import LiveSimulator
+    from uwsim.simulator import Simulator
+
+    logging.basicConfig(format="uwsim: %(message)s")
+    logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)
+    if ros not in (1, 2):
+        raise ValueError(f"--ros = {ros}: must be 1 or 2")
+    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
+    said = channels(simulator, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
+    with (
+        LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live,
+        RosbridgeClient(live, url, channels=said, services=services(simulator), ros=ros),  # type: ignore[arg-type]
+    ):
+        typer.echo(f"{scenario} to {url}: {started_text(live)}; Ctrl-C ends it")
+        run_until_interrupted(live)

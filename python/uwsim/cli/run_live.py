@@ -1,0 +1,43 @@
+"""What commands that run a live simulator share: they wait for Ctrl-C, and say when the pace is not held."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+
+import typer
+
+from uwsim.live import LiveSimulator
+
+LOOK_S = 5.0
+SLIP_S = 0.5  # of wall time within LOOK_S that is worth a word
+SWITCH_S = 0.0005
+
+
+def run_until_interrupted(live: LiveSimulator) -> None:
+    """Return at Ctrl-C or SIGTERM. Meanwhile say on stderr when the simulation slips, or fails."""
+    # A thread that computes in Python keeps the others waiting for 5 ms by default, which is a whole step.
+    sys.setswitchinterval(SWITCH_S)
+    interrupted = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: interrupted.set())
+    slipped_s, error = live.slipped_s, None
+    while not interrupted.wait(LOOK_S):
+        if live.error is not None and live.error is not error:
+            typer.echo(f"uwsim: error: the simulation stopped: {live.error}", err=True)
+        error = live.error
+        if live.slipped_s - slipped_s > SLIP_S:
+            typer.echo(
+                f"uwsim: warning: the pace is not held: {live.factor:.2f} of {live.speed}, "
+                f"{live.slipped_s - slipped_s:.1f} s late in the last {LOOK_S:g} s",
+                err=True,
+            )
+        slipped_s = live.slipped_s
+
+
+def started_text(live: LiveSimulator) -> str:
+    """Return how it runs, in words."""
+    if live.paused:
+        return "paused"
+    return "as fast as it can" if live.speed == "max" else f"{live.speed:g} times real time"

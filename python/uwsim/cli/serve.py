@@ -1,0 +1,79 @@
+"""`uwsim serve`: a live simulator that rosbridge clients connect to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from uwsim.cli.options import Seed, SonarModel, Threads
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+
+Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
+Wire = Annotated[
+    str, typer.Option(help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.")
+]
+Origin = Annotated[
+    str, typer.Option(help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m).")
+]
+Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /uwsim/resume begins.")]
+
+
+def serve(
+    scenario: Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")] = "lake",
+    port: Annotated[int, typer.Option(help="Where to listen; 0 chooses a free port.")] = 9090,
+    host: Annotated[str, typer.Option(help="Address to listen on. Others than this machine's own are warned of.")] = (
+        "127.0.0.1"
+    ),
+    speed: Speed = "1",
+    seed: Seed = None,
+    sonar_model: SonarModel = None,
+    wire: Wire = "both",
+    origin: Origin = "world",
+    ros: Annotated[
+        int, typer.Option(help="Whose times and headers clients get that name types like std_msgs/String: 1 or 2.")
+    ] = 1,
+    token: Annotated[str | None, typer.Option(help="Clients must know it: ws://HOST:PORT/?token=TOKEN.")] = None,
+    certfile: Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.")] = None,
+    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.")] = None,
+    page: Annotated[
+        list[str] | None,
+        typer.Option(help="Web page that may connect besides this machine's own, such as https://station.example."),
+    ] = None,
+    paused: Paused = False,
+    threads: Threads = None,
+) -> None:
+    """Run a scenario in real time for rosbridge clients: roslibpy, roslibjs and others, without ROS. Ctrl-C ends it."""
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.cli.run_live import run_until_interrupted, started_text
+    from uwsim.live import LiveSimulator
+    from uwsim.simulator import Simulator
+
+    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
+    with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live:
+        server = RosbridgeServer(
+            live,
+            host=host,
+            port=port,
+            ros=ros,  # type: ignore[arg-type]  # checked there
+            wire=wire,  # type: ignore[arg-type]
+            origin=origin,
+            origins=page or (),
+            token=token,
+            certfile=certfile,
+            keyfile=keyfile,
+        )
+        with server:
+            typer.echo(f"{scenario} at {server.url}: {started_text(live)}; Ctrl-C ends it")
+            run_until_interrupted(live)
+
+
+def parsed_speed(text: str) -> float | Literal["max"]:
+    """Return "max", or the text as a number. Raises ValueError."""
+    if text == "max":
+        return "max"
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"--speed = '{text}': must be a number, or max") from None

@@ -1,0 +1,249 @@
+"""What the rosbridge carries, and what it costs: scans and pictures to many subscribers, and one flat out.
+
+The simulator runs in real time on the lake; its channels here are one true ping of 1,025 beams at 50 Hz and one true
+picture (JPEG) at 10 Hz, taken at the start, so that the network is measured and not the sonar. Subscribers are another
+process; latency is from the reading on the simulator's thread to the decoded message. The pace is the simulator's own
+(`lateness`: the worst delay of a step), with subscribers, and with as many that never read. Flat out, a bare WebSocket
+server that sends the same bytes without any protocol is measured in the same run.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import cbor2
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+from websockets.asyncio.client import connect
+from websockets.asyncio.server import serve
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.rosbridge.encoding import Sample
+from uwsim.channels import Channel, channels
+from uwsim.channels.messages import default_message, to_plain
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+
+console = Console()
+SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
+GOALS = {"scans_per_s": 5000.0}
+SWITCH_S = 0.0005  # as uwsim serve sets it
+
+
+def main(
+    seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 5.0,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+) -> None:
+    """Measure all cases in turn and print them."""
+    sys.setswitchinterval(SWITCH_S)
+    sim = Simulator("lake", sonar_model=4)
+    scan, picture = true_messages(sim)
+    figures: dict[str, Any] = {"load": [], "flat_out": {}}
+    for subscribers, sleepers in ((0, 0), (1, 0), (10, 0), (50, 0), (10, 50)):
+        with console.status(f"{subscribers} subscribers, {sleepers} that do not read"):
+            figures["load"].append(load(sim, scan, picture, subscribers, sleepers, seconds))
+    for name in ("cbor", "cbor-raw", "none"):
+        with console.status(f"flat out, {name}"):
+            figures["flat_out"][name] = flat_out(scan, name, seconds)
+    with console.status("flat out, bare"):
+        figures["flat_out"]["bare"] = asyncio.run(bare(scan, seconds))
+    console.print(load_table(figures["load"]))
+    console.print(flat_out_table(figures["flat_out"]))
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def true_messages(sim: Simulator) -> tuple[Any, Any]:
+    """Return one scan and one picture of the simulator's own channels."""
+    table = {channel.name: channel for channel in channels(sim)}
+    camera = next(channel for channel in table.values() if channel.type == PICTURE)
+    scan, picture = table["scan"].read(sim), None
+    while picture is None:
+        picture = camera.read(sim)
+        sim.advance(0.1)
+    return scan, picture
+
+
+def stamped(message: Any) -> Any:
+    """Return the message with the wall clock's time, by which latency is measured."""
+    copy = default_message(message.__msgtype__)
+    for name in vars(message):
+        setattr(copy, name, getattr(message, name))
+    copy.header = default_message("std_msgs/msg/Header")
+    copy.header.stamp.sec, copy.header.stamp.nanosec = divmod(time.monotonic_ns(), 10**9)
+    return copy
+
+
+def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: int, seconds: float) -> dict[str, Any]:
+    """Run in real time with subscribers of both topics; return what they got and what it cost."""
+    with LiveSimulator(sim, speed=1.0) as live:
+        server = RosbridgeServer(live)
+        server.channels = [
+            Channel("scan", SCAN, "out", "", rate_hz=50.0, read=lambda sim: stamped(scan)),
+            Channel("picture", PICTURE, "out", "", rate_hz=10.0, read=lambda sim: stamped(picture)),
+        ]
+        with server:
+            lazy = child(server.url, "cbor", sleepers, seconds + 60.0, "sleep") if sleepers else None
+            crowd = child(server.url, "cbor", subscribers, seconds, "read") if subscribers else None
+            wait_for(lambda: len(server.sessions) == subscribers + sleepers)
+            time.sleep(0.5)
+            live.forget_delays()
+            cpu_s, wall_s = time.process_time(), time.perf_counter()
+            found = result(crowd) if crowd else time.sleep(seconds) or {}
+            cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
+            lost = sum(session.outbox.lost for session in server.sessions.values())
+            waiting = sum(len(b.samples) for s in server.sessions.values() for b in s.outbox._mailboxes.values())
+            if lazy is not None:
+                lazy.kill()
+                lazy.communicate()
+            return {
+                "subscribers": subscribers,
+                "sleepers": sleepers,
+                "factor": live.factor,
+                "lateness_ms": 1e3 * live.lateness,
+                "cpu_share": cpu_s / wall_s,
+                "lost": lost,
+                "waiting": waiting,
+                **found,
+            }
+
+
+def flat_out(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
+    """Publish scans as fast as one subscriber takes them; each is encoded anew."""
+    with RosbridgeServer(None) as server:
+        process = child(server.url, compression, 1, seconds, "count")
+        wait_for(lambda: server.graph.topics.get("scan") is not None and server.graph.topics["scan"].sinks)
+        assert server._loop is not None
+        cpu_s = time.process_time()
+        pump = asyncio.run_coroutine_threadsafe(publish_on(server, scan), server._loop)
+        found = result(process)
+        cpu_s = time.process_time() - cpu_s
+        pump.cancel()
+        return {**found, "cpu_us": 1e6 * cpu_s / max(found["messages"], 1)}
+
+
+async def publish_on(server: RosbridgeServer, scan: Any) -> None:
+    """Keep the subscriber's queue filled, on the server's own loop."""
+    topic = server.graph.topics["scan"]
+    while server.sessions:
+        (session,) = server.sessions.values()
+        for mailbox in list(session.outbox._mailboxes.values()):
+            for _ in range(90 - len(mailbox.samples)):
+                server.graph.publish(topic, Sample(scan))
+        await asyncio.sleep(0)
+
+
+async def bare(scan: Any, seconds: float) -> dict[str, Any]:
+    """Send the same scan, encoded once, by `websockets` alone."""
+    frame = cbor2.dumps({"op": "publish", "topic": "/scan", "msg": to_plain(scan, 1, "cbor")})
+
+    async def send(connection: Any) -> None:
+        while True:
+            await connection.send(frame)
+
+    async with serve(send, "127.0.0.1", 0, compression=None) as server:
+        port = next(iter(server.sockets)).getsockname()[1]
+        process = child(f"ws://127.0.0.1:{port}", "cbor", 1, seconds, "count")
+        return await asyncio.to_thread(result, process)
+
+
+def child(url: str, compression: str, count: int, seconds: float, mode: str) -> subprocess.Popen[str]:
+    """Start subscribers in a process of their own."""
+    arguments = [sys.executable, __file__, url, compression, str(count), str(seconds), mode]
+    return subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
+
+
+def result(process: subprocess.Popen[str]) -> dict[str, Any]:
+    """Return what subscribers found."""
+    output, _ = process.communicate(timeout=300)
+    found: dict[str, Any] = json.loads(output)
+    return found
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    """Wait until a condition holds, for a minute at most."""
+    deadline_s = time.monotonic() + 60.0
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise TimeoutError("the subscribers did not come")
+        time.sleep(0.01)
+
+
+async def subscribe(url: str, compression: str, count: int, seconds: float, mode: str) -> dict[str, Any]:
+    """Subscribe with `count` clients, which "read" and decode, "count" alone, or "sleep" and never read."""
+    latencies_ms: list[float] = []
+    messages = 0
+
+    async def one() -> None:
+        nonlocal messages
+        async with connect(url, compression=None, max_size=None, max_queue=1 if mode == "sleep" else 16) as connection:
+            for topic, kind in (("/scan", SCAN), ("/picture", PICTURE))[: 1 if mode == "count" else 2]:
+                operation = {"op": "subscribe", "topic": topic, "type": kind, "compression": compression}
+                await connection.send(json.dumps(operation | ({"queue_length": 100} if mode == "count" else {})))
+            if mode == "sleep":
+                await asyncio.sleep(seconds)
+                return
+            await connection.recv()
+            deadline_s = time.monotonic() + seconds
+            async for frame in connection:
+                now_s = time.monotonic()
+                if now_s > deadline_s:
+                    return
+                messages += 1
+                if mode == "read":
+                    stamp = cbor2.loads(frame)["msg"]["header"]["stamp"]
+                    latencies_ms.append(1e3 * (time.monotonic() - stamp["sec"] - 1e-9 * stamp["nanosec"]))
+
+    await asyncio.gather(*(one() for _ in range(count)))
+    found: dict[str, Any] = {"messages": messages, "messages_per_s": messages / seconds}
+    if latencies_ms:
+        found["latency_ms"] = {p: float(np.percentile(latencies_ms, p)) for p in (50, 99)}
+    return found
+
+
+def load_table(cases: list[dict[str, Any]]) -> Table:
+    """Return the table of cases in real time."""
+    table = Table(title="in real time: scans of 1,025 beams at 50 Hz and pictures at 10 Hz, CBOR")
+    columns = ("subscribers", "asleep", "messages/s", "latency p50", "p99 [ms]", "CPU [cores]", "lost", "waiting")
+    for column in (*columns, "pace", "late at worst [ms]"):
+        table.add_column(column, justify="right")
+    for case in cases:
+        latency = case.get("latency_ms")
+        table.add_row(
+            str(case["subscribers"]),
+            str(case["sleepers"]),
+            f"{case.get('messages_per_s', 0.0):.0f}",
+            *([f"{latency[p]:.2f}" for p in (50, 99)] if latency else ["-", "-"]),
+            f"{case['cpu_share']:.2f}",
+            str(case["lost"]),
+            str(case["waiting"]),
+            f"{case['factor']:.3f}",
+            f"{case['lateness_ms']:.2f}",
+        )
+    return table
+
+
+def flat_out_table(cases: dict[str, dict[str, Any]]) -> Table:
+    """Return the table of cases flat out."""
+    table = Table(title=f"flat out to one subscriber (goal: {GOALS['scans_per_s']:.0f} scans/s by CBOR)")
+    for column in ("encoding", "scans/s", "server's CPU [us/scan]", "of bare"):
+        table.add_column(column, justify="right")
+    for name, case in cases.items():
+        share = case["messages_per_s"] / cases["bare"]["messages_per_s"]
+        cost = f"{case['cpu_us']:.0f}" if "cpu_us" in case else "-"
+        table.add_row({"none": "json"}.get(name, name), f"{case['messages_per_s']:.0f}", cost, f"{share:.2f}")
+    return table
+
+
+if __name__ == "__main__":
+    url, compression, count, seconds, mode = sys.argv[1:]
+    print(json.dumps(asyncio.run(subscribe(url, compression, int(count), float(seconds), mode))))
