@@ -1,7 +1,7 @@
 """Plain values, as a client sent them in JSON or CBOR, made a message object: checked field by field.
 
-A missing field, or a null one, gets its default; but null for a floating-point number is NaN, as it leaves us. An error names the field's path, its value
-and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
+A missing field, or a null one, gets its default; but null for a floating-point number is NaN, as it leaves us. An
+error names the field's path, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
 """
 
 from __future__ import annotations

@@ -18,6 +18,7 @@ from uwsim.cli.camera import camera
 from uwsim.cli.connect import connect
 from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
+from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.run_typer import PASS_ON, run_typer
 from uwsim.cli.scenario import scenario
@@ -34,6 +35,7 @@ app = typer.Typer(
 app.command()(survey)
 app.command()(serve)
 app.command()(connect)
+app.command()(nodes)
 app.command()(scenario)
 app.command()(sonar)
 app.command()(validate)

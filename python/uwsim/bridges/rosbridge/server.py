@@ -76,7 +76,9 @@ class RosbridgeServer:
         self.channels: list[Channel] = []  # what clients see of the simulator; others may be put here before start
         self.services: list[Service] = []
         if live is not None:
-            self.channels = channels(live.simulator, wire=wire, origin=origin)
+            if wire == "published":  # clients are told to use simulated time: /clock is there with any wire
+                self.channels = [channel for channel in channels(live.simulator) if channel.name == "clock"]
+            self.channels += channels(live.simulator, wire=wire, origin=origin)
             self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
         self._numbers = itertools.count(1)

@@ -1,0 +1,140 @@
+"""The five nodes of the paper's Fig. 11, each a function that sets its node up; what they compute is uwsim.ranging's.
+
+    depthArray -> string_decoder -> decodedDepth -> scan_publisher -> scan -> laser_to_cloud -> laserPointCloud
+    propPos, scanPos -> tf_broadcaster -> tf;   laserPointCloud, tf -> octomap -> a saved .bt
+
+Strings carry no time: nodes stamp with the newest /clock, which the server sends before the topics of the same step. A
+scan goes out once for each ping. (The paper's published it again at 50 Hz, so that each ping counted several times.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uwsim import ranging
+from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.bridges.nodes.node import Node
+from uwsim.channels.messages import default_message
+from uwsim.channels.scans import cloud
+
+Publish = Callable[[Any], None]
+STRING, FLOATS, POSE = "std_msgs/msg/String", "misc/msg/floatarray", "geometry_msgs/msg/Pose"
+SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
+MODEL = 2  # of the sonar, until modelTrigger says another
+INSERTED = "octomap_node/inserted"
+
+
+class Clock:
+    """The newest simulated time that a node has been told."""
+
+    def __init__(self, node: Node) -> None:
+        self.stamp = default_message("builtin_interfaces/msg/Time")
+        node.subscribe("clock", "rosgraph_msgs/msg/Clock", self._take)
+
+    def _take(self, message: Any) -> None:
+        self.stamp = message.clock
+
+
+class Model:
+    """The sonar's model, as modelTrigger says it."""
+
+    def __init__(self, node: Node) -> None:
+        self.number = MODEL
+        node.subscribe("modelTrigger", STRING, self._take)
+
+    def _take(self, message: Any) -> None:
+        self.number = int(message.data)
+
+
+def decode(message: Any, model: int) -> Any:
+    """Make a decodedDepth of a depthArray. Raises ValueError."""
+    decoded = default_message(FLOATS)
+    decoded.data = ranging.decode_depth_string(message.data, model)
+    return decoded
+
+
+def to_scan(message: Any, model: int, stamp: Any) -> Any:
+    """Make a scan of a decodedDepth."""
+    ranges_m = np.where(np.isnan(message.data), np.float32(np.inf), message.data)
+    made = ranging.to_laser_scan(ranges_m, model)
+    scan = default_message(SCAN)
+    scan.header.stamp, scan.header.frame_id = stamp, made.frame_id
+    for name in ("angle_min", "angle_max", "angle_increment", "scan_time", "range_min", "range_max", "ranges"):
+        setattr(scan, name, getattr(made, name))
+    return scan
+
+
+def to_cloud(scan: Any, model: int) -> Any:
+    """Project a scan, with the angles of the sonar's model: a LaserScan's are rounded to float32."""
+    ranges_m = np.where(np.isnan(scan.ranges), np.float32(np.inf), scan.ranges)
+    stamp_ns = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
+    points = ranging.to_point_cloud(ranging.to_laser_scan(ranges_m, model))
+    return cloud({"xyz": points}, stamp_ns, scan.header.frame_id)
+
+
+def to_transform(pose: Any, stamp: Any, parent: str, child: str) -> Any:
+    """Make a tf message of a pose."""
+    stamped = default_message("geometry_msgs/msg/TransformStamped")
+    stamped.header.stamp, stamped.header.frame_id, stamped.child_frame_id = stamp, parent, child
+    stamped.transform.rotation = pose.orientation
+    for axis in "xyz":
+        setattr(stamped.transform.translation, axis, getattr(pose.position, axis))
+    message = default_message(TF)
+    message.transforms = [stamped]
+    return message
+
+
+def string_decoder(node: Node, out: Path) -> None:
+    """DepthArray -> decodedDepth."""
+    publish, model = node.advertise("decodedDepth", FLOATS), Model(node)
+    node.subscribe("depthArray", STRING, lambda message: publish(decode(message, model.number)))
+
+
+def scan_publisher(node: Node, out: Path) -> None:
+    """DecodedDepth -> scan."""
+    publish, model, clock = node.advertise("scan", SCAN), Model(node), Clock(node)
+    node.subscribe("decodedDepth", FLOATS, lambda message: publish(to_scan(message, model.number, clock.stamp)))
+
+
+def laser_to_cloud(node: Node, out: Path) -> None:
+    """Scan -> laserPointCloud."""
+    publish, model = node.advertise("laserPointCloud", CLOUD), Model(node)
+    node.subscribe("scan", SCAN, lambda message: publish(to_cloud(message, model.number)))
+
+
+def tf_broadcaster(node: Node, out: Path) -> None:
+    """propPos, scanPos -> tf: odom -> base_footprint -> base_scan."""
+    publish, clock = node.advertise("tf", TF), Clock(node)
+
+    def say(parent: str, child: str, pose: Any) -> None:
+        publish(to_transform(pose, clock.stamp, parent, child))
+
+    node.subscribe("propPos", POSE, partial(say, "odom", "base_footprint"))
+    node.subscribe("scanPos", POSE, partial(say, "base_footprint", "base_scan"))
+
+
+def octomap(node: Node, out: Path) -> None:
+    """laserPointCloud, tf -> a map, saved as `out` after each ping that it can place."""
+    builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
+
+    def take(add: Publish, message: Any) -> None:
+        add(message)
+        if builder.insert_ready():
+            builder.write(out)
+            said = default_message("std_msgs/msg/UInt32")
+            said.data = builder.inserted
+            progress(said)
+
+    node.subscribe("tf", TF, partial(take, builder.add_transforms))
+    node.subscribe("laserPointCloud", CLOUD, partial(take, builder.add_cloud))
+
+
+NODES: dict[str, Callable[[Node, Path], None]] = {
+    node.__name__: node for node in (string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap)
+}
+"""Each node by its name: it sets a Node up; the octomap node writes the map to a path."""

@@ -1,0 +1,79 @@
+"""MapBuilder: clouds wait until the transforms of their time are known, then enter the map, in their order."""
+
+from __future__ import annotations
+
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import ranging
+from uwsim.mapping import OccupancyMap
+
+VOXEL_M = 0.2
+CHAIN = (("odom", "base_footprint"), ("base_footprint", "base_scan"))
+REMEMBERED = 500  # transforms of each frame: 10 s at 50 Hz
+WAITING = 200  # clouds
+REACH_M = 95.0
+
+
+class MapBuilder:
+    """A map in odom, with voxels of 0.2 m. inserted: the number of clouds in it."""
+
+    def __init__(self) -> None:
+        self.map = OccupancyMap(VOXEL_M, on_outside="count")
+        self.inserted = 0
+        self._poses: dict[tuple[str, str], deque[tuple[int, NDArray[np.float64]]]] = {
+            link: deque(maxlen=REMEMBERED) for link in CHAIN
+        }
+        self._clouds: deque[Any] = deque(maxlen=WAITING)
+
+    def add_transforms(self, message: Any) -> None:
+        """Remember the transforms of a tf message that lead from odom to the sonar."""
+        for stamped in message.transforms:
+            link = stamped.header.frame_id, stamped.child_frame_id
+            if link in self._poses:
+                self._poses[link].append((_time_ns(stamped.header.stamp), _matrix(stamped.transform)))
+
+    def add_cloud(self, message: Any) -> None:
+        """Remember a cloud."""
+        self._clouds.append(message)
+
+    def insert_ready(self) -> int:
+        """Insert the clouds whose time the transforms have reached; return how many those were."""
+        before = self.inserted
+        while self._clouds and self._known(_time_ns(self._clouds[0].header.stamp)):
+            cloud = self._clouds.popleft()
+            stamp_ns = _time_ns(cloud.header.stamp)
+            odom_from_body, body_from_scan = (self._nearest(link, stamp_ns) for link in CHAIN)
+            odom_from_scan = odom_from_body @ body_from_scan
+            points = np.frombuffer(cloud.data.tobytes(), np.float32).reshape(-1, cloud.point_step // 4)[:, :3]
+            points_odom = ranging.transform_points(np.ascontiguousarray(points), odom_from_scan)
+            self.map.insert_scan(points_odom, odom_from_scan[:3, 3], REACH_M)
+            self.inserted += 1
+        return self.inserted - before
+
+    def write(self, path: Path) -> None:
+        """Write the map."""
+        self.map.write(path)
+
+    def _known(self, stamp_ns: int) -> bool:
+        return all(poses and poses[-1][0] >= stamp_ns for poses in self._poses.values())
+
+    def _nearest(self, link: tuple[str, str], stamp_ns: int) -> NDArray[np.float64]:
+        return min(self._poses[link], key=lambda entry: abs(entry[0] - stamp_ns))[1]
+
+
+def _time_ns(stamp: Any) -> int:
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
+def _matrix(transform: Any) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    moved, turned = transform.translation, transform.rotation
+    matrix[:3, :3] = Rotation.from_quat([turned.x, turned.y, turned.z, turned.w]).as_matrix()
+    matrix[:3, 3] = moved.x, moved.y, moved.z
+    return matrix

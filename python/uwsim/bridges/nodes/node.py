@@ -1,0 +1,78 @@
+"""Node: one process's connection to a rosbridge. It subscribes, publishes and calls back, one message at a time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from uwsim.bridges.rosbridge.encoding import Sample, to_json
+from uwsim.bridges.rosbridge.parse import parse
+from uwsim.channels.messages import from_plain, spelled
+
+QUEUE = 1000  # the chain's messages are few and each counts
+NESTING = 32
+CONNECT_S = 10.0
+FRAME_BYTES = 64 << 20
+
+
+class Node:
+    """A client of a rosbridge server that speaks ROS 1's spelling, as every rosbridge understands it.
+
+    Messages come in CBOR and leave in JSON, which all servers take: there a range without echo, infinite, becomes null
+    and is NaN for whoever reads it, which is no echo as well. Raises OSError if the server cannot be reached.
+    """
+
+    def __init__(self, url: str) -> None:
+        if not url.startswith(("ws://", "wss://")):
+            raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
+        self._connection = connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=1)
+        self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
+
+    def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
+        """Return a function that publishes messages of a type on a topic."""
+        self._send({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": QUEUE})
+        return lambda message: self._connection.send(Sample(message).frame(topic, 1, "none"))
+
+    def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None]) -> None:
+        """Call back with each message of a topic."""
+        self._callbacks[topic] = kind, callback
+        self._send(
+            {"op": "subscribe", "topic": topic, "type": spelled(kind, 1), "compression": "cbor", "queue_length": QUEUE}
+        )
+
+    def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
+        """Call back until the condition holds, which is asked between messages, or the server ends the connection."""
+        while not until():
+            try:
+                frame = self._connection.recv(wait_s)
+            except TimeoutError:
+                continue
+            except ConnectionClosed:
+                return
+            operation = parse(frame, NESTING)
+            if operation.get("op") == "publish" and operation["topic"] in self._callbacks:
+                kind, callback = self._callbacks[operation["topic"]]
+                callback(from_plain(kind, operation["msg"]))
+
+    def close(self) -> None:
+        """Disconnect."""
+        self._connection.close()
+
+    def _send(self, operation: dict[str, Any]) -> None:
+        self._connection.send(to_json(operation))
+
+
+def connect_patiently(url: str, patience_s: float) -> Node:
+    """Return a node, once there is a server. Raises OSError when patience ends."""
+    deadline_s = time.monotonic() + patience_s
+    while True:
+        try:
+            return Node(url)
+        except OSError as error:
+            if time.monotonic() > deadline_s:
+                raise OSError(f"{url}: no rosbridge answers ({error})") from None
+            time.sleep(0.2)

@@ -1,0 +1,119 @@
+"""The paper's chain as processes over rosbridge: the map has the bytes of the chain in one process."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.nodes import NODES
+from uwsim.bridges.nodes.chain import INSERTED, decode, to_cloud, to_scan, to_transform
+from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.channels import channels
+from uwsim.channels.messages import default_message
+from uwsim.cli.nodes import nodes
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+
+PATIENCE_S = 60.0
+UWSIM = Path(sys.executable).with_name("uwsim")
+PINGS = 6
+
+
+def until(condition, processes=()):
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        assert all(process.poll() is None for process in processes)
+        time.sleep(0.01)
+
+
+def interval_steps(sim):
+    rate_hz = next(channel.rate_hz for channel in channels(sim, wire="published") if channel.name == "depthArray")
+    return round(1.0 / rate_hz / sim.step_s)
+
+
+def chain_in_process(path):
+    """Fly as the test does, and pass what the channels say through the nodes' functions."""
+    sim, builder = Simulator("lake"), MapBuilder()
+    table = {channel.name: channel for channel in channels(sim, wire="published")}
+    for ping in range(PINGS):
+        if ping == 1:
+            sim.rov.release()
+            sim.rov.set_effort(surge=1.0, heave=-0.5, yaw=0.5)
+        sim.step(0 if ping == 0 else interval_steps(sim))
+        stamp = default_message("builtin_interfaces/msg/Time")
+        stamp.sec, stamp.nanosec = divmod(sim.time_ns, 10**9)
+        model = sim.rov.sonar.model.number
+        for topic, parent, child in (("propPos", "odom", "base_footprint"), ("scanPos", "base_footprint", "base_scan")):
+            builder.add_transforms(to_transform(table[topic].read(sim), stamp, parent, child))
+        builder.add_cloud(to_cloud(to_scan(decode(table["depthArray"].read(sim), model), model, stamp), model))
+        builder.insert_ready()
+    assert builder.inserted == PINGS
+    builder.write(path)
+
+
+def test_five_processes_make_the_map_of_one(tmp_path):
+    heard = []
+    last = next(iter(NODES))  # with which pings begin to count: the others must be listening
+    with LiveSimulator("lake", paused=True) as live, RosbridgeServer(live, wire="published") as server:
+        topics = server.graph.topics
+        listening = {
+            name: lambda topic=topic: topic in topics and any(owner != "/uwsim" for owner, _ in topics[topic].sinks)
+            for name, topic in {
+                "octomap": "laserPointCloud",
+                "laser_to_cloud": "scan",
+                "scan_publisher": "clock",
+            }.items()
+        }
+        processes = []
+        try:
+            for name in [*reversed(list(NODES))]:
+                arguments = [UWSIM, "nodes", name, "--url", server.url, "--out", tmp_path / "nodes.bt"]
+                if name == last:
+                    until(lambda: all(ready() for ready in listening.values()), processes)
+                    until(lambda: "scanPos" in topics and topics["scanPos"].sinks, processes)
+                    until(lambda: "decodedDepth" in topics and topics["decodedDepth"].sinks, processes)
+                    until(lambda: INSERTED in topics, processes)
+                    server._loop.call_soon_threadsafe(
+                        lambda: server.graph.subscribe(
+                            "/test", 0, INSERTED, None, lambda s: heard.append(s.message.data)
+                        )
+                    )
+                processes.append(subprocess.Popen(arguments, stdout=subprocess.DEVNULL))
+            for ping in range(PINGS):
+                if ping == 1:
+                    live.command("release", vehicle="rov").result()
+                    live.command("set_effort", vehicle="rov", surge=1.0, heave=-0.5, yaw=0.5).result()
+                live.step(0 if ping == 0 else interval_steps(live.simulator))
+                until(lambda ping=ping: heard[-1:] == [ping + 1], processes)
+        finally:
+            for process in processes:
+                process.kill()
+                process.wait()
+    chain_in_process(tmp_path / "chain.bt")
+    assert (tmp_path / "nodes.bt").read_bytes() == (tmp_path / "chain.bt").read_bytes()
+    assert len((tmp_path / "chain.bt").read_bytes()) > 1000
+
+
+def test_clouds_wait_for_the_transforms_of_their_time():
+    builder = MapBuilder()
+    stamp = default_message("builtin_interfaces/msg/Time")
+    stamp.sec = 5
+    scan = to_scan(type("Decoded", (), {"data": np.full(513, 10.0, np.float32)}), 2, stamp)
+    builder.add_cloud(to_cloud(scan, 2))
+    pose = default_message("geometry_msgs/msg/Pose")
+    pose.orientation.w = 1.0
+    for parent, child, expected in (("odom", "base_footprint", 0), ("base_footprint", "base_scan", 1)):
+        builder.add_transforms(to_transform(pose, stamp, parent, child))
+        assert builder.insert_ready() == expected
+
+
+def test_an_unknown_node_and_a_missing_server_are_named():
+    with pytest.raises(ValueError, match="node 'gps': unknown; there are: all, string_decoder"):
+        nodes("gps")
+    with pytest.raises(OSError, match=r"ws://127\.0\.0\.1:9: no rosbridge answers"):
+        nodes("all", url="ws://127.0.0.1:9", patience=0.0)

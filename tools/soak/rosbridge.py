@@ -1,0 +1,135 @@
+"""Soak test: hostile clients at a live rosbridge for ten minutes. Memory, sessions and the pace must end as they began.
+
+    .venv/bin/python tools/soak/rosbridge.py [SECONDS]
+
+Clients connect in waves of up to 1,000, send garbage, valid and damaged operations, floods, unfinished fragments and
+huge frames, subscribe and do not read, and leave at any moment. After each minute one line: resident memory, sessions,
+topics, the simulator's pace. Exit code 1 if memory grew by more than 32 MB after the first minute, or anything was left
+behind.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import json
+import os
+import random
+import sys
+import threading
+import time
+from pathlib import Path
+
+import cbor2
+from websockets.asyncio.client import connect
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
+
+GROWTH_MB = 32.0
+CROWD = 40
+WAVE = 1000
+OPS = [
+    "advertise",
+    "unadvertise",
+    "publish",
+    "subscribe",
+    "unsubscribe",
+    "call_service",
+    "advertise_service",
+    "unadvertise_service",
+    "service_response",
+    "fragment",
+    "set_level",
+    "status",
+]
+TOPICS = ("/scan", "/tf", "/odom", "/key", "/chatter", "/octomap_binary", "/camera/front/image_raw/compressed")
+TYPES = ("std_msgs/String", "sensor_msgs/LaserScan", "geometry_msgs/Pose", "nonsense")
+
+
+def resident_mb() -> float:
+    """Return this process's memory in RAM."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def operation(rng: random.Random) -> dict[str, object]:
+    """Return an operation that may make sense."""
+    fields: dict[str, object] = {"op": rng.choice(OPS), "topic": rng.choice(TOPICS), "type": rng.choice(TYPES)}
+    fields |= {"id": str(rng.randrange(20)), "service": rng.choice(("/rosapi/topics", "/own", "/nobody"))}
+    fields |= {"msg": {"data": "x" * rng.randrange(2000)}, "args": {"a": [rng.random()] * rng.randrange(50)}}
+    fields |= {"data": "x" * rng.randrange(5000), "num": rng.randrange(3), "total": rng.randrange(1, 4)}
+    fields |= {"compression": rng.choice(("none", "cbor", "cbor-raw", "png")), "queue_length": rng.randrange(3)}
+    return {key: value for key, value in fields.items() if key == "op" or rng.random() < 0.8}
+
+
+def frame(rng: random.Random) -> str | bytes:
+    """Return a frame: valid, damaged, or garbage."""
+    kind = rng.randrange(8)
+    if kind == 0:
+        return rng.randbytes(rng.randrange(3000))
+    if kind == 1:
+        return '{"op":' + "[" * rng.randrange(2000)
+    if kind == 2:
+        return "x" * rng.choice((10, 100_000, 3_000_000))
+    data = cbor2.dumps(operation(rng)) if kind < 5 else json.dumps(operation(rng)).encode()
+    if rng.random() < 0.3:
+        data = data[: rng.randrange(len(data))] + rng.randbytes(3)
+    return data if kind < 5 else data.decode(errors="replace")
+
+
+async def attack(url: str, rng: random.Random) -> None:
+    """Be one hostile client, for a short time."""
+    try:
+        async with connect(url, compression=None, max_queue=1, close_timeout=0.1, open_timeout=20) as connection:
+            for _ in range(rng.randrange(60)):
+                await asyncio.wait_for(connection.send(frame(rng)), 2.0)
+                if rng.random() < 0.3:
+                    await asyncio.sleep(rng.random() * 0.05)
+            if rng.random() < 0.3:
+                await asyncio.sleep(rng.random() * 3.0)  # reads nothing
+            if rng.random() < 0.5:
+                connection.transport.abort()
+    except Exception:  # whatever ends a hostile client is fine
+        pass
+
+
+async def besiege(url: str, until_s: float, seed: int) -> None:
+    """Keep a crowd of hostile clients, and now and then a wave."""
+    rng = random.Random(seed)
+    while time.monotonic() < until_s:
+        count = WAVE if rng.random() < 0.02 else CROWD
+        await asyncio.gather(*(attack(url, random.Random(rng.random())) for _ in range(count)))
+
+
+def main() -> int:
+    """Run; return the exit code."""
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 600.0
+    sys.setswitchinterval(0.0005)
+    with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
+        topics = len(server.graph.topics)
+        start_s = time.monotonic()
+        siege = threading.Thread(target=lambda: asyncio.run(besiege(server.url, start_s + seconds, 1)))
+        siege.start()
+        first_mb, said_s = None, start_s
+        while siege.is_alive():
+            siege.join(1.0)
+            if time.monotonic() - said_s >= min(60.0, seconds / 4):
+                said_s = time.monotonic()
+                gc.collect()
+                first_mb = first_mb or resident_mb()
+                print(
+                    f"{said_s - start_s:5.0f} s: {resident_mb():.0f} MB, {len(server.sessions)} sessions, "
+                    f"{len(server.graph.topics)} topics, pace {live.factor:.3f}, late {1e3 * live.lateness:.1f} ms",
+                    flush=True,
+                )
+        time.sleep(5.0)
+        gc.collect()
+        grown_mb = resident_mb() - (first_mb or 0.0)
+        left = len(server.sessions), len(server.graph.topics) - topics
+        print(f"end: {resident_mb():.0f} MB, grown by {grown_mb:.0f}; sessions and topics left: {left}")
+        return int(grown_mb > GROWTH_MB or left != (0, 0) or live.error is not None)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
