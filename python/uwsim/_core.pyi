@@ -63,10 +63,10 @@ __all__: list[str] = [
     "Waves",
     "World",
     "absorption_db_km",
+    "bottom_echo",
     "decode_depth_string",
     "depth_image",
     "depth_image_ranges",
-    "detection_probability",
     "effect_names",
     "encode_depth_string",
     "filter_range",
@@ -77,8 +77,6 @@ __all__: list[str] = [
     "material_names",
     "mounted_pose",
     "multibeam_model",
-    "nadir_area_m2",
-    "nadir_snr_db",
     "pass_through",
     "refracted",
     "register_cloud",
@@ -561,7 +559,7 @@ class SonarFigures:
     @property
     def detection_threshold_db(self) -> float:
         """
-        Signal-to-noise ratio with a detection probability of one half.
+        Signal-to-noise ratio of one look with a detection probability of one half.
         """
     @detection_threshold_db.setter
     def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -974,6 +972,7 @@ class MultibeamModel:
         dual_swath: bool = False,
         ping_rate_max_hz: typing.SupportsFloat | typing.SupportsIndex = 50.0,
         tilt_rate_rad_s: typing.SupportsFloat | typing.SupportsIndex = 0.0872665,
+        receiver_tilt_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
         Raises ValueError that names the field.
@@ -1011,6 +1010,11 @@ class MultibeamModel:
     def range_max_m(self) -> float:
         """
         A range at or beyond it is no echo.
+        """
+    @property
+    def receiver_tilt_rad(self) -> float:
+        """
+        Of each of two receivers from straight ahead to its side; 0: one receiver.
         """
     @property
     def tilt_rate_rad_s(self) -> float: ...
@@ -2187,6 +2191,20 @@ def absorption_db_km(
     Absorption of sound in water [dB/km], Francois and Garrison 1982. Raises ValueError.
     """
 
+def bottom_echo(
+    sonar: SonarFigures,
+    bottom: BottomMaterial,
+    range_m: typing.SupportsFloat | typing.SupportsIndex,
+    incidence_rad: typing.SupportsFloat | typing.SupportsIndex,
+    steering_rad: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+    absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple[float, float, float]:
+    """
+    The echo of a plane bottom: its signal-to-noise ratio [dB] by the active sonar equation, the looks that the
+    detector averages, and the ratio [dB] with which one half of such echoes are detected.
+    """
+
 def decode_depth_string(
     text: str,
     beams: typing.SupportsInt | typing.SupportsIndex,
@@ -2213,15 +2231,6 @@ def depth_image_ranges(
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
     depth_m (height, width), angles_rad (n,) -> (n,) float32, inf = no echo. Raises ValueError.
-    """
-
-def detection_probability(
-    snr: typing.SupportsFloat | typing.SupportsIndex,
-    looks: typing.SupportsFloat | typing.SupportsIndex,
-    detection_threshold_db: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    snr: a ratio, not dB. looks: number of independent looks in the echo.
     """
 
 def effect_names() -> list[str]:
@@ -2293,27 +2302,6 @@ def mounted_pose(
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
-    """
-
-def nadir_area_m2(
-    sonar: SonarFigures,
-    bottom: BottomMaterial,
-    range_m: typing.SupportsFloat | typing.SupportsIndex,
-    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    Area of bottom straight below that contributes to one range cell [m2].
-    """
-
-def nadir_snr_db(
-    sonar: SonarFigures,
-    bottom: BottomMaterial,
-    range_m: typing.SupportsFloat | typing.SupportsIndex,
-    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
-    absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
-) -> float:
-    """
-    Signal-to-noise ratio of the bottom straight below, by the active sonar equation [dB].
     """
 
 def pass_through(

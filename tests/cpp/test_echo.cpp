@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "uwsim/sonar/beam_footprint.h"
+
 namespace uwsim {
 namespace {
 
@@ -47,6 +49,57 @@ TEST(BeamEcho, TheStrongerEchoIsDetectedEvenIfItIsFarther) {
   EXPECT_EQ(echo.label, kTerrain);
   EXPECT_NEAR(echo.centre_range_m, 14, 1e-5);
   EXPECT_NEAR(echo.energy, 1.2, 1e-6);
+}
+
+/// The echoes of a beam's rays from a plane at a distance along its normal, in the beam's frame: x along the axis, y
+/// within the fan's plane.
+std::vector<RayEcho> plane_echoes(const Eigen::Vector3d& normal, double distance_m, double width_rad,
+                                  const std::vector<Eigen::Vector2d>& offsets) {
+  std::vector<RayEcho> rays;
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    const Eigen::Vector3d direction(1, std::tan(width_rad * offsets[k].x()), std::tan(width_rad * offsets[k].y()));
+    const double range_m = distance_m / normal.dot(direction.normalized());
+    rays.push_back({static_cast<float>(range_m), 1, 1, 1, kTerrain, static_cast<std::uint16_t>(k)});
+  }
+  return rays;
+}
+
+/// The same rays' directions, for offsets in multiples of a width.
+Eigen::Matrix3Xf directions_of(double width_rad, const std::vector<Eigen::Vector2d>& offsets) {
+  Eigen::Matrix3Xf directions(3, static_cast<Eigen::Index>(offsets.size()));
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    const Eigen::Vector3d direction(1, std::tan(width_rad * offsets[k].x()), std::tan(width_rad * offsets[k].y()));
+    directions.col(static_cast<Eigen::Index>(k)) = direction.normalized().cast<float>();
+  }
+  return directions;
+}
+
+TEST(AxisRange, IsExactOverAPlaneAtAnyIncidenceAndForPartOfTheRays) {
+  const auto offsets = BeamFootprint::offsets(8);
+  const Eigen::Matrix3Xf directions = directions_of(0.012, offsets);
+  const BeamRays beam{offsets, directions, Eigen::Vector3f::UnitX()};
+  for (const double incidence : {0.0, 0.7, 1.2}) {
+    const Eigen::Vector3d normal(std::cos(incidence), std::sin(incidence), 0);
+    std::vector<RayEcho> rays = plane_echoes(normal, 50, 0.012, offsets);
+    const double expected = 50 / std::cos(incidence);
+    EXPECT_NEAR(axis_range_m(rays, beam), expected, 1e-5 * expected);
+    rays.erase(rays.begin() + 2);
+    rays.pop_back();
+    EXPECT_NEAR(axis_range_m(rays, beam), expected, 1e-5 * expected);
+  }
+}
+
+TEST(AxisRange, IsUnknownWhereTheAxisIsNotAmongTheRays) {
+  const auto offsets = BeamFootprint::offsets(16);
+  const Eigen::Matrix3Xf directions = directions_of(0.01, offsets);
+  const BeamRays beam{offsets, directions, Eigen::Vector3f::UnitX()};
+  std::vector<RayEcho> one_side;
+  for (const RayEcho& ray : plane_echoes({1, 0, 0}, 50, 0.01, offsets)) {
+    if (offsets[ray.ray].x() > 0) one_side.push_back(ray);
+  }
+  ASSERT_GT(one_side.size(), 3u);
+  EXPECT_TRUE(std::isnan(axis_range_m(one_side, beam)));
+  EXPECT_TRUE(std::isnan(axis_range_m({one_side.data(), 2}, beam)));
 }
 
 TEST(BeamEcho, WithoutRaysThereIsNoEcho) { EXPECT_EQ(beam_echo({}, kCell).peak, 0); }

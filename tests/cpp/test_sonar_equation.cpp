@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "uwsim/acoustics/absorption_column.h"
 #include "uwsim/core/check.h"
-#include "uwsim/core/random.h"
 
 namespace uwsim {
 namespace {
@@ -15,8 +15,8 @@ constexpr double kSoundSpeed = 1450;
 
 double fall_db(const BottomMaterial& bottom, double from_m, double to_m, double absorption_db_m = 0) {
   const SonarFigures sonar;
-  return nadir_snr_db(sonar, bottom, from_m, kSoundSpeed, absorption_db_m) -
-         nadir_snr_db(sonar, bottom, to_m, kSoundSpeed, absorption_db_m);
+  return echo_snr_db(sonar, bottom, {from_m}, kSoundSpeed, absorption_db_m) -
+         echo_snr_db(sonar, bottom, {to_m}, kSoundSpeed, absorption_db_m);
 }
 
 TEST(SonarEquation, ASmoothBottomFallsBy20LogRAndARoughOneBy30) {
@@ -30,52 +30,37 @@ TEST(SonarEquation, AbsorptionAppliesTwice) {
 
 TEST(SonarEquation, EachTermCountsOnce) {
   SonarFigures sonar;
-  const double before = nadir_snr_db(sonar, {}, 50, kSoundSpeed, 0.02);
+  const double before = echo_snr_db(sonar, {}, {50}, kSoundSpeed, 0.02);
   sonar.source_level_db += 3;
   sonar.directivity_index_db += 4;
   sonar.noise_level_db -= 5;
-  EXPECT_NEAR(nadir_snr_db(sonar, {-28, 0.1}, 50, kSoundSpeed, 0.02) - before, 3 + 4 + 5 + 2, 1e-9);
+  EXPECT_NEAR(echo_snr_db(sonar, {-28, 0.1}, {50}, kSoundSpeed, 0.02) - before, 3 + 4 + 5 + 2, 1e-9);
   sonar.pulse_length_s *= 10;
-  EXPECT_NEAR(nadir_snr_db(sonar, {-28, 0.1}, 50, kSoundSpeed, 0.02) - before, 14 + 10, 1e-9);
+  EXPECT_NEAR(echo_snr_db(sonar, {-28, 0.1}, {50}, kSoundSpeed, 0.02) - before, 14 + 10, 1e-9);
 }
 
-TEST(SonarEquation, TheDetectionProbabilityIsOneHalfAtTheThresholdAndFallsWithRange) {
-  for (const double looks : {1.0, 3.0, 30.0}) {
-    EXPECT_NEAR(detection_probability(std::pow(10, 1.3), looks, 13), 0.5, 1e-12);
-    double before = 1;
-    for (double range = 1; range < 3000; range *= 1.1) {
-      const double snr_db = nadir_snr_db({}, {}, range, kSoundSpeed, 0.05);
-      const double now = detection_probability(std::pow(10, snr_db / 10), looks, 13);
-      EXPECT_LE(now, before);
-      before = now;
-    }
-    EXPECT_LT(before, 1e-3);
-  }
+TEST(SonarEquation, AnObliqueEchoIsSpreadBySlopeAndLosesByLambertsLaw) {
+  const SonarFigures sonar;
+  const BottomMaterial rock{-30, 0.1};
+  const double cell = sonar.range_cell_m(kSoundSpeed), slope = 200 * sonar.beam_width_across_rad;
+  EXPECT_NEAR(echo_extent_m(sonar, {-30, 0}, {200}, kSoundSpeed), cell, 1e-12);
+  const double gaussian = std::sqrt(std::numbers::pi / (4 * std::numbers::ln2));
+  EXPECT_NEAR(echo_extent_m(sonar, {-30, 0}, {200, 1.1}, kSoundSpeed),
+              std::hypot(cell, gaussian * slope * std::tan(1.1)), 1e-9);
+  // A wide echo of the same plane: the area in a cell is R x width along x cell / sin i.
+  const double area = echo_area_m2(sonar, {-30, 0}, {200, 1.1}, kSoundSpeed);
+  EXPECT_NEAR(area, gaussian * 200 * sonar.beam_width_along_rad * cell / std::sin(1.1), 0.01 * area);
+  const double lambert = echo_snr_db(sonar, rock, {200, 1.1}, kSoundSpeed, 0) -
+                         10 * std::log10(echo_area_m2(sonar, rock, {200, 1.1}, kSoundSpeed)) -
+                         echo_snr_db(sonar, rock, {200}, kSoundSpeed, 0) +
+                         10 * std::log10(echo_area_m2(sonar, rock, {200}, kSoundSpeed));
+  EXPECT_NEAR(lambert, 20 * std::log10(std::cos(1.1)), 1e-9);
 }
 
-TEST(SonarEquation, FadingHasTheMeanAndVarianceOfItsLooks) {
-  const RandomStream stream(3, "fading");
-  for (const double looks : {1.0, 4.0, 20.0}) {
-    double sum = 0, squares = 0;
-    constexpr int kDraws = 200'000;
-    for (int k = 0; k < kDraws; ++k) {
-      const double drawn = fading_intensity(9, looks, stream.normal(static_cast<std::uint64_t>(k)));
-      sum += drawn;
-      squares += drawn * drawn;
-    }
-    const double mean = sum / kDraws, variance = squares / kDraws - mean * mean;
-    EXPECT_NEAR(mean, 10, 0.15);
-    EXPECT_NEAR(variance * looks / 100, 1, looks < 2 ? 0.15 : 0.05) << looks << " looks";
-  }
-}
-
-TEST(SonarEquation, RangeErrorsFallWithSignalAndBandwidthAndByPhaseForLongEchoes) {
-  EXPECT_GT(amplitude_range_std_m(1, 0.03, 2), amplitude_range_std_m(1, 0.03, 20));
-  EXPECT_GT(phase_range_std_m(1, 0.03, 2), phase_range_std_m(1, 0.03, 20));
-  EXPECT_GT(phase_range_std_m(1, 0.06, 20), phase_range_std_m(1, 0.03, 20));
-  EXPECT_NEAR(amplitude_range_std_m(0.03, 0.03, 1e9), 0.03 / std::sqrt(12.0), 1e-9) << "within one cell";
-  EXPECT_LT(phase_range_std_m(1, 0.03, 100), 0.2 * amplitude_range_std_m(1, 0.03, 100));
-  EXPECT_NEAR(phase_range_std_m(1, 0.01, 20) / phase_range_std_m(1, 0.04, 20), 0.5, 1e-12) << "four times the looks";
+TEST(SonarEquation, AFlatArrayHasItsProjectedLength) {
+  EXPECT_EQ(steered_widening(0), 1);
+  EXPECT_NEAR(steered_widening(std::numbers::pi / 3), 2, 1e-12);
+  EXPECT_EQ(steered_widening(3), steered_widening(80 * std::numbers::pi / 180)) << "no wider beyond 80 degrees";
 }
 
 TEST(SonarEquation, RefusesFiguresOutOfRange) {

@@ -49,6 +49,7 @@ def test_the_files_of_the_four_models_on_the_wire_agree_with_the_core(number: in
     for field in ("number", "beams", "range_max_m", "range_limit_m", "frequency_hz", "dual_swath"):
         assert getattr(file, field) == getattr(core, field)
     assert file.field_of_view_rad == pytest.approx(core.field_of_view_rad, rel=1e-12)
+    assert file.receiver_tilt_rad == pytest.approx(core.receiver_tilt_rad, rel=1e-12)
     assert file.tilt_rate_rad_s == pytest.approx(core.tilt_rate_rad_s, rel=1e-5)
 
 
@@ -134,6 +135,10 @@ def test_an_error_in_a_model_names_file_line_value_unit_and_rule(
         ("{model: em2040-04, frequency_khz: 500}", "frequency_khz = 500 kHz: em2040-04 works at 200, 300"),
         ("{model: 2, frequency_khz: 600}", "frequency_khz = 600 kHz: em2040-2 works at 700 kHz"),
         ("{model: 2, mode: phsics}", "sonar.mode = 'phsics': must be 'geometry' or 'physics'"),
+        ("{model: em2040-04, frequency_khz: 700, receivers: 2}", "29 deg, 80 deg apart, do not meet"),
+        ("{model: 2, receivers: 2}", "receivers = 2: em2040-2 has 1"),
+        ("{model: 3, receivers: 1}", "receivers = 1: em2040-3 has 2"),
+        ("{model: em2040-04, frequency_khz: 400, receivers: 3}", "sonar.receivers = 3: must be 1 or 2"),
         ("{model: 2, bending: true}", "sonar.bending = true: is for `mode: physics` only"),
         ("{model: 2, mode: physics, rays_per_beam: 2}", "rays_per_beam = 2: must be in [4, 64]"),
     ],
@@ -142,6 +147,19 @@ def test_an_error_in_a_scenarios_sonar_is_named(sonar: str, message: str, tmp_pa
     with pytest.raises(ScenarioError) as error:
         load(pool(tmp_path, sonar))
     assert message in str(error.value) and "pool.yaml:" in str(error.value)
+
+
+def test_two_receivers_widen_the_fan_and_steer_less(tmp_path: Path) -> None:
+    def widest(receivers: int) -> tuple[float, float]:
+        sonar = f"{{model: em2040-04, frequency_khz: 200, receivers: {receivers}, mode: physics, tilt_deg: 90}}"
+        model = Simulator(pool(tmp_path, sonar)).rov.sonar.model
+        return math.degrees(model.field_of_view_rad), math.degrees(model.receiver_tilt_rad)
+
+    assert widest(1) == pytest.approx((140.0, 0.0))
+    assert widest(2) == pytest.approx((220.0, 40.0))  # "up to 220 degrees": the manufacturer's installation manual
+    (tmp_path / "mine.yaml").write_text(MODEL + "receivers: 2\n")
+    with pytest.raises(ScenarioError, match="receiver_tilt_deg: missing: two receivers need it"):
+        load(pool(tmp_path, "{model: mine.yaml}"))
 
 
 def test_a_model_without_acoustics_is_for_geometry_mode_only(tmp_path: Path) -> None:
@@ -218,7 +236,7 @@ def test_a_sonar_that_is_not_on_the_wire_works_through_the_same_chain(tmp_path: 
     model, ping = sim.rov.sonar.model, sim.rov.sonar.ping()
     decoded = ranging.decode_depth_string(ranging.encode_depth_string(ping.ranges_m, model), model)
     scan = ranging.to_laser_scan(decoded, model)
-    assert scan.angle_increment == pytest.approx(np.radians(85) / 399)
+    assert scan.angle_increment == pytest.approx(np.radians(29) / 399)
     points = ranging.to_point_cloud(scan)
     np.testing.assert_allclose(points, ping.points_sonar_m[ping.valid], atol=1e-5)
     with pytest.raises(ValueError, match="for model EM 2040 MKII"):

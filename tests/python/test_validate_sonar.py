@@ -7,51 +7,50 @@ from pathlib import Path
 import pytest
 
 from uwsim import _core
-from uwsim.validate import refraction, sonar, sonar_depth
+from uwsim.validate import refraction, sonar, sonar_table
 from uwsim.validate.check import Check
-from uwsim.validate.sonar_depth import ARRAYS, FREQUENCIES_KHZ, TABLE_M, Cell, Fit, fit_table
-from uwsim.validate.sonar_instrument import detection_rate, half_detected_m
-
-
-@pytest.fixture(scope="module")
-def fit() -> Fit:
-    return fit_table()
+from uwsim.validate.sonar_instrument import detection_rate, half_detected_m, half_detected_swath_m
+from uwsim.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell, acoustics
 
 
 def misses(checks: list[Check]) -> list[Check]:
     return [check for check in checks if not check.passed]
 
 
-def test_six_constants_fit_the_twenty_cells_of_the_table(fit: Fit) -> None:
-    checks = sonar.table_checks(fit)
-    assert len(checks) == len(TABLE_M) == 20
-    assert misses(checks) == []
-    assert len(fit.constants_db) + 1 == 6
-
-
-def test_each_constant_agrees_with_the_model_files(fit: Fit) -> None:
-    checks = sonar.constant_checks(fit)
-    assert len(checks) == 6
+def test_the_figures_of_the_files_agree_with_the_manufacturers_table() -> None:
+    checks = sonar.table_checks()
+    assert len(checks) == len(DEPTH_M) + len(COVERAGE_M) == 28
     assert misses(checks) == []
 
 
 @pytest.mark.parametrize("khz", FREQUENCIES_KHZ)
-def test_a_constant_with_an_error_of_four_decibels_fails(fit: Fit, khz: int) -> None:
-    wrong = Fit({**fit.constants_db, khz: fit.constants_db[khz] + 4}, fit.array_difference_db)
-    assert misses(sonar.constant_checks(wrong))
-    assert misses(sonar.table_checks(wrong))
+def test_a_source_level_too_low_by_eight_decibels_misses_the_table(khz: int) -> None:
+    figures = acoustics(ARRAYS[0], khz).figures
+    figures.source_level_db -= 8.0
+    try:
+        assert any(cell.depth_m() < 0.9 * DEPTH_M[cell] for cell in (Cell(ARRAYS[0], khz, water) for water in WATERS))
+    finally:
+        figures.source_level_db += 8.0
 
 
-def test_warmer_water_does_not_fit_the_table(fit: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sonar_depth, "TEMPERATURE_DEG_C", 10.0)
-    assert misses(sonar.table_checks(fit_table()))
+def test_warmer_water_does_not_fit_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sonar_table, "TEMPERATURE_DEG_C", 12.0)
+    sonar_table._mean_absorption_db_km.cache_clear()
+    assert any(abs(cell.depth_m() / table_m - 1) > sonar.TABLE_TOLERANCE for cell, table_m in DEPTH_M.items())
+    sonar_table._mean_absorption_db_km.cache_clear()
 
 
 def test_physics_mode_reaches_the_depth_of_its_formula_and_no_deeper() -> None:
     cells = [Cell(ARRAYS[0], 700, "ocean"), Cell(ARRAYS[1], 200, "fresh")]
     found = {cell: half_detected_m(cell) for cell in cells}
     assert misses(sonar.instrument_checks(found)) == []
-    assert misses(sonar.instrument_checks({cell: 1.06 * depth_m for cell, depth_m in found.items()}))
+    assert misses(sonar.instrument_checks({cell: 1.11 * depth_m for cell, depth_m in found.items()}))
+
+
+def test_physics_mode_is_as_wide_as_its_formula() -> None:
+    cell = Cell(ARRAYS[0], 400, "ocean")
+    for depth_m in (60.0, 200.0):
+        assert half_detected_swath_m(cell, depth_m) == pytest.approx(cell.swath_m(depth_m), rel=sonar.SWATH_TOLERANCE)
 
 
 def test_the_detection_rate_falls_with_depth() -> None:
@@ -66,12 +65,12 @@ def test_refraction_follows_snells_law_and_its_check_can_fail(monkeypatch: pytes
     assert misses(refraction.refraction_checks())
 
 
-def test_figures_are_drawn(tmp_path: Path, fit: Fit) -> None:
-    from uwsim.validate.sonar_curves import draw_depths, draw_detections, draw_smile
+def test_figures_are_drawn(tmp_path: Path) -> None:
+    from uwsim.validate.sonar_curves import draw_detections, draw_smile, draw_table
 
     draw_smile(tmp_path / "smile.png")
     assert (tmp_path / "smile.png").stat().st_size > 10_000
-    draw_depths(fit, dict(TABLE_M), tmp_path / "depths.png")
+    draw_table(dict(DEPTH_M), tmp_path / "depths.png")
     draw_detections(tmp_path / "detections.png")
     assert (tmp_path / "depths.png").stat().st_size > 10_000
     assert (tmp_path / "detections.png").stat().st_size > 10_000

@@ -9,6 +9,7 @@
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "uwsim/acoustics/absorption.h"
+#include "uwsim/acoustics/detection_theory.h"
 #include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/acoustics/sound_speed_profile.h"
@@ -91,7 +92,7 @@ void bind_sonar_equation(py::module_& m) {
       .def_readwrite("directivity_index_db", &SonarFigures::directivity_index_db)
       .def_readwrite("noise_level_db", &SonarFigures::noise_level_db, "In the receiver's band.")
       .def_readwrite("detection_threshold_db", &SonarFigures::detection_threshold_db,
-                     "Signal-to-noise ratio with a detection probability of one half.")
+                     "Signal-to-noise ratio of one look with a detection probability of one half.")
       .def_property_readonly("processing_gain_db", &SonarFigures::processing_gain_db, "10 log10 (bandwidth x length)")
       .def_property_readonly("figure_db", &SonarFigures::figure_db, "SL + processing gain + DI - NL")
       .def("range_cell_m", &SonarFigures::range_cell_m, py::arg("sound_speed_m_s"))
@@ -101,13 +102,21 @@ void bind_sonar_equation(py::module_& m) {
       .def_readonly("strength_db", &BottomMaterial::strength_db,
                     "Backscatter of a square metre at normal incidence; Lambert's law.")
       .def_readonly("relief", &BottomMaterial::relief, "rms slope of the relief across a footprint");
-  m.def("nadir_area_m2", &nadir_area_m2, py::arg("sonar"), py::arg("bottom"), py::arg("range_m"),
-        py::arg("sound_speed_m_s"), "Area of bottom straight below that contributes to one range cell [m2].");
-  m.def("nadir_snr_db", &nadir_snr_db, py::arg("sonar"), py::arg("bottom"), py::arg("range_m"),
-        py::arg("sound_speed_m_s"), py::arg("absorption_db_m"),
-        "Signal-to-noise ratio of the bottom straight below, by the active sonar equation [dB].");
-  m.def("detection_probability", &detection_probability, py::arg("snr"), py::arg("looks"),
-        py::arg("detection_threshold_db"), "snr: a ratio, not dB. looks: number of independent looks in the echo.");
+  m.def(
+      "bottom_echo",
+      [](const SonarFigures& sonar, const BottomMaterial& bottom, double range_m, double incidence_rad,
+         double steering_rad, double sound_speed_m_s, double absorption_db_m) {
+        const BottomPlace place{range_m, incidence_rad, steering_rad};
+        const double looks =
+            averaged_looks(echo_extent_m(sonar, bottom, place, sound_speed_m_s), sonar.range_cell_m(sound_speed_m_s));
+        const double snr_db = echo_snr_db(sonar, bottom, place, sound_speed_m_s, absorption_db_m);
+        const double needed = DetectionThreshold(sonar.detection_threshold_db).needed_snr(looks);
+        return py::make_tuple(snr_db, looks, 10 * std::log10(needed));
+      },
+      py::arg("sonar"), py::arg("bottom"), py::arg("range_m"), py::arg("incidence_rad"), py::arg("steering_rad"),
+      py::arg("sound_speed_m_s"), py::arg("absorption_db_m"),
+      "The echo of a plane bottom: its signal-to-noise ratio [dB] by the active sonar equation, the looks that the\n"
+      "detector averages, and the ratio [dB] with which one half of such echoes are detected.");
 }
 
 }  // namespace

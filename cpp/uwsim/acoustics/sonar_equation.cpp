@@ -9,18 +9,11 @@
 namespace uwsim {
 namespace {
 
-constexpr double kPhaseTurn_rad = 0.886 * std::numbers::pi;
-constexpr double kPhaseFloor_rad = 0.3;
-
-double ratio(double level_db) { return std::pow(10, level_db / 10); }
-
-double cube(double x) { return x * x * x; }
+const double kMinSteeringCosine = std::cos(80 * std::numbers::pi / 180);
 
 void require_in(double value, double low, double high, const char* path, const char* rule) {
   require(value >= low && value <= high, path, value, rule);
 }
-
-double looks_of(double extent_m, double cell_m) { return std::max(1.0, extent_m / cell_m); }
 
 }  // namespace
 
@@ -51,45 +44,29 @@ double SonarFigures::beam_solid_angle_sr() const {
   return std::numbers::pi / (4 * std::numbers::ln2) * beam_width_along_rad * beam_width_across_rad;
 }
 
-double nadir_area_m2(const SonarFigures& sonar, const BottomMaterial& bottom, double range_m, double sound_speed_m_s) {
-  const double cell_m = sonar.range_cell_m(sound_speed_m_s);
-  const double width_m = range_m * std::sqrt(sonar.beam_width_along_rad * sonar.beam_width_across_rad);
-  return sonar.beam_solid_angle_sr() * range_m * range_m * cell_m / std::hypot(cell_m, bottom.relief * width_m);
+double steered_widening(double steering_rad) { return 1 / std::max(std::cos(steering_rad), kMinSteeringCosine); }
+
+double echo_extent_m(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
+                     double sound_speed_m_s) {
+  const double across_rad = sonar.beam_width_across_rad * steered_widening(place.steering_rad);
+  const double relief_m = bottom.relief * place.range_m * std::sqrt(sonar.beam_width_along_rad * across_rad);
+  const double slope_m = std::sqrt(std::numbers::pi / (4 * std::numbers::ln2)) * across_rad * place.range_m;
+  return std::hypot(sonar.range_cell_m(sound_speed_m_s), relief_m * std::cos(place.incidence_rad),
+                    slope_m * std::tan(place.incidence_rad));
 }
 
-double nadir_snr_db(const SonarFigures& sonar, const BottomMaterial& bottom, double range_m, double sound_speed_m_s,
-                    double absorption_db_m) {
-  return sonar.figure_db() + bottom.strength_db +
-         10 * std::log10(nadir_area_m2(sonar, bottom, range_m, sound_speed_m_s)) - 40 * std::log10(range_m) -
-         2 * absorption_db_m * range_m;
+double echo_area_m2(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
+                    double sound_speed_m_s) {
+  const double solid_angle_sr = sonar.beam_solid_angle_sr() * steered_widening(place.steering_rad);
+  return solid_angle_sr * place.range_m * place.range_m / std::cos(place.incidence_rad) *
+         sonar.range_cell_m(sound_speed_m_s) / echo_extent_m(sonar, bottom, place, sound_speed_m_s);
 }
 
-double fading_intensity(double snr, double looks, double normal_draw) {
-  const double root = 1 - 1 / (9 * looks) + normal_draw / (3 * std::sqrt(looks));
-  return (1 + snr) * cube(std::max(0.0, root));
-}
-
-double intensity_threshold(double detection_threshold_db, double looks) {
-  return fading_intensity(ratio(detection_threshold_db), looks, 0);
-}
-
-double detection_probability(double snr, double looks, double detection_threshold_db) {
-  const double needed = std::cbrt(intensity_threshold(detection_threshold_db, looks) / (1 + snr));
-  const double draw = (needed - 1 + 1 / (9 * looks)) * 3 * std::sqrt(looks);
-  return 0.5 * std::erfc(draw / std::numbers::sqrt2);
-}
-
-double false_alarm_probability(double detection_threshold_db) {
-  return std::exp(-intensity_threshold(detection_threshold_db, 1));
-}
-
-double amplitude_range_std_m(double extent_m, double cell_m, double snr) {
-  return std::max(extent_m, cell_m) / std::sqrt(12.0) * (1 + 1 / snr);
-}
-
-double phase_range_std_m(double extent_m, double cell_m, double snr) {
-  const double phase_rad = std::sqrt(1 / snr + 0.5 / (snr * snr) + kPhaseFloor_rad * kPhaseFloor_rad);
-  return extent_m / kPhaseTurn_rad * phase_rad / std::sqrt(looks_of(extent_m, cell_m));
+double echo_snr_db(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
+                   double sound_speed_m_s, double absorption_db_m) {
+  return sonar.figure_db() + bottom.strength_db + 20 * std::log10(std::cos(place.incidence_rad)) +
+         10 * std::log10(echo_area_m2(sonar, bottom, place, sound_speed_m_s)) - 40 * std::log10(place.range_m) -
+         2 * absorption_db_m * place.range_m;
 }
 
 }  // namespace uwsim

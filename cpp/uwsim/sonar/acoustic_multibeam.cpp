@@ -17,7 +17,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr double kPhaseLooks = 4;
 constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; smaller turns are below a hundredth of a beam
 constexpr float kMinRange_m = 0.01f;   // echoes from closer are no louder
 
@@ -27,12 +26,6 @@ void check(const BottomMaterial& bottom, const std::string& path) {
   require(bottom.strength_db >= -100 && bottom.strength_db <= 30, path + ".strength_db", bottom.strength_db,
           "dB: must be in [-100, 30] dB");
   require(bottom.relief >= 0 && bottom.relief <= 2, path + ".relief", bottom.relief, "must be in [0, 2]");
-}
-
-/// The probability that noise passes the threshold in any of a beam's range cells.
-double false_alarm(const SonarFigures& sonar, double range_max_m, double sound_speed_m_s) {
-  const double alone = false_alarm_probability(sonar.detection_threshold_db);
-  return -std::expm1(std::log1p(-alone) * range_max_m / sonar.range_cell_m(sound_speed_m_s));
 }
 
 AcousticPing empty_ping(std::size_t beams) {
@@ -63,9 +56,19 @@ struct AcousticMultibeam::Transmission {
   double depth_m, absorbed_db;  // of the head; absorption from the surface down to it
   double sound_speed_m_s;       // at the head
   float cell_m;
-  float spacing_rad;   // between a beam's rays
   double false_alarm;  // probability that noise passes the threshold somewhere in a beam
+  SpeckleField::View speckle;
   std::uint64_t tick;
+};
+
+struct AcousticMultibeam::FanRays {
+  Eigen::Matrix3Xf directions_world;  // those of each beam together
+  std::size_t first_beam;
+  float beams_per_ray;
+
+  std::size_t beam(std::size_t ray) const {
+    return first_beam + static_cast<std::size_t>((static_cast<float>(ray) + 0.5f) * beams_per_ray);
+  }
 };
 
 AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSpec& spec, const Water& water,
@@ -77,8 +80,8 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
       profile_(sound_speed_profile(water)),
       absorption_(absorption_column(water, spec.figures.frequency_hz, spec.acidity_ph, bottom_m)),
       figure_db_(spec.figures.figure_db()),
-      system_ratio_(std::pow(10, figure_db_ / 10)),
-      threshold_ratio_(std::pow(10, spec.figures.detection_threshold_db / 10)),
+      detector_(spec.figures, spec.range_noise),
+      speckle_(stream.key(), spec.figures.frequency_hz),
       share_sr_(static_cast<float>(spec.figures.beam_solid_angle_sr() / spec.rays_per_beam)),
       width_rad_(
           static_cast<float>(std::sqrt(spec.figures.beam_width_along_rad * spec.figures.beam_width_across_rad))) {
@@ -90,21 +93,21 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
   add(spec.bottom);
 }
 
-RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, float length_m, float range_m, float cosine,
-                                    double depth_m, Label label) const {
+RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, float length_m, float range_m,
+                                    float cosine, double depth_m, Label label) const {
   const std::size_t material = std::min<std::size_t>(label, strengths_.size() - 1);
   const float length = std::max(length_m, kMinRange_m);
   const float cos_i = std::clamp(cosine, 1e-3f, 1.0f);
   const auto absorption_db_m = static_cast<float>(absorption_.mean_db_m(sent.depth_m, sent.absorbed_db, depth_m));
   constexpr float kTwoWay = -0.2f * std::numbers::ln10_v<float>;
   const float lost = std::exp(kTwoWay * absorption_db_m * length);
-  const float patch_m = length * sent.spacing_rad;
-  const float relief_m = reliefs_[material] * length * width_rad_;
+  const float patch_m = length * footprint_.spacing_rad(beam), widening = footprint_.widening(beam);
+  const float relief_m = reliefs_[material] * length * width_rad_ * footprint_.root_widening(beam);
   // The patch of a ray extends over range by tan i; relief extends along the ray, by cos i.
   const float square = cos_i * cos_i;
   RayEcho echo;
   echo.range_m = range_m;
-  echo.energy = share_sr_ * strengths_[material] * cos_i * lost / (length * length);
+  echo.energy = share_sr_ * widening * strengths_[material] * cos_i * lost / (length * length);
   echo.width_m =
       std::sqrt(sent.cell_m * sent.cell_m + patch_m * patch_m * (1 - square) / square + relief_m * relief_m * square);
   echo.cosine = cos_i;
@@ -112,8 +115,8 @@ RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, float length_m, fl
   return echo;
 }
 
-void AcousticMultibeam::cast_straight(const Transmission& sent, const Eigen::Matrix3Xf& directions_world,
-                                      std::span<RayEcho> echoes) const {
+void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const {
+  const Eigen::Matrix3Xf& directions_world = rays.directions_world;
   const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
   const auto farthest = static_cast<float>(fan_.range_max_m);
   RayPacket packet;
@@ -145,18 +148,18 @@ void AcousticMultibeam::cast_straight(const Transmission& sent, const Eigen::Mat
       const float cosine = std::abs(normal.dot(direction)) / normal.norm();
       // Out to the bottom and back to the moved head.
       const float half = moves ? 0.5f * (1 + (direction - 2 * sent.mach).norm()) : 1;
-      echo = ray_echo(sent, length_m, half * length_m, cosine, -z, static_cast<Label>(met.label[lane]));
+      echo = ray_echo(sent, rays.beam(first + lane), length_m, half * length_m, cosine, -z,
+                      static_cast<Label>(met.label[lane]));
     }
   }
 }
 
-void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const Eigen::Matrix3Xf& directions_world,
-                                       std::span<RayEcho> echoes) const {
+void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const {
   const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
   std::vector<Eigen::Vector3d> directions(echoes.size());
   std::vector<SoundHit> hits(echoes.size());
   for (std::size_t k = 0; k < echoes.size(); ++k) {
-    directions[k] = directions_world.col(static_cast<Eigen::Index>(k)).cast<double>().normalized();
+    directions[k] = rays.directions_world.col(static_cast<Eigen::Index>(k)).cast<double>().normalized();
   }
   cast_bent(sent.scene, profile_, head, directions, fan_.range_max_m / sent.sound_speed_m_s, hits);
   for (std::size_t k = 0; k < echoes.size(); ++k) {
@@ -166,9 +169,9 @@ void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const Eigen::Ma
     const Eigen::Vector3d normal = hit.normal_world.cast<double>();
     const double cosine = std::abs(normal.dot(hit.arrival_world)) / normal.norm();
     const double half = 0.5 * (1 + (directions[k] - 2 * sent.mach.cast<double>()).norm());
-    echoes[k] =
-        ray_echo(sent, static_cast<float>(hit.length_m), static_cast<float>(half * sent.sound_speed_m_s * hit.time_s),
-                 static_cast<float>(cosine), -hit.point_world_m.z(), hit.label);
+    echoes[k] = ray_echo(sent, rays.beam(k), static_cast<float>(hit.length_m),
+                         static_cast<float>(half * sent.sound_speed_m_s * hit.time_s), static_cast<float>(cosine),
+                         -hit.point_world_m.z(), hit.label);
   }
 }
 
@@ -179,18 +182,19 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
   const Eigen::Vector3d& head = world_from_sonar.position_m;
   if (!(head.z() <= 0) || scene.under_ground(head)) return ping;
   const double c = profile_.at(-head.z());
-  const Transmission sent{scene,
-                          world_from_sonar,
-                          world_from_sonar.rotation().cast<float>(),
-                          (motion.velocity_world_m_s / c).cast<float>(),
-                          motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
-                          -head.z(),
-                          absorption_.down_to_db(-head.z()),
-                          c,
-                          static_cast<float>(spec_.figures.range_cell_m(c)),
-                          spec_.rays_per_beam > 1 ? static_cast<float>(footprint_.spacing_rad()) : 0,
-                          spec_.false_detections ? false_alarm(spec_.figures, fan_.range_max_m, c) : 0,
-                          tick};
+  const Transmission sent{
+      scene,
+      world_from_sonar,
+      world_from_sonar.rotation().cast<float>(),
+      (motion.velocity_world_m_s / c).cast<float>(),
+      motion.rate_world_rad_s.dot(world_from_sonar.direction(Eigen::Vector3d::UnitZ())),
+      -head.z(),
+      absorption_.down_to_db(-head.z()),
+      c,
+      static_cast<float>(spec_.figures.range_cell_m(c)),
+      spec_.false_detections ? detector_.false_alarm(fan_.range_max_m, spec_.figures.range_cell_m(c)) : 0,
+      speckle_.view(world_from_sonar),
+      tick};
   const auto rays = static_cast<std::size_t>(footprint_.rays());
   parallel_ranges(beams * rays, threads,
                   [&](std::size_t first, std::size_t last) { ping_beams(sent, first / rays, last / rays, ping); });
@@ -201,16 +205,18 @@ void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, 
                                    AcousticPing& ping) const {
   const auto rays = static_cast<std::size_t>(footprint_.rays());
   std::vector<RayEcho> echoes((last - first) * rays);
-  const Eigen::Matrix3Xf directions = ray_directions_world(sent, first, last);
+  const FanRays fan_rays{ray_directions_world(sent, first, last), first, 1 / static_cast<float>(rays)};
   if (spec_.bending) {
-    cast_bent_rays(sent, directions, echoes);
+    cast_bent_rays(sent, fan_rays, echoes);
   } else {
-    cast_straight(sent, directions, echoes);
+    cast_straight(sent, fan_rays, echoes);
   }
   for (std::size_t beam = first; beam < last; ++beam) {
     const std::span<RayEcho> all(echoes.data() + (beam - first) * rays, rays);
+    for (std::size_t ray = 0; ray < rays; ++ray) all[ray].ray = static_cast<std::uint16_t>(ray);
     const auto silent = std::partition(all.begin(), all.end(), [](const RayEcho& e) { return e.energy > 0; });
-    detect(sent, beam, beam_echo({all.begin(), silent}, sent.cell_m), ping);
+    const BeamEcho echo = beam_echo({all.begin(), silent}, sent.cell_m);
+    record(sent, beam, echo, detect(sent, beam, echo), ping);
   }
 }
 
@@ -226,7 +232,7 @@ Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sen
     return directions;
   }
   // A ray along each beam's axis gives the travel time, and so the turn.
-  const Eigen::Matrix3Xf axes = sent.rotation * footprint_.axes().middleCols(begin, beams);
+  const FanRays axes{sent.rotation * footprint_.axes().middleCols(begin, beams), first, 1.0f};
   std::vector<RayEcho> ahead(last - first);
   cast_straight(sent, axes, ahead);
   for (Eigen::Index beam = 0; beam < beams; ++beam) {
@@ -240,48 +246,39 @@ Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sen
   return directions;
 }
 
-void AcousticMultibeam::detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo,
-                               AcousticPing& ping) const {
+BottomDetection AcousticMultibeam::detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo) const {
   const auto index = static_cast<std::uint32_t>(2 * beam);
-  Detection found = Detection::kNone;
-  double range_m = 0, intensity = 0;
+  BottomDetection found;
   if (echo.peak > 0) {
-    const auto [fading, error] = stream_.normals(sent.tick, index);
-    const double snr = system_ratio_ * echo.peak;
-    const double extent_m = echo.extent_m(sent.cell_m);
-    const double looks = std::max(1.0, extent_m / sent.cell_m);
-    intensity = fading_intensity(snr, looks, fading);
-    if (intensity > fading_intensity(threshold_ratio_, looks, 0)) {
-      const double by_amplitude_m = amplitude_range_std_m(extent_m, sent.cell_m, snr);
-      const double by_phase_m = phase_range_std_m(extent_m, sent.cell_m, snr);
-      const bool phase = looks >= kPhaseLooks && by_phase_m < by_amplitude_m;
-      found = phase ? Detection::kPhase : Detection::kAmplitude;
-      range_m = echo.centre_range_m;
-      if (spec_.range_noise) range_m += error * (phase ? by_phase_m : by_amplitude_m);
-    }
+    const BeamRays rays = footprint_.beam(beam);
+    const auto [speckle, speckle_range] = sent.speckle.draws(echo_footprint(echo.rays, rays.directions));
+    const auto [noise, noise_range] = stream_.normals(sent.tick, index);
+    found = detector_.bottom(echo, rays, sent.cell_m, {speckle, speckle_range, noise, noise_range});
   }
   const double draw = sent.false_alarm > 0 ? stream_.uniform(sent.tick, index + 1) : 1;
   if (draw < sent.false_alarm) {
-    // Noise above a threshold exceeds it by an exponential draw, at a uniformly distributed range.
-    const double noise = fading_intensity(threshold_ratio_, 1, 0) - std::log(draw / sent.false_alarm);
-    if (found == Detection::kNone || noise > intensity) {
-      found = Detection::kFalse;
-      intensity = noise;
-      range_m = fan_.range_max_m * stream_.uniform(sent.tick, index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams));
-    }
+    const auto third = index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams);
+    const double range_m = fan_.range_max_m * stream_.uniform(sent.tick, third);
+    const BottomDetection noise = detector_.noise(draw, sent.false_alarm, range_m);
+    if (found.kind == Detection::kNone || noise.intensity > found.intensity) found = noise;
   }
-  if (found == Detection::kNone || !(range_m > 0 && range_m < fan_.range_max_m)) return;
-  const auto range = static_cast<float>(range_m);
+  return found;
+}
+
+void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const BeamEcho& echo,
+                               const BottomDetection& found, AcousticPing& ping) const {
+  if (found.kind == Detection::kNone || !(found.range_m > 0 && found.range_m < fan_.range_max_m)) return;
+  const auto range = static_cast<float>(found.range_m);
   ping.ranges_m[beam] = range;
   Eigen::Map<Eigen::Vector3f>(ping.points_sonar_m.data() + 3 * beam) =
       range * footprint_.axes().col(static_cast<Eigen::Index>(beam));
-  ping.travel_time_s[beam] = static_cast<float>(2 * range_m / sent.sound_speed_m_s);
-  const double level_db = 10 * std::log10(intensity);
+  ping.travel_time_s[beam] = static_cast<float>(2 * found.range_m / sent.sound_speed_m_s);
+  const double level_db = 10 * std::log10(found.intensity);
   ping.intensity_db[beam] = static_cast<float>(level_db - figure_db_);
   ping.snr_db[beam] = static_cast<float>(level_db);
   ping.valid[beam] = 1;
-  ping.detections[beam] = static_cast<std::uint8_t>(found);
-  if (found == Detection::kFalse) return;
+  ping.detections[beam] = static_cast<std::uint8_t>(found.kind);
+  if (found.kind == Detection::kFalse) return;
   ping.incidence_rad[beam] = std::acos(echo.cosine);
   ping.labels[beam] = echo.label;
 }

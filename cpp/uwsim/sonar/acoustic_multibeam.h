@@ -9,14 +9,13 @@
 #include "uwsim/core/random.h"
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sonar/beam_footprint.h"
+#include "uwsim/sonar/bottom_detector.h"
 #include "uwsim/sonar/echo.h"
 #include "uwsim/sonar/multibeam_model.h"
+#include "uwsim/sonar/speckle_field.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
-
-/// How the range of a beam was detected.
-enum class Detection : std::uint8_t { kNone = 0, kAmplitude = 1, kPhase = 2, kFalse = 3 };
 
 /// The acoustic figures of a multibeam in physics mode.
 struct AcousticSpec {
@@ -60,9 +59,9 @@ struct AcousticPing {
 /// the ray's share Omega/n of the beam covers (R^2 / cos i), Lambert's law S cos^2 i, and Francois-Garrison absorption,
 /// averaged along the path. The rays' echoes are summed over range to an envelope (echo.h). Spreading then comes out as
 /// 20 log R if one range cell contains the footprint, as 30 log R if slope or relief spreads the footprint over several
-/// cells, and as 40 log R for a small target. The detector (sonar_equation.h) compares the fading echo with its
-/// threshold. It detects by phase if the echo has at least four looks (assumed: a phase ramp needs several) and phase
-/// has the smaller error, else by amplitude; it may also detect noise as an echo.
+/// cells, and as 40 log R for a small target. Speckle is that of scatterers fixed in the world (SpeckleField): beams
+/// that overlap, and pings from the same place, share it. The detector (BottomDetector) adds the receiver's noise,
+/// which is new with each ping, and compares with its threshold; it may also detect noise as an echo.
 ///
 /// Motion: a ping is transmitted from one pose and received at another. The range is half of the path out and back to
 /// the moved head. The fan turns about its normal in between, so that a beam receives from where it points at
@@ -88,16 +87,17 @@ class AcousticMultibeam {
 
  private:
   struct Transmission;  // common to all beams of a ping
+  struct FanRays;       // the rays of some beams
 
   void ping_beams(const Transmission& sent, std::size_t first, std::size_t last, AcousticPing& ping) const;
   Eigen::Matrix3Xf ray_directions_world(const Transmission& sent, std::size_t first, std::size_t last) const;
-  void cast_straight(const Transmission& sent, const Eigen::Matrix3Xf& directions_world,
-                     std::span<RayEcho> echoes) const;
-  void cast_bent_rays(const Transmission& sent, const Eigen::Matrix3Xf& directions_world,
-                      std::span<RayEcho> echoes) const;
-  RayEcho ray_echo(const Transmission& sent, float length_m, float range_m, float cosine, double depth_m,
-                   Label label) const;
-  void detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo, AcousticPing& ping) const;
+  void cast_straight(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
+  void cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
+  RayEcho ray_echo(const Transmission& sent, std::size_t beam, float length_m, float range_m, float cosine,
+                   double depth_m, Label label) const;
+  BottomDetection detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo) const;
+  void record(const Transmission& sent, std::size_t beam, const BeamEcho& echo, const BottomDetection& found,
+              AcousticPing& ping) const;
 
   MultibeamModel fan_;
   AcousticSpec spec_;
@@ -105,11 +105,11 @@ class AcousticMultibeam {
   BeamFootprint footprint_;
   SoundSpeedProfile profile_;
   AbsorptionColumn absorption_;
-  double figure_db_;                        ///< signal-to-noise ratio of an echo without any loss
-  double system_ratio_;                     ///< the same as a ratio of intensities
-  double threshold_ratio_;                  ///< the detection threshold as a ratio of intensities
-  float share_sr_;                          ///< solid angle of one ray
-  float width_rad_;                         ///< of the beam: the geometric mean of both widths
+  double figure_db_;  ///< signal-to-noise ratio of an echo without any loss
+  BottomDetector detector_;
+  SpeckleField speckle_;
+  float share_sr_;                          ///< solid angle of one ray of an unsteered beam
+  float width_rad_;                         ///< of an unsteered beam: the geometric mean of both widths
   std::vector<float> strengths_, reliefs_;  ///< by label, as ratios of intensity; the last for all further labels
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
@@ -38,18 +39,27 @@ std::vector<Eigen::Vector2d> BeamFootprint::offsets(int rays) {
 }
 
 BeamFootprint::BeamFootprint(const MultibeamModel& fan, double width_across_rad, double width_along_rad, int rays)
-    : rays_(rays), directions_(3, fan.beams * rays), axes_(3, fan.beams) {
-  const std::vector<Eigen::Vector2d> spread = offsets(rays);
-  const double mean_square = 0.5 * (width_across_rad * width_across_rad + width_along_rad * width_along_rad);
-  spacing_rad_ = kDeviation * std::sqrt(2 * std::numbers::pi * mean_square / rays);
+    : rays_(rays), offsets_(offsets(rays)), directions_(3, fan.beams * rays), axes_(3, fan.beams) {
   for (int beam = 0; beam < fan.beams; ++beam) {
-    axes_.col(beam) = direction(fan.angles().at(beam), 0);
+    const double angle_rad = fan.angles().at(beam), widening = steered_widening(fan.steering_rad(beam));
+    const double across_rad = width_across_rad * widening;
+    const double mean_square = 0.5 * (across_rad * across_rad + width_along_rad * width_along_rad);
+    const double spacing_rad = kDeviation * std::sqrt(2 * std::numbers::pi * mean_square / rays);
+    spacing_rad_.push_back(rays > 1 ? static_cast<float>(spacing_rad) : 0);
+    widening_.push_back(static_cast<float>(widening));
+    root_widening_.push_back(static_cast<float>(std::sqrt(widening)));
+    axes_.col(beam) = direction(angle_rad, 0);
     for (int k = 0; k < rays; ++k) {
-      const Eigen::Vector2d& offset = spread[static_cast<std::size_t>(k)];
-      directions_.col(beam * rays + k) = direction(fan.angles().at(beam) + kDeviation * width_across_rad * offset.x(),
-                                                   kDeviation * width_along_rad * offset.y());
+      const Eigen::Vector2d& offset = offsets_[static_cast<std::size_t>(k)];
+      directions_.col(beam * rays + k) =
+          direction(angle_rad + kDeviation * across_rad * offset.x(), kDeviation * width_along_rad * offset.y());
     }
   }
+}
+
+BeamRays BeamFootprint::beam(std::size_t beam) const {
+  const auto column = static_cast<Eigen::Index>(beam), rays = static_cast<Eigen::Index>(rays_);
+  return {offsets_, directions_.middleCols(column * rays, rays), axes_.col(column)};
 }
 
 }  // namespace uwsim

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "uwsim/sonar/echo.h"
 #include "uwsim/sonar/multibeam_model.h"
 
 namespace uwsim {
@@ -10,16 +11,17 @@ namespace uwsim {
 /// The rays that sample each beam of a fan: all carry the same energy and are distributed as the two-way pattern.
 ///
 /// The pattern is the product of the transmitter's, narrow across the fan's plane, and the receiver's, narrow within
-/// it; both are assumed Gaussian (main lobe only, no side lobes; widths do not grow with steering). The offsets form a
-/// sunflower pattern (Vogel 1979, Math. Biosci. 44:179; from memory) at the quantiles of the Gaussian, corrected to its
-/// exact mean and variance, so that a footprint's centre and extent do not depend on the number of rays.
+/// it; both are assumed Gaussian (main lobe only, no side lobes). A receiving beam widens as its array is steered
+/// (steered_widening). The offsets form a sunflower pattern (Vogel 1979, Math. Biosci. 44:179; from memory) at the
+/// quantiles of the Gaussian, corrected to its exact mean and variance, so that a footprint's centre and extent do not
+/// depend on the number of rays.
 class BeamFootprint {
  public:
   /// Offsets within and across the fan's plane, in standard deviations of the pattern. Throws InvalidValue unless the
   /// number of rays is 1 (the axis alone) or in [4, 64].
   static std::vector<Eigen::Vector2d> offsets(int rays);
 
-  /// Widths: -3 dB, one way.
+  /// Widths: -3 dB, one way, of an unsteered beam.
   BeamFootprint(const MultibeamModel& fan, double width_across_rad, double width_along_rad, int rays);
 
   int rays() const { return rays_; }
@@ -27,12 +29,18 @@ class BeamFootprint {
   const Eigen::Matrix3Xf& directions() const { return directions_; }
   /// (3, beams) axes of the beams.
   const Eigen::Matrix3Xf& axes() const { return axes_; }
-  /// Approximate angle between neighbouring rays [rad].
-  double spacing_rad() const { return spacing_rad_; }
+  /// The rays of one beam; valid as long as this.
+  BeamRays beam(std::size_t beam) const;
+  /// Approximate angle between a beam's neighbouring rays [rad]; 0 for a single ray.
+  float spacing_rad(std::size_t beam) const { return spacing_rad_[beam]; }
+  /// By how much a beam is wider than an unsteered one.
+  float widening(std::size_t beam) const { return widening_[beam]; }
+  float root_widening(std::size_t beam) const { return root_widening_[beam]; }
 
  private:
   int rays_;
-  double spacing_rad_;
+  std::vector<float> spacing_rad_, widening_, root_widening_;
+  std::vector<Eigen::Vector2d> offsets_;
   Eigen::Matrix3Xf directions_, axes_;
 };
 

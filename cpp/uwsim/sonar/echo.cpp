@@ -1,6 +1,8 @@
 #include "uwsim/sonar/echo.h"
 
-#include <Eigen/Core>
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
 
 namespace uwsim {
 namespace {
@@ -75,7 +77,48 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
     }
   }
   echo.centre_range_m = base_m + centre_shift / echo.energy;
+  echo.rays = rays.subspan(first, last + 1 - first);
   return echo;
+}
+
+float envelope(std::span<const RayEcho> rays, float at_m, float cell_m) {
+  float height = 0;
+  for (const RayEcho& ray : rays) {
+    const float per_width = 1 / ray.width_m;
+    const float off = (ray.range_m - at_m) * per_width / kReach;
+    const float inside = std::max(0.0f, 1 - off * off);
+    height += inside * inside * ray.energy * cell_m * per_width;
+  }
+  return height;
+}
+
+double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam) {
+  const auto inverse_along_axis = [&](const RayEcho& ray) {
+    return double{1 / (ray.range_m * beam.directions.col(ray.ray).dot(beam.axis))};
+  };
+  double inverse = 0;
+  if (echo.size() == beam.offsets.size()) {  // offsets of all rays have mean 0: the line passes the axis at the mean
+    for (const RayEcho& ray : echo) inverse += inverse_along_axis(ray);
+    return static_cast<double>(echo.size()) / inverse;
+  }
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double lowest = 0, highest = 0;
+  for (const RayEcho& ray : echo) {
+    const Eigen::Vector2d& offset = beam.offsets[ray.ray];
+    const Eigen::Vector3d row(1, offset.x(), offset.y());
+    normal += row * row.transpose();
+    right += row * inverse_along_axis(ray);
+    lowest = std::min(lowest, offset.x());
+    highest = std::max(highest, offset.x());
+  }
+  constexpr double kSolvable = 1e-3;  // fewer than three rays, or rays in a row, have no determinant
+  const double count = static_cast<double>(echo.size());
+  if (lowest == 0 || highest == 0 || normal.determinant() < kSolvable * count * count * count) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  inverse = normal.inverse().row(0).dot(right);
+  return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace uwsim

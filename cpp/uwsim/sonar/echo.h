@@ -1,6 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "uwsim/world/world.h"
 
@@ -13,15 +16,17 @@ struct RayEcho {
   float width_m = 0;  ///< extent in range, the range cell included
   float cosine = 0;   ///< of the incidence
   Label label = kNothing;
+  std::uint16_t ray = 0;  ///< its number within the beam
 };
 
 /// The echo of a beam: the sum of its rays' echoes over range, each spread over its width.
 struct BeamEcho {
-  float peak = 0;            ///< largest intensity over the source's; 0 without an echo
-  float energy = 0;          ///< of the echo with the peak, in the unit of RayEcho::energy
-  float centre_range_m = 0;  ///< centroid of that echo's energy
-  float cosine = 0;          ///< of the incidence of its strongest ray
-  Label label = kNothing;    ///< of its strongest ray
+  float peak = 0;                 ///< largest intensity over the source's; 0 without an echo
+  float energy = 0;               ///< of the echo with the peak, in the unit of RayEcho::energy
+  float centre_range_m = 0;       ///< centroid of that echo's energy
+  float cosine = 0;               ///< of the incidence of its strongest ray
+  Label label = kNothing;         ///< of its strongest ray
+  std::span<const RayEcho> rays;  ///< of that echo, by range
 
   /// Extent in range of a rectangular echo of the same peak and energy.
   float extent_m(float cell_m) const { return cell_m * energy / peak; }
@@ -34,5 +39,23 @@ inline constexpr int kRaysMax = 64;
 /// Reorders `rays`. A ray's shape over range is (1 - u^2)^2 with u over 15/16 of its width: the same ratio of area to
 /// height as a rectangle of that width.
 BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m);
+
+/// The envelope of these rays at a range, in the unit of BeamEcho::peak.
+float envelope(std::span<const RayEcho> rays, float at_m, float cell_m);
+
+/// The rays of a beam, in the fan's frame.
+struct BeamRays {
+  const std::vector<Eigen::Vector2d>& offsets;  ///< from the axis, see BeamFootprint::offsets
+  Eigen::Ref<const Eigen::Matrix3Xf> directions;
+  Eigen::Vector3f axis;
+};
+
+/// The range at which the beam's axis meets the echo's surface, where the phase between the two halves of the array is
+/// zero; NaN if the axis is not among the rays.
+///
+/// Over a plane the inverse of range along the axis is linear in the offsets, so a line fitted to it over the rays is
+/// exact there, at any incidence. A mean of ranges is not: the far side of a footprint is longer and its echo is
+/// weaker.
+double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam);
 
 }  // namespace uwsim

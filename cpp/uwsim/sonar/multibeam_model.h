@@ -1,12 +1,14 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "uwsim/sonar/beam_angles.h"
 
 namespace uwsim {
 
-/// A multibeam's fan: beams evenly spaced over a field of view about the head's forward axis.
+/// A multibeam's fan: beams evenly spaced over a field of view about the head's forward axis. They are received by one
+/// flat array that faces ahead, or by two, each turned to its side ("dual RX").
 struct MultibeamModel {
   int number = 0;  ///< 1..4, as on the wire (`modelTrigger`); 0: not on the wire
   std::string name;
@@ -18,10 +20,13 @@ struct MultibeamModel {
   bool dual_swath = false;
   double ping_rate_max_hz = 50;        ///< of the electronics (50: assumed); travel time may limit it further
   double tilt_rate_rad_s = 0.0872665;  ///< of the head: published 0.1 degree a frame, at 50 frames/s (assumed)
+  double receiver_tilt_rad = 0;        ///< of each of two receivers from straight ahead to its side; 0: one
 
   /// Throws InvalidValue that names sonar.<field>.
   void check() const;
 
+  /// The angle between a beam and the normal of the array that receives it, to either side.
+  double steering_rad(int beam) const { return std::abs(std::abs(angles().at(beam)) - receiver_tilt_rad); }
   BeamAngles angles() const { return even_beam_angles(field_of_view_rad, beams); }
 };
 

@@ -11,30 +11,37 @@ from uwsim import _core
 from uwsim.figures.style import save_figure
 from uwsim.sonars.soundings import sound_points
 from uwsim.validate.refraction import BED_M, GRADIENT_1_S, bent_ping
-from uwsim.validate.sonar_depth import ARRAYS, FREQUENCIES_KHZ, TABLE_M, WATERS, Cell, Fit
 from uwsim.validate.sonar_instrument import detection_rate
+from uwsim.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell
 
 
-def draw_depths(fit: Fit, simulated: dict[Cell, float], path: Path) -> None:
-    """Draw the maximum depth over frequency: the manufacturer's, the fitted formula's and the simulated one."""
-    figure, panels = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", dpi=120, sharey=True)
-    for panel, array in zip(panels, ARRAYS, strict=True):
+def draw_table(simulated: dict[Cell, float], path: Path) -> None:
+    """Draw depth and coverage over frequency: the manufacturer's, by the formula, and the simulated depth."""
+    figure, panels = plt.subplots(2, 2, figsize=(11, 9), layout="constrained", dpi=120, sharex=True, sharey="row")
+    for column, array in enumerate(ARRAYS):
         for colour, water in zip(("tab:blue", "tab:green"), WATERS, strict=True):
             cells = [Cell(array, khz, water) for khz in FREQUENCIES_KHZ]
-            panel.plot(
-                FREQUENCIES_KHZ, [TABLE_M[c] for c in cells], "o", ms=11, mfc="none", c=colour, label=f"table, {water}"
+            for panel, known_m, formula_m in (
+                (panels[0, column], DEPTH_M, [cell.depth_m() for cell in cells]),
+                (panels[1, column], COVERAGE_M, [cell.coverage().width_m for cell in cells]),
+            ):
+                known = [cell for cell in cells if cell in known_m]
+                panel.plot(
+                    [cell.frequency_khz for cell in known], [known_m[cell] for cell in known],
+                    "o", ms=11, mfc="none", c=colour, label=f"table, {water}",
+                )  # fmt: skip
+                panel.plot(FREQUENCIES_KHZ, formula_m, "-", c=colour, label=f"formula, {water}")
+            panels[0, column].plot(
+                FREQUENCIES_KHZ, [simulated[cell] for cell in cells], "x", c=colour, label=f"simulated, {water}"
             )
-            panel.plot(
-                FREQUENCIES_KHZ, [fit.depth_m(c) for c in cells], "-", c=colour, label=f"formula, fitted, {water}"
-            )
-            panel.plot(
-                FREQUENCIES_KHZ, [simulated[c] for c in cells], "x", c=colour, label=f"simulated, as packaged, {water}"
-            )
-        panel.set(title=array, xlabel="frequency [kHz]", yscale="log")
+        panels[0, column].set(title=array, yscale="log")
+        panels[1, column].set(xlabel="frequency [kHz]", yscale="log")
+    panels[0, 0].set_ylabel("greatest depth [m]")
+    panels[1, 0].set_ylabel("widest swath [m]")
+    for panel in panels.flat:
         panel.grid(alpha=0.3, which="both")
-    panels[0].set_ylabel("greatest depth [m]")
-    panels[1].legend(fontsize=8)
-    figure.suptitle("Greatest depth over flat rock, straight below, cold water")
+    panels[0, 1].legend(fontsize=8)
+    figure.suptitle("Over flat rock, one receiver, cold water, figures as packaged")
     save_figure(figure, path)
     plt.close(figure)
 
@@ -44,8 +51,8 @@ def draw_detections(path: Path) -> None:
     figure, panel = plt.subplots(figsize=(8, 5), layout="constrained", dpi=120)
     for khz in FREQUENCIES_KHZ:
         cell = Cell(ARRAYS[0], khz, "ocean")
-        about_m = cell.stated_depth_m()
-        depths_m = about_m * np.linspace(0.5, 1.3, 33)
+        about_m = cell.depth_m()
+        depths_m = about_m * np.linspace(0.5, 1.3, 17)
         panel.plot(depths_m, detection_rate(cell, depths_m.tolist()), label=f"{khz} kHz")
         panel.axvline(about_m, c="k", lw=0.6, ls=":")
     panel.set(xlabel="depth [m]", ylabel="detection rate", xscale="log", title=f"{ARRAYS[0]}, cold ocean, flat rock")

@@ -24,6 +24,7 @@ def multibeam_model(model: SonarModel, frequency_khz: float | None = None) -> _c
         dual_swath=model.dual_swath,
         ping_rate_max_hz=model.ping_rate_max_hz,
         tilt_rate_rad_s=math.radians(model.tilt_rate_deg_s),
+        receiver_tilt_rad=math.radians(model.receiver_tilt_deg or 0.0) if model.receivers == 2 else 0.0,
     )
 
 

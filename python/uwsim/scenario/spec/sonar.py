@@ -14,6 +14,7 @@ from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRol
 WIRE_NUMBERS = (1, 4)
 BeamWidth = Annotated[float, InRange(0.01, 80, "deg")]
 NoiseLevel = Annotated[float, InRange(-100, 200, "dB")]
+Receivers = Literal[1, 2]
 FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
 
 
@@ -48,7 +49,7 @@ class SonarBand(Model):
 
     range_max_m: a range at or beyond it is no echo. range_limit_m: the published decoder's limit, beyond which a range
     means no echo; range_max_m by default. Beam widths: -3 dB, one way; along: the transmitter's, across the plane of
-    the fan; across: a receiving beam's, within it. The last six are for physics mode: all or none.
+    the fan; across: an unsteered receiving beam's, within it. The last six are for physics mode: all or none.
     """
 
     frequency_khz: FrequencyKhz
@@ -95,7 +96,9 @@ class SonarModel(Model):
     """A commercial multibeam.
 
     beams: evenly spaced over the field of view, about the head's forward axis. wire_number: of the four models of the
-    published simulator. ping_rate_max_hz: limit of the electronics. frequencies: a scenario selects one.
+    published simulator. ping_rate_max_hz: limit of the electronics. receivers: flat arrays, one ahead or two ("dual
+    RX"), each turned to its side by receiver_tilt_deg; a model with one that has a tilt can be had with two.
+    frequencies: a scenario selects one.
     """
 
     name: Name
@@ -105,6 +108,8 @@ class SonarModel(Model):
     beams: Annotated[int, InRange(2, 8192)]
     ping_rate_max_hz: Annotated[float, InRange(0.01, 1000, "Hz")] = 50.0
     tilt_rate_deg_s: Annotated[float, InRange(0.01, 1000, "deg/s")] = 5.0
+    receivers: Receivers = 1
+    receiver_tilt_deg: Annotated[float, InRange(0, 90, "deg")] | None = None
     mounting: SonarMounting = SonarMounting()
     noise: SonarNoise = SonarNoise()
     frequencies: Annotated[tuple[SonarBand, ...], Field(min_length=1, max_length=32)]
@@ -117,6 +122,8 @@ class SonarModel(Model):
                 at = ("frequencies", index, "frequency_khz")
                 raise broken("is given twice", at=at, value=band.frequency_khz, unit="kHz")
             seen.add(band.frequency_khz)
+        if self.receivers == 2 and self.receiver_tilt_deg is None:
+            raise broken("missing: two receivers need it", at=("receiver_tilt_deg",))
         return self
 
     def band(self, frequency_khz: float | None = None) -> SonarBand:
@@ -136,6 +143,19 @@ class SonarModel(Model):
             if getattr(band, key) is None:
                 raise ValueError(f"{self.name} at {band.frequency_khz:g} kHz: {key}: missing: physics mode needs it")
         return band
+
+    def with_receivers(self, receivers: Receivers, frequency_khz: float | None = None) -> SonarModel:
+        """Return the model with that many receivers, for a frequency. Two have twice the beams. Raises ValueError."""
+        if receivers == self.receivers:
+            return self
+        if receivers == 1 or self.receiver_tilt_deg is None:
+            raise ValueError(f"receivers = {receivers}: {self.name} has {self.receivers}")
+        band, apart_deg = self.band(frequency_khz), 2 * self.receiver_tilt_deg
+        wider = band.model_copy(update={"field_of_view_deg": band.field_of_view_deg + apart_deg})
+        if not apart_deg <= band.field_of_view_deg <= 360 - apart_deg:
+            sectors = f"sectors of {band.field_of_view_deg:g} deg, {apart_deg:g} deg apart, do not meet"
+            raise ValueError(f"receivers = 2: {self.name} at {band.frequency_khz:g} kHz: {sectors}")
+        return self.model_copy(update={"receivers": 2, "beams": 2 * self.beams, "frequencies": (wider,)})
 
     def within(self, range_m: float) -> SonarModel:
         """Return the model with its ranges limited."""

@@ -11,7 +11,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.fields import InRange, Model, NoseDown, broken
-from uwsim.scenario.spec.sonar import WIRE_NUMBERS, FrequencyKhz, SonarMode, SonarModel, load_sonar
+from uwsim.scenario.spec.sonar import WIRE_NUMBERS, FrequencyKhz, Receivers, SonarMode, SonarModel, load_sonar
 
 
 def _sonar_model(value: object, info: ValidationInfo) -> object:
@@ -37,7 +37,8 @@ class SonarSetup(Model):
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
     swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel.
     frequency_khz: for a model that works at several. range_m: the operator's setting, for a model that reaches farther:
-    the ping rate is then limited by the sound's travel from there. mode: `geometry`, one exact ray for each beam, or
+    the ping rate is then limited by the sound's travel from there. receivers: 2 ("dual RX") for a model that can have
+    two, with a wider fan of twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or
     `physics`, whose ranges, errors and gaps follow from its acoustics. bending: in physics mode rays follow the water's
     sound-speed profile. tilt_deg: at the start, positive nose down, as scanPos on the wire.
     """
@@ -45,6 +46,7 @@ class SonarSetup(Model):
     model: Annotated[int | SonarModel, PlainValidator(_sonar_model), PlainSerializer(_dumped)] = 2
     frequency_khz: FrequencyKhz | None = None
     range_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
+    receivers: Receivers | None = None
     mode: SonarMode = "geometry"
     bending: bool = False
     rays_per_beam: Annotated[int, InRange(4, 64)] = 8
@@ -52,30 +54,34 @@ class SonarSetup(Model):
 
     @model_validator(mode="after")
     def _fits_its_model(self) -> SonarSetup:
-        if self.range_m is not None and self.loaded.wire_number is not None:
-            rule = "is for instruments that are not on the wire: the published one's range is its model's"
-            raise broken(rule, at=("range_m",), value=self.range_m, unit="m")
         if self.bending and self.mode != "physics":
             raise broken("is for `mode: physics` only", at=("bending",), value=self.bending)
         try:
+            loaded = self.loaded
             if self.mode == "physics":
-                self.loaded.acoustic_band(self.frequency_khz)
+                loaded.acoustic_band(self.frequency_khz)
             else:
-                self.loaded.band(self.frequency_khz)
+                loaded.band(self.frequency_khz)
         except ScenarioError:
             raise
         except ValueError as error:
             raise broken(str(error)) from None
+        if self.range_m is not None and loaded.wire_number is not None:
+            rule = "is for instruments that are not on the wire: the published one's range is its model's"
+            raise broken(rule, at=("range_m",), value=self.range_m, unit="m")
         return self
 
     @property
     def loaded(self) -> SonarModel:
-        """The model itself, limited to range_m."""
+        """The model itself with the receivers chosen, limited to range_m. Raises ValueError."""
         model = self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
+        if self.receivers is not None:
+            model = model.with_receivers(self.receivers, self.frequency_khz)
         return model if self.range_m is None else model.within(self.range_m)
 
     @property
     def title(self) -> str:
-        """The model's number on the wire, or its name; and the frequency if it was chosen."""
+        """The model's number on the wire, or its name; and the receivers and the frequency if they were chosen."""
         name = self.model.name if isinstance(self.model, SonarModel) else str(self.model)
+        name = f"{name} with {self.receivers} receivers" if self.receivers is not None else name
         return name if self.frequency_khz is None else f"{name} at {self.frequency_khz:g} kHz"

@@ -1,0 +1,50 @@
+#include "uwsim/sonar/bottom_detector.h"
+
+#include <cmath>
+
+namespace uwsim {
+namespace {
+
+constexpr double kPhaseLooks = 4;
+
+}  // namespace
+
+BottomDetector::BottomDetector(const SonarFigures& figures, bool range_noise)
+    : range_noise_(range_noise),
+      system_ratio_(std::pow(10, figures.figure_db() / 10)),
+      threshold_(figures.detection_threshold_db) {}
+
+BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m,
+                                       const BeamDraws& draws) const {
+  if (!(echo.peak > 0)) return {};
+  const double extent_m = echo.extent_m(static_cast<float>(cell_m));
+  const double looks = averaged_looks(extent_m, cell_m);
+  double snr = system_ratio_ * echo.peak;
+  BottomDetection found{Detection::kAmplitude, echo.centre_range_m, 0};
+  RangeDeviation deviation = amplitude_range_deviation(extent_m, cell_m, snr);
+  if (looks >= kPhaseLooks && phase_range_deviation(extent_m, cell_m, snr).total_m() < deviation.total_m()) {
+    const double on_axis_m = axis_range_m(echo.rays, beam);
+    if (on_axis_m > 0) {
+      found = {Detection::kPhase, on_axis_m, 0};
+      snr = system_ratio_ * envelope(echo.rays, static_cast<float>(on_axis_m), static_cast<float>(cell_m));
+      if (!(snr > 0)) return {};
+      deviation = phase_range_deviation(extent_m, cell_m, snr);
+    }
+  }
+  found.intensity = received_intensity(snr * speckle_intensity(looks, draws.speckle), looks, draws.noise);
+  if (!(found.intensity > threshold_.intensity(looks))) return {};
+  if (range_noise_) {
+    found.range_m += draws.speckle_range * deviation.speckle_m + draws.noise_range * deviation.noise_m;
+  }
+  return found;
+}
+
+double BottomDetector::false_alarm(double range_max_m, double cell_m) const {
+  return -std::expm1(std::log1p(-threshold_.false_alarm()) * range_max_m / cell_m);
+}
+
+BottomDetection BottomDetector::noise(double draw, double false_alarm, double range_m) const {
+  return {Detection::kFalse, range_m, threshold_.intensity(1) - std::log(draw / false_alarm)};
+}
+
+}  // namespace uwsim

@@ -1,0 +1,164 @@
+#include "uwsim/sonar/speckle_field.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kSpline = 3;           // cells under a quadratic B-spline
+constexpr std::size_t kCells = 2 * kSpline;  // of both sizes
+constexpr std::size_t kLanes = 8;            // padded, for vector units
+constexpr double kRounding = 16;             // steps of the lattices' orientation: 1/16 of a unit quaternion
+constexpr float kMidway = 0.27f;
+constexpr double kLeast_m = 1e-4;
+// The numbers of cells (i, j) are i and j times these, summed: no two cells within some 10^4 of each other share one.
+constexpr std::uint32_t kStrideAcross = 0x9e3779b1U, kStrideWithin = 0x85ebca77U;
+
+/// Murmur3's finalisers (Appleby, public domain): every bit of the result depends on every bit given.
+std::uint64_t mixed(std::uint64_t h) {
+  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
+  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
+  return h ^ (h >> 33);
+}
+
+std::uint32_t mixed(std::uint32_t h) {
+  h = (h ^ (h >> 16)) * 0x85ebca6bU;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35U;
+  return h ^ (h >> 16);
+}
+
+/// A power of two [m]; `level` within double's exponents.
+double power_of_two(int level) { return std::bit_cast<double>(static_cast<std::uint64_t>(level + 1023) << 52); }
+
+/// The cells of one axis that a footprint covers: the weights and numbers of three of one size and three of twice that.
+struct CoveredCells {
+  alignas(32) std::array<float, kLanes> weight{};
+  alignas(32) std::array<std::uint32_t, kLanes> number{};
+  float squares = 0;  // the sum of the squared weights
+
+  /// A B-spline on cells of 2^level correlates by about exp(-d^2 / 4^level). The shares of the two sizes would give a
+  /// Gaussian footprint's curvature at d = 0; with kMidway they agree best up to d of two deviations. `stride`: odd;
+  /// numbers are its multiples, from a start that depends on the level.
+  CoveredCells(double at_m, float deviation_m, std::uint32_t stride, const SpeckleField::LevelKeys& keys) {
+    const auto bits = std::bit_cast<std::uint64_t>(2 * std::max<double>(deviation_m, kLeast_m));
+    const int level = static_cast<int>(bits >> 52) - 1023;  // 2^level <= twice the deviation < 2^(level + 1)
+    const auto ratio = std::bit_cast<double>((bits & kMantissa) | kOne);
+    const auto square = static_cast<float>(1 / (ratio * ratio));  // of the finer size over the footprint's: in (1/4, 1]
+    const float by_curvature = (square - 0.25f) / 0.75f;
+    const float fine = by_curvature + kMidway * by_curvature * (1 - by_curvature);
+    cover(0, at_m, level, std::sqrt(fine), stride, keys);
+    cover(kSpline, at_m, level + 1, std::sqrt(1 - fine), stride, keys);
+  }
+
+ private:
+  static constexpr std::uint64_t kMantissa = (1ULL << 52) - 1, kOne = 1023ULL << 52;
+
+  void cover(std::size_t first, double at_m, int level, float share, std::uint32_t stride,
+             const SpeckleField::LevelKeys& keys) {
+    const double cells = at_m * power_of_two(-level);
+    auto cell = static_cast<std::int64_t>(cells);
+    cell -= static_cast<double>(cell) > cells;  // rounded down
+    const auto off = static_cast<float>(cells - static_cast<double>(cell)) - 0.5f;
+    const float low = 0.5f * (0.5f - off) * (0.5f - off), high = 0.5f * (0.5f + off) * (0.5f + off);
+    const std::array<float, kSpline> weights = {share * low, share * (1 - low - high), share * high};
+    const std::uint32_t start = keys[static_cast<std::size_t>(level) % keys.size()];
+    for (std::size_t k = 0; k < kSpline; ++k) {
+      weight[first + k] = weights[k];
+      squares += weights[k] * weights[k];
+      number[first + k] = start + stride * (static_cast<std::uint32_t>(cell) + static_cast<std::uint32_t>(k));
+    }
+  }
+};
+
+/// The sums over all pairs of cells of the product of their weights and of two noises. Each noise is the sum of a
+/// hash's four bytes, with signs that make the two uncorrelated; the sum of several cells is normal to the eye of any
+/// test here.
+std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCells& columns, std::uint32_t key) {
+  constexpr std::size_t kAll = kCells * kLanes;
+  alignas(32) std::uint32_t hash[kAll];
+  alignas(32) float weight[kAll], one[kAll], two[kAll];
+  for (std::size_t i = 0; i < kCells; ++i) {
+    for (std::size_t j = 0; j < kLanes; ++j) {
+      hash[i * kLanes + j] = rows.number[i] + key + columns.number[j];
+      weight[i * kLanes + j] = rows.weight[i] * columns.weight[j];
+    }
+  }
+  for (std::size_t k = 0; k < kAll; ++k) {
+    const std::uint32_t h = mixed(hash[k]);
+    const auto a = static_cast<std::int32_t>(h & 0xff), b = static_cast<std::int32_t>((h >> 8) & 0xff);
+    const auto c = static_cast<std::int32_t>((h >> 16) & 0xff), d = static_cast<std::int32_t>(h >> 24);
+    const std::int32_t even = a + c, odd = b + d;
+    one[k] = weight[k] * static_cast<float>(even + odd - 510);
+    two[k] = weight[k] * static_cast<float>(even - odd);
+  }
+  float first[kLanes] = {}, second[kLanes] = {};
+  for (std::size_t i = 0; i < kCells; ++i) {
+    for (std::size_t j = 0; j < kLanes; ++j) {
+      first[j] += one[i * kLanes + j];
+      second[j] += two[i * kLanes + j];
+    }
+  }
+  float sums[2] = {};
+  for (std::size_t j = 0; j < kCells; ++j) {
+    sums[0] += first[j];
+    sums[1] += second[j];
+  }
+  // A byte's variance is (256^2 - 1) / 12, that of four bytes four times as much.
+  const float scale = 1 / std::sqrt(65535.0f / 3 * rows.squares * columns.squares);
+  return {sums[0] * scale, sums[1] * scale};
+}
+
+}  // namespace
+
+EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<const Eigen::Matrix3Xf>& directions) {
+  const Eigen::Vector3f base = rays.front().range_m * directions.col(rays.front().ray);
+  Eigen::Array3f sum = Eigen::Array3f::Zero(), squares = Eigen::Array3f::Zero();
+  for (const RayEcho& ray : rays) {  // differences from the nearest hit keep the precision of float
+    const Eigen::Array3f off = ray.range_m * directions.col(ray.ray) - base;
+    sum += off;
+    squares += off.square();
+  }
+  const float share = 1 / static_cast<float>(rays.size());
+  const Eigen::Array3f mean = sum * share;
+  return {base + mean.matrix(), (squares * share - mean.square()).max(0.0f).sqrt().matrix()};
+}
+
+SpeckleField::SpeckleField(std::uint64_t seed, double frequency_hz)
+    : key_(mixed(seed ^ mixed(std::bit_cast<std::uint64_t>(frequency_hz)))) {
+  for (std::size_t level = 0; level < across_.size(); ++level) {
+    across_[level] = static_cast<std::uint32_t>(mixed(key_ + level));
+    within_[level] = static_cast<std::uint32_t>(mixed(key_ + level) >> 32);
+  }
+}
+
+SpeckleField::View SpeckleField::view(const Pose& world_from_sonar) const {
+  Eigen::Vector4d rounded = world_from_sonar.orientation.coeffs();
+  // Both signs of a quaternion are the same orientation. It changes sign where no head is likely to be mounted.
+  if (rounded.dot(Eigen::Vector4d(0.37, 0.29, 0.59, 0.66)) < 0) rounded = -rounded;
+  View view;
+  view.field_ = this;
+  std::uint64_t key = key_;
+  for (double& part : rounded) {
+    part = std::round(kRounding * part);
+    key = mixed(key + static_cast<std::uint64_t>(static_cast<std::int64_t>(part)));
+  }
+  view.key_ = static_cast<std::uint32_t>(key);
+  const Eigen::Matrix3d lattice_from_world = Eigen::Quaterniond(rounded).normalized().toRotationMatrix().transpose();
+  view.head_m_ = lattice_from_world * world_from_sonar.position_m;
+  view.lattice_from_sonar_ = lattice_from_world * world_from_sonar.rotation();
+  return view;
+}
+
+std::array<double, 2> SpeckleField::View::draws(const EchoFootprint& footprint) const {
+  const Eigen::Vector3d at_m = head_m_ + lattice_from_sonar_ * footprint.middle_m.cast<double>();
+  const Eigen::Vector3f& deviation_m = footprint.deviation_m;
+  // Within the fan's plane, cells lie along the axis that the surface is closer to.
+  const Eigen::Index along = deviation_m.y() >= deviation_m.x() ? 1 : 0;
+  const CoveredCells within(at_m[along], deviation_m[along], kStrideWithin, field_->within_);
+  const CoveredCells across(at_m.z(), deviation_m.z(), kStrideAcross, field_->across_);
+  return weighted_noise(across, within, key_ + static_cast<std::uint32_t>(along));
+}
+
+}  // namespace uwsim
