@@ -6,6 +6,7 @@ reported. Each case runs on one thread and is measured in the processor time of 
 
 from __future__ import annotations
 
+import functools
 import json
 import statistics
 import subprocess
@@ -28,8 +29,15 @@ VEHICLE = "bluerov2_heavy"
 STEP_S = 0.005
 MIDDLE_M = (20.0, -5.0)  # over the lake
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
-# Ratio to Bullet's bare step, ratio to pybullet, real-time factor, steps/s while crossing the surface.
-GOALS = {"against_bare_bullet": 0.35, "against_pybullet": 6.0, "real_time_factor": 2000.0, "surface": 20_000.0}
+# Ratio to Bullet's bare step, ratio to pybullet, real-time factors, steps/s while crossing and floating at the surface.
+GOALS = {
+    "against_bare_bullet": 0.35,
+    "against_pybullet": 6.0,
+    "real_time_factor": 2000.0,
+    "resting_real_time_factor": 1000.0,
+    "surface": 20_000.0,
+    "floating": 150_000.0,
+}
 
 
 def main(
@@ -44,6 +52,8 @@ def main(
         "open_water": Flight(depth_m=10.0, steps=500, repeats=20),
         "above_bottom": Flight(above_bed_m=0.5, steps=500, repeats=10),
         "surface": Flight(depth_m=0.0, steps=20, repeats=20),
+        "resting": Settled(above_bed_m=0.3, heave=-0.6),
+        "floating": Settled(heave=0.1),
         **{f"vehicles_{count}": Flight(depth_m=10.0, steps=200, repeats=2, count=count) for count in COUNTS},
     }
     if (bare := bare_step_program()) is not None:
@@ -51,7 +61,8 @@ def main(
     else:
         console.print("without bare Bullet: bullet_bare_step is not installed beside the package (run tools/setup)")
     if (peer := pybullet_peer()) is not None:
-        cases["pybullet"] = peer
+        cases["pybullet"] = peer(on_bed=False)
+        cases["pybullet_resting"] = peer(on_bed=True)
     else:
         console.print("without pybullet: not installed (pip install pybullet)")
     rates: dict[str, list[float]] = {name: [] for name in cases}
@@ -75,11 +86,13 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
 
     figures = {name: statistics.median(values) for name, values in rates.items()}
     figures["real_time_factor"] = figures["open_water"] * STEP_S
+    figures["resting_real_time_factor"] = figures["resting"] * STEP_S
     if "bare_bullet" in rates:
         figures["against_bare_bullet"] = ratio("open_water", "bare_bullet")
         figures["above_bottom_against_bare_bullet"] = ratio("above_bottom", "bare_bullet")
     if "pybullet" in rates:
         figures["against_pybullet"] = ratio("open_water", "pybullet")
+        figures["resting_against_pybullet"] = ratio("resting", "pybullet_resting")
     return figures
 
 
@@ -99,7 +112,7 @@ class Flight:
             VehicleEntry.model_validate({"name": f"body{k}", "model": VEHICLE, "start": {"position_m": start}})
             for k, start in enumerate(self._starts)
         )
-        self._sim = Simulator(scenario.model_copy(update={"vehicles": vehicles, "step_s": STEP_S}))
+        self.simulator = self._sim = Simulator(scenario.model_copy(update={"vehicles": vehicles, "step_s": STEP_S}))
         if above_bed_m is not None:
             x, y, _ = self._starts[0]
             lowest = _lowest_m(vehicles[0])
@@ -117,6 +130,32 @@ class Flight:
             self._sim.step(self._steps)
             elapsed_s += time.thread_time() - started_s
         return self._steps * self._repeats / elapsed_s
+
+
+class Settled:
+    """A vehicle that rests on the lake's bed or floats at its surface; calling it returns steps per second.
+
+    It comes to rest once, before anything is timed.
+    """
+
+    def __init__(self, *, heave: float, above_bed_m: float | None = None) -> None:
+        flight = Flight(steps=1, repeats=1, above_bed_m=above_bed_m)
+        flight()
+        self._sim = flight.simulator
+        self._sim.rov.set_effort(heave=heave)
+        self._sim.step(4000)
+        touches, height_m = self._sim.rov.telemetry().collision_warning, self._sim.rov.pose.position_world_m[2]
+        if above_bed_m is not None and not touches:
+            raise RuntimeError("the vehicle does not rest on the bed")
+        if above_bed_m is None and abs(height_m) > 0.13:  # its half height
+            raise RuntimeError(f"the vehicle does not float: it is at z = {height_m:.3f} m")
+
+    def __call__(self) -> float:
+        """Return steps per second."""
+        steps = 2000
+        started_s = time.thread_time()
+        self._sim.step(steps)
+        return steps / (time.thread_time() - started_s)
 
 
 def _lowest_m(vehicle: VehicleEntry) -> float:
@@ -138,30 +177,37 @@ def bare_bullet(program: Path) -> float:
     return steps / float(output)
 
 
-def pybullet_peer() -> Callable[[], float] | None:
-    """Return the same body stepped by pybullet, with drag and thrust computed in NumPy; None without pybullet."""
+def pybullet_peer() -> Callable[..., PybulletPeer] | None:
+    """Return what makes the same body in pybullet, with drag and thrust computed in NumPy; None without pybullet."""
     try:
         import pybullet
     except ImportError:
         return None
-    return PybulletPeer(pybullet)
+    return functools.partial(PybulletPeer, pybullet)
 
 
 class PybulletPeer:
-    """A BlueROV2 Heavy in pybullet: no added mass; drag and thrust are computed in Python and applied at every step."""
+    """A BlueROV2 Heavy in pybullet: no added mass; drag and thrust are computed in Python and applied at every step.
 
-    def __init__(self, pybullet: Any) -> None:
-        self._p = p = pybullet
-        p.connect(p.DIRECT)
+    With `on_bed`, it lies on a plane, and its lift is 20 N less than its weight.
+    """
+
+    def __init__(self, pybullet: Any, *, on_bed: bool) -> None:
+        from pybullet_utils import bullet_client
+
+        self._p = p = bullet_client.BulletClient(connection_mode=pybullet.DIRECT)
         p.setGravity(0, 0, -9.80665)
         p.setTimeStep(STEP_S)
+        self._start = [0.0, 0.0, 0.127 if on_bed else -10.0]
+        if on_bed:
+            p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE))
         box = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.2285, 0.2875, 0.127])
-        self._body = p.createMultiBody(13.5, box, basePosition=[0, 0, -10])
+        self._body = p.createMultiBody(13.5, box, basePosition=self._start)
         self._linear = np.array([13.7, 0.0, 33.0, 0.0, 0.8, 0.0])
         self._quadratic = np.array([141.0, 217.0, 190.0, 1.192, 0.470, 1.5])
         self._wrench_from_thrusters = np.random.default_rng(0).normal(size=(6, 8))
-        self._thrusts = np.full(8, 2.0)
-        self._lift = np.array([0.0, 0.0, 0.0134 * 1000 * 9.80665])
+        self._thrusts = np.full(8, 0.0 if on_bed else 2.0)
+        self._lift = np.array([0.0, 0.0, 13.5 * 9.80665 - 20.0 if on_bed else 0.0134 * 1000 * 9.80665])
 
     def _step(self) -> None:
         p, body = self._p, self._body
@@ -179,7 +225,7 @@ class PybulletPeer:
     def __call__(self) -> float:
         """Return steps per second."""
         steps = 1000
-        self._p.resetBasePositionAndOrientation(self._body, [0, 0, -10], [0, 0, 0, 1])
+        self._p.resetBasePositionAndOrientation(self._body, self._start, [0, 0, 0, 1])
         self._p.resetBaseVelocity(self._body, [0, 0, 0], [0, 0, 0])
         started_s = time.thread_time()
         for _ in range(steps):
@@ -192,8 +238,11 @@ def _table(figures: dict[str, float]) -> Table:
         ("open water", "open_water", None),
         ("0.5 m above the bottom", "above_bottom", None),
         ("crossing the surface", "surface", GOALS["surface"]),
+        ("resting on the bed", "resting", None),
+        ("floating at the surface", "floating", GOALS["floating"]),
         ("Bullet's bare step", "bare_bullet", None),
         ("pybullet and NumPy", "pybullet", None),
+        ("pybullet and NumPy, resting on a plane", "pybullet_resting", None),
     ]
     table = Table(title=f"{VEHICLE} over the lake, step {1e3 * STEP_S:g} ms, one core: medians", title_justify="left")
     table.add_column("case")
@@ -208,7 +257,9 @@ def _table(figures: dict[str, float]) -> Table:
         ("open water / Bullet's bare step", "against_bare_bullet"),
         ("0.5 m above the bottom / Bullet's bare step", "above_bottom_against_bare_bullet"),
         ("open water / pybullet and NumPy", "against_pybullet"),
+        ("resting / pybullet and NumPy", "resting_against_pybullet"),
         ("real-time factor", "real_time_factor"),
+        ("real-time factor, resting", "resting_real_time_factor"),
     ):
         if key in figures:
             table.add_row(label, f"{figures[key]:,.2f}", "", *_goal(figures[key], GOALS.get(key)))

@@ -102,7 +102,6 @@ struct ContactFinder::Impl {
     if (terrain_patch.triangles.empty() && solid_count == 0) return;
     for (const Piece& piece : body.pieces) {
       const Box box = piece.box.in_world(pose.position_m, rotation, reach_m);
-      if (!broad_phase.may_touch(box.low_m, box.high_m)) continue;
       const PlacedShape placed{piece.shape, pose,       rotation, piece.box.middle_body_m, piece.box.half_size_body_m,
                                box.low_m,   box.high_m, reach_m};
       add_all(a, surface_contact.find(placed, terrain_patch, SurfaceContact::Under::kSolid));

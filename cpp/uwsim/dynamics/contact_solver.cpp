@@ -7,110 +7,159 @@ namespace uwsim {
 namespace {
 
 constexpr int kSweeps = 20;
+constexpr double kSettled = 1e-15;             // sweeps end when one changes impulses by less than this share of them
 constexpr double kBounceThreshold_m_s = 0.05;  // slower impacts do not bounce, so that bodies come to rest
 constexpr double kSlop_m = 1e-3;
 constexpr double kOverlapShare = 0.2;  // fraction of the overlap beyond the slop that a step removes
 constexpr double kPushMax_m_s = 2;     // limit of the push out of deep overlaps
 
-/// The six-vector J with J nu = velocity of the contact point along `direction_world`.
-Vector6d point_direction(const ContactBody& body, const Eigen::Vector3d& point_world_m,
-                         const Eigen::Vector3d& direction_world) {
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  const Eigen::Vector3d direction = body_from_world * direction_world;
-  const Eigen::Vector3d arm = body_from_world * (point_world_m - body.world_from_body.position_m);
-  Vector6d j;
-  j << direction, arm.cross(direction);
-  return j;
+/// In two sums side by side, which is faster.
+inline Eigen::Array4d product(const Eigen::Matrix<double, 4, 6>& matrix, const Vector6d& v) {
+  const auto column = [&](Eigen::Index k) { return matrix.col(k).array(); };
+  const Eigen::Array4d even = column(0) * v(0) + column(2) * v(2) + column(4) * v(4);
+  const Eigen::Array4d odd = column(1) * v(1) + column(3) * v(3) + column(5) * v(5);
+  return even + odd;
 }
 
 }  // namespace
 
-ContactSolver::Row ContactSolver::make_row(std::span<const ContactBody> bodies, const Contact& contact,
-                                           const Eigen::Vector3d& direction_world) const {
-  Row row{};
-  row.a = contact.a;
-  row.b = contact.b;
-  const ContactBody& a = bodies[static_cast<std::size_t>(row.a)];
-  row.direction_a = point_direction(a, contact.point_world_m, direction_world);
-  row.response_a = a.inverse_mass * row.direction_a;
-  double inverse = row.direction_a.dot(row.response_a);
-  if (row.b != kFixedBody) {
-    const ContactBody& b = bodies[static_cast<std::size_t>(row.b)];
-    row.direction_b = point_direction(b, contact.point_world_m, -direction_world);
-    row.response_b = b.inverse_mass * row.direction_b;
-    inverse += row.direction_b.dot(row.response_b);
+/// Row k of `along` is the six-vector J with J nu = `sign` times the velocity of the contact point along direction k.
+void ContactSolver::make_end(std::span<const ContactBody> bodies, int body, const Contact& contact, double sign,
+                             End& end) {
+  end.body = body;
+  if (body == kFixedBody) return;
+  const ContactBody& touched = bodies[static_cast<std::size_t>(body)];
+  const Eigen::Matrix3d body_from_world = touched.world_from_body.rotation().transpose();
+  const Eigen::Vector3d arm = body_from_world * (contact.point_world_m - touched.world_from_body.position_m);
+  const Eigen::Vector3d& n = contact.normal_world;
+  const Eigen::Vector3d t = n.unitOrthogonal();
+  const Eigen::Vector3d directions[] = {n, t, n.cross(t)};
+  end.along.row(3).setZero();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::Vector3d direction = sign * (body_from_world * directions[k]);
+    Vector6d j;
+    j << direction, arm.cross(direction);
+    end.along.row(k) = j;
+    end.response.col(k).noalias() = touched.inverse_mass * j;
   }
-  row.inverse_effective_mass = inverse;
-  return row;
+}
+
+void ContactSolver::make_rows(std::span<const ContactBody> bodies, const Contact& contact, Rows& rows) {
+  make_end(bodies, contact.a, contact, 1, rows.a);
+  make_end(bodies, contact.b, contact, -1, rows.b);
+  rows.response.noalias() = rows.a.along.topRows<3>() * rows.a.response;
+  if (contact.b != kFixedBody) rows.response.noalias() += rows.b.along.topRows<3>() * rows.b.response;
+  const Eigen::Matrix3d& r = rows.response;
+  const Eigen::Array3d mass = r.diagonal().array().inverse();
+  const double second = -mass[1] * r(1, 0) * mass[0];
+  rows.to_impulse << mass[0], 0, 0,  //
+      second, mass[1], 0,            //
+      -mass[2] * (r(2, 0) * mass[0] + r(2, 1) * second), -mass[2] * r(2, 1) * mass[1], mass[2];
+  for (End* end : {&rows.a, &rows.b}) {
+    if (end->body == kFixedBody) continue;
+    end->to_impulse.topRows<3>().noalias() = rows.to_impulse * end->along.topRows<3>();
+    end->to_impulse.row(3).setZero();
+  }
+  rows.friction = contact.friction;
+}
+
+/// The velocities along the normal and the tangents, of a relative to b.
+ContactSolver::Four ContactSolver::velocity(std::span<const ContactBody> bodies, const Rows& rows,
+                                            Vector6d ContactBody::*of) {
+  Four sum = product(rows.a.along, bodies[static_cast<std::size_t>(rows.a.body)].*of);
+  if (rows.b.body != kFixedBody) sum += product(rows.b.along, bodies[static_cast<std::size_t>(rows.b.body)].*of);
+  return sum;
+}
+
+double ContactSolver::target_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Rows& rows,
+                                 double step_s) {
+  const double gap_m = std::max(0.0, contact.gap_m);
+  const bool arrives = velocity(bodies, rows, &ContactBody::velocity_body)[0] * step_s + gap_m < 0;
+  // Speed before the step: what gravity adds within it must not bounce.
+  const double approach_m_s = velocity(bodies, rows, &ContactBody::start_velocity_body)[0];
+  const bool bounces = arrives && approach_m_s < -kBounceThreshold_m_s;
+  return bounces ? -contact.restitution * approach_m_s : -gap_m / step_s;
 }
 
 void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   rows_.clear();
   for (const Contact& contact : contacts) {
-    const Eigen::Vector3d& n = contact.normal_world;
-    const Eigen::Vector3d t1 = n.unitOrthogonal();
-    for (const Eigen::Vector3d& direction : {n, t1, n.cross(t1).eval()})
-      rows_.push_back(make_row(bodies, contact, direction));
-    Row& normal = *(rows_.end() - 3);
-    const auto along_normal = [&](Vector6d ContactBody::*velocity) {
-      double speed = normal.direction_a.dot(bodies[static_cast<std::size_t>(normal.a)].*velocity);
-      if (normal.b != kFixedBody) speed += normal.direction_b.dot(bodies[static_cast<std::size_t>(normal.b)].*velocity);
-      return speed;
-    };
-    const double gap = std::max(0.0, contact.gap_m);
-    const bool arrives = along_normal(&ContactBody::velocity_body) * step_s + gap < 0;
-    // Speed before the step: what gravity adds within it must not bounce.
-    const double approach_m_s = along_normal(&ContactBody::start_velocity_body);
-    const bool bounces = arrives && approach_m_s < -kBounceThreshold_m_s;
-    normal.target = bounces ? -contact.restitution * approach_m_s : -gap / step_s;
+    Rows& rows = rows_.emplace_back();
+    make_rows(bodies, contact, rows);
+    rows.target = target_m_s(bodies, contact, rows, step_s);
   }
-  solve_velocities(bodies, contacts);
+  solve_velocities(bodies);
   solve_overlaps(bodies, contacts, step_s);
 }
 
-void ContactSolver::solve_velocities(std::span<ContactBody> bodies, std::span<const Contact> contacts) {
-  const auto apply = [&](Row& row, double impulse) {
-    const double change = impulse - row.impulse;
-    row.impulse = impulse;
-    ContactBody& a = bodies[static_cast<std::size_t>(row.a)];
-    a.velocity_body += change * row.response_a;
-    a.impulse_body += change * row.direction_a;
-    if (row.b == kFixedBody) return;
-    ContactBody& b = bodies[static_cast<std::size_t>(row.b)];
-    b.velocity_body += change * row.response_b;
-    b.impulse_body += change * row.direction_b;
-  };
-  const auto impulse_to_target = [&](const Row& row) {
-    double speed = row.direction_a.dot(bodies[static_cast<std::size_t>(row.a)].velocity_body);
-    if (row.b != kFixedBody) speed += row.direction_b.dot(bodies[static_cast<std::size_t>(row.b)].velocity_body);
-    return row.impulse + (row.target - speed) / row.inverse_effective_mass;
-  };
+/// The impulse after one step of Gauss-Seidel, where it may meet a limit: the normal's never pulls, and the tangents'
+/// stay in Coulomb's cone.
+Eigen::Array3d ContactSolver::limited_impulse(std::span<const ContactBody> bodies, const Rows& rows) {
+  const Four speed = velocity(bodies, rows, &ContactBody::velocity_body);
+  const Eigen::Array3d& before = rows.impulse;
+  Eigen::Array3d after;
+  after[0] = std::max(0.0, before[0] + (rows.target - speed[0]) * rows.to_impulse(0, 0));
+  const double limit = rows.friction * after[0];
+  if (limit == 0) return {after[0], 0, 0};
+  const double normal = after[0] - before[0];
+  after[1] = before[1] - (speed[1] + rows.response(1, 0) * normal) * rows.to_impulse(1, 1);
+  const double across = rows.response(2, 0) * normal + rows.response(2, 1) * (after[1] - before[1]);
+  after[2] = before[2] - (speed[2] + across) * rows.to_impulse(2, 2);
+  // Coulomb's cone is round: both tangents are solved first, then scaled to its radius together.
+  const double size = after[1] * after[1] + after[2] * after[2];
+  if (size > limit * limit) after.tail<2>() *= limit / std::sqrt(size);
+  return after;
+}
+
+/// One step of Gauss-Seidel on the three impulses of a contact, in turn. Returns whether this changed its speeds by
+/// more than rounding.
+bool ContactSolver::solve_contact(std::span<ContactBody> bodies, Rows& rows) {
+  Vector6d& velocity_a = bodies[static_cast<std::size_t>(rows.a.body)].velocity_body;
+  Four step = product(rows.a.to_impulse, velocity_a);
+  if (rows.b.body != kFixedBody)
+    step += product(rows.b.to_impulse, bodies[static_cast<std::size_t>(rows.b.body)].velocity_body);
+  Eigen::Array3d change = rows.target * rows.to_impulse.col(0).array() - step.head<3>();
+  const Eigen::Array3d after = rows.impulse + change;
+  const double limit = rows.friction * after[0];
+  const bool is_free = after[0] > 0 && after[1] * after[1] + after[2] * after[2] <= limit * limit;
+  if (is_free) {
+    rows.impulse = after;
+  } else if (after[0] <= 0 && (rows.impulse == 0).all()) {
+    return false;
+  } else {
+    const Eigen::Array3d limited = limited_impulse(bodies, rows);
+    change = limited - rows.impulse;
+    rows.impulse = limited;
+    if ((change == 0).all()) return false;
+  }
+  velocity_a +=
+      change[0] * rows.a.response.col(0) + change[1] * rows.a.response.col(1) + change[2] * rows.a.response.col(2);
+  if (rows.b.body != kFixedBody)
+    bodies[static_cast<std::size_t>(rows.b.body)].velocity_body += rows.b.response * change.matrix();
+  return (change.abs() > kSettled * rows.impulse.matrix().lpNorm<Eigen::Infinity>()).any();
+}
+
+void ContactSolver::solve_velocities(std::span<ContactBody> bodies) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      Row& normal = rows_[3 * k];
-      apply(normal, std::max(0.0, impulse_to_target(normal)));
-      // Coulomb's cone is round: both tangents are solved first, then scaled to its radius together.
-      const double limit = contacts[k].friction * normal.impulse;
-      Row &first = rows_[3 * k + 1], &second = rows_[3 * k + 2];
-      apply(first, impulse_to_target(first));
-      apply(second, impulse_to_target(second));
-      const double size = std::hypot(first.impulse, second.impulse);
-      if (size <= limit) continue;
-      apply(first, first.impulse * limit / size);
-      apply(second, second.impulse * limit / size);
+    bool changes = false;
+    for (Rows& rows : rows_) changes |= solve_contact(bodies, rows);
+    if (!changes) break;
+  }
+  for (const Rows& rows : rows_) {
+    for (const End* end : {&rows.a, &rows.b}) {
+      if (end->body == kFixedBody) continue;
+      bodies[static_cast<std::size_t>(end->body)].impulse_body +=
+          end->along.topRows<3>().transpose() * rows.impulse.matrix();
     }
   }
 }
 
 /// The push removes a fraction of the present overlap and all of what this step would add to it: impulses act
 /// throughout the step, so a body that is stopped still moves at the mean of its old and its new speed.
-double ContactSolver::target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
+double ContactSolver::target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Rows& rows,
                                       double step_s) {
-  const auto mean_speed = [](const ContactBody& body, const Vector6d& direction) {
-    return 0.5 * direction.dot(body.start_velocity_body + body.velocity_body);
-  };
-  double speed_m_s = mean_speed(bodies[static_cast<std::size_t>(normal.a)], normal.direction_a);
-  if (normal.b != kFixedBody) speed_m_s += mean_speed(bodies[static_cast<std::size_t>(normal.b)], normal.direction_b);
+  const double speed_m_s = 0.5 * (velocity(bodies, rows, &ContactBody::start_velocity_body)[0] +
+                                  velocity(bodies, rows, &ContactBody::velocity_body)[0]);
   const double added_m = -std::max(0.0, contact.gap_m) - speed_m_s * step_s;
   const double present_m = std::max(0.0, -contact.gap_m - kSlop_m);
   return std::max(0.0, added_m) / step_s + std::min(kOverlapShare * present_m / step_s, kPushMax_m_s);
@@ -119,22 +168,26 @@ double ContactSolver::target_push_m_s(std::span<const ContactBody> bodies, const
 void ContactSolver::solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   bool any = false;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    Row& row = rows_[3 * k];
-    row.target = target_push_m_s(bodies, contacts[k], row, step_s);
-    any = any || row.target > 0;
+    rows_[k].target = target_push_m_s(bodies, contacts[k], rows_[k], step_s);
+    any = any || rows_[k].target > 0;
   }
   if (!any) return;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      Row& row = rows_[3 * k];
-      if (row.target <= 0) continue;
-      double speed = row.direction_a.dot(bodies[static_cast<std::size_t>(row.a)].push_body);
-      if (row.b != kFixedBody) speed += row.direction_b.dot(bodies[static_cast<std::size_t>(row.b)].push_body);
-      const double push = std::max(0.0, row.push + (row.target - speed) / row.inverse_effective_mass);
-      bodies[static_cast<std::size_t>(row.a)].push_body += (push - row.push) * row.response_a;
-      if (row.b != kFixedBody) bodies[static_cast<std::size_t>(row.b)].push_body += (push - row.push) * row.response_b;
-      row.push = push;
+    bool changes = false;
+    for (Rows& rows : rows_) {
+      if (rows.target <= 0) continue;
+      const double speed = velocity(bodies, rows, &ContactBody::push_body)[0];
+      const double push = std::max(0.0, rows.push + (rows.target - speed) * rows.to_impulse(0, 0));
+      const double change = push - rows.push;
+      if (change == 0) continue;
+      changes = true;
+      rows.push = push;
+      for (const End* end : {&rows.a, &rows.b}) {
+        if (end->body == kFixedBody) continue;
+        bodies[static_cast<std::size_t>(end->body)].push_body += change * end->response.col(0);
+      }
     }
+    if (!changes) break;
   }
 }
 

@@ -41,32 +41,47 @@ struct ContactBody {
 class ContactSolver {
  public:
   /// Allocates beforehand, so that solve() allocates nothing for as many contacts.
-  void reserve(std::size_t contacts) { rows_.reserve(3 * contacts); }
+  void reserve(std::size_t contacts) { rows_.reserve(contacts); }
   /// Changes velocity_body, impulse_body and push_body of `bodies`.
   void solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
   /// The impulse along the normal of `contact` from the last solve() [N s].
-  double normal_impulse(std::size_t contact) const { return rows_[3 * contact].impulse; }
+  double normal_impulse(std::size_t contact) const { return rows_[contact].impulse[0]; }
 
  private:
-  /// One direction of one contact. A unit impulse along it changes the velocities of a and b by their `response`.
-  struct Row {
-    Vector6d direction_a, direction_b;
-    Vector6d response_a, response_b;
-    double inverse_effective_mass;
-    double target;  // velocity to reach along the row; later the push to reach
-    double impulse;
-    double push;  // applied against overlaps so far
-    int a, b;
+  using Four = Eigen::Array4d;  // along the normal, two tangents, and nothing
+
+  /// One end of a contact. The velocity along the three directions is `along` times the body's velocity; column k of
+  /// `response` is the change of the body's velocity by a unit impulse along direction k.
+  struct End {
+    int body;
+    Eigen::Matrix<double, 4, 6> along, to_impulse;  ///< `to_impulse` is Rows::to_impulse times `along`
+    Eigen::Matrix<double, 6, 3> response;
+  };
+  /// Gauss-Seidel takes the three directions in turn. Without limits that is one linear map from speeds to changes of
+  /// impulses, `to_impulse`, the inverse of the lower triangle of `response`.
+  struct Rows {
+    End a, b;
+    Eigen::Matrix3d response;  ///< of the velocities along the three directions to impulses along them
+    Eigen::Matrix3d to_impulse;
+    Eigen::Array3d impulse = Eigen::Array3d::Zero();
+    double friction;
+    double target;    ///< velocity to reach along the normal; later the push to reach
+    double push = 0;  ///< along the normal, applied against overlaps so far
   };
 
-  Row make_row(std::span<const ContactBody> bodies, const Contact& contact,
-               const Eigen::Vector3d& direction_world) const;
-  static double target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Row& normal,
+  static void make_end(std::span<const ContactBody> bodies, int body, const Contact& contact, double sign, End& end);
+  static void make_rows(std::span<const ContactBody> bodies, const Contact& contact, Rows& rows);
+  static Four velocity(std::span<const ContactBody> bodies, const Rows& rows, Vector6d ContactBody::*of);
+  static double target_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Rows& rows,
+                           double step_s);
+  static double target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Rows& rows,
                                 double step_s);
-  void solve_velocities(std::span<ContactBody> bodies, std::span<const Contact> contacts);
+  static Eigen::Array3d limited_impulse(std::span<const ContactBody> bodies, const Rows& rows);
+  static bool solve_contact(std::span<ContactBody> bodies, Rows& rows);
+  void solve_velocities(std::span<ContactBody> bodies);
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 
-  std::vector<Row> rows_;  // three for each contact: normal, two tangents; kept so that steps allocate nothing
+  std::vector<Rows> rows_;  // one for each contact; kept so that steps allocate nothing
 };
 
 }  // namespace uwsim

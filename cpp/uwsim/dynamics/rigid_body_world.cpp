@@ -11,10 +11,10 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDiverged = 1e7;        // m, m/s and rad/s: only a diverging body gets there
-constexpr double kTouch_m = 1e-3;        // a smaller gap is a touch, and so is every contact with an impulse
-constexpr double kReachPerMotion = 1.5;  // contacts are searched this much farther than a step moves
-constexpr double kLeastReach_m = 0.005;
+constexpr double kDiverged = 1e7;              // m, m/s and rad/s: only a diverging body gets there
+constexpr double kTouch_m = 1e-3;              // a smaller gap is a touch, and so is every contact with an impulse
+constexpr double kReachPerMotion = 1.5;        // contacts are searched this much farther than a step moves
+constexpr double kLeastReach_m = 0.0015;       // more than kTouch_m
 constexpr std::size_t kContactsPerBody = 128;  // with more, a step allocates
 
 }  // namespace

@@ -200,9 +200,11 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   const Polytope& polytope = placed_->shape.polytope_body();
   for (const Polytope::Edge& other : polytope.edges) {
     Eigen::Vector3d across = along.cross(other.along);
+    const double side[] = {across.dot(other.into[0]), across.dot(other.into[1])};
+    if (std::min(side[0], side[1]) < -kCone && std::max(side[0], side[1]) > kCone) continue;  // most, at little cost
     const double sine = across.norm();
     if (sine < kCone) continue;  // parallel: corners touch
-    const double tolerance = kCone * sine, side[] = {across.dot(other.into[0]), across.dot(other.into[1])};
+    const double tolerance = kCone * sine;
     if (side[0] <= tolerance && side[1] <= tolerance) {
       across = -across;
     } else if (side[0] < -tolerance || side[1] < -tolerance) {
