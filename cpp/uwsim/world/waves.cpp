@@ -141,13 +141,10 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
 /// With the surface eta and its derivatives, and the velocity's gradient, which is symmetric and without trace: linear
 /// theory's flow has neither rotation nor divergence. A particle at z' has linear theory's velocity at z(z', eta), so
 /// that its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, Dz/Dt by the chain rule.
-WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen::Vector3d& current_m_s) const {
+WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double height, double z_m,
+                               const Eigen::Vector3d& current_m_s) const {
   WaveMotion sum;
-  const std::size_t count = count_reaching(p.z());
-  if (count == 0) return sum;
-  std::array<Crest, kMaxComponents> crests;
-  const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
-  const Stretched at = stretched(p.z(), height);
+  const Stretched at = stretched(z_m, height);
   Eigen::Vector3d surface = Eigen::Vector3d::Zero();  // eta by x, y and t
   double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
   for (std::size_t j = 0; j < count; ++j) {
@@ -171,8 +168,16 @@ WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen
   const double rises = at.by_point * carried.z() + at.by_surface * surface_rises;
   sum.convective_m_s2 = carried.x() * Eigen::Vector3d(xx, xy, xz) + carried.y() * Eigen::Vector3d(xy, yy, yz) +
                         rises * Eigen::Vector3d(xz, yz, -xx - yy);
-  if (at.z_m < 0) sum.fade = std::min((height - p.z()) / (layer_m(height) + height), 1.0);
+  if (at.z_m < 0) sum.fade = std::min((height - z_m) / (layer_m(height) + height), 1.0);
   return sum;
+}
+
+WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen::Vector3d& current_m_s) const {
+  const std::size_t count = count_reaching(p.z());
+  if (count == 0) return {};
+  std::array<Crest, kMaxComponents> crests;
+  const double height = crests_at(p.x(), p.y(), time_s, count, crests.data());
+  return motion_under(crests.data(), count, height, p.z(), current_m_s);
 }
 
 void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
@@ -194,9 +199,10 @@ WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Ma
   WaveLoad sum;
   const std::size_t count = count_reaching(c.z());
   if (count == 0) return sum;
-  sum.force = volume_m3 * motion_at(c, time_s, current_m_s).convective_m_s2;
   std::array<Crest, kMaxComponents> crests;
-  const double z = unstretched(c.z(), crests_at(c.x(), c.y(), time_s, count, crests.data()));
+  const double height = crests_at(c.x(), c.y(), time_s, count, crests.data());
+  const double z = unstretched(c.z(), height);
+  sum.force = volume_m3 * motion_under(crests.data(), count, height, c.z(), current_m_s).convective_m_s2;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d h = second.col(2);
   for (std::size_t j = 0; j < count; ++j) {

@@ -115,6 +115,8 @@ class Waves {
   /// Number of waves, the longest first, whose motion reaches down to `z_m`.
   std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
+  WaveMotion motion_under(const Crest* crests, std::size_t count, double height_m, double z_m,
+                          const Eigen::Vector3d& current_m_s) const;
   /// Depth D of the stretched layer under a surface that is `height_m` high.
   double layer_m(double height_m) const;
   Stretched stretched(double z_m, double height_m) const;
