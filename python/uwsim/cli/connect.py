@@ -32,7 +32,7 @@ def connect(
 
     from uwsim.bridges import RosbridgeClient
     from uwsim.channels import channels, services
-    from uwsim.cli.run_live import run_until_interrupted, started_text
+    from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
 
@@ -46,5 +46,4 @@ def connect(
         LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live,
         RosbridgeClient(live, url, channels=said, services=services(simulator), ros=ros),  # type: ignore[arg-type]
     ):
-        typer.echo(f"{scenario} to {url}: {started_text(live)}; Ctrl-C ends it")
-        run_until_interrupted(live)
+        run_until_interrupted(live, f"{scenario} to {url}")

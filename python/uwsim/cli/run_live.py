@@ -15,13 +15,14 @@ SLIP_S = 0.5  # of wall time within LOOK_S that is worth a word
 SWITCH_S = 0.0005
 
 
-def run_until_interrupted(live: LiveSimulator) -> None:
-    """Return at Ctrl-C or SIGTERM. Meanwhile say on stderr when the simulation slips, or fails."""
+def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
+    """Print the greeting; return at Ctrl-C or SIGTERM. Meanwhile say on stderr when the simulation slips, or fails."""
     # A thread that computes in Python keeps the others waiting for 5 ms by default, which is a whole step.
     sys.setswitchinterval(SWITCH_S)
     interrupted = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: interrupted.set())
+    typer.echo(f"{greeting}: {_how_it_runs(live)}; Ctrl-C ends it")
     slipped_s, error = live.slipped_s, None
     while not interrupted.wait(LOOK_S):
         if live.error is not None and live.error is not error:
@@ -36,8 +37,7 @@ def run_until_interrupted(live: LiveSimulator) -> None:
         slipped_s = live.slipped_s
 
 
-def started_text(live: LiveSimulator) -> str:
-    """Return how it runs, in words."""
+def _how_it_runs(live: LiveSimulator) -> str:
     if live.paused:
         return "paused"
     return "as fast as it can" if live.speed == "max" else f"{live.speed:g} times real time"

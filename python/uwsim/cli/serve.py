@@ -46,7 +46,7 @@ def serve(
 ) -> None:
     """Run a scenario in real time for rosbridge clients: roslibpy, roslibjs and others, without ROS. Ctrl-C ends it."""
     from uwsim.bridges import RosbridgeServer
-    from uwsim.cli.run_live import run_until_interrupted, started_text
+    from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
 
@@ -65,8 +65,7 @@ def serve(
             keyfile=keyfile,
         )
         with server:
-            typer.echo(f"{scenario} at {server.url}: {started_text(live)}; Ctrl-C ends it")
-            run_until_interrupted(live)
+            run_until_interrupted(live, f"{scenario} at {server.url}")
 
 
 def parsed_speed(text: str) -> float | Literal["max"]:
