@@ -1,5 +1,6 @@
 """The paper's chain as processes over rosbridge: the map has the bytes of the chain in one process."""
 
+import signal
 import subprocess
 import sys
 import time
@@ -9,7 +10,6 @@ import numpy as np
 import pytest
 
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.nodes import NODES
 from uwsim.bridges.nodes.chain import INSERTED, decode, to_cloud, to_scan, to_transform
 from uwsim.bridges.nodes.map_builder import MapBuilder
 from uwsim.channels import channels
@@ -23,11 +23,11 @@ UWSIM = Path(sys.executable).with_name("uwsim")
 PINGS = 6
 
 
-def until(condition, processes=()):
+def until(condition, process):
     deadline = time.monotonic() + PATIENCE_S
     while not condition():
         assert time.monotonic() < deadline
-        assert all(process.poll() is None for process in processes)
+        assert process.poll() is None
         time.sleep(0.01)
 
 
@@ -58,42 +58,26 @@ def chain_in_process(path):
 
 def test_five_processes_make_the_map_of_one(tmp_path):
     heard = []
-    last = next(iter(NODES))  # with which pings begin to count: the others must be listening
     with LiveSimulator("lake", paused=True) as live, RosbridgeServer(live, wire="published") as server:
-        topics = server.graph.topics
-        listening = {
-            name: lambda topic=topic: topic in topics and any(owner != "/uwsim" for owner, _ in topics[topic].sinks)
-            for name, topic in {
-                "octomap": "laserPointCloud",
-                "laser_to_cloud": "scan",
-                "scan_publisher": "clock",
-            }.items()
-        }
-        processes = []
+        arguments = [UWSIM, "nodes", "--url", server.url, "--out", tmp_path / "nodes.bt"]
+        process = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
         try:
-            for name in [*reversed(list(NODES))]:
-                arguments = [UWSIM, "nodes", name, "--url", server.url, "--out", tmp_path / "nodes.bt"]
-                if name == last:
-                    until(lambda: all(ready() for ready in listening.values()), processes)
-                    until(lambda: "scanPos" in topics and topics["scanPos"].sinks, processes)
-                    until(lambda: "decodedDepth" in topics and topics["decodedDepth"].sinks, processes)
-                    until(lambda: INSERTED in topics, processes)
-                    server._loop.call_soon_threadsafe(
-                        lambda: server.graph.subscribe(
-                            "/test", 0, INSERTED, None, lambda s: heard.append(s.message.data)
-                        )
-                    )
-                processes.append(subprocess.Popen(arguments, stdout=subprocess.DEVNULL))
+            until(lambda: INSERTED in server.graph.topics, process)
+            server._loop.call_soon_threadsafe(
+                lambda: server.graph.subscribe("/test", 0, INSERTED, None, lambda s: heard.append(s.message.data))
+            )
+            assert "octomap" in process.stdout.readline()
             for ping in range(PINGS):
                 if ping == 1:
                     live.command("release", vehicle="rov").result()
                     live.command("set_effort", vehicle="rov", surge=1.0, heave=-0.5, yaw=0.5).result()
                 live.step(0 if ping == 0 else interval_steps(live.simulator))
-                until(lambda ping=ping: heard[-1:] == [ping + 1], processes)
+                until(lambda ping=ping: heard[-1:] == [ping + 1], process)
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE_S) == 0
         finally:
-            for process in processes:
-                process.kill()
-                process.wait()
+            process.kill()
+            process.wait()
     chain_in_process(tmp_path / "chain.bt")
     assert (tmp_path / "nodes.bt").read_bytes() == (tmp_path / "chain.bt").read_bytes()
     assert len((tmp_path / "chain.bt").read_bytes()) > 1000

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from uwsim.cli.exit_codes import FAILED
 
 
 def nodes(
@@ -28,24 +28,11 @@ def nodes(
     The simulator's own topics have the same names: use uwsim serve --wire published.
     """
     from uwsim.bridges.nodes.chain import NODES
-    from uwsim.bridges.nodes.node import connect_patiently
+    from uwsim.bridges.nodes.processes import run_all, run_one
 
     if name not in (*NODES, "all"):
         raise ValueError(f"node '{name}': unknown; there are: all, {', '.join(NODES)}")
     if name != "all":
-        node = connect_patiently(url, patience)
-        NODES[name](node, out)
-        typer.echo(f"{name} at {url}")
-        node.spin()
-        return
-    connect_patiently(url, patience).close()
-    options = ["--url", url, "--out", str(out), "--patience", str(patience)]
-    program = [sys.executable, "-c", "from uwsim.cli import main; main()", "nodes"]
-    processes = [subprocess.Popen([*program, each, *options]) for each in NODES]
-    try:
-        codes = [process.wait() for process in processes]
-    finally:
-        for process in processes:
-            process.terminate()
-    if any(codes):
-        raise typer.Exit(1)
+        run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"))
+    elif not run_all(url, out, patience, lambda: typer.echo(f"{', '.join(NODES)} at {url}; Ctrl-C ends them")):
+        raise typer.Exit(FAILED)

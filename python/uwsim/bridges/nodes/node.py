@@ -30,6 +30,7 @@ class Node:
         if not url.startswith(("ws://", "wss://")):
             raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
         self._connection = connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=1)
+        self._settled = False
         self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
 
     def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
@@ -44,6 +45,13 @@ class Node:
             {"op": "subscribe", "topic": topic, "type": spelled(kind, 1), "compression": "cbor", "queue_length": QUEUE}
         )
 
+    def settle(self, patience_s: float = 10.0) -> None:
+        """Return when the server has done all that was asked so far: it answers in order. Needs rosapi."""
+        self._send({"op": "call_service", "service": "/rosapi/get_time", "id": "settle"})
+        self._settled = False
+        deadline_s = time.monotonic() + patience_s
+        self.spin(lambda: self._settled or time.monotonic() > deadline_s)
+
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
         """Call back until the condition holds, which is asked between messages, or the server ends the connection."""
         while not until():
@@ -54,6 +62,7 @@ class Node:
             except ConnectionClosed:
                 return
             operation = parse(frame, NESTING)
+            self._settled |= operation.get("id") == "settle"
             if operation.get("op") == "publish" and operation["topic"] in self._callbacks:
                 kind, callback = self._callbacks[operation["topic"]]
                 callback(from_plain(kind, operation["msg"]))

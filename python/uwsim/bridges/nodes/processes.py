@@ -1,0 +1,60 @@
+"""The nodes as processes: forked from one that has imported everything, each set up before the next one starts."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable
+from multiprocessing.synchronize import Event
+from pathlib import Path
+
+from uwsim.bridges.nodes.chain import NODES
+from uwsim.bridges.nodes.node import connect_patiently
+
+LOOK_S = 0.5
+
+
+def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> None:
+    """Run a node until the server ends the connection. Raises OSError if there is no server."""
+    node = connect_patiently(url, patience_s)
+    NODES[name](node, out)
+    node.settle()
+    ready()
+    node.spin()
+
+
+def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> bool:
+    """Run all nodes until one ends, or a signal comes; return whether all ended well.
+
+    Those at the chain's end start first, and the string decoder last: no ping is lost on the way. Raises OSError.
+    """
+    connect_patiently(url, patience_s).close()
+    context = multiprocessing.get_context("fork")
+    processes = []
+    try:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.default_int_handler)
+        for name in reversed(NODES):
+            is_set_up = context.Event()
+            process = context.Process(target=_child, args=(name, url, out, patience_s, is_set_up), name=name)
+            processes.append(process)
+            process.start()
+            while not is_set_up.wait(LOOK_S):
+                if not process.is_alive():
+                    return False
+        ready()
+        while all(process.is_alive() for process in processes):
+            processes[0].join(LOOK_S)
+        return not any(process.exitcode for process in processes)
+    except KeyboardInterrupt:
+        return True
+    finally:
+        for process in processes:
+            process.terminate()
+            process.join()
+
+
+def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event) -> None:
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+    run_one(name, url, out, patience_s, is_set_up.set)
