@@ -21,19 +21,21 @@ BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& bea
   const double looks = averaged_looks(extent_m, cell_m);
   double snr = system_ratio_ * echo.peak;
   BottomDetection found{Detection::kAmplitude, echo.centre_range_m, 0};
-  RangeDeviation deviation = amplitude_range_deviation(extent_m, cell_m, snr);
-  if (looks >= kPhaseLooks && phase_range_deviation(extent_m, cell_m, snr).total_m() < deviation.total_m()) {
+  bool by_phase = false;
+  if (looks >= kPhaseLooks) {
     const double on_axis_m = axis_range_m(echo.rays, beam);
     if (on_axis_m > 0) {
+      by_phase = true;
       found = {Detection::kPhase, on_axis_m, 0};
       snr = system_ratio_ * envelope(echo.rays, static_cast<float>(on_axis_m), static_cast<float>(cell_m));
       if (!(snr > 0)) return {};
-      deviation = phase_range_deviation(extent_m, cell_m, snr);
     }
   }
   found.intensity = received_intensity(snr * speckle_intensity(looks, draws.speckle), looks, draws.noise);
   if (!(found.intensity > threshold_.intensity(looks))) return {};
   if (range_noise_) {
+    const RangeDeviation deviation =
+        by_phase ? phase_range_deviation(extent_m, cell_m, snr) : amplitude_range_deviation(extent_m, cell_m, snr);
     found.range_m += draws.speckle_range * deviation.speckle_m + draws.noise_range * deviation.noise_m;
   }
   return found;

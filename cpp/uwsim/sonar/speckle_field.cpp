@@ -7,11 +7,11 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kSpline = 3;           // cells under a quadratic B-spline
+constexpr std::size_t kSpline = 2;           // cells under a linear B-spline
 constexpr std::size_t kCells = 2 * kSpline;  // of both sizes
-constexpr std::size_t kLanes = 8;            // padded, for vector units
 constexpr double kRounding = 16;             // steps of the lattices' orientation: 1/16 of a unit quaternion
 constexpr float kMidway = 0.27f;
+const double kCellPerDeviation = std::sqrt(6.0);  // of cells whose B-spline alone has the footprint's curvature
 constexpr double kLeast_m = 1e-4;
 // The numbers of cells (i, j) are i and j times these, summed: no two cells within some 10^4 of each other share one.
 constexpr std::uint32_t kStrideAcross = 0x9e3779b1U, kStrideWithin = 0x85ebca77U;
@@ -32,18 +32,18 @@ std::uint32_t mixed(std::uint32_t h) {
 /// A power of two [m]; `level` within double's exponents.
 double power_of_two(int level) { return std::bit_cast<double>(static_cast<std::uint64_t>(level + 1023) << 52); }
 
-/// The cells of one axis that a footprint covers: the weights and numbers of three of one size and three of twice that.
+/// The cells of one axis that a footprint covers: the weights and numbers of two of one size and two of twice that.
 struct CoveredCells {
-  alignas(32) std::array<float, kLanes> weight{};
-  alignas(32) std::array<std::uint32_t, kLanes> number{};
+  alignas(16) std::array<float, kCells> weight{};
+  alignas(16) std::array<std::uint32_t, kCells> number{};
   float squares = 0;  // the sum of the squared weights
 
-  /// A B-spline on cells of 2^level correlates by about exp(-d^2 / 4^level). The shares of the two sizes would give a
-  /// Gaussian footprint's curvature at d = 0; with kMidway they agree best up to d of two deviations. `stride`: odd;
-  /// numbers are its multiples, from a start that depends on the level.
+  /// A linear B-spline on cells of size c correlates by about exp(-1.5 d^2 / c^2). The shares of the two sizes would
+  /// give a Gaussian footprint's curvature at d = 0; with kMidway they agree best up to d of two deviations. `stride`:
+  /// odd; numbers are its multiples, from a start that depends on the level.
   CoveredCells(double at_m, float deviation_m, std::uint32_t stride, const SpeckleField::LevelKeys& keys) {
-    const auto bits = std::bit_cast<std::uint64_t>(2 * std::max<double>(deviation_m, kLeast_m));
-    const int level = static_cast<int>(bits >> 52) - 1023;  // 2^level <= twice the deviation < 2^(level + 1)
+    const auto bits = std::bit_cast<std::uint64_t>(kCellPerDeviation * std::max<double>(deviation_m, kLeast_m));
+    const int level = static_cast<int>(bits >> 52) - 1023;  // 2^level: the largest cells that are not too coarse
     const auto ratio = std::bit_cast<double>((bits & kMantissa) | kOne);
     const auto square = static_cast<float>(1 / (ratio * ratio));  // of the finer size over the footprint's: in (1/4, 1]
     const float by_curvature = (square - 0.25f) / 0.75f;
@@ -60,9 +60,8 @@ struct CoveredCells {
     const double cells = at_m * power_of_two(-level);
     auto cell = static_cast<std::int64_t>(cells);
     cell -= static_cast<double>(cell) > cells;  // rounded down
-    const auto off = static_cast<float>(cells - static_cast<double>(cell)) - 0.5f;
-    const float low = 0.5f * (0.5f - off) * (0.5f - off), high = 0.5f * (0.5f + off) * (0.5f + off);
-    const std::array<float, kSpline> weights = {share * low, share * (1 - low - high), share * high};
+    const auto off = static_cast<float>(cells - static_cast<double>(cell));
+    const std::array<float, kSpline> weights = {share * (1 - off), share * off};
     const std::uint32_t start = keys[static_cast<std::size_t>(level) % keys.size()];
     for (std::size_t k = 0; k < kSpline; ++k) {
       weight[first + k] = weights[k];
@@ -76,13 +75,13 @@ struct CoveredCells {
 /// hash's four bytes, with signs that make the two uncorrelated; the sum of several cells is normal to the eye of any
 /// test here.
 std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCells& columns, std::uint32_t key) {
-  constexpr std::size_t kAll = kCells * kLanes;
+  constexpr std::size_t kAll = kCells * kCells;
   alignas(32) std::uint32_t hash[kAll];
   alignas(32) float weight[kAll], one[kAll], two[kAll];
   for (std::size_t i = 0; i < kCells; ++i) {
-    for (std::size_t j = 0; j < kLanes; ++j) {
-      hash[i * kLanes + j] = rows.number[i] + key + columns.number[j];
-      weight[i * kLanes + j] = rows.weight[i] * columns.weight[j];
+    for (std::size_t j = 0; j < kCells; ++j) {
+      hash[i * kCells + j] = rows.number[i] + key + columns.number[j];
+      weight[i * kCells + j] = rows.weight[i] * columns.weight[j];
     }
   }
   for (std::size_t k = 0; k < kAll; ++k) {
@@ -93,11 +92,11 @@ std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCell
     one[k] = weight[k] * static_cast<float>(even + odd - 510);
     two[k] = weight[k] * static_cast<float>(even - odd);
   }
-  float first[kLanes] = {}, second[kLanes] = {};
+  float first[kCells] = {}, second[kCells] = {};
   for (std::size_t i = 0; i < kCells; ++i) {
-    for (std::size_t j = 0; j < kLanes; ++j) {
-      first[j] += one[i * kLanes + j];
-      second[j] += two[i * kLanes + j];
+    for (std::size_t j = 0; j < kCells; ++j) {
+      first[j] += one[i * kCells + j];
+      second[j] += two[i * kCells + j];
     }
   }
   float sums[2] = {};

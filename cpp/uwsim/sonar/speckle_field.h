@@ -25,7 +25,7 @@ EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<con
 /// Phenomena in Optics", ch. 3). A ping from the same place meets the same scatterers.
 ///
 /// The noise is hashed by cells of square lattices, whose sizes are the powers of two. Each footprint is covered by
-/// quadratic B-splines on the two next sizes, along the fan's plane and across it, mixed so that the correlation has
+/// linear B-splines on the two next sizes, along the fan's plane and across it, mixed so that the correlation has
 /// the footprint's extent. Lattices are aligned with the fan to within 4 degrees and fixed in the world for headings
 /// that round to the same; from others the scatterers appear at random phases, as they do in water.
 ///
