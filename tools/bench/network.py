@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,6 +26,7 @@ from rich.console import Console
 from rich.table import Table
 from websockets.asyncio.client import connect
 from websockets.asyncio.server import serve
+from websockets.exceptions import ConnectionClosed
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.encoding import Sample
@@ -147,8 +149,9 @@ async def bare(scan: Any, seconds: float) -> dict[str, Any]:
     frame = cbor2.dumps({"op": "publish", "topic": "/scan", "msg": to_plain(scan, 1, "cbor")})
 
     async def send(connection: Any) -> None:
-        while True:
-            await connection.send(frame)
+        with suppress(ConnectionClosed):
+            while True:
+                await connection.send(frame)
 
     async with serve(send, "127.0.0.1", 0, compression=None) as server:
         port = next(iter(server.sockets)).getsockname()[1]
@@ -206,15 +209,14 @@ async def subscribe(url: str, compression: str, count: int, seconds: float, mode
     await asyncio.gather(*(one() for _ in range(count)))
     found: dict[str, Any] = {"messages": messages, "messages_per_s": messages / seconds}
     if latencies_ms:
-        found["latency_ms"] = {p: float(np.percentile(latencies_ms, p)) for p in (50, 99)}
+        found["latency_ms"] = {f"p{p}": float(np.percentile(latencies_ms, p)) for p in (50, 99)}
     return found
 
 
 def load_table(cases: list[dict[str, Any]]) -> Table:
     """Return the table of cases in real time."""
-    table = Table(title="in real time: scans of 1,025 beams at 50 Hz and pictures at 10 Hz, CBOR")
-    columns = ("subscribers", "asleep", "messages/s", "latency p50", "p99 [ms]", "CPU [cores]", "lost", "waiting")
-    for column in (*columns, "pace", "late at worst [ms]"):
+    table = Table(title="in real time, CBOR: scans at 50 Hz, pictures at 10 Hz; latency, CPU, the latest step")
+    for column in ("readers", "asleep", "msg/s", "p50 [ms]", "p99", "cores", "lost", "queued", "pace", "late [ms]"):
         table.add_column(column, justify="right")
     for case in cases:
         latency = case.get("latency_ms")
@@ -222,7 +224,7 @@ def load_table(cases: list[dict[str, Any]]) -> Table:
             str(case["subscribers"]),
             str(case["sleepers"]),
             f"{case.get('messages_per_s', 0.0):.0f}",
-            *([f"{latency[p]:.2f}" for p in (50, 99)] if latency else ["-", "-"]),
+            *([f"{latency[p]:.2f}" for p in ("p50", "p99")] if latency else ["-", "-"]),
             f"{case['cpu_share']:.2f}",
             str(case["lost"]),
             str(case["waiting"]),
