@@ -445,6 +445,11 @@ class World:
         Names by label: nothing, terrain, then the solids.
         """
     @property
+    def lowest_m(self) -> float:
+        """
+        Height of the terrain's lowest point; -inf without one.
+        """
+    @property
     def terrain_extent_m(self) -> tuple[float, float, float, float]:
         """
         (x0, y0, x1, y1) [m]
@@ -2000,6 +2005,11 @@ class Simulation:
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
+    def restart(self, world: World, spec: SimulationSpec) -> None:
+        """
+        Begins anew with the same vehicles at their starts. world: as before, but for its water. Raises ValueError,
+        changing nothing.
+        """
     def restore_state(self, state: bytes, scenario: str, build: str) -> str:
         """
         Returns the notes. Raises ValueError, changing nothing, for a damaged state or other fingerprints.

@@ -17,6 +17,7 @@ from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.vehicle import vehicle_spec
+from uwsim.scenario.build.world import fill_with_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario.spec.optics import Optics
 from uwsim.sonars.mounted import imaging_sonars
@@ -139,6 +140,19 @@ class Simulator:
     def wait(self, duration_s: float) -> None:
         """Advance, as the clock of a mission: see uwsim.control.Clock."""
         self.advance(duration_s)
+
+    def reset(self, seed: int | None = None) -> None:
+        """Begin anew, as a Simulator of this scenario and a seed would that is made now; by default of the same seed.
+
+        Vehicles, sensors and sonars stay the same objects; vehicles are at their starts, lamps off, light and water as
+        the scenario has them. `version` goes on. Raises ValueError, changing nothing.
+        """
+        scenario = self.scenario.with_changes(seed=seed)
+        if scenario.seed != self.seed:
+            fill_with_water(self.world, scenario)
+        self._core.restart(self.world, simulation_spec(scenario))
+        self._shared_scene.restart(scenario)
+        self.scenario = scenario
 
     def save_state(self) -> bytes:
         """Save everything that the future depends on, except scenario and seed.

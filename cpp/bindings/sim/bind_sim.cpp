@@ -120,15 +120,19 @@ void bind_sim(py::module_& m) {
           "add_vehicle",
           [](OwnedSimulation& owned, VehicleSpec spec) {
             require(spec.craft != nullptr, "vehicles.craft", "none", "must be set");
-            return owned.with([&](Simulation& sim) { return sim.add_vehicle(spec); });
+            return owned.add_vehicle(spec);
           },
           py::arg("spec"), "Returns the vehicle's index.")
+      .def("restart", &OwnedSimulation::restart, py::arg("world"), py::arg("spec"),
+           "Begins anew with the same vehicles at their starts. world: as before, but for its water. Raises "
+           "ValueError,\n"
+           "changing nothing.")
       .def("step", &OwnedSimulation::step, py::arg("count") = 1,
            "Advances by fixed steps. Releases the GIL, answers Ctrl-C.")
       .def_property_readonly("time_ns",
                              [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.time_ns(); }); })
       .def_property_readonly(
-          "version", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.version(); }); },
+          "version", &OwnedSimulation::version,
           "Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.")
       .def_property_readonly("tick", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.tick(); }); })
       .def(

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "uwsim/sim/simulation.h"
 
@@ -19,14 +20,40 @@ inline constexpr std::uint64_t kStepsBetweenSignals = 2000;
 class OwnedSimulation {
  public:
   OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
-      : simulation_(world, std::move(scene), spec) {}
+      : scene_(std::move(scene)), simulation_(std::make_unique<Simulation>(world, scene_, spec)) {}
 
   /// call(simulation), with the GIL released.
   template <typename Call>
   auto with(Call&& call) {
     const py::gil_scoped_release unlocked;
     const std::lock_guard owned(mutex_);
-    return call(simulation_);
+    return call(*simulation_);
+  }
+
+  /// Returns the vehicle's index.
+  std::size_t add_vehicle(const VehicleSpec& spec) {
+    return with([&](Simulation& sim) {
+      vehicles_.reserve(vehicles_.size() + 1);
+      const std::size_t index = sim.add_vehicle(spec);
+      vehicles_.push_back(spec);
+      return index;
+    });
+  }
+
+  /// Begins anew in `world` with `spec`, with the same vehicles at their starts. Throws, changing nothing.
+  void restart(const World& world, const SimulationSpec& spec) {
+    with([&](Simulation& old) {
+      auto fresh = std::make_unique<Simulation>(world, scene_, spec);
+      for (const VehicleSpec& vehicle : vehicles_) fresh->add_vehicle(vehicle);
+      earlier_versions_ += old.version() + 1;
+      previous_ = std::move(simulation_);
+      simulation_ = std::move(fresh);
+    });
+  }
+
+  /// The simulation's version, which no restart repeats.
+  std::uint64_t version() {
+    return with([&](Simulation& sim) { return earlier_versions_ + sim.version(); });
   }
 
   /// Steps in slices, so that Ctrl-C is answered, but keeps the simulation for itself throughout.
@@ -44,7 +71,11 @@ class OwnedSimulation {
 
  private:
   std::recursive_mutex mutex_;  // recursive: a signal handler that runs between slices may call, too
-  Simulation simulation_;
+  std::shared_ptr<const RayScene> scene_;
+  std::vector<VehicleSpec> vehicles_;
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<Simulation> previous_;  // a ping on another thread may still read its sonar's angles
+  std::uint64_t earlier_versions_ = 0;
 };
 
 }  // namespace uwsim::bindings

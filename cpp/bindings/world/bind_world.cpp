@@ -125,6 +125,10 @@ void bind_world(py::module_& m) {
             return solid ? std::optional(solid->name) : std::nullopt;
           },
           py::arg("point_world_m"), "(3,) -> the name of a closed solid that encloses the point, or None.")
+      .def_property_readonly(
+          "lowest_m",
+          [](const World& w) { return w.terrain() ? static_cast<double>(w.terrain()->lowest_m()) : -HUGE_VAL; },
+          "Height of the terrain's lowest point; -inf without one.")
       .def("height_at", &height_at, py::arg("xy_m"), "(n, 2) -> (n,) float64, height of the terrain; NaN outside.")
       .def_property_readonly(
           "terrain_extent_m",

@@ -53,6 +53,16 @@ class SharedScene:
         """The native scene: the world with its materials, and the vehicles' hulls. Raises ScenarioError."""
         return camera_scene(self._scenario, self._world, self._rays)
 
+    def restart(self, scenario: Scenario) -> None:
+        """Begin anew with a scenario that differs from the first in its seed alone: lamps off, its own light."""
+        if scenario.seed != self._scenario.seed:
+            self.__dict__.pop("core", None)
+        self._scenario = scenario
+        self.optics = scenario.optics
+        for switches in self.lamps:
+            for lamp in switches.values():
+                lamp.on = False
+
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
         """Return the present, consistent even if other threads step the simulation meanwhile."""
         while True:

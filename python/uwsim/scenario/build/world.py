@@ -34,9 +34,14 @@ def build_world(scenario: Scenario) -> _core.World:
             with errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
                 x, y, z = point_m
                 raise ScenarioError(f"vehicles[{index}] starts at ({x:g}, {y:g}, {z:g}) m: must be outside '{name}'")
-    with errors_at("water"):
-        world.water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
+    fill_with_water(world, scenario)
     return world
+
+
+def fill_with_water(world: _core.World, scenario: Scenario) -> None:
+    """Give the world the scenario's water, with waves and gusts of its seed. Raises ScenarioError."""
+    with scenario.source_file.errors_at("water"):
+        world.water = build_water(scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed)
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain) -> None:
