@@ -30,11 +30,13 @@ class Allowance:
         return max(0.0, -self._left / self._rate)
 
 
-async def converse(connection: ServerConnection, session: Session, wakes: asyncio.Event, limits: Limits) -> None:
-    """Carry frames both ways until either side ends it."""
+async def converse(
+    connection: ServerConnection, session: Session, wakes: asyncio.Event, limits: Limits, work_s: Allowance
+) -> None:
+    """Carry frames both ways until either side ends it. work_s: of all clients together."""
     writer = asyncio.create_task(_write(connection, session, wakes))
     try:
-        await _read(connection, session, limits)
+        await _read(connection, session, limits, work_s)
     except ConnectionClosed:
         pass
     finally:
@@ -42,12 +44,14 @@ async def converse(connection: ServerConnection, session: Session, wakes: asynci
         await asyncio.gather(writer, return_exceptions=True)
 
 
-async def _read(connection: ServerConnection, session: Session, limits: Limits) -> None:
+async def _read(connection: ServerConnection, session: Session, limits: Limits, work_s: Allowance) -> None:
     messages, data = Allowance(limits.messages_per_s), Allowance(limits.bytes_per_s)
     count = 0
     async for frame in connection:
+        begun_s = time.monotonic()
         session.receive(frame)
-        delay_s = max(messages.delay_after(1), data.delay_after(len(frame)))
+        worked_s = time.monotonic() - begun_s
+        delay_s = max(messages.delay_after(1), data.delay_after(len(frame)), work_s.delay_after(worked_s))
         count += 1
         if delay_s or count % AT_ONCE == 0:
             await asyncio.sleep(delay_s)

@@ -32,6 +32,9 @@ class Limits:
     bytes_per_s: float = 16e6
     """From a client, likewise."""
 
+    work_share: float = 0.3
+    """Of a core, for what all clients together send: Python runs one thread at a time, and steps need their turns."""
+
     def __post_init__(self) -> None:
         for field in fields(self):
             if not getattr(self, field.name) > 0:

@@ -15,7 +15,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.http11 import Request, Response
 
 from uwsim.bridges.rosbridge import admission
-from uwsim.bridges.rosbridge.connection import converse
+from uwsim.bridges.rosbridge.connection import Allowance, converse
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parameters import Parameters
@@ -147,6 +147,7 @@ class RosbridgeServer:
         self._stopping = asyncio.Event()
         ros1_typestore(), typestore()  # a third of a second, which the first client should not wait for
         self.graph = Graph()
+        self._work_s = Allowance(self._limits.work_share)
         async with self._listen() as server:
             self._port = next(iter(server.sockets)).getsockname()[1]
             node = None
@@ -205,7 +206,7 @@ class RosbridgeServer:
         )
         self.sessions[name] = session
         try:
-            await converse(connection, session, wakes, self._limits)
+            await converse(connection, session, wakes, self._limits, self._work_s)
         finally:
             del self.sessions[name]
             session.close()
