@@ -53,7 +53,7 @@ def test_a_coefficient_five_percent_off_fails_the_check(
         values = [np.asarray(getattr(water, name)) * (1.05 if name == coefficient else 1) for name in names]
         index = water.refractive_index * (1.05 if coefficient == "refractive_index" else 1)
         changed = _core.WaterOptics(*values, index)
-        return _core.Optics(changed, float(np.radians(light.sun_deg)), 0.7, 0.0, 0.0, 0.0)
+        return _core.Optics(changed, float(np.radians(light.sun_deg)), 0.7, 0.0, 0.0, 0.0, 0.0)
 
     monkeypatch.setattr(camera.Light, "optics", property(off))
     assert failed(law())

@@ -150,9 +150,63 @@ def test_turbid_water_lowers_contrast_and_unknown_optics_are_refused(pool: Simul
     assert pool.optics.jerlov == "9C"
 
 
-def test_the_station_sees_the_sky_and_the_vehicle() -> None:
+@pytest.mark.parametrize("scenario", ["lake", "pair", "pool"])
+def test_the_station_sees_the_docked_vehicle(scenario: str) -> None:
+    frame = Simulator(scenario, threads=2).cameras["station"].capture(geometry_only=True)
+    share = (frame.labels == frame.label_names.index("rov")).mean()
+    assert share > 0.02
+    above, right = np.abs(np.argwhere(frame.labels == frame.label_names.index("rov")).mean(axis=0) - (180, 320))
+    assert above < 60 and right < 60, "near the middle"
+
+
+def test_the_chase_camera_follows_place_and_heading_alone(pool: Simulator) -> None:
+    rov, chase = pool.rov, pool.rov.cameras["chase"]
+    poses = {}
+    for name, euler_deg in {"level": (40, 0, 0), "tilted": (40, 35, -50), "turned": (130, 0, 0)}.items():
+        rov.place((1.0, 0.5, -2.0), Rotation.from_euler("ZYX", euler_deg, degrees=True).as_quat())
+        frame = chase.capture(geometry_only=True)
+        assert (frame.labels == frame.label_names.index("rov")).mean() > 0.03, "it sees the vehicle that it follows"
+        poses[name] = frame.world_from_camera
+    np.testing.assert_allclose(poses["tilted"], poses["level"], atol=1e-12)
+    quarter = np.eye(4)
+    quarter[:3, :3] = Rotation.from_euler("z", 90, degrees=True).as_matrix()
+    there = np.eye(4)
+    there[:3, 3] = (1.0, 0.5, -2.0)
+    expected = there @ quarter @ np.linalg.inv(there) @ poses["level"]
+    np.testing.assert_allclose(poses["turned"], expected, atol=1e-12)
+    rov.place((1.0, 0.5, -4.9))
+    assert chase.capture(geometry_only=True).world_from_camera[2, 3] >= -5.0 + 0.3, "above the ground"
+
+
+def test_turbulence_bends_rays_by_its_closed_form(pool: Simulator) -> None:
+    """As Chernov's formula: in proportion to the temperature's deviation, about a pixel at 2 K, none at 0."""
+
+    def bent_px(turbulence_k: float) -> float:
+        pool.set_optics(turbulence_k=turbulence_k)
+        squares: list[np.ndarray] = []
+        for _ in range(4):
+            pool.advance(0.5)
+            with_it, without = (camera.capture(on, geometry_only=True) for on in (["wobble"], []))
+            with np.errstate(invalid="ignore"):  # infinite depths
+                slope = np.gradient(without.depth_m.astype(np.float64), axis=0)
+                shift_px = (with_it.depth_m - without.depth_m) / slope
+            level = (with_it.labels == 1) & (without.labels == 1) & (np.abs(slope) > 1e-4)
+            squares.append(shift_px[level] ** 2)
+        return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+    pool.rov.place((0.0, 0.0, -3.0))
+    camera = pool.rov.cameras["front"]
+    focal_px = camera.info.k[0, 0]
+    assert bent_px(0.0) == 0.0
+    closed_form_px = focal_px * 1e-4 * 2.0 * np.sqrt(2 * np.sqrt(np.pi) / 3 * 5.0 / 0.05)
+    assert bent_px(2.0) == pytest.approx(closed_form_px, rel=0.35)
+    assert bent_px(1.0) == pytest.approx(closed_form_px / 2, rel=0.35)
+    assert closed_form_px > 0.7
+
+
+def test_the_deck_camera_sees_the_sky_and_the_vehicle() -> None:
     sim = Simulator("lake", threads=2)
-    frame = sim.cameras["station"].capture()
+    frame = sim.cameras["deck"].capture()
     sky = frame.labels[:20] == 0
     assert sky.any()
     assert "station" in frame.label_names
@@ -279,7 +333,7 @@ def test_from_below_the_sky_is_seen_within_snells_window_only() -> None:
     scene = _core.CameraScene(world, _core.RayScene(world), 0)
     lens = _core.Lens(201, 201, 70.0, 70.0, 100, 100)
     turn = Rotation.from_euler("ZYX", (0, -90, 0), degrees=True).as_quat()
-    optics = _core.Optics(_core.WaterOptics.jerlov("I"), 1.0, 0.0, 0.0, 0.0, 0.0)
+    optics = _core.Optics(_core.WaterOptics.jerlov("I"), 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     picture = scene.render(
         _core.Camera("up", lens), optics, (0, 0, -3), turn, 0.0, 0, ["surface", "sunlight"], keep_radiance=True
     )

@@ -44,7 +44,7 @@ def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
         (("--effects", "fog"), "effects = 'fog': must be 'on', 'off' or names of attenuation"),
         (("--effects", ","), "must name at least one picture"),
         (("--jerlov", "IV"), "must be one of I, IA"),
-        (("--camera", "rear"), "camera = 'rear': must be one of station, front, down"),
+        (("--camera", "rear"), "camera = 'rear': must be one of station, deck, chase, front, down"),
         (("--lamps", "rear"), "lamps = 'rear': must be one of front, down"),
         (("--pose", "1,2"), "--pose 1,2: 2 numbers; must be X,Y,Z[,YAW[,PITCH[,ROLL]]]"),
         (("--pose", "a,b,c,d,e,f"), "--pose a,b,c,d,e,f: must be X,Y,Z[,YAW[,PITCH[,ROLL]]]"),

@@ -58,8 +58,8 @@ def main() -> None:
         [
             thumbnail(sim, "front", "III", NOON_DEG, lamps=False, effects="off"),
             thumbnail(sim, "front", "III", DUSK_DEG, lamps=False),
-            thumbnail(sim, "station", "III", NOON_DEG, lamps=False),
-            thumbnail(sim, "station", "III", DUSK_DEG, lamps=False),
+            thumbnail(sim, "deck", "III", NOON_DEG, lamps=False),
+            thumbnail(sim, "deck", "III", DUSK_DEG, lamps=False),
         ]
     )
     write_image(OUT, contact_sheet(rows))

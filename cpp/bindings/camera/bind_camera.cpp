@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -29,14 +30,14 @@ void bind_lens(py::module_& m) {
   py::class_<Camera, std::shared_ptr<Camera>>(m, "Camera",
                                               "Lens and image sensor. Raises ValueError that names the field.")
       .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
-                       double vignetting, double wobble_rad) {
+                       double vignetting, std::optional<double> wobble_rad) {
              const py::gil_scoped_release unlocked;  // the tables of rays take time
              return std::make_shared<Camera>(std::move(name), lens,
                                              ImageSensor{exposure, full_well, read_noise, vignetting, wobble_rad});
            }),
            py::arg("name"), py::arg("lens"), py::arg("exposure") = ImageSensor{}.exposure,
            py::arg("full_well") = ImageSensor{}.full_well, py::arg("read_noise") = ImageSensor{}.read_noise,
-           py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = ImageSensor{}.wobble_rad)
+           py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = py::none())
       .def_property_readonly("name", &Camera::name);
 }
 

@@ -18,8 +18,8 @@ Camera::Camera(std::string name, const Lens& lens, const ImageSensor& sensor)
           "must be in [0, 1e6] electrons");
   require(sensor.vignetting >= 0 && sensor.vignetting <= 1, "camera.vignetting", sensor.vignetting,
           "must be in [0, 1]");
-  require(sensor.wobble_rad >= 0 && sensor.wobble_rad <= 0.1, "camera.wobble_rad", sensor.wobble_rad,
-          "must be in [0, 0.1] rad");
+  const double wobble_rad = sensor.wobble_rad.value_or(0);
+  require(wobble_rad >= 0 && wobble_rad <= 0.1, "camera.wobble_rad", wobble_rad, "must be in [0, 0.1] rad");
   undistorted_ = ray_table(lens_, false);
   distorted_ = ray_table(lens_, true);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "uwsim/camera/lens.h"
@@ -8,11 +9,11 @@ namespace uwsim {
 
 /// How light becomes bytes.
 struct ImageSensor {
-  double exposure = 1;       ///< the fixed exposure, or a factor on the automatic one
-  double full_well = 8000;   ///< electrons at full scale and base gain: assumed, typical of a small sensor
-  double read_noise = 6;     ///< electrons: assumed
-  double vignetting = 0.5;   ///< share of the cos^4 law: assumed, for lenses that correct part of it
-  double wobble_rad = 8e-4;  ///< greatest bend of a ray by turbulence: assumed
+  double exposure = 1;               ///< the fixed exposure, or a factor on the automatic one
+  double full_well = 8000;           ///< electrons at full scale and base gain: assumed, typical of a small sensor
+  double read_noise = 6;             ///< electrons: assumed
+  double vignetting = 0.5;           ///< share of the cos^4 law: assumed, for lenses that correct part of it
+  std::optional<double> wobble_rad;  ///< greatest bend of a ray by turbulence; none: as the water's turbulence gives
 };
 
 /// A camera: lens and sensor. Its frame is x ahead, y left, z up, like a body's; the optical frame looks along its x.

@@ -12,9 +12,17 @@ struct Optics {
   double wind_m_s = 3;
   double wind_towards_rad = 0;
   double particles_per_m3 = 60;  ///< large enough to be seen one by one: assumed
+  double turbulence_k = 2;       ///< standard deviation of the temperature in turbulent eddies: assumed, strong mixing
 
   /// Throws InvalidValue that names the field. The sun and the wind are checked where they are used.
   void check() const;
 };
+
+/// The standard deviation of the angle by which turbulence displaces what a camera sees, along one axis of the picture:
+/// sqrt(2 sqrt(pi) / 3 L / l) dn/dT T' (geometrical optics with a Gaussian correlation of the index, Chernov 1960,
+/// "Wave Propagation in a Random Medium", ch. 2; a third for rays from a point, Tatarskii 1971). |dn/dT| = 1e-4 per K
+/// (Quan and Fry 1995, Appl. Opt. 34:3477, in 10 to 20 degrees C). The eddies measure l = 5 cm, and every ray bends as
+/// over a path of L = 5 m: assumed. Valid for displacements that are small and weak in focusing, up to some mrad.
+double turbulence_bend_rad(double turbulence_k);
 
 }  // namespace uwsim

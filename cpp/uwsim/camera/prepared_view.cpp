@@ -35,6 +35,7 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.camera_z = static_cast<float>(anchor_world_m.z());
   view.surface_z =
       static_cast<float>(scene.world().water.surface_height_at(anchor_world_m.x(), anchor_world_m.y(), request.time_s));
+  set_wobble(camera, optics, request);
   view.texture_x = wrapped(anchor_world_m.x());
   view.texture_y = wrapped(anchor_world_m.y());
   view.camera_in_water = has_water && view.camera_z < view.surface_z;
@@ -72,8 +73,15 @@ void PreparedView::set_rays(const Camera& camera, const PictureRequest& request)
   assign(view.down, Eigen::Vector3d(-turn.col(2)));
   assign(view.ahead, Eigen::Vector3d(turn.col(0)));
   view.pixel_rad = static_cast<float>(1 / lens.fx);
-  const bool wobbles = request.effects.has(Effect::kWobble);
-  view.wobble_rad = wobbles ? static_cast<float>(camera.sensor().wobble_rad) : 0;
+}
+
+/// Rays bend in the water only; those from above it bend at its waves and ripples.
+void PreparedView::set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request) {
+  const bool bends = request.effects.has(Effect::kWobble) && anchor_world_m.z() < view.surface_z;
+  // The waves of kernels/primary_rays.h have a standard deviation of sqrt(5 / 8) along each axis.
+  const double wobble_rad =
+      camera.sensor().wobble_rad.value_or(turbulence_bend_rad(optics.turbulence_k) / std::sqrt(0.625));
+  view.wobble_rad = bends ? static_cast<float>(wobble_rad) : 0;
   view.wobble_phase = static_cast<float>(std::fmod(request.time_s, 20 * std::numbers::pi));
 }
 

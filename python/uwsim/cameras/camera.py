@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.cameras.effects import EFFECTS, effects_on
@@ -16,6 +17,7 @@ from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.spec.camera import CameraMount
 
 Floats = NDArray[np.float64]
+CLEARANCE_M = 0.3  # of a camera that follows a vehicle, above the ground
 Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
 
@@ -25,7 +27,7 @@ class Camera:
 
     Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
     time, and at one time it gives the same picture, whatever the number of threads. A camera does not see the vehicle
-    that carries it.
+    that carries it; one that follows a vehicle's heading does.
     """
 
     def __init__(self, name: str, mount: CameraMount, scene: SharedScene, carrier: Carrier) -> None:
@@ -92,9 +94,7 @@ class Camera:
         """Return the native picture, its time [ns] and world_from_camera (4, 4)."""
         scene = self._scene
         snapshot = at or scene.snapshot(with_lamps=not geometry_only)
-        position, orientation, world_from_camera = _core.mounted_pose(
-            *self._carrier_pose(snapshot), self.mount.position_m, self._orientation_xyzw
-        )
+        position, orientation, world_from_camera = self._pose(snapshot)
         if self._core is None:
             self._core = core_camera(self.name, self.mount)
         picture = scene.core.render(
@@ -108,17 +108,32 @@ class Camera:
             snapshot.lamps,
             snapshot.positions_m,
             snapshot.orientations_xyzw,
-            self._carrier if isinstance(self._carrier, int) else None,
+            self._carrier if isinstance(self._carrier, int) and self.mount.follows == "body" else None,
             geometry_only=geometry_only,
             threads=scene.threads if threads is None else threads,
             **options,
         )
         return picture, snapshot.time_ns, world_from_camera
 
+    def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
+        """Return the camera's position (3,), orientation x, y, z, w (4,) and both as (4, 4)."""
+        carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self._orientation_xyzw)
+        position, orientation, world_from_camera = _core.mounted_pose(*carrier, *mount)
+        if self.mount.follows == "heading":
+            position[2] = world_from_camera[2, 3] = max(position[2], self._scene.ground_m(position) + CLEARANCE_M)
+        return position, orientation, world_from_camera
+
     def _carrier_pose(self, snapshot: Snapshot) -> tuple[Floats, Floats]:
-        if isinstance(self._carrier, int):
-            return snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
-        return self._carrier
+        if not isinstance(self._carrier, int):
+            return self._carrier
+        position, orientation = snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
+        return position, heading_xyzw(orientation) if self.mount.follows == "heading" else orientation
+
+
+def heading_xyzw(orientation_xyzw: Floats) -> Floats:
+    """Return the rotation about the vertical that turns east to the heading of a body's x axis, (4,) x, y, z, w."""
+    x, y, _ = Rotation.from_quat(orientation_xyzw).apply((1.0, 0.0, 0.0))
+    return np.asarray(Rotation.from_euler("z", np.arctan2(y, x)).as_quat(), np.float64)
 
 
 def _camera_info(name: str, mount: CameraMount) -> CameraInfo:

@@ -10,12 +10,16 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.cameras.camera import Camera
 from uwsim.cameras.shared_scene import SharedScene
+from uwsim.scenario.build.camera import chase_camera
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
-def vehicle_cameras(name: str, mounts: Mapping[str, CameraMount], index: int, scene: SharedScene) -> dict[str, Camera]:
-    """Return a vehicle's cameras, by name. index: the vehicle's, in the simulation."""
+def vehicle_cameras(vehicle: VehicleEntry, index: int, scene: SharedScene) -> dict[str, Camera]:
+    """Return a vehicle's cameras by name: its file's, and "chase". index: the vehicle's, in the simulation."""
+    name = vehicle.name
+    mounts: Mapping[str, CameraMount] = {"chase": chase_camera(vehicle.model), **vehicle.model.cameras}
     return {mounted: Camera(_core.stream_name(name, mounted), mount, scene, index) for mounted, mount in mounts.items()}
 
 

@@ -63,6 +63,11 @@ class SharedScene:
             for lamp in switches.values():
                 lamp.on = False
 
+    def ground_m(self, position_m: Floats) -> float:
+        """Return the height of the terrain under or over a place (3,), -inf beside it."""
+        height = float(self._world.height_at(position_m[None, :2])[0])
+        return height if np.isfinite(height) else -np.inf
+
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
         """Return the present, consistent even if other threads step the simulation meanwhile."""
         while True:

@@ -16,7 +16,9 @@ def camera(
     effects: Annotated[
         str, typer.Option(help="Pictures side by side, comma-separated; each is on, off, or effects joined by +.")
     ] = "on",
-    name: Annotated[str, typer.Option("--camera", help="The camera: front, down, station, or another name.")] = "front",
+    name: Annotated[
+        str, typer.Option("--camera", help="The camera: front, down, chase, station, or another.")
+    ] = "front",
     pose: Pose = None,
     jerlov: Annotated[str | None, typer.Option(help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.")] = None,
     sun: Annotated[float | None, typer.Option(help="Elevation of the sun [deg].")] = None,

@@ -40,7 +40,7 @@ class Light:
     @property
     def optics(self) -> _core.Optics:
         """The native optics: no wind, no particles."""
-        return _core.Optics(self.water, float(np.radians(self.sun_deg)), 0.7, 0.0, 0.0, 0.0)
+        return _core.Optics(self.water, float(np.radians(self.sun_deg)), 0.7, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)

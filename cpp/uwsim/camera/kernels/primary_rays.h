@@ -9,8 +9,8 @@
 namespace uwsim::camera {
 namespace {
 
-/// Turbulent water bends rays a little: three waves across the picture that move with time. A visual effect, not a
-/// measured model.
+/// Turbulent water bends rays: three waves across the picture that move with time. Their size is the water's
+/// (turbulence_bend_rad); their shape is a visual effect, not a measured model.
 UWSIM_LANES void wobble(const View& view, Float& x, Float& y) {
   const float t = view.wobble_phase, a = view.wobble_rad;
   const Float first = sine(x * 23.0f + y * 11.0f + 2.1f * t), second = sine(y * 31.0f - x * 7.0f + 2.9f * t + 1.3f);

@@ -9,9 +9,14 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.camera import CameraMount, Lamps
+from uwsim.scenario.spec.vehicle import VehicleModel
 
 Floats = NDArray[np.float64]
+
+CHASE_LENGTHS = np.array([2.0, 0.8])
+"""Distances of a chase camera behind and above the hull's middle, in diagonals of the hull."""
 
 
 def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
@@ -45,7 +50,22 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
         full_well=mount.full_well,
         read_noise=mount.read_noise,
         vignetting=mount.vignetting,
-        wobble_rad=1e-3 * mount.wobble_mrad,
+        wobble_rad=None if mount.wobble_mrad is None else 1e-3 * mount.wobble_mrad,
+    )
+
+
+def chase_camera(model: VehicleModel) -> CameraMount:
+    """Return the camera that follows the vehicle from behind and above, unless its file has another `chase`."""
+    vertices_m, _ = vehicle_hull(model)
+    low, high = vertices_m.min(axis=0), vertices_m.max(axis=0)
+    behind, above = CHASE_LENGTHS * float(np.linalg.norm(high - low))
+    centre = 0.5 * (low + high)
+    pitch_deg = float(np.degrees(np.arctan2(above, behind)))
+    return CameraMount(
+        position_m=(float(centre[0] - behind), float(centre[1]), float(centre[2] + above)),
+        yaw_pitch_roll_deg=(0.0, pitch_deg, 0.0),
+        horizontal_fov_deg=60.0,
+        follows="heading",
     )
 
 

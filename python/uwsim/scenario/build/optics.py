@@ -1,4 +1,4 @@
-"""From a scenario's optics to the native core's: water, sun, wind and particles, as light meets them."""
+"""From a scenario's optics to the native core's: water, sun, wind, particles and turbulence, as light meets them."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ def core_optics(optics: Optics) -> _core.Optics:
         optics.wind_m_s,
         float(np.radians(optics.wind_heading_deg)),
         optics.particles_per_m3,
+        optics.turbulence_k,
     )
 
 

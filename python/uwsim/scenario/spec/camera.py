@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll
 
 LARGEST_SIDE = 8192
+DOCK_VIEW_M = (2.9, 1.3, 1.5)
 FORWARD: tuple[float, float, float] = (0.0, 0.0, 0.0)
 Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
 Coefficient = Annotated[float, InRange(-100, 100)]
@@ -22,7 +24,9 @@ class CameraMount(Model):
     It looks along its x: yaw 90 turns it to port, pitch 90 down. width, height: pixels, which are square.
     horizontal_fov_deg: across the image's width, before distortion. distortion: k1, k2, p1, p2, k3 of Brown and
     Conrady's model, as in OpenCV. exposure: a factor on the automatic or fixed exposure. full_well, read_noise:
-    electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a ray by turbulence.
+    electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a ray by turbulence;
+    by default as `optics.turbulence_k` gives it. follows: what carries it; `body`: fixed to the hull, which it does not
+    see; `heading`: it follows the vehicle's place and heading from outside, level, and is kept above the ground.
     """
 
     position_m: Point3
@@ -35,7 +39,8 @@ class CameraMount(Model):
     full_well: Annotated[float, InRange(1, 1e9, "electrons")] = 8000.0
     read_noise: Annotated[float, InRange(0, 1e6, "electrons")] = 6.0
     vignetting: Share = 0.5
-    wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] = 0.8
+    wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] | None = None
+    follows: Literal["body", "heading"] = "body"
 
 
 class LampSpot(Model):
@@ -62,5 +67,17 @@ class Lamps(Model):
 CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
 LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
 
-STATION_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 16.0, 0.0), horizontal_fov_deg=80.0)
+DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 16.0, 0.0), horizontal_fov_deg=80.0)
 """Above the hut of the packaged station, looking over its deck and the water ahead."""
+
+
+def dock_camera(dock_m: Point3) -> CameraMount:
+    """Return a camera in front of a dock, above and beside the way out, that looks back at the docked vehicle."""
+    ahead_m, aside_m, above_m = DOCK_VIEW_M
+    back_deg = 180.0 + math.degrees(math.atan2(aside_m, ahead_m))
+    down_deg = math.degrees(math.atan2(above_m, math.hypot(ahead_m, aside_m)))
+    return CameraMount(
+        position_m=(dock_m[0] + ahead_m, dock_m[1] + aside_m, dock_m[2] + above_m),
+        yaw_pitch_roll_deg=(back_deg, down_deg, 0.0),
+        horizontal_fov_deg=70.0,
+    )

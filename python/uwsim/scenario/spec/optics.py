@@ -34,7 +34,8 @@ class Optics(Model):
     jerlov: the water type, unless coefficients are given. sun_azimuth_deg: direction towards the sun, from east,
     counter-clockwise. wind_m_s, wind_heading_deg: the breeze that ruffles the surface, and the direction in which it
     blows; its ripples only bend light: vehicles feel the waves of `water.surface`. particles_per_m3: those large enough
-    to be seen one by one.
+    to be seen one by one. turbulence_k: standard deviation of the temperature in the eddies that bend light (effect
+    `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(_core.jerlov_types())] = "III"
@@ -44,6 +45,7 @@ class Optics(Model):
     wind_m_s: Annotated[float, InRange(0, 14, "m/s")] = 3.0
     wind_heading_deg: Degrees = 20.0
     particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
+    turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0
 
     def with_changes(self, changes: Mapping[str, Any]) -> Optics:
         """Return a copy with some fields replaced and checked. Raises ScenarioError."""

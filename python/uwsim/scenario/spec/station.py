@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import Field
 
-from uwsim.scenario.spec.camera import STATION_CAMERA, CameraMounts
+from uwsim.scenario.spec.camera import DECK_CAMERA, CameraMount, CameraMounts, dock_camera
 from uwsim.scenario.spec.fields import AssetFile, Degrees, Model, Point3
 from uwsim.scenario.spec.material import Material, MaterialSpec
+
+
+def _cameras(station: dict[str, Any]) -> dict[str, CameraMount]:
+    """Return the cameras of a station that names none; it holds the fields that were valid."""
+    return {"station": dock_camera(station.get("dock_m", (0.0, 0.0, 0.0))), "deck": DECK_CAMERA}
 
 
 class Station(Model):
@@ -15,7 +22,7 @@ class Station(Model):
     position_m: of its own origin, on the water line. yaw_deg: of its x axis from east, counter-clockwise.
     mesh: closed or not, in the station's frame; without one the station is a point. dock_m: where the origin of a
     docked vehicle is held, in the station's frame; the vehicle points along the station's x. cameras: by name, in the
-    station's frame.
+    station's frame; by default `station`, in the water before the dock, and `deck`, over the deck.
     """
 
     position_m: Point3
@@ -23,4 +30,4 @@ class Station(Model):
     mesh: AssetFile | None = None
     dock_m: Point3 = (0.0, 0.0, 0.0)
     material: MaterialSpec = Material(kind="paint", colour=(0.75, 0.42, 0.07))
-    cameras: CameraMounts = Field(default_factory=lambda: {"station": STATION_CAMERA})
+    cameras: CameraMounts = Field(default_factory=_cameras)
