@@ -459,7 +459,7 @@ class RayHits:
     @property
     def labels(self) -> numpy.typing.NDArray[numpy.uint16]:
         """
-        (n,) uint16, see World.label_names
+        (n,) uint16, see World.label_names; vehicles follow
         """
     @property
     def normals_world(self) -> numpy.typing.NDArray[numpy.float32]:
@@ -474,7 +474,7 @@ class RayHits:
 
 class RayScene:
     """
-    The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it.
+    The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it; vehicles are only in that of Simulation.scene_around.
     """
     def __init__(self, world: World) -> None: ...
     def cast(
@@ -1369,6 +1369,7 @@ class Optics:
         wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
         wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
         particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
+        turbulence_k: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None: ...
     def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -1413,7 +1414,7 @@ class Camera:
         full_well: typing.SupportsFloat | typing.SupportsIndex = 8000.0,
         read_noise: typing.SupportsFloat | typing.SupportsIndex = 6.0,
         vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
-        wobble_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0008,
+        wobble_rad: typing.SupportsFloat | typing.SupportsIndex | None = None,
     ) -> None: ...
     @property
     def name(self) -> str: ...
@@ -1991,7 +1992,7 @@ class Simulation:
     ) -> PingBatch:
         """
         Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its present
-        elevation. threads: by default all; results do not depend on it. Raises ValueError. Releases the GIL, answers
+        elevation and the other vehicles where they are now. threads: by default all; results do not depend on it. Raises ValueError. Releases the GIL, answers
         Ctrl-C.
         """
     def read_sensor(
@@ -2018,6 +2019,10 @@ class Simulation:
         """
         Everything that the future depends on apart from what the simulation was built from, with fingerprints of that.
         notes: stored with it.
+        """
+    def scene_around(self, vehicle: typing.SupportsInt | typing.SupportsIndex | None = None) -> RayScene:
+        """
+        The world with all vehicles where they are now, without the one given. A snapshot. Labels of vehicles follow the world's.
         """
     def set_effort(
         self,
@@ -2110,7 +2115,7 @@ class Ping:
     @property
     def labels(self) -> numpy.ndarray:
         """
-        (beams,) uint16, see World.label_names
+        (beams,) uint16, see Simulator.label_names
         """
     @property
     def model(self) -> int:

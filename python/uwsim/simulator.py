@@ -14,13 +14,14 @@ from uwsim import _core
 from uwsim.cameras.mounted import station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.scenario import Scenario, build_world, load
-from uwsim.scenario.build.labels import backscatter_by_label
+from uwsim.scenario.build.labels import backscatter_by_label, label_names
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.vehicle import vehicle_spec
 from uwsim.scenario.build.world import fill_with_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario.spec.optics import Optics
 from uwsim.sonars.mounted import imaging_sonars
+from uwsim.sonars.surroundings import Surroundings
 from uwsim.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # share of a step by which a duration may differ from a whole number of steps
@@ -69,7 +70,7 @@ class Simulator:
                 self._core,
                 index,
                 spec,
-                cameras=vehicle_cameras(entry.name, entry.model.cameras, index, self._shared_scene),
+                cameras=vehicle_cameras(entry, index, self._shared_scene),
                 lamps=self._shared_scene.lamps[index],
                 imaging_sonars=imaging_sonars(self, entry),
             )
@@ -90,9 +91,26 @@ class Simulator:
 
     @property
     def strengths_db(self) -> dict[str, float]:
-        """Backscatter strength of each surface's material, by World.label_names, for imaging sonars."""
-        surfaces = zip(self.world.label_names, backscatter_by_label(self.scenario), strict=True)
+        """Backscatter strength of each surface's material, by label_names, for imaging sonars."""
+        surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
         return {name: surface.strength_db for name, surface in surfaces}
+
+    @property
+    def label_names(self) -> list[str]:
+        """The name of each label that pings and rays return: World.label_names, then the vehicles'."""
+        return label_names(self.scenario)
+
+    def around(self, vehicle: str | None = None) -> Surroundings:
+        """Return what a sonar meets now: the world and all vehicles, apart from the one that carries it.
+
+        For imaging sonars and depth maps from poses of one's own. `scene`, without vehicles, is the world alone. Raises
+        ValueError for an unknown vehicle.
+        """
+        names = list(self.vehicles)
+        if vehicle is not None and vehicle not in names:
+            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
+        scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
+        return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns)
 
     @property
     def seed(self) -> int:

@@ -180,7 +180,7 @@ TEST_F(SensorNoise, SamplesDependOnTimeAndNotOnReads) {
   for (snapshot.tick = 0; snapshot.tick < 2000; ++snapshot.tick) {
     snapshot.state.world_from_body.position_m.z() = -12 - 1e-3 * static_cast<double>(snapshot.tick);
     for (NoisySensor* each : {&often, &seldom}) {
-      if (snapshot.tick >= each->next_due()) each->record(snapshot);
+      if (snapshot.tick >= each->next_due()) each->record(snapshot, around());
     }
     const Sample first = often.read(snapshot, around());
     const Sample again = often.read(snapshot, around());
@@ -200,7 +200,7 @@ TEST_F(SensorNoise, ASampleIsHeldUntilTheNextAndTheMeanRateIsExact) {
   std::uint64_t samples = 0, last_ns = ~std::uint64_t{0};
   for (snapshot.tick = 0; snapshot.tick < 2000; ++snapshot.tick) {  // 10 s
     snapshot.state.world_from_body.position_m.z() = -static_cast<double>(snapshot.tick) * kStepS;
-    if (snapshot.tick >= depth.next_due()) depth.record(snapshot);
+    if (snapshot.tick >= depth.next_due()) depth.record(snapshot, around());
     const Sample& sample = depth.read(snapshot, around());
     ASSERT_NEAR(sample.values[0], 1e-9 * static_cast<double>(sample.stamp_ns), 1e-9) << "the value at its own stamp";
     ASSERT_LT(snapshot.tick * kStepNs - sample.stamp_ns, 33'333'334u);
@@ -218,7 +218,7 @@ TEST_F(SensorNoise, WithLatencyAReadingShowsThePast) {
   for (snapshot.tick = 0; snapshot.tick < 400; ++snapshot.tick) {
     const double now_s = static_cast<double>(snapshot.tick) * kStepS;
     snapshot.state.velocity_body(0) = 0.8 * now_s;
-    if (snapshot.tick >= velocity.next_due()) velocity.record(snapshot);
+    if (snapshot.tick >= velocity.next_due()) velocity.record(snapshot, around());
     const Sample& sample = velocity.read(snapshot, around());
     ASSERT_EQ(sample.valid, now_s > 0.15 - 1e-9) << "nothing has arrived before";
     if (!sample.valid) continue;
@@ -239,7 +239,7 @@ TEST_F(SensorNoise, AUsblFixArrivesAfterTheTwoWayTravelTime) {
   const double slowness_s_m = std::log(1600.0 / 1400) / 200;  // the mean of 1 / c
   const double travel_s = 2 * std::hypot(800, 12) * slowness_s_m;
   for (snapshot.tick = 0; snapshot.tick < 800; ++snapshot.tick) {
-    if (snapshot.tick >= usbl.next_due()) usbl.record(snapshot);
+    if (snapshot.tick >= usbl.next_due()) usbl.record(snapshot, around());
     const double now_s = static_cast<double>(snapshot.tick) * kStepS;
     const Sample& sample = usbl.read(snapshot, around());
     ASSERT_EQ(sample.valid, now_s >= travel_s) << now_s;
@@ -258,7 +258,7 @@ TEST_F(SensorNoise, TheShareOfDroppedSamplesIsAsGivenAndTheLastOtherSampleIsHeld
   constexpr int kSamples = 20'000;
   for (snapshot.tick = 0; snapshot.tick < 2 * kSamples; ++snapshot.tick) {
     snapshot.state.world_from_body.position_m.z() = -static_cast<double>(snapshot.tick + 1) * kStepS;
-    if (snapshot.tick >= depth.next_due()) depth.record(snapshot);
+    if (snapshot.tick >= depth.next_due()) depth.record(snapshot, around());
     if (snapshot.tick % 2) continue;
     const Sample& sample = depth.read(snapshot, around());
     lost += !sample.valid;
@@ -281,7 +281,7 @@ TEST_F(SensorNoise, SteppingAndReadingDoNotAllocateMemory) {
   specs[0].noise["angular_velocity"] = {.std = 1e-3, .bias_std = 1e-3, .bias_time_s = 10, .walk = 1e-4};
   SensorRack rack(specs, 7, "rov", kStepNs);
   const auto step = [&] {
-    if (rack.due(snapshot.tick)) rack.record(snapshot);
+    if (rack.due(snapshot.tick)) rack.record(snapshot, around());
     for (std::size_t k = 0; k < rack.size(); ++k) rack.at(k).read(snapshot, around());
     ++snapshot.tick;
   };

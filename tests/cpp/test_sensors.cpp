@@ -147,7 +147,7 @@ TEST_F(Sensors, UsblErrorsLieAlongTheLineOfSightAndAcrossIt) {
   double along = 0, sideways = 0, upwards = 0;
   constexpr int kFixes = 20'000;
   for (int k = 0; k < kFixes; ++k) {
-    usbl.record(snapshot);
+    usbl.record(snapshot, around());
     VehicleSnapshot later = snapshot;
     later.tick += 40;  // 0.2 s: more than the travel time
     const Sample fix = usbl.read(later, around());

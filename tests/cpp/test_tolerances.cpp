@@ -10,6 +10,7 @@
 
 #include "uwsim/core/random.h"
 #include "uwsim/rays/raised_terrain.h"
+#include "uwsim/rays/triangle_distance.h"
 #include "uwsim/rays/widened_triangle.h"
 
 namespace uwsim {
@@ -76,6 +77,33 @@ TEST(Tolerances, TheyGrowWithTheTileAndStayAboveFloatRounding) {
   EXPECT_GE(tile.setback_m, tile.rounding_m / 16 / kGrazingSine);
   EXPECT_DOUBLE_EQ(tolerances_of(std::numbers::sqrt2 * 2000, 1, true).widening_m, 2 * tile.widening_m);
   EXPECT_EQ(tolerances_of(1e-6, 1, false).rounding_m, kLeastFloatError_m);
+}
+
+/// Two triangles that a gap along any direction separates, their nearest parts facing each other in all ways.
+TEST(Tolerances, TrianglesAreAsFarApartAsTheGapBetweenThem) {
+  const RandomStream random(3, "gaps");
+  for (std::uint64_t k = 0; k < 2000; ++k) {
+    const Eigen::Vector3d across = random_vector(random, k, 0).normalized();
+    const Eigen::Vector3d u = across.unitOrthogonal(), v = across.cross(u);
+    const double gap_m = 0.01 + random.uniform(k, 3);
+    // Each triangle on its side of the gap: a corner, an edge or a face on its rim, over the point u, v = 0.
+    const auto beside = [&](std::uint32_t draw, double side) {
+      const double kind = random.uniform(k, draw);
+      const auto level = [&](std::uint32_t n) { return side * (0.1 + random.uniform(k, draw + n)); };
+      const double turn = 6.3 * random.uniform(k, draw + 7);
+      const Eigen::Vector3d one = std::cos(turn) * u + std::sin(turn) * v, two = across.cross(one);
+      const Eigen::Vector3d base = 0.5 * (gap_m * side) * across;
+      if (kind < 0.33) return Corners{base, base + one + level(1) * across, base + two + level(2) * across};
+      if (kind < 0.66) return Corners{base - one, base + one, base + two + level(1) * across};
+      return Corners{base - one - two, base + 2 * one, base + 2 * two - one};
+    };
+    const Corners a = beside(4, 1), b = beside(20, -1);
+    EXPECT_TRUE(closer_than(a, b, gap_m * (1 + 1e-9)) && closer_than(b, a, gap_m * (1 + 1e-9))) << k;
+    EXPECT_FALSE(closer_than(a, b, gap_m * (1 - 1e-9)) || closer_than(b, a, gap_m * (1 - 1e-9))) << k;
+    const Eigen::Vector3d middle = (a[0] + a[1] + a[2]) / 3, normal = (a[1] - a[0]).cross(a[2] - a[0]);
+    const Corners through{middle - normal, middle + normal, middle + 2 * normal + across};
+    EXPECT_TRUE(closer_than(a, through, 1e-6)) << "one pierces the other";
+  }
 }
 
 }  // namespace

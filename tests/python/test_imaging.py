@@ -32,7 +32,7 @@ def test_surfaces_scatter_as_their_materials_unless_the_model_gives_a_strength()
 
 def test_a_simulator_gives_surfaces_the_strengths_of_their_materials() -> None:
     strengths_db = Simulator("pool").strengths_db
-    assert list(strengths_db) == Simulator("pool").world.label_names
+    assert list(strengths_db) == Simulator("pool").label_names
     scenario = load("pool")
     assert strengths_db["terrain"] == scenario.ground.backscatter.strength_db
     for obstacle in scenario.obstacles:

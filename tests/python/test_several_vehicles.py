@@ -10,6 +10,8 @@ from sea import open_water
 from uwsim import Simulator
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.sonars import imaging
+from uwsim.sonars.depth_map import DepthMap, ranges_m
 
 
 @pytest.fixture
@@ -46,6 +48,74 @@ def test_vehicles_collide_with_each_other_and_both_report_it(tmp_path: Path) -> 
     assert small.pose.position_world_m[1] > 3.1, "the large one pushes it along"
     gap_m = small.pose.position_world_m[1] - large.pose.position_world_m[1]
     assert gap_m > 0.4, "neither went through the other"
+
+
+def test_sonars_see_the_other_vehicle_by_name_and_not_their_own(pair: Simulator) -> None:
+    rov, scout = pair.vehicles["rov"], pair.vehicles["scout"]
+    assert pair.label_names[-2:] == ["rov", "scout"]
+    rov.release()
+    rov.place((5.0, 0.0, -5.0))
+    head = rov.sonar.ping().world_from_sonar
+    scout.place(head[:3, 3] + 6.0 * head[:3, 0])
+    label = pair.label_names.index("scout")
+    ping = rov.sonar.ping()
+    seen = ping.labels == label
+    assert seen.sum() > 10 and (np.abs(ping.ranges_m[seen] - 6.0) < 0.5).all()
+    assert pair.label_names.index("rov") not in ping.labels
+    batch = rov.sonar.ping_batch(rov.pose.world_from_body[None])
+    np.testing.assert_array_equal(batch.ranges_m[0], ping.ranges_m)
+    np.testing.assert_array_equal(batch.labels[0], ping.labels)
+    scout.place((-20.0, 20.0, -5.0))
+    away = rov.sonar.ping()
+    assert label not in away.labels and (away.ranges_m[seen] > ping.ranges_m[seen]).all()
+    np.testing.assert_array_equal(away.ranges_m[~seen], ping.ranges_m[~seen])
+
+
+def test_imaging_sonars_and_depth_maps_see_vehicles_around_their_carrier(pair: Simulator) -> None:
+    rov, scout = pair.vehicles["rov"], pair.vehicles["scout"]
+    rov.release()
+    rov.place((5.0, 0.0, -5.0))
+    scout.place((11.0, 0.0, -5.0))
+    pose, model = rov.pose.world_from_body, imaging.ForwardLooking(range_max_m=10, range_bins=100, beams=64)
+    at_scout = (np.abs(np.arange(100) * 0.1 - 6.0) < 0.6, slice(28, 36))
+    around, alone = (imaging.look_ahead(place, pose, model) for place in (pair.around("rov"), pair))
+    assert around.level_db[at_scout].max() > alone.level_db[at_scout].max() + 20
+    depth = DepthMap(width=65, field_of_view_rad=1.0, range_max_m=50.0)
+    assert np.abs(ranges_m(pair.around("rov"), pose, [0.0], depth)[0] - 6.0) < 0.6
+    assert ranges_m(pair, pose, [0.0], depth)[0] > 10
+    assert pair.around().scene.cast([(5.0, 0.0, -1.0)], [(0.0, 0.0, -1.0)], 50.0).labels == [
+        pair.label_names.index("rov")
+    ]
+    with pytest.raises(ValueError, match=r"vehicle = 'skout': must be one of rov, scout"):
+        pair.around("skout")
+
+
+def test_physics_mode_hears_the_other_vehicle(tmp_path: Path) -> None:
+    text = (assets_folder() / "scenarios" / "pair.yaml").read_text()
+    path = tmp_path / "heard.yaml"
+    path.write_text(text.replace("sonar: {model: 2, tilt_deg: 20}", "sonar: {model: 2, tilt_deg: 20, mode: physics}"))
+    sim = Simulator(path, seed=3)
+    sim.rov.place((5.0, 0.0, -5.0))
+    head = sim.rov.sonar.ping().world_from_sonar
+    sim.vehicles["scout"].place(head[:3, 3] + 6.0 * head[:3, 0])
+    ping = sim.rov.sonar.ping()
+    seen = (ping.labels == sim.label_names.index("scout")) & ping.valid
+    assert seen.sum() > 5 and np.abs(np.median(ping.ranges_m[seen]) - 6.0) < 0.5
+
+
+def test_a_restored_state_gives_the_same_pings_of_others(pair: Simulator) -> None:
+    pair.rov.release()
+    pair.rov.place((5.0, 0.0, -5.0), (0.0, 0.0, 1.0, 0.0))
+    pair.vehicles["scout"].set_effort(surge=0.5)
+    pair.advance(1.0)
+    state = pair.save_state()
+    pair.advance(2.0)
+    expected = pair.rov.sonar.ping(), pair.rov.sensors["proximity_fore"].read()
+    other = Simulator("pair", seed=3, threads=1)
+    other.restore_state(state)
+    other.advance(2.0)
+    np.testing.assert_array_equal(other.rov.sonar.ping().ranges_m, expected[0].ranges_m)
+    assert other.rov.sensors["proximity_fore"].read() == expected[1]
 
 
 def test_a_docked_vehicle_does_not_collide(pair: Simulator) -> None:

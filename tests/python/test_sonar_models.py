@@ -209,10 +209,11 @@ def test_each_label_scatters_as_its_material() -> None:
     assert by_name["station"] == scenario.station.material.backscatter
 
 
-@pytest.mark.parametrize("name", ["pool", "lake"])
+@pytest.mark.parametrize("name", ["pool", "lake", "pair"])
 def test_labels_are_known_before_the_world_is_built(name: str) -> None:
     scenario = load(name)
-    assert label_names(scenario) == build_world(scenario).label_names
+    vehicles = [entry.name for entry in scenario.vehicles]
+    assert label_names(scenario) == [*build_world(scenario).label_names, *vehicles]
 
 
 @pytest.mark.parametrize(

@@ -148,10 +148,12 @@ void bind_rays(py::module_& m) {
   py::class_<RayHits>(m, "RayHits")
       .def_readonly("ranges_m", &RayHits::ranges_m, "(n,) float32; inf where nothing was hit within range")
       .def_readonly("normals_world", &RayHits::normals_world, "(n, 3) float32, unit; zero where nothing was hit")
-      .def_readonly("labels", &RayHits::labels, "(n,) uint16, see World.label_names");
+      .def_readonly("labels", &RayHits::labels, "(n,) uint16, see World.label_names; vehicles follow");
 
   py::class_<RayScene, std::shared_ptr<RayScene>>(
-      m, "RayScene", "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it.")
+      m, "RayScene",
+      "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it; vehicles are "
+      "only in that of Simulation.scene_around.")
       .def(py::init([](World world) {  // a copy: other threads may add to the original meanwhile
              const py::gil_scoped_release unlocked;
              return std::make_shared<RayScene>(world);

@@ -156,11 +156,12 @@ PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t in
     const std::size_t beams = sonar->beams();
     memory = std::make_unique<PingMemory>(poses.size(), beams);
     const PingRows rows = memory->rows();
+    const RayScene scene = sim.scene_around(vehicle);
     for (std::size_t done = 0; done < poses.size(); done += kPingsBetweenSignals) {
       const std::size_t count = std::min(kPingsBetweenSignals, poses.size() - done);
       parallel_batches(count, kPingsPerBatch, threads, [&](std::size_t first, std::size_t last, std::size_t) {
         for (std::size_t k = done + first; k < done + last; ++k) {
-          head.ping(sim.scene(), sim.water(), poses[k], rows.row(k, beams));
+          head.ping(scene, sim.water(), poses[k], rows.row(k, beams));
           heads[k] = (poses[k] * head.body_from_sonar()).matrix();
         }
       });
@@ -190,7 +191,7 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def_readonly("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
       .def_readonly("intensity_db", &Ping::intensity_db,
                     "(beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo")
-      .def_readonly("labels", &Ping::labels, "(beams,) uint16, see World.label_names")
+      .def_readonly("labels", &Ping::labels, "(beams,) uint16, see Simulator.label_names")
       .def_readonly("valid", &Ping::valid, "(beams,) bool");
 
   py::class_<PingBatch>(m, "PingBatch",
@@ -242,7 +243,8 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           "ping_batch", &ping_batch, py::arg("vehicle"), py::arg("sonar"), py::arg("world_from_body"),
           py::arg("threads") = py::none(),
           "Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its present\n"
-          "elevation. threads: by default all; results do not depend on it. Raises ValueError. Releases the GIL, "
+          "elevation and the other vehicles where they are now. threads: by default all; results do not depend on it. "
+          "Raises ValueError. Releases the GIL, "
           "answers\n"
           "Ctrl-C.");
 }

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "bindings/binders.h"
@@ -159,6 +160,19 @@ void bind_sim(py::module_& m) {
           "telemetry",
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
           py::arg("vehicle"))
+      .def(
+          "scene_around",
+          [](OwnedSimulation& o, std::optional<std::size_t> vehicle) {
+            return o.with([&](Simulation& s) {
+              if (vehicle) s.vehicle(*vehicle);  // throws for an unknown one
+              const auto placed = std::make_shared<const MovingBodies>(s.vehicles_for_rays());
+              return std::make_shared<RayScene>(s.scene().with(placed, vehicle.value_or(MovingBodies::kNone)));
+            });
+          },
+          py::arg("vehicle") = py::none(),
+          "The world with all vehicles where they are now, without the one given. A snapshot. Labels of vehicles "
+          "follow "
+          "the world's.")
       .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
            "Repeated at one time, the same sample. Without noise: the present value, without rate, latency and "
            "drop-outs.")

@@ -7,7 +7,10 @@
 
 namespace uwsim {
 CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed)
-    : world_(world), rays_(std::move(rays)), seed_(seed) {
+    : world_(world),
+      rays_(std::move(rays)),
+      seed_(seed),
+      hulls_(static_cast<Label>(kTerrain + 1 + world.solids().size())) {
   require(rays_ != nullptr, "scene", "none", "must be a RayScene");
   materials_ = {material("sand"), material("rock"), material("land")};
   classes_ = {static_cast<std::uint8_t>(SurfaceClass::kNothing), static_cast<std::uint8_t>(SurfaceClass::kTerrain)};
@@ -40,21 +43,26 @@ void CameraScene::set_ground(const camera::Material& bed, const camera::Material
 
 std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_body_m,
                                      const SurfaceAppearance& appearance) {
-  World alone;
-  alone.add_solid(name, hull_body_m);
-  Eigen::Vector3d low = hull_body_m.vertices_m.front(), high = low;
-  for (const Eigen::Vector3d& v : hull_body_m.vertices_m) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  vehicles_.push_back(
-      {std::move(name), std::make_shared<const RayScene>(alone), 0.5 * (low + high), 0.5 * (high - low).norm()});
+  hulls_.add(hull_body_m);
+  vehicle_names_.push_back(std::move(name));
   materials_.push_back(appearance.material);
   classes_.push_back(static_cast<std::uint8_t>(appearance.kind));
   textures_.push_back(nullptr);
-  return vehicles_.size() - 1;
+  return vehicle_names_.size() - 1;
+}
+
+RayScene CameraScene::rays_among(std::span<const Pose> poses, std::optional<std::size_t> hidden) const {
+  require(poses.empty() || poses.size() == vehicles(), "vehicles", poses.size(),
+          "must be a pose for each vehicle, or none");
+  if (poses.empty()) return *rays_;
+  const auto placed = std::make_shared<MovingBodies>(hulls_);
+  for (std::size_t k = 0; k < poses.size(); ++k) placed->place(k, poses[k]);
+  return rays_->with(placed, hidden.value_or(MovingBodies::kNone));
 }
 
 std::vector<std::string> CameraScene::label_names() const {
   std::vector<std::string> names = world_.label_names();
-  for (const VehicleHull& vehicle : vehicles_) names.push_back(vehicle.name);
+  names.insert(names.end(), vehicle_names_.begin(), vehicle_names_.end());
   return names;
 }
 

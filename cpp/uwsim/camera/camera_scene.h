@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,16 +31,8 @@ struct SurfaceAppearance {
   std::shared_ptr<const Texture> texture;
 };
 
-/// A vehicle as cameras see it: its hull, in the body frame, and a sphere around it.
-struct VehicleHull {
-  std::string name;
-  std::shared_ptr<const RayScene> hull;
-  Eigen::Vector3d centre_body_m;
-  double radius_m;
-};
-
 /// The scene that cameras look at: the world, as physics and rays see it, with materials and textures, and the
-/// vehicles' hulls, which the world's own rays pass through. Labels: World::label_names, then the vehicles.
+/// vehicles' hulls. Labels: World::label_names, then the vehicles.
 class CameraScene {
  public:
   CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed);
@@ -53,9 +46,10 @@ class CameraScene {
   std::size_t add_vehicle(std::string name, const TriangleMesh& hull_body_m, const SurfaceAppearance& appearance);
 
   const World& world() const { return world_; }
-  const RayScene& rays() const { return *rays_; }
   std::uint64_t seed() const { return seed_; }
-  const std::vector<VehicleHull>& vehicles() const { return vehicles_; }
+  std::size_t vehicles() const { return vehicle_names_.size(); }
+  /// The world's rays among the vehicles at these poses, without the `hidden` one. No poses: without vehicles.
+  RayScene rays_among(std::span<const Pose> world_from_vehicles, std::optional<std::size_t> hidden) const;
   std::vector<std::string> label_names() const;
   std::vector<std::uint8_t> classes_by_label() const;
   /// Bed, steep and dry ground, then one for each label from 2 on.
@@ -81,7 +75,8 @@ class CameraScene {
   std::vector<std::uint8_t> classes_;
   std::vector<std::shared_ptr<const Texture>> textures_;
   bool has_textures_ = false;
-  std::vector<VehicleHull> vehicles_;
+  std::vector<std::string> vehicle_names_;
+  MovingBodies hulls_;
   mutable std::mutex mutex_;
   mutable std::optional<CachedRipples> cached_ripples_;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "uwsim/rays/embree_terrain.h"
+#include "uwsim/rays/triangle_distance.h"
 
 namespace uwsim {
 namespace {
@@ -47,13 +48,17 @@ struct Neighbourhood {
 };
 
 bool comes_near(const Neighbourhood& own, const TileMember& other) {
-  if (!own.round && other.geometry == own.geometry) {
+  if (!own.box.intersects(own.surfaces->box_of(other))) return false;
+  if (own.round || own.surfaces->is_round(other.geometry)) return true;
+  const Corners corners = own.surfaces->corners(other.geometry, other.primitive);
+  if (other.geometry == own.geometry) {
     // Itself, or a neighbour: hits near shared edges are searched for all triangles around them in any case.
-    for (const Eigen::Vector3d& corner : own.surfaces->corners(other.geometry, other.primitive)) {
+    for (const Eigen::Vector3d& corner : corners) {
       if (std::ranges::find(own.corners, corner) != own.corners.end()) return false;
     }
   }
-  return own.box.intersects(own.surfaces->box_of(other));
+  // Boxes of slanted triangles overlap where the triangles are far apart; what widening reaches stays crowded.
+  return closer_than(own.corners, corners, own.surfaces->tolerances().widening_m);
 }
 
 bool visit_neighbour(RTCPointQueryFunctionArguments* args) {

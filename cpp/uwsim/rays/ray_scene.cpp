@@ -48,13 +48,13 @@ void keep_rays_that_may_hit_sooner(ReachedTile& next, const auto& distance_m, Pa
 
 }  // namespace
 
-struct RayScene::Impl {
+struct RayScene::Fixed {
   RayDevice device = make_ray_device();
   std::vector<RayTile> tiles;
   std::shared_ptr<const Heightfield> terrain;
   std::vector<std::shared_ptr<const Solid>> solids;
 
-  explicit Impl(const World& world) : terrain(world.terrain()), solids(world.solids()) {
+  explicit Fixed(const World& world) : terrain(world.terrain()), solids(world.solids()) {
     for (TileContents& contents : cut_into_tiles(world)) tiles.emplace_back(device.get(), world, std::move(contents));
   }
 
@@ -129,65 +129,80 @@ struct RayScene::Impl {
     }
     return nearest_m;
   }
-
-  void cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const {
-    ExactRays packet;
-    ExactHits met;
-    for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
-      const std::size_t count = std::min(kPacketRays, rays.size() - first);
-      for (std::size_t k = 0; k < kPacketRays; ++k) {
-        const Ray& ray = rays[first + std::min(k, count - 1)];
-        const bool finite = ray.origin_world_m.allFinite() && ray.direction_world.allFinite();
-        set_ray(packet, k, ray.origin_world_m, ray.direction_world, max_range_m, k < count && finite);
-      }
-      cast({&packet, 1}, {&met, 1});
-      for (std::size_t k = 0; k < count; ++k) {
-        hits[first + k] = {met.distance_m[k], normal_of(met, k).cast<float>(), static_cast<Label>(met.label[k])};
-      }
-    }
-  }
 };
 
-RayScene::RayScene(const World& world) : impl_(std::make_unique<Impl>(world)) {}
-RayScene::~RayScene() = default;
-RayScene::RayScene(RayScene&&) noexcept = default;
-RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+RayScene::RayScene(const World& world) : fixed_(std::make_shared<const Fixed>(world)) {}
+
+RayScene RayScene::with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden) const {
+  RayScene scene = *this;
+  scene.bodies_ = std::move(bodies);
+  scene.hidden_ = hidden;
+  return scene;
+}
+
+bool RayScene::bodies_within(const Eigen::Vector3d& point_world_m, double distance_m) const {
+  return bodies_ && bodies_->may_be_within(point_world_m, distance_m, hidden_);
+}
+
+void RayScene::cast_packets(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+  fixed_->cast(rays, hits);
+  if (bodies_) bodies_->cast(rays, hidden_, hits);
+}
+
+void RayScene::cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const {
+  ExactRays packet;
+  ExactHits met;
+  for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+    const std::size_t count = std::min(kPacketRays, rays.size() - first);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      const Ray& ray = rays[first + std::min(k, count - 1)];
+      const bool finite = ray.origin_world_m.allFinite() && ray.direction_world.allFinite();
+      set_ray(packet, k, ray.origin_world_m, ray.direction_world, max_range_m, k < count && finite);
+    }
+    cast_packets({&packet, 1}, {&met, 1});
+    for (std::size_t k = 0; k < count; ++k) {
+      hits[first + k] = {met.distance_m[k], normal_of(met, k).cast<float>(), static_cast<Label>(met.label[k])};
+    }
+  }
+}
 
 void RayScene::cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads) const {
   require(hits.size() == rays.size(), "hits.size", hits.size(), "must equal the number of rays");
   parallel_ranges(rays.size(), threads, [&](std::size_t first, std::size_t last) {
-    impl_->cast_range(rays.subspan(first, last - first), max_range_m, hits.subspan(first, last - first));
+    cast_range(rays.subspan(first, last - first), max_range_m, hits.subspan(first, last - first));
   });
 }
 
 RayHit RayScene::cast(const Ray& ray, double max_range_m) const {
   RayHit hit;
-  impl_->cast_range({&ray, 1}, max_range_m, {&hit, 1});
+  cast_range({&ray, 1}, max_range_m, {&hit, 1});
   return hit;
 }
 
 void RayScene::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
   require(hits.size() == rays.size(), "hits.size", hits.size(), "must equal the number of packets");
-  impl_->cast(rays, hits);
+  cast_packets(rays, hits);
 }
 
 void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
                     RayOrder order) const {
-  impl_->cast(anchor_world_m, rays, hits, order);
+  fixed_->cast(anchor_world_m, rays, hits, order);
+  if (bodies_) bodies_->cast(anchor_world_m, rays, order, hidden_, hits);
 }
 
 void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                         RayOrder order) const {
-  impl_->occluded(anchor_world_m, rays, blocked, order);
+  fixed_->occluded(anchor_world_m, rays, blocked, order);
+  if (bodies_) bodies_->occlude(anchor_world_m, rays, order, hidden_, blocked);
 }
 
 bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
-  const auto& terrain = impl_->terrain;
+  const auto& terrain = fixed_->terrain;
   return terrain && point_world_m.z() <= terrain->height_at(point_world_m.x(), point_world_m.y());
 }
 
 bool RayScene::within_round(const Eigen::Vector3d& point_world_m, double depth_m) const {
-  for (const auto& solid : impl_->solids) {
+  for (const auto& solid : fixed_->solids) {
     if ((point_world_m.array() < solid->low_world_m.array()).any()) continue;
     if ((point_world_m.array() > solid->high_world_m.array()).any()) continue;
     for (const RoundShape& shape : solid->shapes) {
@@ -204,10 +219,11 @@ void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::sp
   parallel_ranges(points_world_m.size(), threads, [&](std::size_t first, std::size_t last) {
     double nearest_m = kInfinity;
     for (std::size_t k = first; k < last; ++k) {
-      distances_m[k] = impl_->distance_to(points_world_m[k], nearest_m);
+      const double fixed_m = fixed_->distance_to(points_world_m[k], nearest_m);
+      distances_m[k] = bodies_ ? bodies_->distance(points_world_m[k], fixed_m, hidden_) : fixed_m;
       // Neighbours in the list are mostly neighbours in space: the next point is at most this far from that surface.
       const double apart_m = k + 1 < last ? (points_world_m[k + 1] - points_world_m[k]).norm() : 0;
-      nearest_m = (distances_m[k] + apart_m) * (1 + kFartherSearch) + kFartherSearch;
+      nearest_m = (fixed_m + apart_m) * (1 + kFartherSearch) + kFartherSearch;
     }
   });
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "uwsim/rays/moving_bodies.h"
 #include "uwsim/rays/ray_packet.h"
 #include "uwsim/world/world.h"
 
@@ -21,17 +22,21 @@ struct RayHit {
   Label label;
 };
 
-/// The world's fixed surfaces, prepared for rays; vehicles are not among them. Embree searches them in float, in tiles
-/// of at most 1 km, each about its own middle. What it finds is solved again in double on the world's own triangles and
-/// shapes, so that a hit is the true first one, wherever in the world and however wide the world is. Within about 0.1
-/// degree of tangency a ray may be judged to graze or to miss by float's error. README.md tells how, and what may still
-/// go wrong by how much. Safe to use from several threads at once.
+/// The world's fixed surfaces, prepared for rays, and, if given, bodies that move among them. Embree searches them in
+/// float, in tiles of at most 1 km, each about its own middle. What it finds is solved again in double on the world's
+/// own triangles and shapes, so that a hit is the true first one, wherever in the world and however wide the world is.
+/// Within about 0.1 degree of tangency a ray may be judged to graze or to miss by float's error. README.md tells how,
+/// and what may still go wrong by how much. Safe to use from several threads at once. Copies are cheap: they share the
+/// surfaces.
 class RayScene {
  public:
   explicit RayScene(const World& world);
-  ~RayScene();
-  RayScene(RayScene&&) noexcept;
-  RayScene& operator=(RayScene&&) noexcept;
+
+  /// The same surfaces among bodies where they are placed at the time of each cast, without the one that is `hidden`,
+  /// such as the vehicle that carries the sensor. Replaces bodies that were there before; null: none.
+  RayScene with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden = MovingBodies::kNone) const;
+  /// Whether a body may be as near to the point as that; conservative.
+  bool bodies_within(const Eigen::Vector3d& point_world_m, double distance_m) const;
 
   /// hits[k] is where rays[k] first meets a surface within `max_range_m`; a non-finite ray meets nothing. The result
   /// does not depend on the number of threads.
@@ -58,13 +63,18 @@ class RayScene {
   /// closer to it than that.
   bool within_round(const Eigen::Vector3d& point_world_m, double depth_m) const;
 
-  /// Distance from each point to the nearest triangle of the terrain and the solids' meshes, exact to double rounding;
-  /// infinity in an empty world.
+  /// Distance from each point to the nearest triangle of the terrain, the solids' meshes and the bodies, exact to
+  /// double rounding; infinity in an empty world.
   void distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m, int threads = 1) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  struct Fixed;
+  void cast_packets(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
+  void cast_range(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) const;
+
+  std::shared_ptr<const Fixed> fixed_;
+  std::shared_ptr<const MovingBodies> bodies_;  // null: none
+  std::size_t hidden_ = MovingBodies::kNone;
 };
 
 }  // namespace uwsim

@@ -17,6 +17,8 @@ class Altitude final : public MountedSensor {
     raw[0] = input.around.scene.cast(down, range_max_m_).distance_m;
   }
 
+  double reach_m() const override { return MountedSensor::reach_m(range_max_m_); }
+
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     reading[0] = std::max(raw[0], range_min_m_);
     return std::isfinite(raw[0]) && raw[0] >= range_min_m_;

@@ -40,6 +40,8 @@ class Dvl final : public MountedSensor {
     for (std::size_t k = 0; k < kBeams; ++k) raw[kBeams + k] = hits[k].distance_m;
   }
 
+  double reach_m() const override { return MountedSensor::reach_m(range_max_m_); }
+
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();

@@ -29,7 +29,7 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
       clock_(spec.rate_hz, step_ns),
       noise_(*kind_, spec_, seed, stream_name(vehicle, spec.name), clock_.period_s()),
       drop_out_(seed, stream_name(vehicle, spec.name, "drop_out")),
-      history_(held_samples(spec_, *sensor_, clock_)),
+      history_(held_samples(spec_, *sensor_, clock_), sensor_->reach_m() > 0 ? kind_->raw_width() : 0),
       raw_(kind_->raw_width()) {
   sample_.values.resize(kind_->reading_width());
   const bool present_only =
@@ -37,8 +37,13 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
   if (!present_only) next_due_ = 0;
 }
 
-void NoisySensor::record(const VehicleSnapshot& snapshot) {
-  if (clock_.samples_at(snapshot.tick)) history_.push(snapshot, dropped(snapshot.tick));
+void NoisySensor::record(const VehicleSnapshot& snapshot, const Surroundings& around) {
+  if (clock_.samples_at(snapshot.tick)) {
+    SampleHistory::Entry& entry = history_.push(snapshot, dropped(snapshot.tick));
+    const double reach_m = sensor_->reach_m();
+    entry.observed = reach_m > 0 && around.scene.bodies_within(snapshot.state.world_from_body.position_m, reach_m);
+    if (entry.observed) sensor_->observe(input(snapshot, around), entry.raw);
+  }
   next_due_ = clock_.tick_of(clock_.sample_at(snapshot.tick) + 1);
 }
 
@@ -50,15 +55,29 @@ SensorInput NoisySensor::input(const VehicleSnapshot& snapshot, const Surroundin
   return {snapshot, around, 1e-9 * static_cast<double>(clock_.time_ns(snapshot.tick))};
 }
 
-bool NoisySensor::arrived(const SampleHistory::Entry& entry, const VehicleSnapshot& now,
+bool NoisySensor::arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now,
                           const Surroundings& around) const {
-  const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(entry.snapshot, around));
-  return clock_.time_ns(entry.snapshot.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
+  const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(measured, around));
+  return clock_.time_ns(measured.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
          clock_.time_ns(now.tick);
 }
 
 void NoisySensor::measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise) {
   sensor_->observe(input(snapshot, around), raw_);
+  finish(snapshot, with_noise);
+}
+
+void NoisySensor::measure_recorded(const SampleHistory::Entry& entry, const Surroundings& around) {
+  if (entry.observed) {
+    raw_ = entry.raw;
+  } else {  // no body was in reach
+    const Surroundings then{around.scene.with(nullptr), around.water, around.station_world_m};
+    sensor_->observe(input(entry.snapshot, then), raw_);
+  }
+  finish(entry.snapshot, true);
+}
+
+void NoisySensor::finish(const VehicleSnapshot& snapshot, bool with_noise) {
   if (with_noise) noise_.apply(clock_.sample_at(snapshot.tick), raw_);
   measured_valid_ = sensor_->report(raw_, sample_.values);
   sample_.stamp_ns = clock_.time_ns(snapshot.tick);
@@ -81,20 +100,23 @@ const Sample& NoisySensor::read_true(const VehicleSnapshot& now, const Surroundi
 
 const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& around) {
   bool newest_dropped = false, found = false;
-  // Whether the entry gives the sample: it has arrived and was not dropped.
-  const auto try_entry = [&](const SampleHistory::Entry& entry, bool recorded) {
-    if (!arrived(entry, now, around)) return false;
-    newest_dropped |= entry.dropped;
-    if (entry.dropped) return false;
-    if (!recorded || measured_tick_ != entry.snapshot.tick) measure(entry.snapshot, around, true);
-    if (recorded) measured_tick_ = entry.snapshot.tick;
-    sample_.valid = measured_valid_ && !newest_dropped;
-    return found = true;
+  // Whether this measurement gives the sample: it has arrived and was not dropped.
+  const auto gives_sample = [&](const VehicleSnapshot& measured, bool is_dropped) {
+    if (!arrived(measured, now, around)) return false;
+    newest_dropped |= is_dropped;
+    return found = !is_dropped;
   };
-  const bool is_present = clock_.samples_at(now.tick) && try_entry({now, dropped(now.tick)}, false);
-  if (!is_present) {
-    history_.visit_back([&](const SampleHistory::Entry& entry) { return try_entry(entry, true); });
+  if (clock_.samples_at(now.tick) && gives_sample(now, dropped(now.tick))) {
+    measure(now, around, true);
+  } else {
+    history_.visit_back([&](const SampleHistory::Entry& entry) {
+      if (!gives_sample(entry.snapshot, entry.dropped)) return false;
+      if (measured_tick_ != entry.snapshot.tick) measure_recorded(entry, around);
+      measured_tick_ = entry.snapshot.tick;
+      return true;
+    });
   }
+  if (found) sample_.valid = measured_valid_ && !newest_dropped;
   if (!found) {
     measure(now, around, true);
     sample_.valid = false;

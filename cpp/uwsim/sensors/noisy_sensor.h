@@ -33,7 +33,9 @@ class NoisySensor {
 
   /// The next tick whose snapshot must be recorded; kNever for a sensor that only measures the present.
   std::uint64_t next_due() const { return next_due_; }
-  void record(const VehicleSnapshot& snapshot);
+  /// A sensor that another body is in reach of observes at once, since bodies move; the others observe when they are
+  /// read.
+  void record(const VehicleSnapshot& snapshot, const Surroundings& around);
 
   /// The reference holds until the next read.
   const Sample& read(const VehicleSnapshot& now, const Surroundings& around);
@@ -46,8 +48,10 @@ class NoisySensor {
 
  private:
   bool dropped(std::uint64_t tick) const;
-  bool arrived(const SampleHistory::Entry& entry, const VehicleSnapshot& now, const Surroundings& around) const;
+  bool arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now, const Surroundings& around) const;
   void measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise);
+  void measure_recorded(const SampleHistory::Entry& entry, const Surroundings& around);
+  void finish(const VehicleSnapshot& snapshot, bool with_noise);
   SensorInput input(const VehicleSnapshot& snapshot, const Surroundings& around) const;
 
   const SensorKind* kind_;

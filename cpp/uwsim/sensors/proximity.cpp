@@ -19,6 +19,8 @@ class Proximity final : public MountedSensor {
     raw[0] = under_water ? distance_m : range_max_m_;
   }
 
+  double reach_m() const override { return MountedSensor::reach_m(range_max_m_); }
+
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     reading[0] = std::clamp(raw[0], range_min_m_, range_max_m_);
     return true;

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <cstddef>
-#include <optional>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "uwsim/core/check.h"
 #include "uwsim/core/state_archive.h"
 #include "uwsim/sensors/sensor.h"
 
@@ -16,15 +20,28 @@ class SampleHistory {
   struct Entry {
     VehicleSnapshot snapshot;
     bool dropped = false;
+    bool observed = false;    ///< `raw` holds what the sensor observed; otherwise it is observed later
+    std::vector<double> raw;  ///< of fixed size
   };
 
-  explicit SampleHistory(std::size_t capacity) : ring_(capacity) {}
+  /// `raw_width`: the number of raw values; 0 for a sensor that never observes at once.
+  SampleHistory(std::size_t capacity, std::size_t raw_width) : ring_(capacity) {
+    for (Entry& entry : ring_) entry.raw.resize(raw_width);
+    last_evicted_.raw.resize(raw_width);
+  }
 
-  void push(const VehicleSnapshot& snapshot, bool dropped) {
-    Entry& oldest = ring_[pushed_ % ring_.size()];
-    if (pushed_ >= ring_.size() && !oldest.dropped) last_evicted_ = oldest;
-    oldest = {snapshot, dropped};
+  /// Returns the new entry, without raw values.
+  Entry& push(const VehicleSnapshot& snapshot, bool dropped) {
+    Entry& entry = ring_[pushed_ % ring_.size()];
+    if (pushed_ >= ring_.size() && !entry.dropped) {
+      std::swap(last_evicted_, entry);
+      evicted_ = true;
+    }
+    entry.snapshot = snapshot;
+    entry.dropped = dropped;
+    entry.observed = false;
     ++pushed_;
+    return entry;
   }
 
   /// Visits the entries, newest first, then the kept one, until `stop_at` returns true.
@@ -34,7 +51,7 @@ class SampleHistory {
     for (std::size_t age = 1; age <= held; ++age) {
       if (stop_at(ring_[(pushed_ - age) % ring_.size()])) return;
     }
-    if (last_evicted_) stop_at(*last_evicted_);
+    if (evicted_) stop_at(last_evicted_);
   }
 
   /// Saves or restores the entries. Throws InvalidValue.
@@ -42,10 +59,8 @@ class SampleHistory {
     archive.same("history", ring_.size());
     archive(pushed_);
     for (std::size_t k = 0; k < std::min<std::size_t>(pushed_, ring_.size()); ++k) exchange_entry(archive, ring_[k]);
-    bool evicted = last_evicted_.has_value();
-    archive(evicted);
-    if (!evicted) last_evicted_.reset();
-    if (evicted) exchange_entry(archive, last_evicted_ ? *last_evicted_ : last_evicted_.emplace());
+    archive(evicted_);
+    if (evicted_) exchange_entry(archive, last_evicted_);
   }
 
  private:
@@ -55,11 +70,19 @@ class SampleHistory {
     archive(entry.snapshot.acceleration_body);
     archive(entry.snapshot.touching);
     archive(entry.dropped);
+    archive(entry.observed);
+    for (std::size_t k = 0; entry.observed && k < entry.raw.size(); ++k) {
+      auto bits = std::bit_cast<std::uint64_t>(entry.raw[k]);  // infinite where nothing was met
+      archive(bits);
+      entry.raw[k] = std::bit_cast<double>(bits);
+      require(!std::isnan(entry.raw[k]), "state.history", entry.raw[k], "must not be NaN");
+    }
   }
 
   std::vector<Entry> ring_;
   std::uint64_t pushed_ = 0;
-  std::optional<Entry> last_evicted_;
+  bool evicted_ = false;
+  Entry last_evicted_;
 };
 
 }  // namespace uwsim

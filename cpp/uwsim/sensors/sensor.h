@@ -22,9 +22,9 @@ struct VehicleSnapshot {
   bool touching = false;
 };
 
-/// The surroundings of all vehicles.
+/// The surroundings of a vehicle; `scene` has the other vehicles where they are now.
 struct Surroundings {
-  const RayScene& scene;
+  RayScene scene;
   const Water& water;
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
 };
@@ -56,6 +56,8 @@ class Sensor {
  public:
   virtual ~Sensor() = default;
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
+  /// How far from the vehicle's origin the sensor meets surfaces [m]; 0 for one that casts no rays.
+  virtual double reach_m() const { return 0; }
   /// Converts raw values to a reading; returns whether it is valid. By default the reading is the raw values.
   virtual bool report(std::span<const double> raw, std::span<double> reading) const {
     std::copy(raw.begin(), raw.end(), reading.begin());

@@ -31,10 +31,10 @@ class SensorRack {
   /// Whether the snapshot of `tick` must be recorded before the next step. Most steps cost only this comparison.
   bool due(std::uint64_t tick) const { return tick >= next_due_; }
   /// Does not allocate or free memory.
-  void record(const VehicleSnapshot& snapshot) {
+  void record(const VehicleSnapshot& snapshot, const Surroundings& around) {
     next_due_ = NoisySensor::kNever;
     for (NoisySensor& sensor : sensors_) {
-      if (snapshot.tick >= sensor.next_due()) sensor.record(snapshot);
+      if (snapshot.tick >= sensor.next_due()) sensor.record(snapshot, around);
       next_due_ = std::min(next_due_, sensor.next_due());
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +11,8 @@
 
 namespace uwsim {
 namespace {
+
+constexpr auto kUnplaced = std::numeric_limits<std::uint64_t>::max();  // a version that never is
 
 /// items[index]. Throws std::out_of_range that names `what`.
 template <typename Items>
@@ -42,7 +45,9 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
       scene_(std::move(scene)),
       spec_((spec.check(), spec)),
       step_ns_(static_cast<std::uint64_t>(std::llround(spec.step_s * 1e9))),
-      bodies_(world, spec.step_s) {
+      bodies_(world, spec.step_s),
+      hulls_(std::make_shared<MovingBodies>(static_cast<Label>(kTerrain + 1 + world.solids().size()))),
+      hulls_version_(kUnplaced) {
   world_.water.check();
   require(scene_ != nullptr, "scene", "none", "must be a RayScene");
 }
@@ -67,6 +72,8 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   bodies_.hold(vehicle.body, spec.docked);
   vehicle.battery = Battery(spec_.mission_time_s, step_ns_);
   if (!spec.docked) vehicle.battery.start_mission(tick_);
+  hulls_->add(spec.craft->hull().mesh_body());
+  hulls_version_ = kUnplaced;
   vehicles_.push_back(std::move(vehicle));
   return vehicles_.size() - 1;
 }
@@ -77,7 +84,9 @@ void Simulation::step(std::uint64_t count) {
 
 void Simulation::step_once() {
   for (Vehicle& vehicle : vehicles_) {
-    if (vehicle.sensors.due(tick_)) vehicle.sensors.record(snapshot(vehicle));
+    if (vehicle.sensors.due(tick_)) {
+      vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, spec_.station_world_m});
+    }
   }
   for (Vehicle& vehicle : vehicles_) drive(vehicle);
   bodies_.step(world_.water, time_s());
@@ -112,9 +121,27 @@ VehicleSnapshot Simulation::snapshot(const Vehicle& vehicle) const {
           bodies_.in_contact(vehicle.body)};
 }
 
+const MovingBodies& Simulation::vehicles_for_rays() const {
+  if (hulls_version_ != version_) {
+    for (std::size_t k = 0; k < vehicles_.size(); ++k) {
+      hulls_->place(k, bodies_.state(vehicles_[k].body).world_from_body);
+    }
+    hulls_version_ = version_;
+  }
+  return *hulls_;
+}
+
+RayScene Simulation::scene_around(const Vehicle& vehicle) const {
+  if (vehicles_.size() < 2) return *scene_;
+  vehicles_for_rays();
+  return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
+}
+
+RayScene Simulation::scene_around(std::size_t index) const { return scene_around(vehicle(index)); }
+
 const Sample& Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) {
   Vehicle& reader = changeable(index);
-  const Surroundings around{*scene_, world_.water, spec_.station_world_m};
+  const Surroundings around{scene_around(reader), world_.water, spec_.station_world_m};
   NoisySensor& instrument = reader.sensors.at(sensor);
   return with_noise ? instrument.read(snapshot(reader), around) : instrument.read_true(snapshot(reader), around);
 }
@@ -133,15 +160,15 @@ Pose Simulation::world_from_sonar(std::size_t index, std::size_t head) const {
 }
 
 MultibeamPing Simulation::ping(std::size_t index, std::size_t head) const {
-  return sonar(index, head).ping(*scene_, world_.water, state(index).world_from_body);
+  return sonar(index, head).ping(scene_around(index), world_.water, state(index).world_from_body);
 }
 
 void Simulation::ping(std::size_t index, std::size_t head, const PingRows& rows) const {
-  sonar(index, head).ping(*scene_, world_.water, state(index).world_from_body, rows);
+  sonar(index, head).ping(scene_around(index), world_.water, state(index).world_from_body, rows);
 }
 
 AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t head, int threads) const {
-  return sonar(index, head).acoustic_ping(*scene_, state(index), tick_, threads);
+  return sonar(index, head).acoustic_ping(scene_around(index), state(index), tick_, threads);
 }
 
 }  // namespace uwsim

@@ -74,7 +74,13 @@ class Simulation {
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows) const;
   /// Pings in physics mode. Draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry mode.
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1) const;
+  /// The surfaces of the world alone, without vehicles.
   const RayScene& scene() const { return *scene_; }
+  /// What the vehicle's instruments meet: the world, and all other vehicles where they are now. Valid until time passes
+  /// or a vehicle is moved.
+  RayScene scene_around(std::size_t vehicle) const;
+  /// All vehicles as they are placed now, for RayScene::with; indices are the vehicles'.
+  const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
 
   /// Everything that the future depends on, as bytes, apart from what the simulation was built from: a simulation that
@@ -88,6 +94,7 @@ class Simulation {
   Vehicle& changeable(std::size_t index);
   VehicleSnapshot snapshot(const Vehicle& vehicle) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
+  RayScene scene_around(const Vehicle& vehicle) const;
   void step_once();
   void drive(Vehicle& vehicle);
 
@@ -99,6 +106,8 @@ class Simulation {
   std::uint64_t version_ = 0;
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
+  std::shared_ptr<MovingBodies> hulls_;  // the vehicles, as rays meet them
+  mutable std::uint64_t hulls_version_;  // when they were placed
 };
 
 }  // namespace uwsim

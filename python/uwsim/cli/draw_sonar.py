@@ -98,6 +98,7 @@ class _Sheet:
 
     def __init__(self, sim: Simulator, request: Request) -> None:
         self._sim = sim
+        self._around = sim.around(sim.rov.name)
         self._request = request
         self._figure = new_figure(WIDTH_IN, WIDTH_IN)
         self._summary: list[str] = []
@@ -140,7 +141,7 @@ class _Sheet:
         body, head = self._sim.rov.pose.world_from_body, self._sim.rov.sonar.ping().world_from_sonar[:3, 3]
         pose = imaging.pose_matrix(head, yaw_rad=np.arctan2(body[1, 0], body[0, 0]), pitch_rad=np.pi / 2)
         angles = np.radians(np.arange(-PROFILE_HALF_DEG, PROFILE_HALF_DEG + 1e-6, PROFILE_STEP_DEG))
-        profiles = imaging.profile(self._sim, pose, angles, model)
+        profiles = imaging.profile(self._around, pose, angles, model)
         aside = np.linspace(-PROFILE_REACH_M, PROFILE_REACH_M, 800)
         bed = self._sim.world.height_at(head[:2] - aside[:, None] * pose[:2, 1]) - head[2]
         echo = np.isfinite(profiles.ranges_m)
@@ -156,7 +157,7 @@ class _Sheet:
         head = self._sim.rov.sonar.ping().world_from_sonar[:3, 3]
         pose = self._sim.rov.pose.world_from_body @ imaging.pose_matrix(pitch_rad=np.radians(tilt_deg))
         pose[:3, 3] = head
-        image = imaging.look_ahead(self._sim, pose, model)
+        image = imaging.look_ahead(self._around, pose, model)
         axes = self._axes(column, 0.0, 1.0)
         height_in = WIDTH_IN * draw_image(axes, image)
         place = axes.get_position()
@@ -172,7 +173,7 @@ class _Sheet:
         pings = max(round(self._request.track_m / PING_SPACING_M), 1)
         track = np.repeat(body[None], pings, axis=0)
         track[:, :3, 3] += np.arange(pings)[:, None] * PING_SPACING_M * ahead
-        waterfall = imaging.look_aside(self._sim, track, SideScan())
+        waterfall = imaging.look_aside(self._around, track, SideScan())
         draw_waterfall(self._axes(column, top_in, height_in), waterfall, PING_SPACING_M)
         bottom = np.isfinite(waterfall.altitude_m)
         over = f", {np.median(waterfall.altitude_m[bottom]):.2f} m above the bed" if bottom.any() else ", no bottom"

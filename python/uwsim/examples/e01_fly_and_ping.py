@@ -19,7 +19,7 @@ def main() -> None:
         rov.sonar.aim(elevation_rad=-0.7)
         sim.advance(3.0)  # the head turns at 5 degrees per second
         ping = rov.sonar.ping()
-        names = [sim.world.label_names[label] for label in np.unique(ping.labels[ping.valid])]
+        names = [sim.label_names[label] for label in np.unique(ping.labels[ping.valid])]
         print(f"{ping.valid.sum()} of {len(ping.ranges_m)} beams came back, from: {', '.join(names)}")
 
 

@@ -21,6 +21,7 @@ from uwsim.sonars.imaging import (
     SonarImage,
     Waterfall,
 )
+from uwsim.sonars.surroundings import Surroundings
 
 
 class Fleet(imaging.Place, Protocol):
@@ -30,11 +31,15 @@ class Fleet(imaging.Place, Protocol):
     def vehicles(self) -> Mapping[str, Any]:
         """By name; each has a pose."""
 
+    def around(self, vehicle: str | None = None) -> Surroundings:
+        """Return what a sonar on that vehicle meets."""
+
 
 class ImagingSonar:
-    """An imaging sonar on a vehicle. Pings at one time are always the same and do not advance time.
+    """An imaging sonar on a vehicle; it sees the other vehicles.
 
-    name, and model: its figures, one of uwsim.sonars.imaging's models.
+    Pings at one time are always the same and do not advance time. name, and model: its figures, one of
+    uwsim.sonars.imaging's models.
     """
 
     def __init__(self, sim: Fleet, vehicle: str, name: str, mount: ImagingMount) -> None:
@@ -53,7 +58,9 @@ class ImagingSonar:
 
     def ping(self, *arguments: Any) -> Any:
         """Ping once from here. The arguments and the result depend on the kind; look, line and profile name them."""
-        return self._kind.ping(self._sim, self.world_from_sonar, self.model, self._stream, *arguments)
+        return self._kind.ping(
+            self._sim.around(self._vehicle), self.world_from_sonar, self.model, self._stream, *arguments
+        )
 
     def look(self) -> SonarImage:
         """Return a forward-looking sonar's picture. Raises ValueError for another kind."""

@@ -1,4 +1,4 @@
-"""The world's labels: the number that rays return for each surface, and how that surface scatters sound."""
+"""The labels that rays return for the surfaces of the world and its vehicles, and how those surfaces scatter sound."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """The names, by label, of the world that `build_world` makes: equal to its World.label_names."""
+    """The names by label: those of the world that `build_world` makes (World.label_names), then the vehicles'."""
     station = ["station"] if scenario.station.mesh is not None else []
-    return ["nothing", "terrain", *(obstacle.name for obstacle in scenario.obstacles), *station]
+    obstacles, vehicles = ([named.name for named in part] for part in (scenario.obstacles, scenario.vehicles))
+    return ["nothing", "terrain", *obstacles, *station, *vehicles]
 
 
 def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     """The backscatter of the surface with each label, in the order of `label_names`."""
     station = [scenario.station.material] if scenario.station.mesh is not None else []
-    solids = [obstacle.material for obstacle in scenario.obstacles] + station
+    vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
+    solids = [obstacle.material for obstacle in scenario.obstacles] + station + vehicles
     return [ROCK, scenario.ground.backscatter, *(material.backscatter for material in solids)]

@@ -5,8 +5,9 @@ and a number (by default simulated time): repeated calls give the same picture f
 a Simulator or anything with its scene, world, strengths_db, seed, threads and time_ns.
 
 A pose is a matrix (4, 4), world from sonar, with the sonar's x axis ahead, y to port, z up. For a sonar on a vehicle it
-is `rov.pose.world_from_body @ imaging.pose_matrix(mount_m, pitch_rad=0.3)`. A head above the water, in the ground or in
-a solid receives only noise.
+is `rov.pose.world_from_body @ imaging.pose_matrix(mount_m, pitch_rad=0.3)`, and `sim.around("rov")` is what it meets,
+the other vehicles included; a Simulator's own scene is the world alone. A head above the water, in the ground or in a
+solid receives only noise.
 """
 
 from uwsim.sonars.imaging import forward_looking, side_scan, single_beam

@@ -35,7 +35,7 @@ class Place(Protocol):
 
     @property
     def strengths_db(self) -> Mapping[str, float]:
-        """Lambert's strength of each surface's material, by World.label_names."""
+        """Lambert's strength of each surface's material, by World.label_names; then of the vehicles in `scene`."""
 
     @property
     def seed(self) -> int:
@@ -57,7 +57,7 @@ class Acoustics:
     source_level_db: at 1 m. noise_level_db: in the receiver's band, behind its beam former. Surfaces scatter as the
     scenario's materials do unless figures here replace them (Lambert's strength, per square metre at normal incidence):
     bottom_strength_db for the terrain, solid_strength_db for all solids, strengths_db for single surfaces by
-    World.label_names. range_max_m is divided into range_bins, each one resolution cell. The time-varied gain is
+    Simulator.label_names. range_max_m is divided into range_bins, each one resolution cell. The time-varied gain is
     gain_db_decade log10 R + 2 alpha R, with the absorption alpha of the water at the head (Francois and Garrison);
     time_varied_gain False leaves levels as received. looks: independent looks averaged in a cell; 1 is full speckle
     (Rayleigh amplitude), 0 none.
@@ -151,7 +151,9 @@ def _number(name: str, value: Any, type_name: str) -> float:
 
 def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
     """Return each surface's strength: its own in the model, else the model's for its class, else its material's."""
-    names, given_db, material_db = sim.world.label_names, model.strengths_db, sim.strengths_db
+    given_db, material_db = model.strengths_db, sim.strengths_db
+    fixed = sim.world.label_names
+    names = [*fixed, *(name for name in material_db if name not in fixed)]  # vehicles follow
     unknown = sorted(set(given_db) - set(names[1:]))
     if unknown:
         raise ValueError(f"sonar.strengths_db['{unknown[0]}']: not in the world; there are: {', '.join(names[1:])}")

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "uwsim/core/pose.h"
+#include "uwsim/core/triangle_mesh.h"
+#include "uwsim/rays/ray_packet.h"
+#include "uwsim/world/world.h"
+
+namespace uwsim {
+
+class RayScene;
+
+/// Bodies that move among the fixed surfaces of a world, such as vehicles, as rays meet them. The surface of each is
+/// prepared once, in the body's frame, as a RayScene of its own; a pose places it. Rays are turned into the body's
+/// frame in double, so that they meet it as exactly as the world (rays/README.md). Casts need a body only if a sphere
+/// around it is within reach; they do not allocate. Not safe to use while a body is placed; copies are independent and
+/// share the surfaces.
+class MovingBodies {
+ public:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+  /// `first_label`: of the first body; the others follow.
+  explicit MovingBodies(Label first_label) : first_label_(first_label) {}
+
+  /// Returns the body's index. Throws InvalidValue for a mesh that is not well formed.
+  std::size_t add(const TriangleMesh& surface_body_m);
+  void place(std::size_t body, const Pose& world_from_body);
+  std::size_t size() const { return bodies_.size(); }
+  Label label(std::size_t body) const { return static_cast<Label>(first_label_ + body); }
+
+  // Each of these leaves out the body `hidden`.
+
+  /// Replaces hits by nearer ones on bodies.
+  void cast(std::span<const ExactRays> rays, std::size_t hidden, std::span<ExactHits> hits) const;
+  /// The same in float, as RayScene::cast for pictures.
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
+            HitPacket& hits) const;
+  /// Sets the lanes on which a body lies.
+  void occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
+               Blocked& blocked) const;
+  /// Whether any body may be as near as that; conservative.
+  bool may_be_within(const Eigen::Vector3d& point_world_m, double distance_m, std::size_t hidden) const;
+  /// The smaller of `nearest_m` and the distance to the nearest triangle.
+  double distance(const Eigen::Vector3d& point_world_m, double nearest_m, std::size_t hidden) const;
+
+ private:
+  struct Body {
+    std::shared_ptr<const RayScene> surface;
+    Eigen::Vector3d centre_body_m;  // of a sphere around it
+    double radius_m;                // with a margin for rounding
+    Eigen::Vector3d centre_world_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d body_from_world = Eigen::Matrix3d::Identity();  // rotation
+  };
+  static void cast_at(const Body& body, Label label, const ExactRays& rays, ExactHits& hits);
+  static void cast_at(const Body& body, Label label, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
+                      RayOrder order, HitPacket& hits);
+
+  Label first_label_;
+  std::vector<Body> bodies_;
+};
+
+}  // namespace uwsim

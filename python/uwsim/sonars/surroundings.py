@@ -1,0 +1,23 @@
+"""What a sonar pings in: the surfaces and the water around it, at one time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from uwsim import _core
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """A place as `Simulator.around` gives it: a snapshot, to be passed to imaging sonars and depth maps.
+
+    scene: the world and the other vehicles. strengths_db: of each surface's material, by Simulator.label_names.
+    """
+
+    scene: _core.RayScene
+    world: _core.World
+    strengths_db: Mapping[str, float]
+    seed: int
+    threads: int
+    time_ns: int

@@ -1,0 +1,111 @@
+"""What other vehicles cost a ping: alone in the lake against among 20, and with all 20 close before the sonar.
+
+The cases take turns, each round on the same places; medians of the ratios round by round. One thread's processor time.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import time
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Simulator
+from uwsim.scenario import load
+from uwsim.scenario.spec.vehicle_entry import StartPose
+
+console = Console()
+
+SONAR_MODEL = 3  # 1,025 beams to 95 m
+LINE_M = ((-104.0, -28.0), (-44.0, -28.0))
+ALTITUDE_M = 8.0
+GOAL = 1.3  # at most, among the others
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured.")] = 11,
+    pings: Annotated[int, typer.Option(min=1, help="Number of pings in a measurement.")] = 100,
+    others: Annotated[int, typer.Option(min=1, max=200, help="Number of other vehicles.")] = 20,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    table = Table("mode", "case", "us per ping", "of alone", "beams on vehicles", title="Pings among other vehicles")
+    figures: dict[str, float] = {}
+    for mode in ("geometry", "physics"):
+        alone, among, close = (lake(mode, count) for count in (0, others, others))
+        places = line(alone, pings if mode == "geometry" else max(pings // 10, 1))
+        scatter(among, places)
+        gather(close, places)
+        cases = {"alone": alone, "among": among, "close": close}
+        rounds_us = [{name: measure(sim, places) for name, sim in cases.items()} for _ in range(rounds)]
+        for name in cases:
+            us = statistics.median(turn[name][0] for turn in rounds_us)
+            ratio = statistics.median(turn[name][0] / turn["alone"][0] for turn in rounds_us)
+            figures |= {f"{mode}_{name}_us": us, f"{mode}_{name}/alone": ratio}
+            table.add_row(mode, name, f"{us:,.0f}", f"{ratio:.2f}", f"{rounds_us[0][name][1]:.0f}")
+    console.print(table)
+    met = figures["geometry_among/alone"] <= GOAL and figures["physics_among/alone"] <= GOAL
+    console.print(f"among the others at most {GOAL} times: {'[green]yes[/]' if met else '[red]no[/]'}")
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def lake(mode: str, others: int) -> Simulator:
+    """Return the lake with a sonar in that mode, and other vehicles of the same kind."""
+    scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
+    first = scenario.vehicles[0]
+    first = first.model_copy(update={"sonar": first.sonar.model_copy(update={"mode": mode})})
+    start = StartPose(position_m=(*LINE_M[0], -1.0))  # they are placed later
+    more = [first.model_copy(update={"name": f"other_{k}", "start": start}) for k in range(others)]
+    return Simulator(scenario.model_copy(update={"vehicles": (first, *more)}))
+
+
+def line(sim: Simulator, count: int) -> NDArray[np.float64]:
+    """Return places (count, 3) along a line at the survey's altitude above the bed."""
+    xy = np.linspace(*LINE_M, count)
+    return np.column_stack([xy, np.minimum(sim.world.height_at(xy) + ALTITUDE_M, -1.0)])
+
+
+def scatter(sim: Simulator, places: NDArray[np.float64]) -> None:
+    """Scatter the other vehicles over the water that the pings pass through."""
+    random = np.random.default_rng(2)
+    for vehicle in list(sim.vehicles.values())[1:]:
+        xy = places[random.integers(len(places)), :2] + random.uniform(-30.0, 30.0, 2)
+        bed_m = float(sim.world.height_at(xy[None])[0])
+        vehicle.place((*xy, min(bed_m + random.uniform(2.0, 12.0), -1.0)))
+
+
+def gather(sim: Simulator, places: NDArray[np.float64]) -> None:
+    """Set the other vehicles side by side before the sonar, in the fan, at the middle of the line."""
+    sim.rov.place(places[len(places) // 2])
+    ping = sim.rov.sonar.ping()
+    head, others = ping.world_from_sonar, list(sim.vehicles.values())[1:]
+    for k, vehicle in enumerate(others):
+        angle = np.radians(110.0) * ((k + 0.5) / len(others) - 0.5)
+        vehicle.place(head[:3, 3] + 7.0 * (np.cos(angle) * head[:3, 0] + np.sin(angle) * head[:3, 1]))
+
+
+def measure(sim: Simulator, places: NDArray[np.float64]) -> tuple[float, float]:
+    """Return microseconds for a ping, and the mean number of its beams that meet vehicles."""
+    elapsed_s, beams, sonar = 0.0, 0, sim.rov.sonar
+    vehicles_from = len(sim.world.label_names)
+    for place in places:
+        sim.rov.place(place)
+        begun = time.thread_time()
+        ping = sonar.ping()
+        elapsed_s += time.thread_time() - begun
+        beams += int((ping.labels >= vehicles_from).sum())
+    return 1e6 * elapsed_s / len(places), beams / len(places)
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench moving")
