@@ -1,10 +1,12 @@
 """The command line: one clear line on a mistake, help with units, and the small commands."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 from command_line import error_line, uwsim
+from uwsim.cli.exit_codes import EXIT_CODES, INCOMPLETE
 from uwsim.scenario.read.assets import assets_folder
 
 POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth_m: 5"
@@ -23,6 +25,7 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["survey", "pool", "--voxel", "0"], "voxel_m = 0"),
         (["survey", "pool", "--threads", "0"], "threads"),
         (["survey", "pool", "--seed", "-1"], "seed"),
+        (["survey", "pool", "--min-coverage", "101"], "--min-coverage 101 %: must be in [0, 100] %"),
         (["bench", "surveyy"], "unknown"),
         (["surveyy"], "No such command"),
         (["survey", "--voxl", "1"], "--voxl"),
@@ -60,6 +63,29 @@ def test_a_mistake_in_the_yaml_is_named_with_its_line(old: str, new: str, expect
     assert expected in line
     assert "mine.yaml:" in line
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", [[], ["map"]])
+def test_no_line_of_help_is_cut(command: list[str]) -> None:
+    shown = uwsim(*command, "--help", env={**os.environ, "COLUMNS": "80"}).stdout
+    assert "..." not in shown.replace("COMMAND [ARGS]...", "")
+
+
+def test_every_exit_code_is_in_the_help_and_in_the_readme() -> None:
+    shown, readme = uwsim("--help").stdout, (assets_folder().parent / "README.md").read_text()
+    for code, meaning in EXIT_CODES.items():
+        assert f"{code}  {meaning}" in shown
+        assert f"| {code} | {meaning} |" in readme
+
+
+def test_a_survey_that_its_battery_stops_is_incomplete_and_the_exit_code_says_so(tmp_path: Path) -> None:
+    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "20")
+    stopped = uwsim(*arguments)
+    assert stopped.returncode == INCOMPLETE, stopped.stderr
+    assert "the survey is incomplete: coverage is" in stopped.stderr
+    assert "it ended early: the battery is used up" in stopped.stderr
+    assert "pings under 10 m above the bed" in stopped.stdout
+    assert uwsim(*arguments, "--min-coverage", "0").returncode == 0
 
 
 def test_scenarios_are_listed_and_described() -> None:

@@ -14,10 +14,11 @@ from uwsim import _core
 from uwsim.figures import truth_and_map
 from uwsim.scoring.map_score import score_map
 from uwsim.scoring.score_text import order_rows
+from uwsim.survey.completeness import coverage_shortfall
 from uwsim.survey.record import PingSample, SurveyRecord
 from uwsim.survey.report import write_report
 from uwsim.survey.report_figures import draw_report_figures
-from uwsim.survey.summary import key_figures, summary_table
+from uwsim.survey.summary import key_figures, summary_table, warning_rows
 
 AREA = np.array([[-8.0, -6.0], [8.0, -6.0], [8.0, 6.0], [-8.0, 6.0]])
 NO_VOXELS = np.empty((0, 3))
@@ -68,6 +69,8 @@ def record(world):
         range_max_m=15.0,
         ping_interval_s=0.1,
         ping_interval_requested_s=0.1,
+        pings_with_warning={"range": 25, "proximity": 40, "collision": 0},
+        warning_limits_m={"range": 110.0, "proximity": 10.0},
         sample_ping=PingSample(ranges, angles, world_from_sonar, points),
         stage_wall_s={"physics": 8.0, "map": 32.0},
     )
@@ -91,7 +94,7 @@ def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(world,
     shown = texts(page)
     for name, value in key_figures(record, score, 98765):
         assert f"{name} {value}" in shown
-    for value in (record.scenario_name, str(record.seed), record.stopped_because, "octovis map.bt"):
+    for value in (record.scenario_name, str(record.seed), record.stopped_because, "uwsim map render map.bt"):
         assert value in shown
     assert "physics 8.0 s 13 %" in shown
     assert "map (in parallel) 32.0 s" in shown, "with two threads the map has one of its own"
@@ -103,6 +106,39 @@ def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(world,
         assert f"{name} {allowed} {cells}" in shown
     embedded = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
     assert [base64.b64decode(text) for text in embedded] == [figure.path.read_bytes() for figure in figures]
+
+
+def test_table_and_report_show_for_what_share_of_the_pings_each_warning_was_lit(world, record):
+    shown = dict(warning_rows(record))
+    assert shown == {
+        "pings over 110 m from the station": "62.5 %",
+        "pings under 10 m above the bed": "100 %",
+        "pings in contact": "0 %",
+    }
+    score = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0)
+    assert set(warning_rows(record)) <= set(key_figures(record, score, 0))
+    rare = dataclasses.replace(record, ping_count=100_000, pings_with_warning={"range": 1, "proximity": 99_999})
+    assert [value for _, value in warning_rows(rare)] == ["0.1 %", "99.9 %"], "neither none nor all"
+
+
+@pytest.mark.parametrize(
+    ("coverage", "ended_early", "least", "short"),
+    [
+        (0.48, True, None, True),
+        (0.96, True, None, False),
+        (0.48, False, None, False),
+        (0.48, False, 50.0, True),
+        (0.48, True, 40.0, False),
+        (0.48, True, 0.0, False),
+        (None, True, None, True),
+    ],
+)
+def test_a_survey_that_ended_early_or_has_a_minimum_must_cover_enough(record, coverage, ended_early, least, short):
+    flown = dataclasses.replace(record, coverage=coverage, ended_early=ended_early)
+    shortfall = coverage_shortfall(flown, least)
+    assert (shortfall is not None) == short
+    if shortfall and coverage:
+        assert "coverage is 48.0 %, must be at least" in shortfall
 
 
 def test_the_report_needs_no_network_and_escapes_names(world, record, tmp_path):

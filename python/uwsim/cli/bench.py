@@ -15,7 +15,10 @@ from uwsim.cli.run_typer import run_typer
 def bench(
     context: typer.Context, name: Annotated[str, typer.Argument(help="The benchmark. Default: list all.")] = ""
 ) -> None:
-    """Run a benchmark: medians, and where the time goes. `uwsim bench survey --help` lists that benchmark's options."""
+    """Run a benchmark: medians, and where the time goes.
+
+    `uwsim bench survey --help` lists that benchmark's options.
+    """
     folder = _bench_folder()
     known = ", ".join(sorted(path.stem for path in folder.glob("*.py")))
     if name in ("", "--help"):

@@ -18,7 +18,10 @@ def decompose(
     ] = 0.1,
     max_pieces: Annotated[int, typer.Option(min=1, help="Maximum number of pieces.")] = 24,
 ) -> None:
-    """Cut a vehicle's hull into convex pieces for `collision: pieces`. Takes ten seconds to minutes; needs CoACD."""
+    """Cut a hull into convex pieces for collisions.
+
+    They are for `collision: pieces` in a vehicle's file. Takes ten seconds to minutes; needs CoACD.
+    """
     from uwsim.scenario import closed_mesh, load_mesh
     from uwsim.scenario.build.collision_pieces import decompose as decompose_mesh
     from uwsim.scenario.build.collision_pieces import write_pieces

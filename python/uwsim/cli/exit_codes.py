@@ -1,3 +1,21 @@
-"""The exit codes of `uwsim`; 2 is typer's own for wrong options."""
+"""The exit codes of `uwsim`: one table, for the commands, `uwsim --help` and README.md."""
 
-FAILED, STUCK, INTERRUPTED = 1, 3, 130
+from __future__ import annotations
+
+OK, FAILED, USAGE, STUCK, INCOMPLETE, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+EXIT_CODES = {
+    OK: "success",
+    FAILED: "an error, or a check that failed: validate, map diff --exit-code, survey --verify-map",
+    USAGE: "an unknown command or option",
+    STUCK: "survey: the vehicle was stuck or capsized",
+    INCOMPLETE: "survey: coverage is below --min-coverage",
+    INTERRUPTED: "interrupted by Ctrl-C or SIGTERM",
+}
+"""What each code means; USAGE is typer's own."""
+
+
+def exit_code_help() -> str:
+    """Return the table as text for --help, marked so that its lines stay apart."""
+    rows = (f"{code:>5}  {meaning}" for code, meaning in EXIT_CODES.items())
+    return "\b\nExit codes:\n" + "\n".join(rows)

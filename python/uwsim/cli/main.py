@@ -17,7 +17,7 @@ from uwsim.cli.bench import bench
 from uwsim.cli.camera import camera
 from uwsim.cli.connect import connect
 from uwsim.cli.decompose import decompose
-from uwsim.cli.exit_codes import FAILED, INTERRUPTED
+from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.run_typer import PASS_ON, run_typer
@@ -30,6 +30,7 @@ from uwsim.cli.validate import validate
 app = typer.Typer(
     name="uwsim",
     help="A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap.",
+    epilog=exit_code_help(),
     **SETTINGS,
 )
 app.command()(survey)
@@ -46,7 +47,10 @@ app.command(context_settings=PASS_ON)(bench)
 
 @app.command(name="map", context_settings=PASS_ON)
 def map_commands(context: typer.Context) -> None:
-    """Inspect, convert, score, draw and compare maps: info, convert, merge, score, render, diff, slice."""
+    """Inspect, convert, score, draw and compare maps.
+
+    Its commands: info, convert, merge, score, render, diff, slice.
+    """
     from uwsim.cli.map import app as map_app
 
     run_typer(map_app, context.args or ["--help"], "uwsim map")
@@ -64,7 +68,8 @@ def main() -> NoReturn:
     except (ValueError, OSError, MemoryError) as error:
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
-        _print_error(str(error) or type(error).__name__)
+        for mistake in getattr(error, "mistakes", None) or [str(error) or type(error).__name__]:  # of a scenario's file
+            _print_error(mistake)
         sys.exit(FAILED)
     except Exception as error:
         # Recognise typer's class for wrong options by its method: the class's module depends on typer's version.

@@ -42,9 +42,10 @@ def convert(
     scenario: Annotated[str | None, typer.Option(help="The scenario whose terrain places a .tif on Earth.")] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Convert a map or a cloud to another format; a .tif holds the median depth and the count of each cell.
+    """Convert a map or a cloud to another format.
 
-    A .bt holds no probabilities: an .ot made from it has all its voxels at the clamping limits.
+    A .tif holds the median depth and the count of each cell. A .bt holds no probabilities: an .ot made from it has all
+    its voxels at the clamping limits.
     """
     from uwsim.cli.map_convert import convert as convert_file
 
@@ -57,7 +58,10 @@ def merge(
     sources: Annotated[list[Path], typer.Argument(help="Two or more maps with the same resolution.")],
     out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")],
 ) -> None:
-    """Merge maps by the sum of their log-odds. Prefer .ot files: a .bt holds no probabilities."""
+    """Merge maps by the sum of their log-odds.
+
+    Prefer .ot files: a .bt holds no probabilities.
+    """
     from uwsim.mapping.merge import merge_files
 
     typer.echo(f"{out}: {merge_files(sources, out):,} occupied voxels")
@@ -77,7 +81,10 @@ def score(
     json: Annotated[Path | None, typer.Option(help="A JSON file to write the score to.")] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Compare a map with the true world: coverage, precision, recall, distances, the seabed by IHO S-44."""
+    """Compare a map with the true world.
+
+    Gives coverage, precision, recall, distances, and the seabed by IHO S-44.
+    """
     from rich.console import Console
 
     from uwsim.figures.map_errors import draw_map_errors
@@ -103,7 +110,10 @@ def render(
     width: Annotated[int, typer.Option(help="Width of the figure [pixels].")] = 1600,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Draw a map's occupied voxels in 3D, coloured by height, as octovis does; needs no display."""
+    """Draw a map in 3D, without a display.
+
+    Its occupied voxels are coloured by height, as octovis does.
+    """
     from uwsim.figures.map_render import Viewpoint, draw_map
     from uwsim.mapping.files.map_files import open_map
 
@@ -119,7 +129,10 @@ def diff(
     out: FigureFile = None,
     exit_code: Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if the maps differ.")] = False,
 ) -> None:
-    """Count the voxels whose states differ between two maps with the same resolution; with --out draw them."""
+    """Count the voxels whose states differ between two maps.
+
+    The maps must have the same resolution. With --out the voxels are drawn, too.
+    """
     from uwsim.figures.map_difference import draw_map_difference
     from uwsim.mapping.difference import STATES, map_difference
     from uwsim.mapping.files.map_files import open_map
@@ -147,7 +160,10 @@ def slice_(
     out: FigureFile = None,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Draw a level or upright slice of occupied, free and unknown voxels. Give one of --x, --y, --z."""
+    """Draw a level or upright slice of a map.
+
+    It shows occupied, free and unknown voxels. Give one of --x, --y, --z.
+    """
     from uwsim.figures.map_slice import draw_map_slice
     from uwsim.mapping.files.map_files import open_map
     from uwsim.mapping.slice import slice_map

@@ -10,7 +10,10 @@ import typer
 def scenario(
     name: Annotated[str | None, typer.Argument(help="A scenario to check. Default: list all packaged ones.")] = None,
 ) -> None:
-    """List the packaged scenarios, or check one completely, with its world and vehicles, and describe it."""
+    """List the packaged scenarios, or check one and describe it.
+
+    The check is complete: it builds the world and the vehicles.
+    """
     from uwsim.scenario import load, packaged_scenarios
     from uwsim.simulator import Simulator
 

@@ -27,7 +27,10 @@ def sonar(
     seed: Seed = None,
     frequency: Frequency = None,
 ) -> None:
-    """Draw what the sonar sees from a pose: the fan over the true bed, a sonar image, a side-scan waterfall."""
+    """Draw what the sonars see from a pose.
+
+    The fan over the true bed, a profile, a sonar image and a side-scan waterfall.
+    """
     from uwsim.cli.draw_sonar import Request, run_sonar
 
     model = parsed_sonar_model(sonar_model)

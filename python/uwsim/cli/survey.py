@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from uwsim.cli.exit_codes import FAILED, INTERRUPTED, STUCK
+from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import Frequency, MissionTime, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
@@ -45,12 +45,25 @@ def survey(
         str,
         typer.Option(help="full: report.html and figures; json: summary.json instead; none: map.bt alone, no score."),
     ] = "full",
+    min_coverage: Annotated[
+        float | None,
+        typer.Option(
+            help="Exit with 4 if the coverage is below this [%]. "
+            "Default: 95 for a survey that ended early, 0 for one that flew all its lanes."
+        ),
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the survey last saved in --out.")] = False,
 ) -> None:
-    """Fly the scenario's survey, map what the sonar sees, and report. Ctrl-C ends it early and keeps the map so far.
+    """Fly the scenario's survey, map what the sonar sees, and report.
 
-    If it is killed, the last saved map remains; --resume continues to the same map as without the interruption.
+    Ctrl-C ends it early and keeps the map so far. If it is killed, the last saved map remains; --resume continues to
+    the same map as without the interruption.
     """
+    if min_coverage is not None and not 0.0 <= min_coverage <= 100.0:  # false for nan, too
+        raise ValueError(f"--min-coverage {min_coverage:g} %: must be in [0, 100] %")
+    if min_coverage and report == "none":
+        raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
+    from uwsim.survey.completeness import coverage_shortfall
     from uwsim.survey.run import resume_survey, run_survey
 
     arguments: dict[str, Any] = {
@@ -84,3 +97,6 @@ def survey(
         raise typer.Exit(FAILED)
     if record.stopped_because.startswith(("stuck", "capsized")):
         raise typer.Exit(STUCK)
+    if (shortfall := coverage_shortfall(record, min_coverage)) is not None:
+        typer.echo(f"uwsim: {shortfall}", err=True)
+        raise typer.Exit(INCOMPLETE)

@@ -16,7 +16,10 @@ def validate(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,
 ) -> None:
-    """Compare the simulator with closed forms and published data: expected, got, error. Exits with 1 on a miss."""
+    """Compare the simulator with closed forms and published data.
+
+    Prints expected, got and error; exits with 1 on a miss.
+    """
     from uwsim.validate import SUITES, run_suite
     from uwsim.validate.check_table import print_checks
 

@@ -3,7 +3,8 @@
 As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more
 than 7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor
 reads less than 7 m at a turn. This one adds the polygon (a lane ends at its edge, the mission with its last lane) and
-keeps a height above the bed and above the obstacles that the sonar sees ahead. Copy it to write another mission.
+keeps a height above the bed and above the obstacles that the sonar sees ahead, and goes round shoals that it cannot
+pass over. Copy it to write another mission.
 """
 
 from __future__ import annotations
@@ -22,12 +23,16 @@ from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.mission_state import checked_state
 from uwsim.missions.obstacle_memory import ObstacleMemory
+from uwsim.missions.shoal_chart import ShoalChart
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5  # a point is reached within this distance
 SHALLOWEST_Z_M = -1.5  # the vehicle never climbs above this height
+PASSABLE_Z_M = SHALLOWEST_Z_M - 2.0  # what reaches higher is a shoal: the vehicle goes round it
+LOOK_AHEAD_M = 6.0  # a lane ends this far before a shoal
+SIDE_STEPS = 3.0  # line spacings: the vehicle faces the way to a lane that is farther away
 STUCK_AFTER_S = 60.0
 TILT_TOLERANCE_RAD = np.radians(0.5)
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
@@ -35,13 +40,17 @@ CAPSIZED_COSINE = 0.3  # of the tilt from upright
 
 @dataclass(frozen=True)
 class LawnMowerPlan:
-    """How to mow an area. area_m: the polygon's corners (k, 2). altitude_m: above the bed. tilt_deg: nose down."""
+    """How to mow an area. area_m: the polygon's corners (k, 2). altitude_m: above the bed. tilt_deg: nose down.
+
+    lanes: to be flown in this order instead of lanes that cover all of the area.
+    """
 
     area_m: Sequence[Sequence[float]]
     altitude_m: float = 8.0
     line_spacing_m: float = 5.0
     speed_m_s: float = 1.0
     tilt_deg: float = 30.0
+    lanes: Sequence[Lane] | None = None
 
     @property
     def reach_m(self) -> float:
@@ -70,6 +79,7 @@ class AdaptiveLawnMower:
         self.period_s = period_s
         self.autopilot = Autopilot(vehicle, period_s)
         self.obstacles_ahead = ObstacleMemory()
+        self.shoals = ShoalChart(PASSABLE_Z_M)
         east_m, north_m, _ = self._position().tolist()
         self.state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
         self.lanes = self._lanes()
@@ -83,7 +93,7 @@ class AdaptiveLawnMower:
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock."""
         peaks = [(x, y, z) for x, y, z in self.obstacles_ahead.peaks_world_m.tolist()]
-        return asdict(SavedMission(self.state, self.autopilot.integrals, peaks))
+        return asdict(SavedMission(self.state, self.autopilot.integrals, peaks, self.shoals.cells))
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state that `save` returned; `run` then goes on from there. Raises ValueError."""
@@ -92,6 +102,7 @@ class AdaptiveLawnMower:
         self.lanes = self._lanes()
         self.autopilot.integrals = saved.autopilot
         self.obstacles_ahead.restore(saved.lookout)
+        self.shoals.restore(saved.shoals)
 
     def run(self) -> str:
         """Fly until the last lane ends (COVERED) or something else ends the mission; return the reason."""
@@ -117,9 +128,11 @@ class AdaptiveLawnMower:
             return str(stop)
         finally:
             self.vehicle.set_effort()
-        return COVERED
+        return f"no way led to {state.skipped} of {len(self.lanes)} lanes" if state.skipped else COVERED
 
     def _lanes(self) -> list[Lane]:
+        if self.plan.lanes is not None:
+            return list(self.plan.lanes)
         near_m = np.array(self.state.lanes_near_m)
         return lawn_mower_lanes(self.plan.area_m, self.plan.line_spacing_m, self.plan.reach_m, near_m)
 
@@ -150,8 +163,15 @@ class AdaptiveLawnMower:
 
     def _approach(self, start: LegStart) -> LegName:
         """Go to the first lane, facing it."""
-        self._go_to(self.lanes[0].start_m, start, heading_rad=None)
+        if not self._go_to(self.lanes[self.state.lane].start_m, start, heading_rad=None):
+            return self._skip_lane("approach")
         return "tilt"
+
+    def _skip_lane(self, leg: LegName) -> LegName:
+        """Leave a lane out because shoals are round it, and go on with a leg to the next one."""
+        self.state.lane += 1
+        self.state.skipped += 1
+        return leg
 
     def _wait_for_tilt(self, start: LegStart) -> LegName:
         """Wait on the spot until the sonar's head has turned to its elevation, if the sonar reports one."""
@@ -186,8 +206,11 @@ class AdaptiveLawnMower:
         """Side-step to the lane: to its start, or further along it if the last lane was cut short."""
         lane = self.lanes[self.state.lane]
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
-        self._go_to(lane.start_m + along_m * lane.direction, start, lane.heading_rad)
-        return "mow"
+        point_m = lane.start_m + along_m * lane.direction
+        is_far = math.dist(point_m, start.position_world_m[:2]) > SIDE_STEPS * self.plan.line_spacing_m
+        if not self._go_to(point_m, start, None if is_far else lane.heading_rad):
+            return self._skip_lane("turn")
+        return "turn" if is_far else "mow"
 
     def _mow(self, start: LegStart) -> LegName:
         """Go forward along the lane while there is water ahead."""
@@ -196,7 +219,7 @@ class AdaptiveLawnMower:
         while True:
             along, across = lane.locate(self._position())
             state.along_m = _clip(along, 0.0, lane.length_m)
-            if along >= lane.length_m or not self._water_ahead(self.vehicle.sonar.ping()):
+            if along >= lane.length_m or not self._water_ahead(self.vehicle.sonar.ping()) or self._shoal_ahead(lane):
                 break
             if along > state.furthest_m + ARRIVED_M:
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
@@ -213,8 +236,16 @@ class AdaptiveLawnMower:
         ranges = ping.ranges_m
         return any(float(ranges[beam]) > TURN_RANGE_M for beam in (0, len(ranges) // 2, -1))
 
-    def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> None:
-        """Go to a point, facing it if no heading is given, else holding the heading."""
+    def _shoal_ahead(self, lane: Lane) -> bool:
+        x, y, _ = self._position().tolist()
+        ahead_x, ahead_y = lane.direction.tolist()
+        return self.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
+
+    def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> bool:
+        """Go to a point, round shoals; return whether there is a way.
+
+        The vehicle holds the heading, if one is given and the way is straight; else it faces where it goes.
+        """
         to_x, to_y = point_m.tolist()
         total_m = math.dist((to_x, to_y), start.position_world_m[:2])
         allowed_s = STUCK_AFTER_S + 5.0 * total_m / self.plan.speed_m_s
@@ -222,14 +253,21 @@ class AdaptiveLawnMower:
             x, y, _ = self._position().tolist()
             distance = math.dist((to_x, to_y), (x, y))
             if distance <= ARRIVED_M:
-                return
+                return True
+            if (aim := self.shoals.next_point((x, y), (to_x, to_y))) is None:
+                return False
+            aim_x, aim_y = aim
+            ahead_m = max(math.dist(aim, (x, y)), 1e-6)
+            straight = aim == (to_x, to_y)
             if self.clock.time_s > start.time_s + allowed_s:
+                if not straight:
+                    return False  # a long search along shoals has found no way
                 raise StoppedError(f"stuck {distance:.0f} m before ({to_x:.0f}, {to_y:.0f}) m")
-            heading = heading_rad if heading_rad is not None else math.atan2(to_y - y, to_x - x)
+            heading = heading_rad if heading_rad is not None and straight else math.atan2(aim_y - y, aim_x - x)
             speed = min(self.plan.speed_m_s, 0.2 + 0.3 * distance)
             if abs(wrap_angle(heading - self.vehicle.pose.yaw_rad)) > math.radians(30.0):
                 speed = 0.0  # turn first, so that the sonar sees what lies ahead
-            self._steer(heading, (speed * (to_x - x) / distance, speed * (to_y - y) / distance))
+            self._steer(heading, (speed * (aim_x - x) / ahead_m, speed * (aim_y - y) / ahead_m))
 
     # One control period.
 
@@ -238,7 +276,9 @@ class AdaptiveLawnMower:
         pose = self.vehicle.pose
         position, yaw = pose.position_world_m, pose.yaw_rad
         height_m = float(position[2])
-        self.obstacles_ahead.add(self.vehicle.sonar.ping(), position, yaw)
+        ping = self.vehicle.sonar.ping()
+        self.obstacles_ahead.add(ping, position, yaw)
+        self.shoals.add(ping)
         bed_m = height_m - self.vehicle.sensors["altitude"].read()
         wanted_m = max(bed_m, self.obstacles_ahead.highest_m(position, yaw)) + self.plan.altitude_m
         target_m = min(wanted_m if math.isfinite(wanted_m) else height_m, SHALLOWEST_Z_M)

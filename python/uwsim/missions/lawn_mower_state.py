@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 from annotated_types import Ge
@@ -25,7 +25,7 @@ class MowerState:
 
     lanes_near_m: where the mission began; it orders the lanes. lane: index of the present one. leg: the part of it that
     is flown now. leg_start: None before the leg has begun. along_m: distance along the lane. furthest_m: the largest
-    such distance so far, reached at furthest_s.
+    such distance so far, reached at furthest_s. skipped: number of lanes that could not be reached.
     """
 
     lanes_near_m: tuple[float, float]
@@ -35,12 +35,14 @@ class MowerState:
     along_m: float = 0.0
     furthest_m: float = 0.0
     furthest_s: float = 0.0
+    skipped: Annotated[int, Ge(0)] = 0
 
 
 @dataclass
 class SavedMission:
-    """A saved lawn-mower: its state, the autopilot's integrals and the obstacle memory's echoes."""
+    """A saved lawn-mower: its state, the autopilot's integrals, the obstacle memory's echoes, the shoals' cells."""
 
     mower: MowerState
     autopilot: tuple[float, float, float]
     lookout: list[tuple[float, float, float]]
+    shoals: list[tuple[int, int]] = field(default_factory=list)

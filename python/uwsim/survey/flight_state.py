@@ -16,7 +16,7 @@ from pydantic import Base64Bytes, BaseModel, ConfigDict, Field, ValidationError
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.record import PingSample
 
-TITLE = "uwsim survey 1"
+TITLE = "uwsim survey 2"
 EncodedArray = str
 """An array as NumPy's .npy format in base64."""
 
@@ -61,6 +61,7 @@ class _StateFile(BaseModel):
     echo_count: int
     richest: _SampleFile | None
     richest_score: float
+    pings_with_warning: dict[str, Annotated[int, Field(ge=0)]]
     more: dict[str, Any]
 
 
@@ -79,6 +80,7 @@ def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
         "echo_count": log.echo_count,
         "richest": None if log.sample is None else {name: _encoded(a) for name, a in vars(log.sample).items()},
         "richest_score": log.sample_score,
+        "pings_with_warning": log.pings_with_warning,
         "more": more,
     }
     text = json.dumps(content).encode()
@@ -104,6 +106,7 @@ def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
         echo_count=read.echo_count,
         sample=None if sample is None else PingSample(**sample),
         sample_score=read.richest_score,
+        pings_with_warning=read.pings_with_warning,
     )
     state = FlightState(
         read.simulation, read.mission, read.steps_to_ping, read.begun_s, read.wall_s, read.stage_wall_s, log

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -17,6 +18,7 @@ from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, R
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
 from uwsim.simulator import Simulator
 from uwsim.survey.flight_state import FlightState
+from uwsim.survey.flyable_lanes import SurveyAreaWarning, flyable_plan
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import HullBox, PingToMap
 from uwsim.survey.pinging_clock import PingingClock
@@ -60,7 +62,8 @@ def fly_survey(
     scan one by one. supervisor: may save or stop the flight whenever the mission waits. resume: a saved flight to
     continue; `occupancy` and `reference` must be the maps that were saved with it.
     outlier_filter: see filters_outliers.
-    Raises ScenarioError when the scenario has no survey, ValueError when the flight cannot be resumed.
+    Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown, ValueError when the
+    flight cannot be resumed. Fewer such lanes are left out, with a SurveyAreaWarning.
     """
     survey = required_survey(sim.scenario)
     if occupancy is None:
@@ -117,7 +120,10 @@ class _Flight:
             lambda: on_progress(self._mission.progress),
             self._on_pause,
         )
-        self._mission = make_mission(self._sim.rov, self._clock, _plan(survey))
+        plan, self._left_out = flyable_plan(self._sim, survey_plan(survey))
+        if self._left_out is not None:
+            warnings.warn(self._left_out, SurveyAreaWarning, stacklevel=3)
+        self._mission = make_mission(self._sim.rov, self._clock, plan)
         if self._resume is not None:
             self._clock.steps_to_ping = self._resume.steps_to_ping
             _restore_mission(self._mission, self._resume)
@@ -175,6 +181,9 @@ class _Flight:
             sample_ping=log.sample,
             stage_wall_s=self.timer.wall_s,
             ended_early=stopped_because != COVERED,
+            lanes_left_out=self._left_out,
+            pings_with_warning=dict(log.pings_with_warning),
+            warning_limits_m=_warning_limits_m(sim.scenario),
         )
 
 
@@ -206,7 +215,8 @@ def _ping_interval_s(sim: Simulator, survey: Survey) -> float:
     return max(1.0 / survey.ping_rate_hz, math.ceil(least_s / sim.step_s) * sim.step_s)
 
 
-def _plan(survey: Survey) -> LawnMowerPlan:
+def survey_plan(survey: Survey) -> LawnMowerPlan:
+    """Return the plan of the scenario's survey."""
     return LawnMowerPlan(
         area_m=survey.area_m,
         altitude_m=survey.altitude_m,
@@ -214,6 +224,10 @@ def _plan(survey: Survey) -> LawnMowerPlan:
         speed_m_s=survey.speed_m_s,
         tilt_deg=survey.tilt_deg,
     )
+
+
+def _warning_limits_m(scenario: Scenario) -> dict[str, float]:
+    return {"range": scenario.warnings.range_m, "proximity": scenario.warnings.proximity_m}
 
 
 def _hull_box(scenario: Scenario) -> HullBox:

@@ -1,4 +1,4 @@
-"""A log of a survey's pings: positions, the number of echoes, and one sample ping for the report."""
+"""A log of a survey's pings: positions, echoes, the panel's warnings, and one sample ping for the report."""
 
 from __future__ import annotations
 
@@ -12,20 +12,28 @@ from uwsim.scoring.polygon import inside_polygon
 from uwsim.survey.record import PingSample
 
 PINGS_PER_CANDIDATE = 10  # every tenth ping is a candidate for the sample
+PANEL_WARNINGS = ("range", "proximity", "collision")
+"""The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
 
 
 @dataclass
 class PingLog:
-    """The position of each ping, the number of echoes, and the ping with the most distinct labels."""
+    """The position of each ping, the number of echoes, and the ping with the most distinct labels.
+
+    pings_with_warning: the number of pings during which each of PANEL_WARNINGS was lit.
+    """
 
     area_world_m: NDArray[np.float64]
     positions_world_m: list[NDArray[np.float64]] = field(default_factory=list)
     echo_count: int = 0
     sample: PingSample | None = None
     sample_score: float = -1.0
+    pings_with_warning: dict[str, int] = field(default_factory=lambda: dict.fromkeys(PANEL_WARNINGS, 0))
 
-    def add(self, ping: _core.Ping, points_world_m: NDArray[np.float32]) -> None:
-        """Log a ping's position and echoes; every few pings, keep it as the sample if it is better."""
+    def add(self, ping: _core.Ping, points_world_m: NDArray[np.float32], panel: _core.Telemetry) -> None:
+        """Log a ping's position, echoes and warnings; every few pings, keep it as the sample if it is better."""
+        for name in PANEL_WARNINGS:
+            self.pings_with_warning[name] += getattr(panel, name + "_warning")
         position = ping.world_from_sonar[:3, 3].copy()  # a view would keep the whole ping
         self.positions_world_m.append(position)
         self.echo_count += len(points_world_m)
@@ -40,7 +48,9 @@ class PingLog:
 
     def copy(self) -> PingLog:
         """Return a copy that later pings do not change."""
-        return replace(self, positions_world_m=self.positions_world_m.copy())
+        return replace(
+            self, positions_world_m=self.positions_world_m.copy(), pings_with_warning=self.pings_with_warning.copy()
+        )
 
     @property
     def path_world_m(self) -> NDArray[np.float64]:

@@ -57,5 +57,5 @@ class PingingClock:
         with self._chain.timer.measure("rays"):
             ping = rov.sonar.ping()
         points = self._chain.insert(ping.ranges_m, rov.pose.world_from_body, ping.world_from_sonar, self._sim.time_s)
-        self._log.add(ping, points)
+        self._log.add(ping, points, rov.telemetry())
         self._on_ping()

@@ -36,7 +36,10 @@ class SurveyRecord:
     ping_interval_s: longer than requested where sound takes longer to the maximum range and back. sample_ping: None
     when the survey ended too early for one. stage_wall_s: wall seconds by stage, see wall_time.py. verified: whether
     the map equals stock OctoMap's byte for byte; None when it was not compared. outlier_filter: whether
-    ranging.reject_outliers was in the chain.
+    ranging.reject_outliers was in the chain. pings_with_warning: number of pings
+    during which each of the panel's warnings was lit; warning_limits_m: the distances from which they are. coverage:
+    share of the visible surface that is in the map, 0..1; None when the map was not scored.
+    lanes_left_out: a sentence on the lanes that cannot be flown; None if there are none.
     """
 
     scenario_name: str
@@ -61,6 +64,10 @@ class SurveyRecord:
     ended_early: bool = False
     verified: bool | None = None
     outlier_filter: bool = False
+    pings_with_warning: dict[str, int] = field(default_factory=dict)
+    warning_limits_m: dict[str, float] = field(default_factory=dict)
+    coverage: float | None = None
+    lanes_left_out: str | None = None
 
     @property
     def interrupted(self) -> bool:

@@ -30,17 +30,17 @@ RESULT_FILES = (TRACK, REPORT, SUMMARY, *FIGURE_FILES)
 
 def write_results(
     sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, out: Path, terminal: Terminal, report: Report
-) -> None:
-    """Score the map, print the summary, then write files into `out`. Raises OSError.
+) -> float | None:
+    """Score the map, print the summary, then write files into `out`; returns the coverage. Raises OSError.
 
     report: "full" writes the track, the figures and the REPORT; "json" the track and SUMMARY; "none" the track alone,
-    and does not score. The summary comes first, so that it is seen even if the disk is full.
+    and does not score: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
     """
     if report == "none":
         terminal.result(f"ended because {record.stopped_because}")
         record.track.write(out / TRACK)
         terminal.result(f"{out / MAP}")
-        return
+        return None
     with terminal.status("scoring the map"):
         occupied = occupancy.occupied_voxels()
         free_voxels = occupancy.statistics().free_voxels
@@ -60,7 +60,7 @@ def write_results(
         values = flight_values(record) | {"free_voxels": free_voxels} | score_values(score, path_known=True)
         write_json(out / SUMMARY, values | {"warnings": survey_warnings(record, score)})
         terminal.result(f"{out / MAP}  {out / SUMMARY}")
-        return
+        return score.coverage
     with terminal.status("drawing the report"):
         from uwsim.survey.report import write_report  # here, since matplotlib takes a second to import
         from uwsim.survey.report_figures import draw_report_figures
@@ -68,3 +68,4 @@ def write_results(
         figures = draw_report_figures(out, sim.world, record, score, occupied, rays=sim.scene)
         write_report(out / REPORT, record, score, free_voxels, figures)
     terminal.result(f"{out / MAP}  {out / REPORT}")
+    return score.coverage

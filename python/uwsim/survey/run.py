@@ -15,7 +15,8 @@ from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
-from uwsim.survey.fly import filters_outliers, fly_survey, required_survey
+from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
+from uwsim.survey.flyable_lanes import flyable_plan
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, write_results
@@ -65,6 +66,7 @@ def run_survey(
             threads=threads,
         )
         survey = required_survey(sim.scenario)
+        flyable_plan(sim, survey_plan(survey))  # refuses an area before anything is written
         if voxel_m is not None:
             survey = validated(Survey, {**dict(survey), "voxel_m": voxel_m})
         request = SurveyRequest(
@@ -183,10 +185,11 @@ class _SurveyRun:
         if self.reference is not None:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         try:
-            write_results(self.sim, self.occupancy, record, out, terminal, self.report)
+            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report)
         except OSError as error:
             hint = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
             raise OSError(f"{error} ({out / MAP} is complete{hint})") from error
+        record = replace(record, coverage=coverage)
         if not record.interrupted:
             self.checkpoint.remove()  # not before the report: if only the report fails, --resume can make it
         if record.verified is not None:

@@ -10,9 +10,10 @@ from rich.text import Text
 
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.score_text import coverage_text, score_rows
+from uwsim.survey.completeness import ENOUGH_PERCENT
 from uwsim.survey.record import SurveyRecord
 
-GOOD_COVERAGE = 0.95
+GOOD_COVERAGE = ENOUGH_PERCENT / 100.0
 
 
 def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> list[tuple[str, str]]:
@@ -25,6 +26,7 @@ def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) ->
         ("echoes", f"{record.echo_count:,}"),
         ("path flown while pinging", f"{record.path_length_m:,.0f} m"),
         ("collisions", f"{record.collision_count:,}"),
+        *warning_rows(record),
         ("occupied voxels", f"{score.occupied_voxels:,}"),
         ("free voxels", f"{free_voxel_count:,}"),
         *score_rows(score),
@@ -52,7 +54,27 @@ def flight_values(record: SurveyRecord) -> dict[str, Any]:
         "echoes": record.echo_count,
         "path_length_m": record.path_length_m,
         "collisions": record.collision_count,
+        "pings_with_warning": record.pings_with_warning,
+        "lanes_left_out": record.lanes_left_out,
     }
+
+
+def warning_rows(record: SurveyRecord) -> list[tuple[str, str]]:
+    """Return a row for each warning of the vehicle's panel: when it is lit, and for what share of the pings it was."""
+    limits_m = record.warning_limits_m
+    meanings = {
+        "range": f"pings over {limits_m.get('range', 0.0):g} m from the station",
+        "proximity": f"pings under {limits_m.get('proximity', 0.0):g} m above the bed",
+        "collision": "pings in contact",
+    }
+    count = max(record.ping_count, 1)
+    return [(meanings[name], _share_text(lit / count)) for name, lit in record.pings_with_warning.items()]
+
+
+def _share_text(share: float) -> str:
+    """Return a share as `63 %`; one above 0 is not rounded down to 0, nor one below 1 up to 100 %."""
+    percent = f"{100.0 * share:.0f}" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.3g}"
+    return f"{percent} %"
 
 
 def summary_table(record: SurveyRecord, score: MapScore, free_voxel_count: int) -> Table:
@@ -79,6 +101,8 @@ def survey_warnings(record: SurveyRecord, score: MapScore) -> list[str]:
         warnings.append("The survey ended before its first ping: there is no path and no echo to show.")
     elif record.ended_early:
         warnings.append(f"The mission ended early ({record.stopped_because}): part of the area was not surveyed.")
+    if record.lanes_left_out is not None:
+        warnings.append(record.lanes_left_out)
     if score.occupied_voxels == 0:
         warnings.append("The map is empty: no voxel is occupied.")
     elif score.visible_truth_voxels and score.coverage < GOOD_COVERAGE:

@@ -1,0 +1,140 @@
+"""A chart of the shoals that the sonar has seen, and the way round them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from uwsim.control.protocols import PingLike
+
+Point = tuple[float, float]
+Cell = tuple[int, int]
+
+CELL_M = 4.0
+ECHOES_IN_A_CELL = 4  # of one ping: a single echo may be a false detection
+BESIDE_A_SHOAL = 20.0  # a cell next to a shoal costs as much as this many others: it is crossed only to get away
+MARGIN_CELLS = 15  # round start, goal and shoals, for the way
+STEPS_TO_LEAVE = 4  # of half a cell
+WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
+
+
+class ShoalChart:
+    """Square cells of the horizontal plane in which something reaches higher than top_z_m.
+
+    A vehicle cannot pass over them, and keeps one cell away from them.
+    """
+
+    def __init__(self, top_z_m: float) -> None:
+        self.top_z_m = top_z_m
+        self._shoals: set[Cell] = set()
+        self._near: set[Cell] = set()
+        self._known_way: tuple[Cell, Cell, list[Cell] | None] | None = None  # from, to, cells; of the present chart
+
+    @property
+    def cells(self) -> list[Cell]:
+        """The shoals: each cell's east and north number, sorted."""
+        return sorted(self._shoals)
+
+    def restore(self, cells: Iterable[Cell]) -> None:
+        """Chart these shoals and no others."""
+        self._shoals, self._near = set(), set()
+        self._chart(cells)
+
+    def add(self, ping: PingLike) -> None:
+        """Chart the shoals that a ping shows."""
+        pose = ping.world_from_sonar
+        heights = ping.points_sonar_m @ pose[2, :3] + pose[2, 3]
+        high = heights > self.top_z_m  # false for NaN: no echo
+        if np.count_nonzero(high) < ECHOES_IN_A_CELL:
+            return
+        points = ping.points_sonar_m[high] @ pose[:2, :3].T + pose[:2, 3]
+        cells, echoes = np.unique(np.floor(points / CELL_M).astype(np.int64), axis=0, return_counts=True)
+        self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
+
+    def blocks(self, start_m: Point, end_m: Point) -> bool:
+        """Whether a shoal lies on or beside the straight line between two points.
+
+        A start beside a shoal may be left within two cells.
+        """
+        if not self._near:
+            return False
+        (x, y), (to_x, to_y) = start_m, end_m
+        steps = max(1, math.ceil(math.dist(start_m, end_m) / (0.5 * CELL_M)))
+        leaving = _cell(start_m) in self._near
+        for k in range(steps + 1):
+            cell = _cell((x + k / steps * (to_x - x), y + k / steps * (to_y - y)))
+            leaving = leaving and k <= STEPS_TO_LEAVE and cell not in self._shoals
+            if cell in self._near and not leaving:
+                return True
+        return False
+
+    def next_point(self, start_m: Point, goal_m: Point) -> Point | None:
+        """The point to head for on the way to a goal: the goal, or the last point of a way round that is in sight.
+
+        None if there is no way.
+        """
+        if not self.blocks(start_m, goal_m):
+            return goal_m
+        way = self._way(_cell(start_m), _cell(goal_m))
+        if way is None:
+            return None
+        ahead = [((i + 0.5) * CELL_M, (j + 0.5) * CELL_M) for i, j in way[1:]]
+        in_sight = [point for point in ahead if not self.blocks(start_m, point)]
+        return in_sight[-1] if in_sight else ahead[0] if ahead else goal_m
+
+    def _chart(self, cells: Iterable[Cell]) -> None:
+        for i, j in cells:
+            if (i, j) not in self._shoals:
+                self._shoals.add((i, j))
+                self._near.update((i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1))
+                self._known_way = None
+
+    def _way(self, start: Cell, goal: Cell) -> list[Cell] | None:
+        """The cheapest way over cells that are not shoals, both ends included; it depends on nothing but the chart."""
+        if self._known_way is None or self._known_way[:2] != (start, goal):
+            self._known_way = start, goal, self._search(start, goal)
+        return self._known_way[2]
+
+    def _search(self, start: Cell, goal: Cell) -> list[Cell] | None:
+        corners = np.array([start, goal, *self._shoals])
+        low = corners.min(axis=0) - MARGIN_CELLS
+        shape = tuple((corners.max(axis=0) + MARGIN_CELLS + 1 - low).tolist())
+        cost = np.ones(shape)
+        for cells, each in ((self._near, BESIDE_A_SHOAL), (self._shoals, np.inf)):
+            at = np.array(sorted(cells)) - low
+            cost[at[:, 0], at[:, 1]] = each
+        cost[start[0] - low[0], start[1] - low[1]] = 1.0
+        first, last = (int(np.ravel_multi_index((a - low[0], b - low[1]), shape)) for a, b in (start, goal))
+        distance, before = dijkstra(_neighbours(cost), directed=False, indices=first, return_predecessors=True)
+        if not math.isfinite(distance[last]):
+            return None
+        way = [last]
+        while way[-1] != first:
+            way.append(int(before[way[-1]]))
+        return [(int(k // shape[1] + low[0]), int(k % shape[1] + low[1])) for k in reversed(way)]
+
+
+def _cell(point_m: Iterable[float]) -> Cell:
+    east_m, north_m = point_m
+    return math.floor(east_m / CELL_M), math.floor(north_m / CELL_M)
+
+
+def _neighbours(cost: NDArray[np.float64]) -> coo_array:
+    """The graph of cells: an edge to each of eight neighbours costs its length times the mean of both cells' costs."""
+    number = np.arange(cost.size).reshape(cost.shape)
+    rows, columns, weights = [], [], []
+    for di, dj in WAYS:
+        here = (slice(None, -di or None), slice(max(0, -dj), -dj if dj > 0 else None))
+        there = (slice(di, None), slice(max(0, dj), dj if dj < 0 else None))
+        weight = math.hypot(di, dj) * 0.5 * (cost[here] + cost[there])
+        passable = np.isfinite(weight)
+        rows.append(number[here][passable])
+        columns.append(number[there][passable])
+        weights.append(weight[passable])
+    edges = (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns)))
+    return coo_array(edges, shape=(cost.size, cost.size)).tocsr()

@@ -1,0 +1,116 @@
+"""Whether the lanes of a survey can be flown, looked up in the true world before the flight, and which parts of them.
+
+The mission itself does not see the world: it gets the lanes that are left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.missions.lanes import Lane, lawn_mower_lanes
+from uwsim.missions.lawn_mower import PASSABLE_Z_M, LawnMowerPlan
+from uwsim.scenario import ScenarioError, start_pose
+from uwsim.simulator import Simulator
+
+STEP_M = 1.0
+MARGIN_M = 2.0
+"""Free water needed round a lane."""
+SHORTEST_M = 10.0
+"""A shorter part of a lane is left out."""
+LEAST_SHARE = 0.5
+"""A survey of which a smaller share can be flown is refused: its area is a mistake."""
+
+Points = NDArray[np.float64]
+
+
+class SurveyAreaWarning(UserWarning):
+    """A part of the survey's lanes cannot be flown and is left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlyableLanes:
+    """lanes: what can be flown, in order. left_out: a sentence on the rest; None if there is none."""
+
+    lanes: list[Lane]
+    left_out: str | None
+
+
+def flyable_plan(sim: Simulator, plan: LawnMowerPlan) -> tuple[LawnMowerPlan, str | None]:
+    """Return the plan, with the lanes that can be flown if some cannot, and a sentence on those left out.
+
+    Raises ScenarioError if more than half cannot be flown.
+    """
+    start_m, _ = start_pose(
+        sim.scenario, sim.scenario.vehicles[0]
+    )  # not the present pose: a resumed flight is the same
+    lanes = lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, np.array(start_m[:2]))
+    found = flyable_lanes(sim, lanes)
+    return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)
+
+
+def flyable_lanes(sim: Simulator, lanes: list[Lane]) -> FlyableLanes:
+    """Return the parts of lanes that can be flown. Raises ScenarioError if they are less than half."""
+    flyable, left_m, reasons_m = [], 0.0, dict.fromkeys(REASONS, 0.0)
+    for lane in lanes:
+        along = np.linspace(0.0, lane.length_m, max(2, int(np.ceil(lane.length_m / STEP_M)) + 1))
+        why = _obstructions(sim, lane.start_m + along[:, None] * lane.direction)
+        parts = [
+            (low, high) for low, high in _stretches(along, why == 0) if high - low >= min(SHORTEST_M, lane.length_m)
+        ]
+        flyable += [
+            Lane(lane.start_m + low * lane.direction, lane.start_m + high * lane.direction) for low, high in parts
+        ]
+        left_m += lane.length_m - sum(high - low for low, high in parts)
+        for number, reason in enumerate(REASONS, 1):
+            reasons_m[reason] += float((why == number).mean()) * lane.length_m
+    total_m = sum(lane.length_m for lane in lanes)
+    if left_m < 1e-6 * total_m:
+        return FlyableLanes(lanes, None)
+    share = left_m / total_m
+    told = ", ".join(f"{_percent(m / total_m)} {reason}" for reason, m in reasons_m.items() if m > 0.0)
+    sentence = f"{_percent(share)} of the survey's lanes cannot be flown ({told})"
+    if share > 1.0 - LEAST_SHARE:
+        with sim.scenario.source_file.errors_at("survey", "area_m"):
+            raise ScenarioError(f"survey.area_m: {sentence}: must be at most {_percent(1.0 - LEAST_SHARE)}")
+    return FlyableLanes(flyable, f"{sentence} and are left out.")
+
+
+REASONS = (
+    "outside the terrain",
+    f"in water less than {-PASSABLE_Z_M:g} m deep",
+    f"at obstacles that reach higher than {-PASSABLE_Z_M:g} m deep",
+)
+
+
+def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
+    """Return for each point (n, 2) the number of the reason, from 1, why it cannot be flown over; 0 if it can."""
+    ring = np.radians(np.arange(0.0, 360.0, 45.0))
+    around = MARGIN_M * np.stack([np.cos(ring), np.sin(ring)], axis=1)
+    places = np.concatenate([points_m[:, None], points_m[:, None] + around], axis=1).reshape(-1, 2)
+    bed_m = sim.world.height_at(places)
+    tops_m = _tops_m(sim, places)
+    why = np.select([np.isnan(bed_m), bed_m > PASSABLE_Z_M, tops_m > PASSABLE_Z_M], [1, 2, 3], 0)
+    why = np.where(why == 0, len(REASONS) + 1, why).reshape(len(points_m), -1).min(axis=1)
+    return np.asarray(np.where(why > len(REASONS), 0, why), np.int64)
+
+
+def _tops_m(sim: Simulator, places_m: Points) -> Points:
+    """Return the height z of the first surface below the water's surface at each place (n, 2); -inf without one."""
+    from_m = np.column_stack([places_m, np.zeros(len(places_m))])
+    down = np.tile([0.0, 0.0, -1.0], (len(places_m), 1))
+    ranges_m = sim.scene.cast(from_m, down, 12_000.0).ranges_m
+    return -np.asarray(ranges_m, np.float64)
+
+
+def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Return the first and last `along` of each run of free samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], free, [False]]).astype(int)))
+    return [(float(along[a]), float(along[b - 1])) for a, b in edges.reshape(-1, 2)]
+
+
+def _percent(share: float) -> str:
+    """Return a share in per cent; one above 0 is not rounded down to 0, nor one below 1 up to 100."""
+    return f"{100.0 * share:.0f} %" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.2g} %"
