@@ -42,6 +42,9 @@ def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
     ("words", "message"),
     [
         (("--effects", "fog"), "effects = 'fog': must be 'on', 'off' or names of attenuation"),
+        (("--effects", "on,on+fog"), "effects = 'fog': must be"),
+        (("--effects", "shadow"), "did you mean 'shadows'?"),
+        (("--effects", "on,on+noise"), "'on' must stand alone: it means all effects"),
         (("--effects", ","), "must name at least one picture"),
         (("--jerlov", "IV"), "must be one of I, IA"),
         (("--camera", "rear"), "camera = 'rear': must be one of station, deck, chase, front, down"),

@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from command_line import uwsim
+from uwsim import Simulator
 from uwsim.scenario import Scenario, ScenarioError, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.polygon import area, narrowest_width
@@ -108,6 +110,67 @@ def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(
     culprit = message.split(" ")[0].strip(":").split(".")[-1].split("[")[0]
     if culprit.endswith("_m") or culprit in ("sonr", "kind", "model", "start"):
         assert culprit in text.splitlines()[int(number) - 1]
+
+
+def test_all_mistakes_of_a_file_are_reported_at_once_each_with_its_line(tmp_path: Path) -> None:
+    """Those of the files that it names, too; but not what only follows from another mistake."""
+    edits = (
+        ("bed_depth_m: 5", "bed_dept_m: 5"),  # bed_depth_m is not missing: it is misspelt
+        ("mission_time_s: 600", "mission_time_s: -600"),
+        ("spacing_m: 0.5", "spacing_m: half"),
+        ("kind: box", "kind: bx"),
+        ("model: rov", "model: mine.yaml"),  # `vehicles` is not empty: its item is not valid
+        ("model: 2", "model: 7"),
+    )
+    text = POOL
+    for right, wrong in edits:
+        text = text.replace(right, wrong, 1)
+    vehicle = ROV.replace("kind: altitude", "kind: altitud").replace("buoyancy: neutral", "mass_kg: -3")
+    (tmp_path / "mine.yaml").write_text(vehicle)
+    path = tmp_path / "pool.yaml"
+    path.write_text(text)
+    with pytest.raises(ScenarioError) as caught:
+        load(path)
+    entry = f"{path}:{line_of(text, 'model: mine')}: vehicles[0].model: {tmp_path / 'mine.yaml'}"
+    expected = [
+        f"{path}:{line_of(text, 'bed_dept_m')}: terrain.bed_dept_m: unknown key; did you mean 'bed_depth_m'?",
+        f"{path}:{line_of(text, 'mission_time_s')}: mission_time_s = -600 s: must be in",
+        f"{path}:{line_of(text, 'spacing_m')}: terrain.spacing_m = 'half': must be a number",
+        f"{path}:{line_of(text, 'kind: bx')}: obstacles[0].kind = 'bx': must be one of",
+        f"{entry}:{line_of(vehicle, 'mass_kg')}: mass_kg = -3 kg: must be in",
+        f"{entry}:{line_of(vehicle, 'kind: altitud')}: sensors.altitude.kind = 'altitud': must be one of",
+        f"{path}:{line_of(text, 'model: 7')}: vehicles[0].sonar.model = 7: must be in [1, 4]",
+    ]
+    mistakes = caught.value.mistakes
+    assert [mistake[: len(start)] for mistake, start in zip(mistakes, expected, strict=True)] == expected
+    assert str(caught.value) == mistakes[0]
+    assert caught.value.__notes__ == list(mistakes[1:]), "tracebacks show them"
+
+
+def test_a_mistake_that_is_found_when_the_vehicle_is_built_names_both_files_and_lines(tmp_path: Path) -> None:
+    start = ROV.index("centre_of_mass_m:")
+    vehicle = ROV[:start] + "centre_of_mass_m: [0, 0, 5]" + ROV[ROV.index("\n", start) :]
+    (tmp_path / "mine.yaml").write_text(vehicle)
+    text = POOL.replace("model: rov", "model: mine.yaml")
+    (tmp_path / "pool.yaml").write_text(text)
+    with pytest.raises(ScenarioError) as caught:
+        Simulator(tmp_path / "pool.yaml")
+    assert str(caught.value).startswith(
+        f"{tmp_path / 'pool.yaml'}:{line_of(text, 'name: rov')}: vehicles[0].model: "
+        f"{tmp_path / 'mine.yaml'}:{line_of(vehicle, 'centre_of_mass_m')}: vehicle 'rov': centre_of_mass_m = (0, 0, 5)"
+    )
+
+
+def test_the_shell_gets_a_line_for_each_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "pool.yaml"
+    path.write_text(
+        POOL.replace("spacing_m: 0.5", "spacing_m: half").replace("mission_time_s: 600", "mission_time_s: -600")
+    )
+    result = uwsim("scenario", str(path))
+    assert result.returncode == 1
+    lines = result.stderr.splitlines()
+    assert len(lines) == 2
+    assert all(line.startswith(f"uwsim: error: {path}:") for line in lines)
 
 
 def test_a_missing_key_is_named(tmp_path: Path) -> None:

@@ -255,7 +255,7 @@ def test_a_smaller_range_set_by_the_operator_raises_the_ping_rate_and_limits_the
     near = shorter.ping().ranges_m
     assert 0 < np.isfinite(near).sum() < len(near)
     np.testing.assert_array_equal(near, np.where(far < reach, far, np.inf))
-    with pytest.raises(ScenarioError, match=r"range_m = 4 m: is for instruments that are not on the wire"):
+    with pytest.raises(ScenarioError, match=r"range_m = 4 m: must be left out for em2040-2, whose range is fixed"):
         load(pool(tmp_path, "{model: 2, range_m: 4}"))
 
 

@@ -5,6 +5,8 @@ import pytest
 
 from uwsim.scoring.survey_track import SurveyTrack
 
+INTERNALS = ("zip", "zlib", "pickle", "CRC", "EOF", "descr", "header", "reshape", "NumPy", "numpy")
+
 
 def test_a_track_is_read_as_written_and_a_damaged_one_is_refused(tmp_path):
     path = tmp_path / "track.npz"
@@ -31,6 +33,7 @@ def test_a_track_is_read_as_written_and_a_damaged_one_is_refused(tmp_path):
             SurveyTrack.read(path)
         except ValueError as error:
             assert "not a valid track" in str(error)
+            assert not any(word in str(error) for word in INTERNALS), "messages are about the file, not about libraries"
     for bad in (
         SurveyTrack(np.full((2, 3), np.nan), track.area_world_m, 10.0),
         SurveyTrack(np.zeros((2, 2)), track.area_world_m, 10.0),
@@ -40,3 +43,24 @@ def test_a_track_is_read_as_written_and_a_damaged_one_is_refused(tmp_path):
         bad.write(path)
         with pytest.raises(ValueError, match="not a valid track"):
             SurveyTrack.read(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", "it is damaged, or another kind of file"),
+        (b"# a cloud, perhaps\n1 2 3\n", "it is damaged, or another kind of file"),
+        (b"PK\x03\x04 and no more", "it is damaged, or another kind of file"),
+    ],
+)
+def test_another_kind_of_file_is_refused_in_words_that_a_user_knows(tmp_path, content, reason):
+    path = tmp_path / "track.npz"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=reason):
+        SurveyTrack.read(path)
+
+
+def test_an_archive_without_a_field_is_refused_by_the_fields_name(tmp_path):
+    np.savez(tmp_path / "track.npz", version=np.int64(1), path_world_m=np.zeros((2, 3)))
+    with pytest.raises(ValueError, match="it has no 'area_world_m'"):
+        SurveyTrack.read(tmp_path / "track.npz")

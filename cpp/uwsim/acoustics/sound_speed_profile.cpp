@@ -6,6 +6,7 @@
 #include <string>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -20,11 +21,12 @@ void check(std::span<const double> depths_m, std::span<const double> speeds_m_s)
     const auto path = [k](const char* field) {
       return std::string("sound_speed_profile.") + field + "[" + std::to_string(k) + "]";
     };
-    require(depths_m[k] >= 0 && depths_m[k] <= 12000, path("depths_m"), depths_m[k], "m: must be in [0, 12000] m");
-    require(k == 0 || depths_m[k] > depths_m[k - 1], path("depths_m"), depths_m[k],
-            "m: must be deeper than the level before");
-    require(speeds_m_s[k] >= 1300 && speeds_m_s[k] <= 1700, path("speeds_m_s"), speeds_m_s[k],
-            "m/s: must be in [1300, 1700] m/s");
+    require(depths_m[k] >= 0 && depths_m[k] <= 12000, path("depths_m"), with_unit(depths_m[k], "m"),
+            "must be in [0, 12000] m");
+    require(k == 0 || depths_m[k] > depths_m[k - 1], path("depths_m"), with_unit(depths_m[k], "m"),
+            "must be deeper than the level before");
+    require(speeds_m_s[k] >= 1300 && speeds_m_s[k] <= 1700, path("speeds_m_s"), with_unit(speeds_m_s[k], "m/s"),
+            "must be in [1300, 1700] m/s");
   }
 }
 

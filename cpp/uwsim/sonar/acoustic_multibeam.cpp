@@ -9,6 +9,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/parallel.h"
+#include "uwsim/core/with_unit.h"
 #include "uwsim/sonar/bent_cast.h"
 #include "uwsim/sonar/water_sound.h"
 
@@ -23,8 +24,8 @@ constexpr float kMinRange_m = 0.01f;   // echoes from closer are no louder
 float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
 
 void check(const BottomMaterial& bottom, const std::string& path) {
-  require(bottom.strength_db >= -100 && bottom.strength_db <= 30, path + ".strength_db", bottom.strength_db,
-          "dB: must be in [-100, 30] dB");
+  require(bottom.strength_db >= -100 && bottom.strength_db <= 30, path + ".strength_db",
+          with_unit(bottom.strength_db, "dB"), "must be in [-100, 30] dB");
   require(bottom.relief >= 0 && bottom.relief <= 2, path + ".relief", bottom.relief, "must be in [0, 2]");
 }
 

@@ -10,6 +10,7 @@
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
 #include "uwsim/core/stream_name.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -18,7 +19,8 @@ constexpr double kSpeedMax_m_s = 10;
 
 void check_velocities(const std::vector<Eigen::Vector3d>& velocities, const std::string& path) {
   for (const Eigen::Vector3d& v : velocities) {
-    require(v.allFinite() && v.norm() <= kSpeedMax_m_s, path, v.transpose(), "m/s: must be finite and at most 10 m/s");
+    require(v.allFinite() && v.norm() <= kSpeedMax_m_s, path, with_unit(v.transpose(), "m/s"),
+            "must be finite and at most 10 m/s");
   }
 }
 
@@ -31,7 +33,8 @@ double largest_speed_m_s(const std::vector<Eigen::Vector3d>& velocities) {
 void check_rising(const std::vector<double>& axis, const std::string& path) {
   require(!axis.empty(), path, 0, "must have at least one value");
   for (std::size_t k = 0; k < axis.size(); ++k) {
-    require(std::isfinite(axis[k]) && (k == 0 || axis[k] > axis[k - 1]), path, axis[k], "m: must be finite and rising");
+    require(std::isfinite(axis[k]) && (k == 0 || axis[k] > axis[k - 1]), path, with_unit(axis[k], "m"),
+            "must be finite and rising");
   }
 }
 
@@ -179,7 +182,8 @@ std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
                                              std::uint64_t seed) {
   check_velocities({sigma_m_s}, "water.current.sigma_m_s");
-  require(sigma_m_s.minCoeff() >= 0, "water.current.sigma_m_s", sigma_m_s.transpose(), "m/s: must not be negative");
+  require(sigma_m_s.minCoeff() >= 0, "water.current.sigma_m_s", with_unit(sigma_m_s.transpose(), "m/s"),
+          "must not be negative");
   require(correlation_time_s >= 0.1 && correlation_time_s <= 1e6, "water.current.correlation_time_s",
           correlation_time_s, "must be in [0.1, 1e6] s");
   return std::make_shared<GustyCurrent>(sigma_m_s, correlation_time_s, seed);

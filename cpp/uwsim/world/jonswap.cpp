@@ -7,6 +7,7 @@
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
 #include "uwsim/core/stream_name.h"
+#include "uwsim/core/with_unit.h"
 #include "uwsim/world/waves.h"
 
 namespace uwsim {
@@ -60,7 +61,8 @@ void check(const JonswapSea& sea, double gravity_m_s2) {
           "must be in [0.5, 30] s");
   const double peak_length_m = gravity_m_s2 * sea.peak_period_s * sea.peak_period_s / (2 * std::numbers::pi);
   require(sea.significant_height_m <= peak_length_m / kLengthOverHeightMin, "water.surface.significant_height_m",
-          sea.significant_height_m, "m: the sea would break: at most a 15th of the peak's deep-water wave length");
+          with_unit(sea.significant_height_m, "m"),
+          "the sea would break: at most a 15th of the peak's deep-water wave length");
   require(sea.peak_enhancement >= 1 && sea.peak_enhancement <= 10, "water.surface.peak_enhancement",
           sea.peak_enhancement, "must be in [1, 10]");
   require(sea.component_count >= 8 && sea.component_count <= 512, "water.surface.component_count", sea.component_count,

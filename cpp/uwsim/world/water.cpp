@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 #include "uwsim/world/sea_water.h"
 
 namespace uwsim {
@@ -30,8 +31,8 @@ void Water::check() const {
           current_world_m_s.transpose(), "must be at most 10 m/s");
   double sum_m_s = current_world_m_s.norm();
   for (const auto& current : currents) sum_m_s += current->bound_m_s();
-  require(sum_m_s <= 10, "water.current", sum_m_s,
-          "m/s, the sum of all currents' largest speeds (gusts: three standard deviations): must be at most 10 m/s");
+  require(sum_m_s <= 10, "water.current", with_unit(sum_m_s, "m/s, the sum of all currents' largest speeds"),
+          "must be at most 10 m/s, with three standard deviations of gusts");
 }
 
 double Water::pressure_pa(double z_world_m) const {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -38,7 +39,8 @@ WaterProfile::WaterProfile(std::span<const WaterLevel> levels) : levels_(levels.
       continue;
     }
     const WaterLevel& upper = levels_[k - 1];
-    require(level.depth_m > upper.depth_m, path + ".depth_m", level.depth_m, "m: must be deeper than the level before");
+    require(level.depth_m > upper.depth_m, path + ".depth_m", with_unit(level.depth_m, "m"),
+            "must be deeper than the level before");
     columns_kg_m2_.push_back(columns_kg_m2_.back() +
                              0.5 * (level.density_kg_m3 + upper.density_kg_m3) * (level.depth_m - upper.depth_m));
     even_ = even_ && level.density_kg_m3 == upper.density_kg_m3;

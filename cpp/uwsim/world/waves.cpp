@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -44,10 +45,10 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
     require(std::isfinite(c.heading_rad) && std::isfinite(c.phase_rad), "water.surface.heading_rad", c.heading_rad,
             "must be finite");
     const double k = wave_number_rad_m(c.angular_frequency_rad_s, depth_m, gravity_m_s2);
-    require(c.amplitude_m * k <= kSteepest, "water.surface.amplitude_m", c.amplitude_m,
-            "m: the wave would break: amplitude times wave number must be at most 0.45");
-    require(c.amplitude_m < 0.5 * depth_m, "water.surface.amplitude_m", c.amplitude_m,
-            "m: must be less than half the depth of the water");
+    require(c.amplitude_m * k <= kSteepest, "water.surface.amplitude_m", with_unit(c.amplitude_m, "m"),
+            "the wave would break: amplitude times wave number must be at most 0.45");
+    require(c.amplitude_m < 0.5 * depth_m, "water.surface.amplitude_m", with_unit(c.amplitude_m, "m"),
+            "must be less than half the depth of the water");
     waves_.push_back({c.amplitude_m, c.angular_frequency_rad_s, k, k * std::cos(c.heading_rad),
                       k * std::sin(c.heading_rad), c.phase_rad, 1 / (1 + std::exp(-2 * k * depth_m)),
                       1 / std::tanh(k * depth_m)});
@@ -57,7 +58,8 @@ Waves::Waves(std::span<const WaveComponent> components, double depth_m, double g
   }
   std::stable_sort(waves_.begin(), waves_.end(),
                    [](const Wave& a, const Wave& b) { return a.number_rad_m < b.number_rad_m; });
-  require(bound_m_ < depth_m, "water.surface", bound_m_, "m, the sum of the amplitudes: must be less than the depth");
+  require(bound_m_ < depth_m, "water.surface", with_unit(bound_m_, "m, the sum of the amplitudes"),
+          "must be less than the depth");
   stretched_m_ = std::min(0.5 * significant_height_m(), depth_m_);
 }
 

@@ -6,7 +6,7 @@ import io
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from uwsim.atomic_file import write_atomically
 TRACK = "track.npz"
 """The file's name beside map.bt."""
 VERSION = 1
+FIELDS = ("version", "path_world_m", "area_world_m", "range_max_m", "scenario_name")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,23 +53,35 @@ class SurveyTrack:
         except OSError as error:
             raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
         try:
-            return cls._from_bytes(data)
-        except Exception as error:  # a malformed archive can make NumPy and zipfile raise anything
-            reason = " ".join(str(error).split()) or type(error).__name__
-            raise ValueError(f"'{path}': not a valid track of a survey: {reason}") from None
+            return cls._checked(_fields(data))
+        except ValueError as error:
+            raise ValueError(f"'{path}': not a valid track of a survey: {error}") from None
 
     @classmethod
-    def _from_bytes(cls, data: bytes) -> Self:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            if int(file["version"]) != VERSION:
-                raise ValueError(f"version = {int(file['version'])}: must be {VERSION}")
-            path, area, range_max_m = file["path_world_m"], file["area_world_m"], float(file["range_max_m"])
-            scenario_name = str(file["scenario_name"])
+    def _checked(cls, fields: dict[str, NDArray[Any]]) -> Self:
+        version = fields["version"]
+        if version.dtype != np.int64 or version.shape != () or int(version) != VERSION:
+            raise ValueError(f"version = {version}: must be {VERSION}")
+        path, area = fields["path_world_m"], fields["area_world_m"]
         for name, array, columns, least in (("path_world_m", path, 3, 0), ("area_world_m", area, 2, 3)):
             if array.dtype != np.float64 or array.ndim != 2 or array.shape[1] != columns or len(array) < least:
                 raise ValueError(f"{name}: {array.dtype} {array.shape}, expected float64 (n, {columns})")
             if not np.isfinite(array).all():
                 raise ValueError(f"{name}: must be finite")
-        if not 0.0 < range_max_m < np.inf:
+        range_max_m = fields["range_max_m"]
+        if range_max_m.dtype != np.float64 or range_max_m.shape != () or not 0.0 < float(range_max_m) < np.inf:
             raise ValueError(f"range_max_m = {range_max_m} m: must be positive")
-        return cls(path, area, range_max_m, scenario_name)
+        return cls(path, area, float(range_max_m), str(fields["scenario_name"]))
+
+
+def _fields(data: bytes) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a track file, whatever they hold. Raises ValueError in words of its own."""
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            fields = {name: np.asarray(file[name]) for name in file.files}
+    except Exception:  # a malformed archive can make NumPy and zipfile raise anything
+        raise ValueError("it is damaged, or another kind of file; `uwsim survey` writes it") from None
+    for name in FIELDS:
+        if name not in fields:
+            raise ValueError(f"it has no '{name}': it is damaged, or from another program")
+    return fields

@@ -5,6 +5,7 @@
 
 #include "uwsim/acoustics/absorption.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -33,8 +34,8 @@ std::span<const Parameter> imaging_acoustics_parameters() { return kParameters; 
 
 ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db) {
   for (const double strength_db : strengths_db) {
-    require(std::isnan(strength_db) || std::abs(strength_db) <= kLoudest_db, "sonar.strengths_db", strength_db,
-            "dB: must be in [-300, 300] dB");
+    require(std::isnan(strength_db) || std::abs(strength_db) <= kLoudest_db, "sonar.strengths_db",
+            with_unit(strength_db, "dB"), "must be in [-300, 300] dB");
   }
   ImagingAcoustics acoustics;
   acoustics.frequency_hz = number(figures, "frequency_hz");

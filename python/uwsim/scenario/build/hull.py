@@ -60,7 +60,8 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
     if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
         raise ScenarioError(
             f"mesh '{name}': encloses {hull.volume_m3:.4g} m3, volume_m3 = {model.volume_m3:.4g} m3: "
-            f"lengths would scale by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale"
+            f"lengths would scale by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale",
+            at=("volume_m3",),
         )
     target = centroid if model.centre_of_buoyancy_m is None else np.asarray(model.centre_of_buoyancy_m)
     return (vertices - centroid) * factor + target, triangles
@@ -126,5 +127,6 @@ def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> Non
     mass, low, high = (", ".join(f"{value:.4g}" for value in point) for point in (centre, *box_m))
     raise ScenarioError(
         f"vehicle '{model.name}': centre_of_mass_m = ({mass}) m: must be in the box round the hull, from ({low}) to "
-        f"({high}) m, which is placed by its centre_of_buoyancy_m"
+        f"({high}) m, which is placed by its centre_of_buoyancy_m",
+        at=("centre_of_mass_m",),
     )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -14,6 +17,7 @@ from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import sensor_spec
 from uwsim.scenario.build.start_pose import start_pose
 from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
@@ -46,6 +50,19 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     if model.sonar is not None:
         spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
     return spec
+
+
+@contextmanager
+def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
+    """Put the scenario's file and line, and the vehicle's, before errors that are found when a vehicle is built."""
+    where, model_file = scenario.source_file.line_prefix("vehicles", index), scenario.vehicles[index].model.source_file
+    try:
+        yield
+    except ScenarioError as error:
+        part = model_file.line_prefix(*error.at) if error.at else model_file.file_prefix
+        raise ScenarioError(f"{where}vehicles[{index}].model: {part}{error}") from None
+    except ValueError as error:
+        raise ScenarioError(f"{where}vehicles[{index}]: {error}") from None
 
 
 def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:

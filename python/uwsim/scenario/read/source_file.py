@@ -20,10 +20,16 @@ class SourceFile:
         """Return `lake.yaml:12: ` for the value under these keys, or nothing."""
         return f"{self.document.name}:{self.document.line(keys)}: " if self.document else ""
 
+    @property
+    def file_prefix(self) -> str:
+        """`lake.yaml: `, or nothing."""
+        return f"{self.document.name}: " if self.document else ""
+
     @contextmanager
     def errors_at(self, *keys: Key) -> Iterator[None]:
         """Put file and line before the ScenarioErrors raised inside; the value at fault is at or below these keys."""
         try:
             yield
         except ScenarioError as error:
-            raise ScenarioError(self.line_prefix(*keys, *error.at) + str(error)) from None
+            prefix = self.line_prefix(*keys, *error.at)
+            raise ScenarioError.of([prefix + mistake for mistake in error.mistakes]) from None

@@ -8,6 +8,7 @@ from typing import TypeVar
 from pydantic import BaseModel
 
 from uwsim.scenario.read.assets import find_yaml, shown_name
+from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scenario.read.yaml_document import read_yaml
 
@@ -23,4 +24,7 @@ def read_spec(model: type[Spec], source: str | Path, kind: str, folder: Path | N
     beside = (folder or Path()) / source
     path = beside if beside.is_file() else find_yaml(source, kind)
     document = read_yaml(path, shown_name(path))
-    return validated(model, document.values, document, folder=path.resolve().parent)
+    spec = validated(model, document.values, document, folder=path.resolve().parent)
+    if "_source_file" in spec.__private_attributes__:
+        spec._source_file = SourceFile(document)  # type: ignore[attr-defined]
+    return spec

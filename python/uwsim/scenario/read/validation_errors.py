@@ -1,4 +1,4 @@
-"""pydantic's validation errors as one line: where, the value, its unit, the rule.
+"""pydantic's validation errors, each as one line: where, the value, its unit, the rule.
 
 `lake.yaml:12: vehicles[0].sonr: unknown key; did you mean 'sonar'?`
 `lake.yaml:7: water.density_kg_m3 = 5000 kg/m3: must be in [900, 1100] kg/m3`
@@ -22,6 +22,14 @@ M = TypeVar("M", bound=BaseModel)
 TAGS = ("source", "kind")
 """Keys that select one of several models; pydantic adds their values to the locations of errors."""
 
+HINTS = "hints"
+"""Key of the validation's context that holds the Hints."""
+
+Hints = dict[str, str]
+"""The end of the message about each unknown key: the nearest known one."""
+
+MAX_MISTAKES = 20
+
 RULES = {
     "float_type": "must be a number",
     "int_type": "must be a whole number",
@@ -37,29 +45,71 @@ RULES = {
 
 def validated(model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None) -> M:
     """Check values against a model and return it. Relative files are sought in `folder` first. Raises ScenarioError."""
+    hints: Hints = {}
     try:
-        return model.model_validate(values, context={"folder": folder or Path()})
+        return model.model_validate(values, context={"folder": folder or Path(), HINTS: hints})
     except ValidationError as error:
-        raise ScenarioError(one_line(error.errors(include_url=False), values, document)) from None
+        raise ScenarioError.of(mistakes_in(error.errors(include_url=False), hints, values, document)) from None
 
 
-def one_line(errors: Sequence[ErrorDetails], values: Any, document: YamlDocument | None) -> str:
-    """Describe the first error. Unknown keys come first: a misspelt key also makes the right one missing."""
-    first = min(errors, key=lambda error: not error["msg"].startswith("unknown key"))
-    below, shown, rule = _explained(first, errors)
-    path = [*_path(values, first["loc"]), *below]
-    if first["type"] == "missing" and isinstance(path[-1], int):  # report the list, not the absent item
+def mistakes_in(errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None) -> list[str]:
+    """Describe each mistake in one line; at most MAX_MISTAKES, then the number of those left out.
+
+    Unknown keys come first, since they may explain others; then the order is that of the file's lines.
+    """
+    found: dict[str, tuple[bool, int]] = {}  # without repeats: each absent item of a list is an error of its own
+    for error in errors:
+        if _follows_from_another(error, errors, hints):
+            continue
+        for line, text in _described(error, errors, hints, values, document):
+            found.setdefault(text, ("unknown key" not in text, line))
+    mistakes = sorted(found, key=lambda text: found[text])
+    more = len(mistakes) - MAX_MISTAKES
+    return [*mistakes[:MAX_MISTAKES], f"{more} more mistakes"] if more > 0 else mistakes
+
+
+def _described(
+    error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None
+) -> list[tuple[int, str]]:
+    """Return (line, text) of an error; several if it is about another file that has several mistakes."""
+    below, shown, rules = _explained(error, errors, hints)
+    path = [*_path(values, error["loc"]), *below]
+    if error["type"] == "missing" and isinstance(path[-1], int):  # report the list, not the absent item
         path.pop()
-    place = _dotted(path)
-    where = f"{document.name}:{document.line(path)}: " if document else ""
-    return where + " ".join(part for part in (place, shown) if part) + (": " if place else "") + rule
+    place, line = _dotted(path), document.line(path) if document else 0
+    where = f"{document.name}:{line}: " if document else ""
+    what = " ".join(part for part in (place, shown) if part) + (": " if place else "")
+    return [(line, where + what + rule) for rule in rules]
 
 
-def _explained(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence[Key], str, str]:
-    """Return the keys below the error's location, `= value unit`, and the rule."""
+def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints) -> bool:
+    """Whether an error is only the consequence of another, which alone is worth reporting."""
+    kind, loc = error["type"], error["loc"]
+    if kind == "missing":  # because its key is misspelt
+        unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
+        return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
+    if kind == "extra_forbidden":  # because the kind that would know it is unknown
+        beside = [o["loc"] for o in errors if o["loc"][:-1] == loc[:-1]]
+        return any(str(other[-1]) in TAGS for other in beside)
+    if kind == "too_short":  # because invalid items do not count
+        return any(len(o["loc"]) > len(loc) and o["loc"][: len(loc)] == loc for o in errors)
+    return False
+
+
+def _explained(
+    error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints
+) -> tuple[Sequence[Key], str, Sequence[str]]:
+    """Return the keys below the error's location, `= value unit`, and the rule; or the mistakes of another file."""
+    if isinstance(error.get("ctx", {}).get("error"), ScenarioError):  # from a file that this one names
+        return (), "", error["ctx"]["error"].mistakes
+    if error["type"] == "extra_forbidden":
+        return (), "", ["unknown key" + hints.get(str(error["loc"][-1]), "")]
+    below, shown, rule = _rule(error, errors)
+    return below, shown, [rule]
+
+
+def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence[Key], str, str]:
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
-    if isinstance(context.get("error"), ScenarioError):  # from a file that this one names
-        return (), "", str(context["error"])
     if kind == "rule":
         has_value = "value" in context or not context["at"]
         shown = _shown(context.get("value", value), context.get("unit", "")) if has_value else ""

@@ -21,6 +21,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.assets import find_asset
 from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.scenario.read.validation_errors import HINTS
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
@@ -30,12 +31,23 @@ class Model(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            rule = "cannot be assigned: it is fixed; make another with model_copy(update={...})"
+            raise AttributeError(f"{type(self).__name__}.{name} {rule}")
+        super().__setattr__(name, value)
+
     @model_validator(mode="before")
     @classmethod
-    def _knows_every_key(cls, data: object) -> object:
+    def _knows_every_key(cls, data: object, info: ValidationInfo) -> object:
+        """Note the nearest key to each unknown one for the message; pydantic then refuses all of them."""
+        hints = (info.context or {}).get(HINTS)
         for key in data if isinstance(data, Mapping) else ():
             if key not in cls.model_fields:
-                raise broken(f"unknown key{did_you_mean(str(key), cls.model_fields)}", at=(str(key),))
+                hint = did_you_mean(str(key), cls.model_fields)
+                if hints is None:
+                    raise broken(f"unknown key{hint}", at=(str(key),))
+                hints[key] = hint
         return data
 
 

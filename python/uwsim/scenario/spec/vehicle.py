@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
+from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
 from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
@@ -98,6 +99,8 @@ class VehicleModel(Model):
     material: MaterialSpec = Material(kind="paint")
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
 
+    _source_file: SourceFile = PrivateAttr(default=SourceFile())
+
     @model_validator(mode="after")
     def _has_collision_pieces_if_needed(self) -> VehicleModel:
         if self.collision == "pieces" and self.collision_pieces is None:
@@ -136,6 +139,11 @@ class VehicleModel(Model):
             if not self.thrusters and getattr(self, key) is None:
                 raise broken("missing", at=(key,))
         return self
+
+    @property
+    def source_file(self) -> SourceFile:
+        """The file that the model was read from, for messages."""
+        return self._source_file
 
     def matrix(self, key: Literal["added_mass", "linear_damping", "quadratic_damping"]) -> NDArray[np.float64]:
         """Return it as (6, 6), given as a matrix or as a diagonal; zero if it was not given."""
