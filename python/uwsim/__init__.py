@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from uwsim.docking import DockedWarning
     from uwsim.scenario import Scenario, ScenarioError
     from uwsim.simulator import Simulator
 
@@ -17,9 +18,14 @@ except PackageNotFoundError:  # a source tree that was never installed
     __version__ = "0+unknown"
 
 # Imported on first use (PEP 562), so that `uwsim --help` answers at once.
-_MODULE_OF = {"Scenario": "uwsim.scenario", "ScenarioError": "uwsim.scenario", "Simulator": "uwsim.simulator"}
+_MODULE_OF = {
+    "DockedWarning": "uwsim.docking",
+    "Scenario": "uwsim.scenario",
+    "ScenarioError": "uwsim.scenario",
+    "Simulator": "uwsim.simulator",
+}
 
-__all__ = ["Scenario", "ScenarioError", "Simulator", "__version__"]
+__all__ = ["DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__"]
 
 
 def __getattr__(name: str) -> Any:

@@ -24,6 +24,8 @@ __all__: list[str] = [
     "DepthCamera",
     "Detection",
     "FinParameters",
+    "FixedWater",
+    "FixedWorld",
     "ImagingKind",
     "ImagingSonar",
     "InstructionSet",
@@ -129,26 +131,26 @@ class Parameter:
 
 class BodyState:
     """
-    Pose and velocity of a body; six-vectors (linear, angular) in the body frame.
+    Pose and velocity of a body, in read-only arrays; six-vectors (linear, angular) in the body frame.
     """
     def __init__(self, position_m: typing.Any, orientation_xyzw: typing.Any, velocity_body: typing.Any) -> None: ...
     @property
-    def orientation_xyzw(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
+    def orientation_xyzw(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (4,)
         """
     @property
-    def position_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+    def position_world_m(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (3,) [m]
         """
     @property
-    def velocity_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+    def velocity_body(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (6,) [m/s, rad/s]
         """
     @property
-    def world_from_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+    def world_from_body(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (4, 4)
         """
@@ -454,6 +456,90 @@ class World:
         """
         (x0, y0, x1, y1) [m]
         """
+
+class FixedWater(Water):
+    """
+    The water of a running simulator: Water that cannot be changed.
+    """
+    def add_current(self, current: typing.Any) -> None: ...
+    @property
+    def atmospheric_pressure_pa(self) -> float: ...
+    @atmospheric_pressure_pa.setter
+    def atmospheric_pressure_pa(self, arg1: typing.Any) -> None: ...
+    @property
+    def bottom_depth_m(self) -> float: ...
+    @bottom_depth_m.setter
+    def bottom_depth_m(self, arg1: typing.Any) -> None: ...
+    @property
+    def bottom_temperature_deg_c(self) -> float: ...
+    @bottom_temperature_deg_c.setter
+    def bottom_temperature_deg_c(self, arg1: typing.Any) -> None: ...
+    @property
+    def current_world_m_s(self) -> numpy.ndarray:
+        """
+        (3,), read-only
+        """
+    @current_world_m_s.setter
+    def current_world_m_s(self, arg1: typing.Any) -> None: ...
+    @property
+    def density_kg_m3(self) -> float: ...
+    @density_kg_m3.setter
+    def density_kg_m3(self, arg1: typing.Any) -> None: ...
+    @property
+    def gravity_m_s2(self) -> float: ...
+    @gravity_m_s2.setter
+    def gravity_m_s2(self, arg1: typing.Any) -> None: ...
+    @property
+    def profile(self) -> WaterProfile:
+        """
+        None: one density and salinity, temperature linear down to bottom_depth_m
+        """
+    @profile.setter
+    def profile(self, arg1: typing.Any) -> None: ...
+    @property
+    def salinity_psu(self) -> float: ...
+    @salinity_psu.setter
+    def salinity_psu(self, arg1: typing.Any) -> None: ...
+    @property
+    def surface_temperature_deg_c(self) -> float: ...
+    @surface_temperature_deg_c.setter
+    def surface_temperature_deg_c(self, arg1: typing.Any) -> None: ...
+    @property
+    def waves(self) -> Waves:
+        """
+        None: a flat surface
+        """
+    @waves.setter
+    def waves(self, arg1: typing.Any) -> None: ...
+
+class FixedWorld(World):
+    """
+    The world of a running simulator: a World that cannot be changed.
+    """
+    def __init__(self, world: World) -> None: ...
+    def add_solid(
+        self,
+        name: str,
+        vertices_world_m: typing.Any,
+        triangles: typing.Any,
+        shapes: collections.abc.Sequence[RoundShape] = [],
+    ) -> int:
+        """
+        Raises AttributeError.
+        """
+    def set_terrain(
+        self, heights_m: typing.Any, spacing_m: typing.SupportsFloat | typing.SupportsIndex, origin_m: typing.Any
+    ) -> None:
+        """
+        Raises AttributeError.
+        """
+    @property
+    def water(self) -> Water:
+        """
+        Read-only.
+        """
+    @water.setter
+    def water(self, arg1: Water) -> None: ...
 
 class RayHits:
     @property
@@ -1960,6 +2046,15 @@ class Simulation:
     ) -> typing.Annotated[list[bool], "FixedSize(6)"]:
         """
         Whether an effort has an effect, by axis, surge to yaw.
+        """
+    def dock(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        position_world_m: typing.Any,
+        orientation_xyzw: typing.Any,
+    ) -> None:
+        """
+        Hold it there, at rest, its commands ended and its battery full, until it is released. Raises ValueError.
         """
     def effort(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex

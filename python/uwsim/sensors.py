@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 from uwsim import _core
+from uwsim.sealed import Sealed
 
 Value = float | SimpleNamespace
 """A scalar in the sensor's unit, or a namespace of floats and (n,) arrays for a sensor of several quantities."""
@@ -25,7 +26,7 @@ class Sample:
         return self.stamp_ns * 1e-9
 
 
-class Sensor:
+class Sensor(Sealed):
     """A sensor with noise from its own seeded stream.
 
     Repeated reads at one time return the same sample; neither reads nor other sensors change later samples.
@@ -44,6 +45,12 @@ class Sensor:
     - compass [rad, clockwise from magnetic north, in [0, 2 pi)]; contact: 1 while in contact, else 0
     """
 
+    name: str
+    kind: str
+    meaning: str
+    rate_hz: float | None
+    latency_s: float
+
     def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SensorSpec) -> None:
         self._simulation = simulation
         self._vehicle = vehicle
@@ -51,11 +58,11 @@ class Sensor:
         kind = _core.sensor_kind(spec.kind)
         self._scalar = next(iter(kind.fields)) if _is_scalar(kind) else None
         self._units = {field: unit for field, (_, unit) in kind.fields.items()}
-        self.name: str = spec.name
-        self.kind: str = kind.name
-        self.meaning: str = kind.meaning
-        self.rate_hz: float | None = spec.rate_hz or None
-        self.latency_s: float = spec.latency_s
+        self.name = spec.name
+        self.kind = kind.name
+        self.meaning = kind.meaning
+        self.rate_hz = spec.rate_hz or None
+        self.latency_s = spec.latency_s
 
     @property
     def unit(self) -> str | dict[str, str]:

@@ -5,21 +5,27 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
 import numpy as np
 
 from uwsim import _core
+from uwsim.arguments import number
+from uwsim.cameras import Camera
 from uwsim.cameras.mounted import station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
-from uwsim.scenario import Scenario, build_world, load
+from uwsim.docking import Dock
+from uwsim.named import Named
+from uwsim.scenario import Scenario, VehicleEntry, build_world, load, vehicle_hull
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
 from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.vehicle import vehicle_spec
+from uwsim.scenario.build.station import dock_position, exit_position
+from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import fill_with_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario.spec.optics import Optics
+from uwsim.sealed import Sealed
 from uwsim.sonars.mounted import imaging_sonars
 from uwsim.sonars.surroundings import Surroundings
 from uwsim.vehicle import Vehicle
@@ -27,7 +33,7 @@ from uwsim.vehicle import Vehicle
 STEP_TOLERANCE = 1e-6  # share of a step by which a duration may differ from a whole number of steps
 
 
-class Simulator:
+class Simulator(Sealed):
     """A scenario that runs.
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
@@ -37,8 +43,26 @@ class Simulator:
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample.
-    One call at a time owns the simulator; others wait. cameras: the station's, by name.
+    One call at a time owns the simulator; others wait. cameras: the station's, by name. world: as built; it cannot be
+    changed.
     """
+
+    threads: int
+    scene: _core.RayScene
+    cameras: Named[Camera]
+    vehicles: Named[Vehicle]
+    _changed_by = MappingProxyType(
+        {
+            "optics": "set_optics()",
+            "time_s": "step() or advance()",
+            "time_ns": "step() or advance()",
+            "seed": "Simulator(scenario, seed=...)",
+            "step_s": "the scenario's step_s",
+            "scenario": "Simulator(scenario)",
+            "threads": "Simulator(scenario, threads=...)",
+            "world": "the scenario",
+        }
+    )
 
     def __init__(
         self,
@@ -50,30 +74,55 @@ class Simulator:
         mission_time_s: float | None = None,
         threads: int | None = None,
     ) -> None:
-        self.scenario = load(scenario).with_changes(
+        self._scenario = load(scenario).with_changes(
             seed=seed,
             mission_time_s=mission_time_s,
             sonar_model=sonar_model,
             sonar_frequency_khz=sonar_frequency_khz,
         )
         self.threads = _checked_threads(threads)
-        self.world = build_world(self.scenario)
-        self.scene = _core.RayScene(self.world)
-        self._core = _core.Simulation(self.world, self.scene, simulation_spec(self.scenario))
-        self._shared_scene = SharedScene(self.scenario, self.world, self.scene, self._core, self.threads)
-        self.cameras = station_cameras(self.scenario.station, self._shared_scene)
-        self.vehicles: dict[str, Vehicle] = {}
-        for entry in self.scenario.vehicles:
-            spec = vehicle_spec(self.scenario, entry)
-            index = self._core.add_vehicle(spec)
-            self.vehicles[entry.name] = Vehicle(
-                self._core,
-                index,
-                spec,
-                cameras=vehicle_cameras(entry, index, self._shared_scene),
-                lamps=self._shared_scene.lamps[index],
-                imaging_sonars=imaging_sonars(self, entry),
-            )
+        self._world = build_world(self.scenario)
+        self._fixed_world = _core.FixedWorld(self._world)
+        self.scene = _core.RayScene(self._world)
+        self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
+        self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads)
+        self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
+        dock = self._dock()
+        vehicles: dict[str, Vehicle] = {}
+        for index, entry in enumerate(self.scenario.vehicles):
+            with vehicle_errors_at(self.scenario, index):
+                vehicles[entry.name] = self._vehicle(index, entry, dock)
+        self.vehicles = Named(vehicles, "vehicles")
+
+    def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
+        spec = vehicle_spec(self.scenario, entry)
+        self._core.add_vehicle(spec)
+        dock.hull_radii_m.append(float(np.linalg.norm(vehicle_hull(entry.model)[0], axis=1).max()))
+        return Vehicle(
+            self._core,
+            index,
+            spec,
+            dock=dock,
+            cameras=vehicle_cameras(entry, index, self._shared_scene),
+            lamps=self._shared_scene.lamps[index],
+            imaging_sonars=imaging_sonars(self, entry),
+        )
+
+    def _dock(self) -> Dock:
+        station = self.scenario.station
+        return Dock(
+            self._core, self.scene, dock_position(station), exit_position(station), float(np.radians(station.yaw_deg))
+        )
+
+    @property
+    def scenario(self) -> Scenario:
+        """What runs; after `reset(seed)`, with that seed."""
+        return self._scenario
+
+    @property
+    def world(self) -> _core.FixedWorld:
+        """Terrain, obstacles and water. It cannot be changed."""
+        return self._fixed_world
 
     @property
     def rov(self) -> Vehicle:
@@ -90,10 +139,11 @@ class Simulator:
         self._shared_scene.optics = self._shared_scene.optics.with_changes(changes)
 
     @property
-    def strengths_db(self) -> dict[str, float]:
+    def strengths_db(self) -> Named[float]:
         """Backscatter strength of each surface's material, by label_names, for imaging sonars."""
         surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
-        return {name: surface.strength_db for name, surface in surfaces}
+        strengths = {name: surface.strength_db for name, surface in surfaces}
+        return Named(strengths, "strengths_db", "the sonar model's strengths_db")
 
     @property
     def label_names(self) -> list[str]:
@@ -146,11 +196,14 @@ class Simulator:
         """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""
         if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 0 <= n < 2**63:
             raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
+        if n:
+            for vehicle in self.vehicles.values():
+                vehicle.warn_if_docked()
         self._core.step(int(n))
 
     def advance(self, duration_s: float) -> None:
         """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
-        steps = duration_s / self.step_s
+        steps = number(duration_s, "duration_s", "s") / self.step_s
         if not np.isfinite(steps) or steps < 0 or abs(steps - round(steps)) > STEP_TOLERANCE * max(1.0, steps):
             raise ValueError(f"duration_s = {duration_s} s: must be a whole number of steps of {self.step_s} s")
         self.step(round(steps))
@@ -167,10 +220,11 @@ class Simulator:
         """
         scenario = self.scenario.with_changes(seed=seed)
         if scenario.seed != self.seed:
-            fill_with_water(self.world, scenario)
-        self._core.restart(self.world, simulation_spec(scenario))
+            fill_with_water(self._world, scenario)
+            self._fixed_world = _core.FixedWorld(self._world)
+        self._core.restart(self._world, simulation_spec(scenario))
         self._shared_scene.restart(scenario)
-        self.scenario = scenario
+        self._scenario = scenario
 
     def save_state(self) -> bytes:
         """Save everything that the future depends on, except scenario and seed.

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.arguments import number
 from uwsim.cameras import Camera, Lamp
+from uwsim.docking import Dock, DockedWarning
+from uwsim.named import Named
 from uwsim.scenario.build.vehicle import authority
+from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.sealed import Sealed
 from uwsim.sensors import Sensor
 from uwsim.sonars.mounted import ImagingSonar
 from uwsim.sonars.multibeam import Sonar
 
 Vector = NDArray[np.float64]
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+PLAIN = {float}
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +58,31 @@ class Thruster:
     thrust_n: float
 
 
-class Vehicle:
+class Vehicle(Sealed):
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first. cameras,
     imaging_sonars: by name. lamps: by the name of their switch.
-    Commands are held until the next one; a command that raises ValueError changes nothing.
+    Commands are held until the next one; a command that raises ValueError changes nothing. A docked vehicle's thrusters
+    are off: the first time that simulated time passes while it is commanded, there is a DockedWarning.
     """
+
+    name: str
+    sensors: Named[Sensor]
+    sonars: Named[Sonar]
+    cameras: Named[Camera]
+    lamps: Named[Lamp]
+    imaging_sonars: Named[ImagingSonar]
+    _changed_by = MappingProxyType(
+        {
+            "pose": "place()",
+            "velocity": "place(position, orientation, velocity_body)",
+            "effort": "set_effort()",
+            "thrusters": "set_thrusters()",
+            "fins": "set_fins()",
+            "released": "release(), undock() or dock()",
+        }
+    )
 
     def __init__(
         self,
@@ -63,18 +90,24 @@ class Vehicle:
         index: int,
         spec: _core.VehicleSpec,
         *,
+        dock: Dock,
         cameras: Mapping[str, Camera],
         lamps: Mapping[str, Lamp],
         imaging_sonars: Mapping[str, ImagingSonar],
     ) -> None:
         self._simulation = simulation
         self._index = index
-        self.name: str = spec.name
-        self.sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
-        self.sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
-        self.cameras = dict(cameras)
-        self.lamps = dict(lamps)
-        self.imaging_sonars = dict(imaging_sonars)
+        self.name = spec.name
+        sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
+        sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
+        self.sensors = Named(sensors, f"{spec.name}.sensors")
+        self.sonars = Named(sonars, f"{spec.name}.sonars")
+        self.cameras = Named(cameras, f"{spec.name}.cameras")
+        self.lamps = Named(lamps, f"{spec.name}.lamps")
+        self.imaging_sonars = Named(imaging_sonars, f"{spec.name}.imaging_sonars")
+        self._dock = dock
+        self._commanded = False  # whether the present commands would move it
+        self._has_warned = False
         self._craft: _core.Craft = spec.craft
 
     @property
@@ -96,6 +129,39 @@ class Vehicle:
         """Leave the station; the mission time starts. Does nothing if already free."""
         self._simulation.release(self._index)
 
+    def undock(self) -> None:
+        """Leave the station at once: release the vehicle and put it, at rest, at the dock's way out (station.exit_m).
+
+        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if it is not docked or the
+        water there is not free.
+        """
+        if self.released:
+            raise ValueError(f"vehicle '{self.name}': undock: is not docked")
+        with self._named_errors():
+            self._dock.require_exit(self._index)
+        self.place(self._dock.exit_world_m, self._dock.orientation_xyzw)
+
+    def dock(self) -> None:
+        """Enter the station's dock from nearby: it holds the vehicle, at rest, until the next release or undock.
+
+        The vehicle must be within 1.5 m of its place in the dock, slower than 0.5 m/s and within 30 degrees of the
+        dock's heading, and the dock empty; else ValueError, which says how far away it is. Its commands end and its
+        battery is charged at once: the next release starts another mission.
+        """
+        if not self.released:
+            raise ValueError(f"vehicle '{self.name}': dock: is docked already")
+        with self._named_errors():
+            self._dock.require_entry(self._index)
+        self._simulation.dock(self._index, self._dock.position_world_m, self._dock.orientation_xyzw)
+        self._commanded = False
+
+    @contextmanager
+    def _named_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except ValueError as error:
+            raise ValueError(f"vehicle '{self.name}': {error}") from None
+
     @property
     def released(self) -> bool:
         """Whether the vehicle is free of the station."""
@@ -116,12 +182,16 @@ class Vehicle:
         deflection; efforts that exceed the thrusters together are scaled down together. Efforts of axes that are not
         `controllable` do nothing. Raises ValueError for an effort outside [-1, 1] or not finite.
         """
-        self._simulation.set_effort(self._index, np.array([surge, sway, heave, roll, pitch, yaw], np.float64))
+        efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
+        if set(map(type, efforts)) != PLAIN:
+            efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
+        self._simulation.set_effort(self._index, np.array(efforts, np.float64))
+        self.__dict__["_commanded"] = any(efforts)  # faster than by __setattr__, which checks names
 
     @property
     def effort(self) -> Vector:
         """(6,) surge, sway, heave, roll, pitch, yaw as last set; zero after set_wrench or set_thrusters."""
-        return self._simulation.effort(self._index)
+        return _read_only(self._simulation.effort(self._index))
 
     @property
     def controllable(self) -> frozenset[str]:
@@ -133,7 +203,7 @@ class Vehicle:
     def full_wrench_body(self) -> tuple[Vector, Vector]:
         """The largest wrenches in still water for each axis alone, ahead and astern: (6,) magnitudes, N and N m."""
         ahead, astern = self._simulation.full_wrench_body(self._index)
-        return ahead, astern
+        return _read_only(ahead), _read_only(astern)
 
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
@@ -143,34 +213,44 @@ class Vehicle:
         A wrench beyond the thrusters keeps its direction and is scaled to the largest that they give. Raises
         ValueError.
         """
-        parts = [np.asarray(part, np.float64) for part in (force_body_n, torque_body_nm)]
-        for name, part in zip(("force_body_n", "torque_body_nm"), parts, strict=True):
-            if part.shape != (3,):
-                raise ValueError(f"{name}.shape = {part.shape}: expected (3,)")
-        self._simulation.set_wrench(self._index, np.concatenate(parts))
+        given = (("force_body_n", force_body_n, "N"), ("torque_body_nm", torque_body_nm, "N m"))
+        parts: list[float] = []
+        for name, part, unit in given:
+            if np.shape(part) != (3,):
+                raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
+            parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
+        self._simulation.set_wrench(self._index, np.array(parts))
+        self._commanded = any(parts)
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
         """Command thrusters in [-1, 1] by name; unnamed thrusters stop; fins stay. Raises ValueError."""
-        self._simulation.set_thrusters(self._index, [(str(name), float(value)) for name, value in commands.items()])
+        pairs = _numbers_by_name(commands, "thrusters", [name for name, _ in self._thruster_commands()])
+        self._simulation.set_thrusters(self._index, pairs)
+        self._commanded = any(value for _, value in pairs)
 
     @property
-    def thrusters(self) -> dict[str, Thruster]:
+    def thrusters(self) -> Named[Thruster]:
         """Each thruster's state, by name."""
-        commands = self._simulation.thruster_commands(self._index)
-        thrusts = self._simulation.thrusts_n(self._index)
-        return {name: Thruster(value, thrust) for (name, value), (_, thrust) in zip(commands, thrusts, strict=True)}
+        both = zip(self._thruster_commands(), self._simulation.thrusts_n(self._index), strict=True)
+        states = {name: Thruster(value, thrust) for (name, value), (_, thrust) in both}
+        return Named(states, f"{self.name}.thrusters", "set_thrusters()")
+
+    def _thruster_commands(self) -> list[tuple[str, float]]:
+        return self._simulation.thruster_commands(self._index)
 
     def set_fins(self, angles_rad: Mapping[str, float]) -> None:
         """Command deflections by name, right-handed about each fin's span; unnamed fins return to 0; thrusters stay.
 
         Raises ValueError.
         """
-        self._simulation.set_fins(self._index, [(str(name), float(value)) for name, value in angles_rad.items()])
+        pairs = _numbers_by_name(angles_rad, "fins", list(self.fins), "rad")
+        self._simulation.set_fins(self._index, pairs)
+        self._commanded = self._commanded or any(value for _, value in pairs)
 
     @property
-    def fins(self) -> dict[str, float]:
+    def fins(self) -> Named[float]:
         """The fins' present deflections [rad] by name; they follow `set_fins` at their rate."""
-        return dict(self._simulation.fin_angles_rad(self._index))
+        return Named(dict(self._simulation.fin_angles_rad(self._index)), f"{self.name}.fins", "set_fins()")
 
     @property
     def pose(self) -> Pose:
@@ -190,11 +270,23 @@ class Vehicle:
         orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
         velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Put the vehicle at a pose at once, at rest unless velocity_body (6,) is given. Raises ValueError.
+        """Put the vehicle at a pose at once, at rest unless velocity_body (6,) is given; a docked one is released.
 
-        Commands are still held, propellers keep turning, and sensors keep their samples.
+        Commands are still held, propellers keep turning, and sensors keep their samples. Raises ValueError for numbers
+        that are not finite or too large, and if the vehicle's origin, by whatever distance, is not above the ground or
+        is inside a closed obstacle. The hull is not checked: where it overlaps a surface, contacts push it out.
         """
         self._simulation.set_state(self._index, _core.BodyState(position_world_m, orientation_xyzw, velocity_body))
+
+    def warn_if_docked(self) -> None:
+        """Warn, once, if the vehicle is commanded while its dock holds it. Simulator.step calls this."""
+        if self._commanded and not self._has_warned and not self.released:
+            self._has_warned = True
+            warnings.warn(
+                f"vehicle '{self.name}' is docked: its commands have no effect before release(), undock() or place()",
+                DockedWarning,
+                stacklevel=4,
+            )
 
     @property
     def collisions(self) -> int:
@@ -204,3 +296,20 @@ class Vehicle:
     def telemetry(self) -> _core.Telemetry:
         """The panel of the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""
         return self._simulation.telemetry(self._index)
+
+
+def _read_only(array: Vector) -> Vector:
+    """Return a copy of the state, into which writing would have no effect."""
+    array.flags.writeable = False
+    return array
+
+
+def _numbers_by_name(
+    values: Mapping[str, float], what: str, known: list[str], unit: str = ""
+) -> list[tuple[str, float]]:
+    """Return (name, value) pairs. Raises ValueError for an unknown name or a value that is not a number."""
+    for name in values:
+        if name not in known:
+            rule = f"must be one of {', '.join(known)}" if known else "the vehicle has none"
+            raise ValueError(f"{what} = {name!r}: {rule}{did_you_mean(str(name), known)}")
+    return [(name, number(value, f"{what}.{name}", unit)) for name, value in values.items()]

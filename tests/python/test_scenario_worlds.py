@@ -74,9 +74,13 @@ def test_the_survey_area_has_hills_a_pipeline_and_a_gate_below_the_flying_height
         assert (vertices[:, 2] - terrain.height_at(vertices[:, :2])).max() < survey.altitude_m - 1
 
 
+AHEAD, ASTERN, PORT, STARBOARD, DOWN = ([5, 0, 0], [-5, 0, 0], [0, 5, 0], [0, -5, 0], [0, 0, -5])
+
+
+@pytest.mark.parametrize("way_m", [AHEAD, ASTERN, PORT, STARBOARD, DOWN])
 @pytest.mark.parametrize("name", ["lake", "valley"])
-def test_the_docked_vehicle_can_leave_forward(name: str) -> None:
-    """The hull's box, swept 5 m ahead from the dock, touches neither the station nor the bed."""
+def test_the_docked_vehicle_can_leave_in_every_direction_but_up(name: str, way_m: list[float]) -> None:
+    """The hull's box, swept 5 m from the dock, touches neither the station nor the bed."""
     scenario = load(name)
     (x, y, z), yaw_rad = start(scenario, scenario.vehicles[0])
     assert z == pytest.approx(-5)
@@ -84,7 +88,8 @@ def test_the_docked_vehicle_can_leave_forward(name: str) -> None:
     assert scenario.station.mesh is not None
     station = trimesh.Trimesh(*load_mesh(scenario.station.mesh), process=False)
     low, high = (np.array(f(vehicle_hull(scenario.vehicles[0].model)[0], axis=0)) for f in (np.min, np.max))
-    low, high = low + scenario.station.dock_m - 0.1, high + scenario.station.dock_m + [5.0, 0.1, 0.1]
+    low = low + scenario.station.dock_m - 0.1 + np.minimum(way_m, 0.0)
+    high = high + scenario.station.dock_m + 0.1 + np.maximum(way_m, 0.0)
     corners = station.triangles
     apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
     assert apart.any(axis=1).all()

@@ -1,7 +1,7 @@
 """Makes assets/meshes/station.obj, a moored pontoon with a dock beneath; needs numpy and manifold3d.
 
 Metres; x forward, z up, z = 0 the water line. The dock's middle is at (0, 0, -5); a vehicle of 1.2 x 0.8 x 0.7 m
-leaves it along +x, where the cage is open.
+leaves it in any direction but up: it hangs under a roof between four posts.
 """
 
 from __future__ import annotations
@@ -45,13 +45,14 @@ def bar(start: tuple[float, float, float], end: tuple[float, float, float]) -> M
 
 
 def cage() -> list[Manifold]:
-    """Make the dock: 2 x 1.8 x 1.6 m, open in front, with a cross behind, hung from the deck on four legs."""
-    x, y, low, high = 1.0, 0.9, DOCK_Z - 0.8, DOCK_Z + 0.8
-    parts = [bar((-x, side * y, z), (x, side * y, z)) for side in SIDES for z in (low, DOCK_Z, high)]
-    parts += [bar((end * x, -y, z), (end * x, y, z)) for end in SIDES for z in (low, high)]
-    parts += [bar((end * x, side * y, low), (end * x, side * y, 0.45)) for end in SIDES for side in SIDES]
-    parts += [bar((-x, -y, DOCK_Z), (-x, y, DOCK_Z)), bar((-x, 0, low), (-x, 0, high))]
-    parts += [bar((-x, side * 0.4, low), (x, side * 0.4, low)) for side in SIDES]
+    """Make the dock: a roof, 2.4 x 2 m, on four posts from the deck down; sides, ends and bottom are open."""
+    x, y, low, high = 1.2, 1.0, DOCK_Z - 0.5, DOCK_Z + 0.8
+    parts = [bar((end * x, side * y, low), (end * x, side * y, 0.45)) for end in SIDES for side in SIDES]
+    parts += [bar((-x, side * y, high), (x, side * y, high)) for side in SIDES]
+    parts += [bar((end * x, -y, high), (end * x, y, high)) for end in SIDES]
+    parts += [bar((-x, side * 0.4, high), (x, side * 0.4, high)) for side in SIDES]
+    parts += [bar((-x, side * y, -1.0), (x, side * y, -1.0)) for side in SIDES]
+    parts += [bar((end * x, -y, -1.0), (end * x, y, -1.0)) for end in SIDES]
     return parts
 
 

@@ -23,6 +23,14 @@ BodyState as_state(const py::object& position_m, const py::object& orientation_x
   return state;
 }
 
+/// A read-only copy: writing into it would have no effect on the body.
+template <typename Matrix>
+py::array_t<double> fixed(const Matrix& matrix) {
+  py::array_t<double> array = py::cast(matrix);
+  forbid_writing(array);
+  return array;
+}
+
 /// InvalidValue is a std::invalid_argument, which pybind11 turns into ValueError by itself.
 void translate_file_errors() {
   py::register_local_exception_translator([](std::exception_ptr p) {  // by value: pybind11's signature
@@ -45,16 +53,18 @@ void bind_core(py::module_& m) {
       "stream_name", [](const std::string& owner, const std::string& part) { return stream_name(owner, part); },
       py::arg("owner"), py::arg("part"), "The name of the random stream of a vehicle's sensor, sonar or camera.");
 
-  py::class_<BodyState>(m, "BodyState", "Pose and velocity of a body; six-vectors (linear, angular) in the body frame.")
+  py::class_<BodyState>(
+      m, "BodyState",
+      "Pose and velocity of a body, in read-only arrays; six-vectors (linear, angular) in the body frame.")
       .def(py::init(&as_state), py::arg("position_m"), py::arg("orientation_xyzw"), py::arg("velocity_body"))
       .def_property_readonly(
-          "position_world_m", [](const BodyState& s) { return s.world_from_body.position_m; }, "(3,) [m]")
+          "position_world_m", [](const BodyState& s) { return fixed(s.world_from_body.position_m); }, "(3,) [m]")
       .def_property_readonly(
-          "orientation_xyzw",
-          [](const BodyState& s) -> Eigen::Vector4d { return s.world_from_body.orientation.coeffs(); }, "(4,)")
+          "orientation_xyzw", [](const BodyState& s) { return fixed(s.world_from_body.orientation.coeffs()); }, "(4,)")
       .def_property_readonly(
-          "world_from_body", [](const BodyState& s) { return s.world_from_body.matrix(); }, "(4, 4)")
-      .def_readonly("velocity_body", &BodyState::velocity_body, "(6,) [m/s, rad/s]");
+          "world_from_body", [](const BodyState& s) { return fixed(s.world_from_body.matrix()); }, "(4, 4)")
+      .def_property_readonly(
+          "velocity_body", [](const BodyState& s) { return fixed(s.velocity_body); }, "(6,) [m/s, rad/s]");
 
   py::class_<SolidProperties>(m, "SolidProperties")
       .def_readonly("volume_m3", &SolidProperties::volume_m3)

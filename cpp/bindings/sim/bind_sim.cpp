@@ -149,6 +149,14 @@ void bind_sim(py::module_& m) {
           "release", [](OwnedSimulation& o, std::size_t v) { o.with([&](Simulation& s) { s.release(v); }); },
           py::arg("vehicle"))
       .def(
+          "dock",
+          [](OwnedSimulation& o, std::size_t v, const py::object& position_m, const py::object& orientation_xyzw) {
+            const Pose dock = as_pose(position_m, orientation_xyzw, "dock");
+            o.with([&](Simulation& s) { s.dock(v, dock); });
+          },
+          py::arg("vehicle"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
+          "Hold it there, at rest, its commands ended and its battery full, until it is released. Raises ValueError.")
+      .def(
           "released",
           [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.released(v); }); },
           py::arg("vehicle"))

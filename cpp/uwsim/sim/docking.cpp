@@ -9,4 +9,17 @@ void Simulation::release(std::size_t index) {
   bodies_.hold(docked.body, false);
 }
 
+void Simulation::dock(std::size_t index, const Pose& world_from_body) {
+  Vehicle& free = changeable(index);
+  require_free("vehicle '" + free.name + "' dock", world_from_body.position_m);
+  BodyState held;
+  held.world_from_body = world_from_body;
+  bodies_.set_state(free.body, held);
+  bodies_.hold(free.body, true);
+  free.battery.end_mission();
+  free.actuators.set_effort(Vector6d::Zero());
+  free.touching = false;
+  ++version_;
+}
+
 }  // namespace uwsim

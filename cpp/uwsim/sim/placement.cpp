@@ -32,9 +32,8 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
   require(state.velocity_body.cwiseAbs().maxCoeff() <= kSpeedMax, path + " velocity_body",
           state.velocity_body.transpose(), "must be at most 100 m/s and rad/s");
   require_free(path + " position_m", position);
-  BodyState placed = state;
-  if (!moved.released()) placed.velocity_body.setZero();  // a docked vehicle is held
-  bodies_.set_state(moved.body, placed);
+  release(index);  // a docked vehicle would be held wherever it is
+  bodies_.set_state(moved.body, state);
   moved.touching = false;
   ++version_;
 }

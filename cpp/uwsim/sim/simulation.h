@@ -47,12 +47,15 @@ class Simulation {
   const SimulationSpec& spec() const { return spec_; }
 
   const BodyState& state(std::size_t vehicle) const;
-  /// Moves the vehicle to a pose at once; its propellers keep turning, and its sensors keep their samples. Throws
-  /// InvalidValue for a state that is non-finite, more than 1000 km away, faster than 100 m/s or rad/s, under the
-  /// ground or inside a closed solid.
+  /// Moves the vehicle to a pose at once, and releases it if it is docked; its propellers keep turning, and its sensors
+  /// keep their samples. Throws InvalidValue for a state that is non-finite, more than 1000 km away, faster than 100
+  /// m/s or rad/s, under the ground or inside a closed solid.
   void set_state(std::size_t vehicle, const BodyState& state);
   /// Releases the vehicle from its dock; its mission time starts. Does nothing when it is already released.
   void release(std::size_t vehicle);
+  /// Holds the vehicle at a pose, at rest, until it is released again. Its commands end, and its battery is full: the
+  /// next release starts another mission. Throws InvalidValue for a place under the ground or inside a closed solid.
+  void dock(std::size_t vehicle, const Pose& world_from_body);
   bool released(std::size_t index) const { return vehicle(index).released(); }
   /// The vehicle's thrusters and fins.
   Actuators& actuators(std::size_t index) { return changeable(index).actuators; }

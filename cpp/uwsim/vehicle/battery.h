@@ -10,7 +10,7 @@ namespace uwsim {
 
 /// The vehicle's energy store, modelled as the paper does: a mission time. It is full until the vehicle is released,
 /// drains evenly from then on whatever the thrusters do, and is empty `lasting_s` later: thrusters stop and fins stay
-/// where they are. Nothing recharges it. All times are ticks of the simulation, `step_ns` long.
+/// where they are. Docking charges it, at once. All times are ticks of the simulation, `step_ns` long.
 class Battery {
  public:
   Battery() = default;
@@ -21,6 +21,8 @@ class Battery {
     mission_started_ = true;
     start_tick_ = tick;
   }
+  /// The vehicle is docked: its battery is charged at once.
+  void end_mission() { mission_started_ = false; }
   bool mission_started() const { return mission_started_; }
 
   /// Since the release; 0 before it [s].

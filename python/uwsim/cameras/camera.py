@@ -15,6 +15,7 @@ from uwsim.cameras.shared_scene import SharedScene, Snapshot
 from uwsim.scenario.build.camera import core_camera, intrinsic_matrix, mount_orientation_xyzw
 from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.spec.camera import CameraMount
+from uwsim.sealed import Sealed
 
 Floats = NDArray[np.float64]
 CLEARANCE_M = 0.3  # of a camera that follows a vehicle, above the ground
@@ -22,13 +23,17 @@ Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
 
 
-class Camera:
+class Camera(Sealed):
     """A camera on a vehicle or on the station.
 
     Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
     time, and at one time it gives the same picture, whatever the number of threads. A camera does not see the vehicle
     that carries it; one that follows a vehicle's heading does.
     """
+
+    name: str
+    mount: CameraMount
+    info: CameraInfo
 
     def __init__(self, name: str, mount: CameraMount, scene: SharedScene, carrier: Carrier) -> None:
         self.name = name

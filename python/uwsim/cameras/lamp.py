@@ -8,12 +8,16 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
 from uwsim.scenario.spec.camera import Lamps
+from uwsim.sealed import Sealed
 
 Floats = NDArray[np.float64]
 
 
-class Lamp:
+class Lamp(Sealed):
     """The lamps on one switch, such as rov.lamps["front"]. Every camera sees their light."""
+
+    name: str
+    spec: Lamps
 
     def __init__(self, name: str, spec: Lamps) -> None:
         self.name = name

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from uwsim import _core
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.sealed import Sealed
 from uwsim.sonars import imaging
 from uwsim.sonars.imaging import (
     Acoustics,
@@ -35,12 +36,15 @@ class Fleet(imaging.Place, Protocol):
         """Return what a sonar on that vehicle meets."""
 
 
-class ImagingSonar:
+class ImagingSonar(Sealed):
     """An imaging sonar on a vehicle; it sees the other vehicles.
 
     Pings at one time are always the same and do not advance time. name, and model: its figures, one of
     uwsim.sonars.imaging's models.
     """
+
+    name: str
+    model: Acoustics
 
     def __init__(self, sim: Fleet, vehicle: str, name: str, mount: ImagingMount) -> None:
         self._sim = sim

@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.arguments import number
+from uwsim.sealed import Sealed
 
 
-class Sonar:
+class Sonar(Sealed):
     """A multibeam head that looks forward and tilts.
 
     mode: "geometry" (one exact ray for each beam) or "physics" (echoes with their errors; see _core.PhysicsPing).
     """
 
+    name: str
+    model: _core.MultibeamModel
+    mode: str
+    _changed_by = MappingProxyType({"elevation_rad": "aim()"})
+
     def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SonarSpec) -> None:
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
-        self.name: str = spec.name
+        self.name = spec.name
         self.model = spec.model
-        self.mode: str = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
+        self.mode = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
         self._last: tuple[int, _core.Ping] | None = None
 
     def aim(self, elevation_rad: float) -> None:
@@ -30,7 +38,7 @@ class Sonar:
 
         The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
         """
-        self._simulation.aim(self._vehicle, self._index, elevation_rad)
+        self._simulation.aim(self._vehicle, self._index, number(elevation_rad, "elevation_rad", "rad"))
 
     @property
     def elevation_rad(self) -> float:

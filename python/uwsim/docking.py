@@ -1,0 +1,84 @@
+"""The station's dock: where it holds a vehicle, where one leaves it, and how near one must be to enter it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+
+Vector = NDArray[np.float64]
+CAPTURE_M, CAPTURE_M_S, CAPTURE_DEG = 1.5, 0.5, 30.0
+"""A vehicle docks from within this distance, below this speed and within this angle of the dock's heading."""
+CLEARANCE_M = 0.1
+"""Distance that an undocked vehicle's hull must keep from everything."""
+
+
+class DockedWarning(UserWarning):
+    """A docked vehicle has been commanded: its thrusters are off, so that nothing happens."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dock:
+    """The dock of a simulator's station.
+
+    position_world_m (3,): the origin of a docked vehicle. exit_world_m (3,): that of one that has just left. Both point
+    along yaw_rad. hull_radii_m: of every vehicle's hull, about its origin.
+    """
+
+    simulation: _core.Simulation
+    scene: _core.RayScene
+    position_world_m: Vector
+    exit_world_m: Vector
+    yaw_rad: float
+    hull_radii_m: list[float] = field(default_factory=list)
+
+    @property
+    def orientation_xyzw(self) -> Vector:
+        """(4,), of a vehicle in the dock and at its exit."""
+        return np.asarray(Rotation.from_euler("z", self.yaw_rad).as_quat(), np.float64)
+
+    def require_exit(self, vehicle: int) -> None:
+        """Raise ValueError unless the vehicle's hull has free water around it at the exit."""
+        needed_m = self.hull_radii_m[vehicle] + CLEARANCE_M
+        free_m = float(self.scene.distance_m(self.exit_world_m[None])[0])
+        if free_m < needed_m:
+            raise ValueError(f"{self._exit_text}: a surface is {free_m:.2f} m away, must be at least {needed_m:.2f} m")
+        for other, radius_m in enumerate(self.hull_radii_m):
+            apart_m = math.dist(self.simulation.state(other).position_world_m, self.exit_world_m)
+            if other != vehicle and apart_m < needed_m + radius_m:
+                raise ValueError(f"{self._exit_text}: another vehicle is {apart_m:.2f} m away")
+
+    def require_entry(self, vehicle: int) -> None:
+        """Raise ValueError unless the dock is empty and the vehicle near, slow and pointing along it."""
+        for other in range(len(self.hull_radii_m)):
+            if other != vehicle and not self.simulation.released(other):
+                raise ValueError("dock: another vehicle is in it")
+        state = self.simulation.state(vehicle)
+        away_m = self.position_world_m - state.position_world_m
+        distance_m = float(np.linalg.norm(away_m))
+        if distance_m > CAPTURE_M:
+            east, north, up = away_m
+            raise ValueError(
+                f"dock: it is {distance_m:.1f} m away ({east:.1f} m east, {north:.1f} m north, {up:.1f} m up), "
+                f"must be within {CAPTURE_M} m"
+            )
+        speed_m_s = float(np.linalg.norm(state.velocity_body[:3]))
+        if speed_m_s > CAPTURE_M_S:
+            raise ValueError(f"dock: speed = {speed_m_s:.2f} m/s: must be at most {CAPTURE_M_S} m/s")
+        ahead = state.world_from_body[:3, 0] @ (math.cos(self.yaw_rad), math.sin(self.yaw_rad), 0.0)
+        off_deg = math.degrees(math.acos(min(max(float(ahead), -1.0), 1.0)))
+        if off_deg > CAPTURE_DEG:
+            raise ValueError(
+                f"dock: it points {off_deg:.0f} degrees away from the dock's heading, "
+                f"{math.degrees(self.yaw_rad):.0f} degrees from east: must be within {CAPTURE_DEG:g}"
+            )
+
+    @property
+    def _exit_text(self) -> str:
+        x, y, z = self.exit_world_m
+        return f"station.exit_m: ({x:.1f}, {y:.1f}, {z:.1f}) m in the world is not free"

@@ -1,0 +1,42 @@
+"""Things by name, such as a vehicle's sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NoReturn, TypeVar
+
+from uwsim.scenario.read.did_you_mean import did_you_mean
+
+T = TypeVar("T")
+
+
+class UnknownNameError(KeyError, ValueError):
+    """There is no such sensor, camera or vehicle. The message names those that there are, and the nearest."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])  # KeyError would show its repr
+
+
+class Named(dict[str, T]):
+    """A read-only dict whose lookups of unknown names raise UnknownNameError.
+
+    what: its name in messages, such as `rov.sensors`. changed_by: what to call instead of an assignment.
+    """
+
+    def __init__(self, items: Mapping[str, T], what: str, changed_by: str = "") -> None:
+        super().__init__(items)
+        self._what = what
+        self._changed_by = changed_by
+
+    def __missing__(self, name: object) -> NoReturn:
+        rule = f"must be one of {', '.join(self)}" if self else "there is none"
+        raise UnknownNameError(f"{self._what}[{name!r}]: {rule}{did_you_mean(str(name), self)}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self), self._what, self._changed_by)
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError(f"{self._what}: read-only" + (f"; use {self._changed_by}" if self._changed_by else ""))
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    update = pop = popitem = clear = setdefault = _refuse
