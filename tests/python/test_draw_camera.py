@@ -9,7 +9,10 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+from uwsim import Simulator
+from uwsim.cli.draw_camera import CameraRequest, set_up
 from uwsim.cli.main import app
+from uwsim.cli.pose_option import parsed_pose
 
 
 def run(*words: str | Path) -> tuple[int, str, BaseException | None]:
@@ -67,3 +70,12 @@ def test_a_mistake_is_reported_in_one_line_and_nothing_is_written(
     assert message in str(error)
     assert "\n" not in str(error)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_vehicle_is_where_it_was_asked_to_be_however_long_it_waits() -> None:
+    sim = Simulator("pool")
+    set_up(sim, CameraRequest(pose="0,0,-3,10,20,0", at_s=2.0))
+    position, turn = parsed_pose("0,0,-3,10,20,0")
+    np.testing.assert_allclose(sim.rov.pose.position_world_m, position)
+    np.testing.assert_allclose(sim.rov.pose.orientation_xyzw, turn)
+    assert sim.time_s == 2.0

@@ -69,4 +69,6 @@ def set_up(sim: Simulator, request: CameraRequest) -> Camera:
     if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # false for nan, too
         raise ValueError(f"at = {request.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
     sim.advance(request.at_s)
+    if request.pose is not None and request.at_s:
+        place_as_typed(sim.rov, request.pose)  # again: it is free, and may have drifted
     return cameras[request.camera]
