@@ -114,7 +114,7 @@ TEST(SoundSpeedProfile, RefusesInvalidLevels) {
   try {
     profile_of({0, 10, 5}, {1480, 1480, 1480});
   } catch (const InvalidValue& error) {
-    EXPECT_STREQ(error.what(), "sound_speed_profile.depths_m[2] = 5: m: must be deeper than the level before");
+    EXPECT_STREQ(error.what(), "sound_speed_profile.depths_m[2] = 5 m: must be deeper than the level before");
   }
 }
 

@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from uwsim import Simulator
+from uwsim import Simulator, _core
 from uwsim.named import Named
 
 
@@ -30,7 +30,7 @@ def sim() -> Simulator:
         ("sim.world.water", "current_world_m_s", r"water\.current_world_m_s: a running simulator's world is fixed"),
         ("sim.world.water", "salinity_psu", r"water\.salinity_psu: a running simulator's world is fixed"),
         ("sim.world.water", "waves", r"water\.waves"),
-        ("sim.world.water", "salinty", "no attribute 'salinty'"),
+        ("sim.world.water", "salinty", "a running simulator's world is fixed"),
         ("sim.scenario", "seed", r"Scenario\.seed cannot be assigned"),
         ("sim.scenario.water", "salinity_psu", r"Water\.salinity_psu cannot be assigned"),
         ("sim.optics", "jerlov", r"Optics\.jerlov cannot be assigned"),
@@ -47,6 +47,17 @@ def sim() -> Simulator:
 def test_an_assignment_without_effect_is_an_error(sim: Simulator, owner: str, name: str, message: str) -> None:
     with pytest.raises(AttributeError, match=message):
         setattr(eval(owner, {"sim": sim}), name, 1.0)
+
+
+def test_no_property_of_the_water_can_be_assigned(sim: Simulator) -> None:
+    water = sim.world.water
+    properties = [name for name, part in vars(_core.Water).items() if isinstance(part, property)]
+    assert {"salinity_psu", "waves", "profile"} <= set(properties)
+    for name in properties:
+        with pytest.raises(AttributeError, match=f"water.{name}: a running simulator's world is fixed"):
+            setattr(water, name, getattr(water, name))
+    with pytest.raises(AttributeError, match="add_current"):
+        water.add_current(_core.Current.tidal((0.1, 0, 0), 100.0))
 
 
 def test_the_water_of_a_simulator_reads_as_it_is(sim: Simulator) -> None:

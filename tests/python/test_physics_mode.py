@@ -96,7 +96,7 @@ def test_soundings_with_the_wrong_profile_bend_up_and_with_the_true_one_do_not(t
 
 
 def test_invalid_soundings_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"sound_speed_profile.depths_m\[2\] = 5: m: must be deeper than the level"):
+    with pytest.raises(ValueError, match=r"sound_speed_profile.depths_m\[2\] = 5 m: must be deeper than the level"):
         SoundSpeedProfile([0, 10, 5], [1480, 1480, 1480])
     with pytest.raises(ValueError, match="ping is a Ping: must be of `mode: physics`"):
         sound_points(Simulator("pool").rov.sonar.ping(), SoundSpeedProfile.even(1480.0))

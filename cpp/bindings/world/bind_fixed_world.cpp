@@ -41,49 +41,29 @@ struct FixedWater : Water {
                             ": a running simulator's world is fixed: change the scenario, and make a simulator");
 }
 
-/// A property that can be read but whose assignment explains why it is refused.
-template <typename Class, typename Get>
-void fixed(py::class_<Class, Water>& owner, const char* name, Get get, const char* doc = "") {
-  owner.def_property(
-      name, get, [name](Class&, const py::object&) { refuse(std::string("water.") + name); }, doc);
-}
-
-template <typename Member>
-auto value(Member Water::*member) {
-  return [member](const FixedWater& water) { return water.*member; };
+/// Python's object.__setattr__ for a class whose attributes are fixed.
+template <typename Class>
+auto refuse_assignments(const std::string& owner) {
+  return [owner](Class&, const std::string& name, const py::object&) { refuse(owner + "." + name); };
 }
 
 }  // namespace
 
 void bind_fixed_world(py::module_& m) {
-  py::class_<FixedWater, Water> water(m, "FixedWater",
-                                      "The water of a running simulator: Water that cannot be changed.");
-  water.def(
-      "add_current", [](FixedWater&, const py::object&) { refuse("water.add_current"); }, py::arg("current"));
-  fixed(water, "density_kg_m3", [](const FixedWater& w) { return w.density_kg_m3; });
-  fixed(water, "gravity_m_s2", [](const FixedWater& w) { return w.gravity_m_s2; });
-  fixed(water, "atmospheric_pressure_pa", value(&Water::atmospheric_pressure_pa));
-  fixed(water, "surface_temperature_deg_c", value(&Water::surface_temperature_deg_c));
-  fixed(water, "bottom_temperature_deg_c", value(&Water::bottom_temperature_deg_c));
-  fixed(water, "bottom_depth_m", value(&Water::bottom_depth_m));
-  fixed(water, "salinity_psu", value(&Water::salinity_psu));
-  fixed(
-      water, "current_world_m_s",
-      [](const FixedWater& w) {
-        const Eigen::Vector3d& current = w.current_world_m_s;
-        return read_only(py::array_t<double>(3, current.data()));
-      },
-      "(3,), read-only");
-  fixed(
-      water, "waves", [](const FixedWater& w) { return std::const_pointer_cast<Waves>(w.waves); },
-      "None: a flat surface");
-  fixed(
-      water, "profile", [](const FixedWater& w) { return std::const_pointer_cast<WaterProfile>(w.profile); },
-      "None: one density and salinity, temperature linear down to bottom_depth_m");
+  py::class_<FixedWater, Water>(m, "FixedWater", "The water of a running simulator: Water that cannot be changed.")
+      .def("__setattr__", refuse_assignments<FixedWater>("water"), py::arg("name"), py::arg("value"))
+      .def(
+          "add_current", [](FixedWater&, const std::shared_ptr<Current>&) { refuse("water.add_current"); },
+          py::arg("current"), "Raises AttributeError.")
+      .def_property(
+          "current_world_m_s",
+          [](const FixedWater& water) { return read_only(py::array_t<double>(3, water.current_world_m_s.data())); },
+          [](FixedWater&, const py::object&) { refuse("water.current_world_m_s"); }, "(3,), read-only.");
 
   py::class_<FixedWorld, World, std::shared_ptr<FixedWorld>>(
       m, "FixedWorld", "The world of a running simulator: a World that cannot be changed.")
       .def(py::init<const World&>(), py::arg("world"))
+      .def("__setattr__", refuse_assignments<FixedWorld>("world"), py::arg("name"), py::arg("value"))
       .def_property(
           "water", [](const FixedWorld& world) { return WaterObject(py::cast(FixedWater(world.water))); },
           [](FixedWorld&, const Water&) { refuse("world.water"); }, "Read-only.")

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -20,7 +21,7 @@ double absorption_db_km(double frequency_hz, double t, double s, double d, doubl
   require(frequency_hz > 0 && frequency_hz <= 1e7, "frequency_hz", frequency_hz, "Hz: must be in (0, 1e7] Hz");
   require(t >= -2 && t <= 40, "temperature_deg_c", t, "deg C: must be in [-2, 40] deg C");
   require(s >= 0 && s <= 45, "salinity_psu", s, "psu: must be in [0, 45] psu");
-  require(d >= 0 && d <= 12000, "depth_m", d, "m: must be in [0, 12000] m");
+  require(d >= 0 && d <= 12000, "depth_m", with_unit(d, "m"), "must be in [0, 12000] m");
   require(acidity_ph >= 6 && acidity_ph <= 9, "acidity_ph", acidity_ph, "must be in [6, 9]");
   const double f = frequency_hz / 1000;
   const double theta = 273 + t;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
@@ -12,7 +13,8 @@ constexpr double kDeepest_m = 12000;  // of all oceans
 
 /// `bottom_m` if it and `knots` are valid.
 double checked(double bottom_m, int knots) {
-  require(bottom_m > 0 && bottom_m <= kDeepest_m, "absorption.bottom_m", bottom_m, "m: must be in (0, 12000] m");
+  require(bottom_m > 0 && bottom_m <= kDeepest_m, "absorption.bottom_m", with_unit(bottom_m, "m"),
+          "must be in (0, 12000] m");
   require(knots >= 2, "absorption.knots", knots, "must be at least 2");
   return bottom_m;
 }

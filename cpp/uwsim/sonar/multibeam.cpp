@@ -8,6 +8,7 @@
 
 #include "uwsim/acoustics/absorption.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/with_unit.h"
 #include "uwsim/sonar/beam_kernels.h"
 #include "uwsim/sonar/water_sound.h"
 
@@ -111,8 +112,8 @@ PingRows PingRows::row(std::size_t ping, std::size_t beams) const {
 Multibeam::Multibeam(const MultibeamModel& model, std::span<const double> strengths_db) : model_(model) {
   for (std::size_t label = 0; label < strengths_db.size(); ++label) {
     const double strength_db = strengths_db[label];
-    require(strength_db >= -100 && strength_db <= 30, "sonar.strengths_db[" + std::to_string(label) + "]", strength_db,
-            "dB: must be in [-100, 30] dB");
+    require(strength_db >= -100 && strength_db <= 30, "sonar.strengths_db[" + std::to_string(label) + "]",
+            with_unit(strength_db, "dB"), "must be in [-100, 30] dB");
     strengths_db_.push_back(static_cast<float>(strength_db));
   }
   strengths_db_.push_back(kRockStrength_db);

@@ -5,6 +5,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/names.h"
+#include "uwsim/core/with_unit.h"
 #include "uwsim/world/sea_water.h"
 
 namespace uwsim {
@@ -125,7 +126,7 @@ SoundSpeedEquation best_sound_speed_equation(const WaterRange& water) {
 double sound_speed_m_s(SoundSpeedEquation equation, double t, double s, double d, double gauge_pressure_pa) {
   require(t >= -2 && t <= 40, "temperature_deg_c", t, "deg C: must be in [-2, 40] deg C");
   require(s >= 0 && s <= 45, "salinity_psu", s, "psu: must be in [0, 45] psu");
-  require(d >= 0 && d <= 12000, "depth_m", d, "m: must be in [0, 12000] m");
+  require(d >= 0 && d <= 12000, "depth_m", with_unit(d, "m"), "must be in [0, 12000] m");
   require(gauge_pressure_pa >= 0 && gauge_pressure_pa <= 2e8, "gauge_pressure_pa", gauge_pressure_pa,
           "Pa: must be in [0, 2e8] Pa");
   switch (equation) {
@@ -146,7 +147,7 @@ double sound_speed_m_s(SoundSpeedEquation equation, double t, double s, double d
 }
 
 double sound_speed_m_s(double t, double s, double d, std::string_view equation) {
-  require(d >= 0 && d <= 12000, "depth_m", d, "m: must be in [0, 12000] m");
+  require(d >= 0 && d <= 12000, "depth_m", with_unit(d, "m"), "must be in [0, 12000] m");
   const double light_pa = sea_water_density_kg_m3(t, s) * kStandardGravity_m_s2 * d;
   const SoundSpeedEquation used =
       equation == kAutomaticSoundSpeed ? best_sound_speed_equation({t, t, s, s, d}) : sound_speed_equation(equation);
