@@ -461,62 +461,25 @@ class FixedWater(Water):
     """
     The water of a running simulator: Water that cannot be changed.
     """
-    def add_current(self, current: typing.Any) -> None: ...
-    @property
-    def atmospheric_pressure_pa(self) -> float: ...
-    @atmospheric_pressure_pa.setter
-    def atmospheric_pressure_pa(self, arg1: typing.Any) -> None: ...
-    @property
-    def bottom_depth_m(self) -> float: ...
-    @bottom_depth_m.setter
-    def bottom_depth_m(self, arg1: typing.Any) -> None: ...
-    @property
-    def bottom_temperature_deg_c(self) -> float: ...
-    @bottom_temperature_deg_c.setter
-    def bottom_temperature_deg_c(self, arg1: typing.Any) -> None: ...
+    def __setattr__(self, name: str, value: typing.Any) -> None: ...
+    def add_current(self, current: Current) -> None:
+        """
+        Raises AttributeError.
+        """
     @property
     def current_world_m_s(self) -> numpy.ndarray:
         """
-        (3,), read-only
+        (3,), read-only.
         """
     @current_world_m_s.setter
     def current_world_m_s(self, arg1: typing.Any) -> None: ...
-    @property
-    def density_kg_m3(self) -> float: ...
-    @density_kg_m3.setter
-    def density_kg_m3(self, arg1: typing.Any) -> None: ...
-    @property
-    def gravity_m_s2(self) -> float: ...
-    @gravity_m_s2.setter
-    def gravity_m_s2(self, arg1: typing.Any) -> None: ...
-    @property
-    def profile(self) -> WaterProfile:
-        """
-        None: one density and salinity, temperature linear down to bottom_depth_m
-        """
-    @profile.setter
-    def profile(self, arg1: typing.Any) -> None: ...
-    @property
-    def salinity_psu(self) -> float: ...
-    @salinity_psu.setter
-    def salinity_psu(self, arg1: typing.Any) -> None: ...
-    @property
-    def surface_temperature_deg_c(self) -> float: ...
-    @surface_temperature_deg_c.setter
-    def surface_temperature_deg_c(self, arg1: typing.Any) -> None: ...
-    @property
-    def waves(self) -> Waves:
-        """
-        None: a flat surface
-        """
-    @waves.setter
-    def waves(self, arg1: typing.Any) -> None: ...
 
 class FixedWorld(World):
     """
     The world of a running simulator: a World that cannot be changed.
     """
     def __init__(self, world: World) -> None: ...
+    def __setattr__(self, name: str, value: typing.Any) -> None: ...
     def add_solid(
         self,
         name: str,
