@@ -23,7 +23,9 @@ def connect(
     paused: Paused = False,
     threads: Threads = None,
 ) -> None:
-    """Run a scenario as a client of somebody's rosbridge_server, as the paper's simulator did. Ctrl-C ends it.
+    """Run a scenario as a client of a rosbridge_server.
+
+    As the paper's simulator did. Ctrl-C ends it.
 
     It connects again whenever the connection is lost. Every topic is sent at its rate: rosbridge does not tell who
     listens.

@@ -23,7 +23,9 @@ def nodes(
     out: Annotated[Path, typer.Option(help="Where the octomap node writes its map.")] = Path("nodes.bt"),
     patience: Annotated[float, typer.Option(help="How long to wait for the rosbridge [s].")] = 10.0,
 ) -> None:
-    """Run the paper's chain as nodes: depth strings and poses in, a saved map out. Ctrl-C ends them.
+    """Run the paper's chain as ROS nodes over rosbridge.
+
+    Depth strings and poses in, a saved map out. Ctrl-C ends them.
 
     The simulator's own topics have the same names: use uwsim serve --wire published.
     """

@@ -44,7 +44,10 @@ def serve(
     paused: Paused = False,
     threads: Threads = None,
 ) -> None:
-    """Run a scenario in real time for rosbridge clients: roslibpy, roslibjs and others, without ROS. Ctrl-C ends it."""
+    """Run a scenario in real time for rosbridge clients.
+
+    For roslibpy, roslibjs and others, without ROS. Ctrl-C ends it.
+    """
     from uwsim.bridges import RosbridgeServer
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator

@@ -67,7 +67,8 @@ class SonarSetup(Model):
         except ValueError as error:
             raise broken(str(error)) from None
         if self.range_m is not None and loaded.wire_number is not None:
-            rule = "is for instruments that are not on the wire: the published one's range is its model's"
+            fixed = f"must be left out for {self.loaded.name}, whose range is fixed"
+            rule = f"{fixed}; it is for models such as em2040-04 and em2040-07"
             raise broken(rule, at=("range_m",), value=self.range_m, unit="m")
         return self
 
