@@ -56,7 +56,7 @@ class Simulator(Sealed):
             "optics": "set_optics()",
             "time_s": "step() or advance()",
             "time_ns": "step() or advance()",
-            "seed": "Simulator(scenario, seed=...)",
+            "seed": "reset(seed=...)",
             "step_s": "the scenario's step_s",
             "scenario": "Simulator(scenario)",
             "threads": "Simulator(scenario, threads=...)",

@@ -84,6 +84,11 @@ class Camera(Sealed):
             task_s=dict(picture.task_s),
         )
 
+    @property
+    def world_from_camera(self) -> Floats:
+        """(4, 4), the present pose of its frame: x ahead, y left, z up."""
+        return self._pose(self._scene.snapshot(with_lamps=False))[2]
+
     def snapshot(self) -> Snapshot:
         """Keep the present, for a `capture` later or on another thread."""
         return self._scene.snapshot(with_lamps=True)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from uwsim.cameras import Camera
 from uwsim.channels import build
@@ -25,7 +26,7 @@ def common_channels(sources: Sequence[Source]) -> list[Channel]:
             read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
         ),
         Channel(
-            "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: odom -> base_footprint, base_link -> base_scan",
+            "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles in odom, sonar heads, cameras that follow",
             rate_hz=RATE_HZ, over_link=True, read=lambda sim: _moving(sources, sim),
         ),
         Channel(
@@ -93,6 +94,9 @@ def _moving(sources: Sequence[Source], sim: Simulator) -> Any:
         if source.has_sonar:
             tilt = source.scan_mount_m, build.tilt_xyzw(vehicle.sonar.elevation_rad)
             transforms.append(build.transform(sim.time_ns, frame("base_link"), frame("base_scan"), *tilt))
+        for name, camera in vehicle.cameras.items():
+            if camera.mount.follows == "heading":
+                transforms.append(_following(sim, frame(f"{name}_optical"), camera))
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
 
 
@@ -118,8 +122,15 @@ def _fixed(sources: Sequence[Source], sim: Simulator) -> Any:
             child = frame(f"{name}_link")
             transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sonar.position_m, turn))
         for name, camera in source.of(sim).cameras.items():
-            transforms.append(_optical(sim, frame("base_link"), source.frame(name), camera))
+            if camera.mount.follows == "body":
+                transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
+
+
+def _following(sim: Simulator, child: str, camera: Camera) -> Any:
+    pose = camera.world_from_camera
+    turn = build.turned_xyzw(Rotation.from_matrix(pose[:3, :3]).as_quat(), build.OPTICAL_XYZW)
+    return build.transform(sim.time_ns, "world", child, pose[:3, 3], turn)
 
 
 def _optical(sim: Simulator, parent: str, name: str, camera: Camera) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -37,22 +38,27 @@ class Picture(NamedTuple):
     stream: Stream
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Job:
     slot: int
     picture: Future[Picture]
     is_first: bool
+    read_in: int | None = None  # the period in which it was read, if it may be late
 
 
 class Pictures:
     """The last two pictures of each camera, and how each is streamed.
 
     Simulated time is cut into periods of 1 / RATE_HZ. The first reading in a period begins the picture of that moment,
-    on a thread of its own; readings in the next period get it. So the steps do not wait for a picture that takes less
-    than a period, and what is read does not depend on how long it takes. The first picture is waited for.
+    on a thread of its own. If the steps may wait, readings in the next period get it, and the first picture is waited
+    for: what is read does not depend on how long pictures take. If not, readings get it in the first period in which
+    it is ready, and no other is begun before: pictures that the machine is too slow for are left out.
+
+    may_wait: tells, at each reading, whether the steps may wait.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, may_wait: Callable[[], bool] = lambda: True) -> None:
+        self._may_wait = may_wait
         self._streams: dict[str, Stream] = {}
         self._jobs: dict[str, list[_Job]] = {}
         self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
@@ -69,14 +75,14 @@ class Pictures:
         """Return the picture of the last period, or None if none was due."""
         stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
+        waits = self._may_wait()
         is_first = not jobs or slot - jobs[-1].slot > 1 + RATE_HZ / stream.rate_hz
-        if (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot):
+        is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
+        if is_due and (waits or not jobs or jobs[-1].picture.done()):
             jobs = [*jobs[-1:], self._begin(slot, camera, stream, is_first)]
         self._jobs[name] = jobs
-        for job in jobs:
-            if job.slot == slot - 1 or (job.slot == slot and job.is_first):
-                return job.picture.result()
-        return None
+        is_ready = _is_of_last_period if waits else _is_just_done
+        return next((job.picture.result() for job in jobs if is_ready(job, slot)), None)
 
     def _begin(self, slot: int, camera: Camera, stream: Stream, is_first: bool) -> _Job:
         snapshot = camera.snapshot()
@@ -86,6 +92,16 @@ class Pictures:
             return Picture(frame, _jpeg(frame, stream), stream)
 
         return _Job(slot, self._worker.submit(take), is_first)
+
+
+def _is_of_last_period(job: _Job, slot: int) -> bool:
+    return job.slot == slot - 1 or (job.slot == slot and job.is_first)
+
+
+def _is_just_done(job: _Job, slot: int) -> bool:
+    if job.read_in is None and job.slot < slot and job.picture.done():
+        job.read_in = slot
+    return job.read_in == slot
 
 
 def _jpeg(frame: Frame, stream: Stream) -> bytes:

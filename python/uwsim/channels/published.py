@@ -133,7 +133,7 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
 
 def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> list[Channel]:
     found = []
-    cameras = list(source.of(sim).cameras)
+    cameras = [name for name, camera in source.of(sim).cameras.items() if camera.mount.follows == "body"]
     if cameras:
         found.append(
             Channel(
@@ -146,10 +146,10 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
 
 
 def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
-    """Return the published picture of the station's first camera."""
+    """Return the published picture: of the camera over the station's deck if there is one, else of its first."""
     if not sim.cameras:
         return []
-    name = next(iter(sim.cameras))
+    name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
     frame_id = f"{name}_optical"
 
     def read(sim: Simulator) -> Any:

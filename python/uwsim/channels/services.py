@@ -39,11 +39,13 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
     """Return the services of a vehicle."""
     name, vehicle = source.name, source.of(sim)
     found = [
-        Service(
-            source.topic("release"), TRIGGER,
-            _done(lambda live, request: live.command("release", vehicle=name).result()), "leave the station",
+        Service(source.topic(verb), TRIGGER, _done(_commanded(name, verb)), description)
+        for verb, description in (
+            ("release", "leave the station, which lets go"),
+            ("undock", "leave the station for free water"),
+            ("dock", "return to the station, from close by"),
         )
-    ]  # fmt: skip
+    ]
     for lamp in vehicle.lamps:
         found.append(Service(source.topic(f"lights/{lamp}"), SET_BOOL, _done(_lamp(name, lamp)), "switch the lamps"))
     for camera in vehicle.cameras:
@@ -56,6 +58,10 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
             )
         )  # fmt: skip
     return found
+
+
+def _commanded(vehicle: str, command: str) -> Callable[[LiveSimulator, Request], object]:
+    return lambda live, request: live.command(command, vehicle=vehicle).result()
 
 
 def stream_service(prefix: str, camera: str, key: str, pictures: Pictures) -> Service:

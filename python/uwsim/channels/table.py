@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 from weakref import WeakKeyDictionary
 
@@ -32,10 +32,12 @@ ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "pub
 class Table:
     """The channels and services of a simulator, which share its newest pings, pictures and map."""
 
-    def __init__(self, sim: Simulator, origin_m: NDArray[np.float64]) -> None:
+    def __init__(
+        self, sim: Simulator, origin_m: NDArray[np.float64], may_wait: Callable[[], bool] = lambda: True
+    ) -> None:
         alone = len(sim.scenario.vehicles) == 1
         self.sources = [Source(entry, "" if alone else f"{entry.name}/", origin_m) for entry in sim.scenario.vehicles]
-        self.pictures = Pictures()
+        self.pictures = Pictures(may_wait)
         self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
         self.maps = {
             source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
@@ -76,16 +78,23 @@ class Table:
 _TABLES: WeakKeyDictionary[Simulator, Table] = WeakKeyDictionary()
 
 
-def channels(sim: Simulator, *, wire: Wire = "both", origin: str | Sequence[float] = "world") -> list[Channel]:
+def channels(
+    sim: Simulator,
+    *,
+    wire: Wire = "both",
+    origin: str | Sequence[float] = "world",
+    may_wait: Callable[[], bool] = lambda: True,
+) -> list[Channel]:
     """Return everything that a simulator's vehicles say and hear; see the Channel.
 
     wire: "published" is that of the paper's simulator, "standard" ROS's usual topics. origin: where the world's origin
     is in the odom frame, (3,) [m], or a name in ORIGINS. A scenario with several vehicles has their names before topics
-    and frames. Raises ValueError.
+    and frames. may_wait: whether the steps may wait for pictures; if not, those that are late are left out. Raises
+    ValueError.
     """
     if wire not in ("standard", "published", "both"):
         raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
-    table = _TABLES[sim] = Table(sim, _origin_m(origin))
+    table = _TABLES[sim] = Table(sim, _origin_m(origin), may_wait)
     found = table.published(sim) if wire != "standard" else []
     return found + (table.standard(sim) if wire != "published" else [])
 

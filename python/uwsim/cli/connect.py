@@ -43,9 +43,15 @@ def connect(
     if ros not in (1, 2):
         raise ValueError(f"--ros = {ros}: must be 1 or 2")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
-    said = channels(simulator, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
+    live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
+    said = channels(
+        simulator,
+        wire=wire,  # type: ignore[arg-type]  # checked there
+        origin=origin,
+        may_wait=lambda: live.speed == "max",  # on the wall clock the pace comes first
+    )
     with (
-        LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live,
+        live,
         RosbridgeClient(live, url, channels=said, services=services(simulator), ros=ros),  # type: ignore[arg-type]
     ):
         run_until_interrupted(live, f"{scenario} to {url}")

@@ -23,6 +23,16 @@ def release(sim: Simulator, vehicle: str) -> None:
     _vehicle(sim, vehicle).release()
 
 
+def undock(sim: Simulator, vehicle: str) -> None:
+    """Leave the station for free water; see Vehicle.undock."""
+    _vehicle(sim, vehicle).undock()
+
+
+def dock(sim: Simulator, vehicle: str) -> None:
+    """Return to the station; see Vehicle.dock."""
+    _vehicle(sim, vehicle).dock()
+
+
 def set_effort(sim: Simulator, vehicle: str, **effort: float) -> None:
     """Command efforts; see Vehicle.set_effort."""
     _vehicle(sim, vehicle).set_effort(**effort)
@@ -75,7 +85,19 @@ def set_optics(sim: Simulator, **changes: Any) -> None:
 
 COMMANDS: dict[str, Callable[..., Any]] = {
     command.__name__: command
-    for command in (release, set_effort, set_wrench, set_thrusters, set_fins, place, aim, set_lamp, set_optics)
+    for command in (
+        release,
+        undock,
+        dock,
+        set_effort,
+        set_wrench,
+        set_thrusters,
+        set_fins,
+        place,
+        aim,
+        set_lamp,
+        set_optics,
+    )
 }
 """Every command by its name, except `reset`, which belongs to LiveSimulator."""
 

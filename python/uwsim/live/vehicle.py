@@ -71,6 +71,14 @@ class LiveVehicle:
         """Leave the station."""
         self._command("release")
 
+    def undock(self) -> None:
+        """Leave the station for free water; see Vehicle.undock."""
+        self._command("undock")
+
+    def dock(self) -> None:
+        """Return to the station; see Vehicle.dock."""
+        self._command("dock")
+
     def set_effort(
         self,
         surge: float = 0.0,

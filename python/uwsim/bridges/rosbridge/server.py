@@ -78,7 +78,8 @@ class RosbridgeServer:
         if live is not None:
             if wire == "published":  # clients are told to use simulated time: /clock is there with any wire
                 self.channels = [channel for channel in channels(live.simulator) if channel.name == "clock"]
-            self.channels += channels(live.simulator, wire=wire, origin=origin)
+            may_wait = lambda: live.speed == "max"  # noqa: E731  # on the wall clock the pace comes first
+            self.channels += channels(live.simulator, wire=wire, origin=origin, may_wait=may_wait)
             self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
         self._numbers = itertools.count(1)
