@@ -53,6 +53,23 @@ def test_physics_mode_is_as_wide_as_its_formula() -> None:
         assert half_detected_swath_m(cell, depth_m) == pytest.approx(cell.swath_m(depth_m), rel=sonar.SWATH_TOLERANCE)
 
 
+def test_physics_mode_is_as_wide_as_its_formula_at_every_frequency() -> None:
+    checks = sonar.swath_checks()
+    assert len(checks) == len(FREQUENCIES_KHZ)
+    assert misses(checks) == []
+
+
+def test_a_level_off_by_one_and_a_half_decibels_misses_the_swath_at_600_kilohertz() -> None:
+    cell = Cell(ARRAYS[0], 600, "ocean")
+    figures = acoustics(cell.array, cell.frequency_khz).figures
+    expected_m = cell.swath_m(77.0)
+    figures.source_level_db -= 1.5
+    try:
+        assert half_detected_swath_m(cell, 77.0) < (1 - sonar.SWATH_TOLERANCE) * expected_m
+    finally:
+        figures.source_level_db += 1.5
+
+
 def test_the_detection_rate_falls_with_depth() -> None:
     rates = detection_rate(Cell(ARRAYS[0], 400, "ocean"), [150.0, 290.0, 308.0, 330.0, 500.0])
     assert rates == sorted(rates, reverse=True)

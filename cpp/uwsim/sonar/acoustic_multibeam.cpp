@@ -109,8 +109,8 @@ RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, 
   RayEcho echo;
   echo.range_m = range_m;
   echo.energy = share_sr_ * widening * strengths_[material] * cos_i * lost / (length * length);
-  echo.width_m =
-      std::sqrt(sent.cell_m * sent.cell_m + patch_m * patch_m * (1 - square) / square + relief_m * relief_m * square);
+  echo.point_m2 = sent.cell_m * sent.cell_m + relief_m * relief_m * square;
+  echo.width_m = std::sqrt(echo.point_m2 + patch_m * patch_m * (1 - square) / square);
   echo.cosine = cos_i;
   echo.label = label;
   return echo;

@@ -17,20 +17,22 @@ BottomDetector::BottomDetector(const SonarFigures& figures, bool range_noise)
 BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m,
                                        const BeamDraws& draws) const {
   if (!(echo.peak > 0)) return {};
-  const double extent_m = echo.extent_m(static_cast<float>(cell_m));
-  const double looks = averaged_looks(extent_m, cell_m);
+  double extent_m = echo.extent_m(static_cast<float>(cell_m));
   double snr = system_ratio_ * echo.peak;
   BottomDetection found{Detection::kAmplitude, echo.centre_range_m, 0};
   bool by_phase = false;
-  if (looks >= kPhaseLooks) {
+  if (averaged_looks(extent_m, cell_m) >= kPhaseLooks) {
     const double on_axis_m = axis_range_m(echo.rays, beam);
     if (on_axis_m > 0) {
       by_phase = true;
       found = {Detection::kPhase, on_axis_m, 0};
-      snr = system_ratio_ * envelope(echo.rays, static_cast<float>(on_axis_m), static_cast<float>(cell_m));
+      const AxisEcho on_axis = axis_echo(echo, beam, on_axis_m, static_cast<float>(cell_m));
+      extent_m = on_axis.extent_m;
+      snr = system_ratio_ * on_axis.level;
       if (!(snr > 0)) return {};
     }
   }
+  const double looks = averaged_looks(extent_m, cell_m);
   found.intensity = received_intensity(snr * speckle_intensity(looks, draws.speckle), looks, draws.noise);
   if (!(found.intensity > threshold_.intensity(looks))) return {};
   if (range_noise_) {

@@ -26,8 +26,8 @@ struct BeamDraws {
 
 /// Decides on each beam's range. It averages an echo's looks and compares them with a threshold (detection_theory.h).
 /// It detects by phase if the echo has at least four looks (assumed: a phase ramp needs several; phase then has the
-/// smaller error at any signal-to-noise ratio): at the range of the beam's axis, with the echo's strength there. Else
-/// it detects by amplitude: at the centroid of the energy, with the echo's peak.
+/// smaller error at any signal-to-noise ratio): at the range of the beam's axis, with the echo's strength and extent
+/// there. Else it detects by amplitude: at the centroid of the energy, with the echo's peak.
 class BottomDetector {
  public:
   BottomDetector(const SonarFigures& figures, bool range_noise);

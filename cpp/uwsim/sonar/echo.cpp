@@ -2,7 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace uwsim {
 namespace {
@@ -119,6 +121,25 @@ double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam) {
   }
   inverse = normal.inverse().row(0).dot(right);
   return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::quiet_NaN();
+}
+
+AxisEcho axis_echo(const BeamEcho& echo, const BeamRays& beam, double axis_m, float cell_m) {
+  if (echo.rays.size() != beam.offsets.size()) {
+    return {envelope(echo.rays, static_cast<float>(axis_m), cell_m), echo.extent_m(cell_m)};
+  }
+  const double count = static_cast<double>(echo.rays.size());
+  double shift_m = 0, square_m2 = 0, point_m2 = 0;
+  for (const RayEcho& ray : echo.rays) {
+    const double along_m = double{ray.range_m} - axis_m;
+    shift_m += along_m;
+    square_m2 += along_m * along_m;
+    point_m2 += ray.point_m2;
+  }
+  const double mean_m = shift_m / count, variance_m2 = square_m2 / count - mean_m * mean_m;
+  const double extent_m = std::sqrt(2 * std::numbers::pi * variance_m2 + point_m2 / count);
+  const double pulled_m = echo.centre_range_m - axis_m - mean_m;
+  const double on_axis = variance_m2 > 0 ? std::exp(-0.5 * pulled_m * pulled_m / variance_m2) : 1;
+  return {on_axis * echo.energy * cell_m / extent_m, extent_m};
 }
 
 }  // namespace uwsim

@@ -17,6 +17,7 @@ struct RayEcho {
   float cosine = 0;   ///< of the incidence
   Label label = kNothing;
   std::uint16_t ray = 0;  ///< its number within the beam
+  float point_m2 = 0;     ///< of width_m squared, what each point of the bottom has: range cell and relief
 };
 
 /// The echo of a beam: the sum of its rays' echoes over range, each spread over its width.
@@ -57,5 +58,20 @@ struct BeamRays {
 /// exact there, at any incidence. A mean of ranges is not: the far side of a footprint is longer and its echo is
 /// weaker.
 double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam);
+
+/// The echo as received along the beam's axis.
+struct AxisEcho {
+  double level;     ///< in the unit of BeamEcho::peak
+  double extent_m;  ///< of a rectangle of that level and the echo's energy
+};
+
+/// The echo at the range `axis_m` of the axis.
+///
+/// If all rays are in the echo: level = energy x exp(-d^2 / (2 var r)) x cell / extent, with the extent of a rectangle
+/// as high as the Gaussian echo, sqrt(2 pi var r + point_m2). It rests on the rays' first and second moments only,
+/// which are those of the pattern for any number of rays; their density near the axis is not (8 rays: 1 to 2 dB too
+/// low). d: from the rays' mean range to the centroid of their energy, which the stronger, near side pulls; the factor
+/// is exact if energy falls exponentially over a Gaussian footprint. If rays are missing: the sum of their shapes.
+AxisEcho axis_echo(const BeamEcho& echo, const BeamRays& beam, double axis_m, float cell_m);
 
 }  // namespace uwsim

@@ -6,21 +6,20 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import bisect
+from scipy.optimize import bisect, minimize
 
 from uwsim import _core
 from uwsim.validate.sonar_table import WATERS, Cell, acoustics
 
 PLACES, APART_M = 256, 15.0  # pings from as many places: speckle repeats at one place
-SWATH_PLACES = 32
+SWATH_PLACES, SWATH_APART_M = 1024, 5.0
 LOOKING_DOWN_XYZW = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
-SMOOTHED_BEAMS = 9
 
 
 def detection_rate(cell: Cell, depths_m: list[float]) -> list[float]:
     """Return the detection rate straight below at each depth, as packaged but without false detections."""
     sonar = _sonar(cell, beams=2, fan_rad=math.radians(0.2))
-    return [float(_rates(sonar, depth_m, PLACES).mean()) for depth_m in depths_m]
+    return [float(_rates(sonar, depth_m, PLACES, APART_M).mean()) for depth_m in depths_m]
 
 
 def half_detected_m(cell: Cell) -> float:
@@ -34,12 +33,24 @@ def half_detected_m(cell: Cell) -> float:
 def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
     """Return the width of the swath at a depth: out to the beams with a detection rate of one half."""
     sonar = _sonar(cell, cell.fan.beams, 2 * cell.half_fan_rad)
-    rates = _rates(sonar, depth_m, SWATH_PLACES)
-    both_sides = 0.5 * (rates + rates[::-1])
-    smooth = np.convolve(both_sides, np.full(SMOOTHED_BEAMS, 1 / SMOOTHED_BEAMS), mode="same")
-    angles_rad = sonar_angles(cell)
-    seen = angles_rad[(smooth >= 0.5) & (angles_rad > 0)]
-    return 2 * depth_m * math.tan(float(seen.max(initial=0.0)))
+    rates = _rates(sonar, depth_m, SWATH_PLACES, SWATH_APART_M)
+    return 2 * depth_m * _half_detected_tangent(np.tan(sonar_angles(cell)), rates)
+
+
+def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.float64]) -> float:
+    """Return the tangent at which a logistic curve over its square, fitted to the rates of all beams, is one half.
+
+    A fit, as the rate may fall slowly: where single beams cross one half is then chance. At most that of the fan.
+    """
+    outermost = float(tangents.max())
+    squares = (tangents / outermost) ** 2
+
+    def surprise(curve: NDArray[np.float64]) -> float:  # minus the logarithm of the likelihood
+        logits = np.clip((curve[0] - squares) * curve[1], -40.0, 40.0)
+        return float(np.sum(np.logaddexp(0.0, logits) - rates * logits))
+
+    half, _ = minimize(surprise, (0.5, 10.0), method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-6}).x
+    return outermost * math.sqrt(min(max(float(half), 0.0), 1.0))
 
 
 def sonar_angles(cell: Cell) -> NDArray[np.float64]:
@@ -68,9 +79,9 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
     return _core.AcousticMultibeam(fan, spec, WATERS[cell.water].core_water())
 
 
-def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int) -> NDArray[np.float64]:
+def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int, apart_m: float) -> NDArray[np.float64]:
     """Return the detection rate of each beam, from places along the normal of the fan."""
     scene = _core.RayScene(flat_world(depth_m))
-    along_m = APART_M * (np.arange(places) - places / 2)
+    along_m = apart_m * (np.arange(places) - places / 2)
     pings = [sonar.ping(scene, (x, 0.0, 0.0), LOOKING_DOWN_XYZW, tick=tick) for tick, x in enumerate(along_m)]
     return np.asarray(np.mean([ping.valid for ping in pings], axis=0))
