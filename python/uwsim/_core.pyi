@@ -73,6 +73,7 @@ __all__: list[str] = [
     "encode_depth_string",
     "filter_range",
     "ground_plane",
+    "highest_in_corridor",
     "imaging_kind",
     "imaging_kinds",
     "jerlov_types",
@@ -80,6 +81,7 @@ __all__: list[str] = [
     "mounted_pose",
     "multibeam_model",
     "pass_through",
+    "points_above",
     "refracted",
     "register_cloud",
     "remove_box",
@@ -2338,6 +2340,20 @@ def ground_plane(
     with normal . p + offset = 0, and the inliers (n,) bool. Raises ValueError. Releases the GIL.
     """
 
+def highest_in_corridor(
+    points_m: typing.Any,
+    world_from_points: typing.Any,
+    position_world_m: typing.Any,
+    heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+    half_width_m: typing.SupportsFloat | typing.SupportsIndex,
+    ahead_m: typing.SupportsFloat | typing.SupportsIndex,
+) -> tuple[float, float, float] | None:
+    """
+    x, y, z in the world of the highest point in the corridor from half_width_m behind a position to ahead_m before
+    it, half_width_m to either side of the heading; None if there is none. points_m: (n, 3), those with NaN are left
+    out. world_from_points: (4, 4). position_world_m: (3,). Raises ValueError.
+    """
+
 def imaging_kind(name: str) -> ImagingKind:
     """
     Raises ValueError with the known names.
@@ -2386,6 +2402,14 @@ def pass_through(
     """
     pcl::PassThrough: the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32.
     Discards non-finite points. Raises ValueError. Releases the GIL.
+    """
+
+def points_above(
+    points_m: typing.Any, world_from_points: typing.Any, z_world_m: typing.SupportsFloat | typing.SupportsIndex
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The points that are higher than z_world_m, (k, 3) float64, world, in their order. points_m: (n, 3), those with
+    NaN are left out. world_from_points: (4, 4). Raises ValueError.
     """
 
 def refracted(

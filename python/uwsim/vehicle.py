@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -36,7 +37,7 @@ class Pose:
     orientation_xyzw: Vector
     world_from_body: Vector
 
-    @property
+    @cached_property
     def yaw_rad(self) -> float:
         """Heading of the body's x axis from east, counter-clockwise, in (-pi, pi]."""
         return float(np.arctan2(self.world_from_body[1, 0], self.world_from_body[0, 0]))
@@ -109,6 +110,8 @@ class Vehicle(Sealed):
         self._commanded = False  # whether the present commands would move it
         self._has_warned = False
         self._craft: _core.Craft = spec.craft
+        self._last_motion: tuple[int, Pose, Velocity] | None = None
+        self._last_panel: tuple[int, _core.Telemetry] | None = None
 
     @property
     def sonar(self) -> Sonar:
@@ -255,14 +258,24 @@ class Vehicle(Sealed):
     @property
     def pose(self) -> Pose:
         """The present pose."""
-        state = self._simulation.state(self._index)
-        return Pose(state.position_world_m, state.orientation_xyzw, state.world_from_body)
+        return self._motion()[1]
 
     @property
     def velocity(self) -> Velocity:
         """The present velocity."""
-        nu = self._simulation.state(self._index).velocity_body
-        return Velocity(nu[:3], nu[3:])
+        return self._motion()[2]
+
+    def _motion(self) -> tuple[int, Pose, Velocity]:
+        """Return version, pose and velocity, made once for each version: missions ask several times in each period."""
+        version = self._simulation.version
+        motion = self._last_motion
+        if motion is None or motion[0] != version:
+            state = self._simulation.state(self._index)
+            nu = state.velocity_body
+            pose = Pose(state.position_world_m, state.orientation_xyzw, state.world_from_body)
+            motion = version, pose, Velocity(nu[:3], nu[3:])
+            self.__dict__["_last_motion"] = motion  # faster than by __setattr__, which checks names
+        return motion
 
     def place(
         self,
@@ -295,7 +308,11 @@ class Vehicle(Sealed):
 
     def telemetry(self) -> _core.Telemetry:
         """The panel of the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""
-        return self._simulation.telemetry(self._index)
+        version = self._simulation.version
+        last = self._last_panel
+        if last is None or last[0] != version:
+            self.__dict__["_last_panel"] = last = version, self._simulation.telemetry(self._index)
+        return last[1]
 
 
 def _read_only(array: Vector) -> Vector:

@@ -2,6 +2,7 @@
 
 import signal
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -228,3 +229,29 @@ def test_the_simulator_is_a_context_manager_and_the_package_has_a_version() -> N
     with Simulator("pool") as sim:
         assert sim.vehicles["rov"] is sim.rov
     assert uwsim.__version__[0].isdigit()
+
+
+def test_pose_and_telemetry_are_made_once_a_moment_and_anew_after_every_change() -> None:
+    sim = Simulator("lake", seed=1)
+    rov = sim.rov
+
+    def changes(what: str, change: Callable[[], object]) -> None:
+        before = rov.pose, rov.velocity, rov.telemetry()
+        assert (rov.pose, rov.velocity, rov.telemetry()) == before, "the same objects"
+        change()
+        state, panel = sim._core.state(0), sim._core.telemetry(0)
+        assert np.array_equal(rov.pose.world_from_body, state.world_from_body), what
+        assert np.array_equal(rov.velocity.linear_body_m_s, state.velocity_body[:3]), what
+        fields = [name for name in dir(panel) if not name.startswith("_")]
+        assert [getattr(rov.telemetry(), name) for name in fields] == [getattr(panel, name) for name in fields], what
+
+    changes("release", rov.release)
+    saved = sim.save_state()
+    rov.set_effort(surge=1.0)
+    changes("step", lambda: sim.step(50))
+    changes("place", lambda: rov.place((-60.0, -40.0, -14.0), velocity_body=(0.5, 0, 0, 0, 0, 0)))
+    changes("step", lambda: sim.step(50))
+    changes("restore_state", lambda: sim.restore_state(saved))
+    changes("step", lambda: sim.step(50))
+    changes("reset", lambda: sim.reset(seed=2))
+    changes("undock", rov.undock)

@@ -40,7 +40,7 @@ class VelocityLike(Protocol):
 
 
 class PingLike(Protocol):
-    """ranges_m (beams,), inf = no echo; points_sonar_m (beams, 3); world_from_sonar (4, 4)."""
+    """ranges_m (beams,), inf = no echo; points_sonar_m (beams, 3), NaN = no echo; world_from_sonar (4, 4)."""
 
     @property
     def ranges_m(self) -> NDArray[Any]: ...

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim import _core
 from uwsim.control.protocols import PingLike
 
 Vector = NDArray[np.float64]
+WORLD = np.eye(4)  # of points that are in the world already
 
 
 class ObstacleMemory:
@@ -42,22 +45,21 @@ class ObstacleMemory:
 
     def add(self, ping: PingLike, position_world_m: Vector, heading_rad: float) -> None:
         """Remember the highest echo of a ping in the corridor, if there is one."""
-        rotation, origin = ping.world_from_sonar[:3, :3], ping.world_from_sonar[:3, 3]
-        points = ping.points_sonar_m @ rotation.T + origin
-        ahead = self._in_corridor(points, position_world_m, heading_rad) & np.isfinite(ping.ranges_m)
-        if ahead.any():
-            heights = np.where(ahead, points[:, 2], -np.inf)
-            self._ring[self._seen % len(self._ring)] = points[heights.argmax()]
+        peak = self._highest(ping.points_sonar_m, ping.world_from_sonar, position_world_m, heading_rad)
+        if peak is not None:
+            self._ring[self._seen % len(self._ring)] = peak
             self._seen += 1
 
     def highest_m(self, position_world_m: Vector, heading_rad: float) -> float:
         """Height (z) of the highest remembered echo in the corridor; -inf if there is none."""
         peaks = self._ring[: min(self._seen, len(self._ring))]
-        return float(peaks[self._in_corridor(peaks, position_world_m, heading_rad), 2].max(initial=-np.inf))
+        peak = self._highest(peaks, WORLD, position_world_m, heading_rad)
+        return -math.inf if peak is None else peak[2]
 
-    def _in_corridor(self, points_world_m: Vector, position_world_m: Vector, heading_rad: float) -> NDArray[np.bool_]:
-        """Which of the points (n, 3) are in the corridor; NaN points are not."""
-        dx, dy = points_world_m[:, 0] - position_world_m[0], points_world_m[:, 1] - position_world_m[1]
-        cos, sin = math.cos(heading_rad), math.sin(heading_rad)
-        along, across = cos * dx + sin * dy, cos * dy - sin * dx
-        return np.asarray((along > -self.half_width_m) & (along < self.ahead_m) & (np.abs(across) < self.half_width_m))
+    def _highest(
+        self, points_m: NDArray[Any], world_from_points: NDArray[Any], position_world_m: Vector, heading_rad: float
+    ) -> tuple[float, float, float] | None:
+        """Return the highest of the points (n, 3) that are in the corridor; NaN points are not."""
+        return _core.highest_in_corridor(
+            points_m, world_from_points, position_world_m, heading_rad, self.half_width_m, self.ahead_m
+        )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from uwsim import _core
 from uwsim.control.protocols import PingLike
 
 Point = tuple[float, float]
@@ -47,13 +48,10 @@ class ShoalChart:
 
     def add(self, ping: PingLike) -> None:
         """Chart the shoals that a ping shows."""
-        pose = ping.world_from_sonar
-        heights = ping.points_sonar_m @ pose[2, :3] + pose[2, 3]
-        high = heights > self.top_z_m  # false for NaN: no echo
-        if np.count_nonzero(high) < ECHOES_IN_A_CELL:
+        points = _core.points_above(ping.points_sonar_m, ping.world_from_sonar, self.top_z_m)
+        if len(points) < ECHOES_IN_A_CELL:
             return
-        points = ping.points_sonar_m[high] @ pose[:2, :3].T + pose[:2, 3]
-        cells, echoes = np.unique(np.floor(points / CELL_M).astype(np.int64), axis=0, return_counts=True)
+        cells, echoes = np.unique(np.floor(points[:, :2] / CELL_M).astype(np.int64), axis=0, return_counts=True)
         self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
 
     def blocks(self, start_m: Point, end_m: Point) -> bool:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 
 STAGES = ("physics", "rays", "codec", "conversion", "map")
 WAITING = "waiting for the map"  # time of the flying thread, where the map has a thread of its own
@@ -18,11 +17,22 @@ class WallTimer:
     def __init__(self, wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys((*STAGES, WAITING), 0.0), **(wall_s or {})}
 
-    @contextmanager
-    def measure(self, stage: str) -> Iterator[None]:
-        """Add the wall time of the block to a stage."""
-        start_s = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.wall_s[stage] = self.wall_s.get(stage, 0.0) + time.perf_counter() - start_s
+    def measure(self, stage: str) -> _Measurement:
+        """Add the wall time of a `with` block to a stage."""
+        return _Measurement(self.wall_s, stage)
+
+
+class _Measurement:
+    """Faster than a generator's context manager: there are several in each ping."""
+
+    __slots__ = ("_stage", "_start_s", "_wall_s")
+
+    def __init__(self, wall_s: dict[str, float], stage: str) -> None:
+        self._wall_s, self._stage = wall_s, stage
+
+    def __enter__(self) -> None:
+        self._start_s = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        elapsed_s = time.perf_counter() - self._start_s
+        self._wall_s[self._stage] = self._wall_s.get(self._stage, 0.0) + elapsed_s
