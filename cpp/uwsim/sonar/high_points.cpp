@@ -5,28 +5,43 @@
 namespace uwsim {
 namespace {
 
-/// One row of a transform times a point. Fused by std::fma, which is the same everywhere, in the order in which BLAS
-/// does it: a mission that does this with NumPy flies the same track to the last bit.
-double row_times(const Eigen::Matrix4d& transform, int row, const Eigen::Vector3d& point) {
-  const double xy = std::fma(transform(row, 1), point.y(), transform(row, 0) * point.x());
-  return std::fma(transform(row, 2), point.z(), xy) + transform(row, 3);
-}
+/// A rigid transform of points. `exact` is fused by std::fma, which is the same everywhere, in the order in which BLAS
+/// does it: a mission that does this with NumPy flies the same track to the last bit. `nearly` differs from it by the
+/// rounding alone and is much faster: it tells which points matter.
+class Placing {
+ public:
+  explicit Placing(const Eigen::Matrix4d& world_from_points)
+      : rotation_(world_from_points.topLeftCorner<3, 3>()), origin_m_(world_from_points.topRightCorner<3, 1>()) {}
+
+  Eigen::Vector3d nearly(const Eigen::Vector3d& point) const { return rotation_ * point + origin_m_; }
+  Eigen::Vector3d exact(const Eigen::Vector3d& point) const { return {row(0, point), row(1, point), row(2, point)}; }
+
+ private:
+  double row(int k, const Eigen::Vector3d& point) const {
+    const double xy = std::fma(rotation_(k, 1), point.y(), rotation_(k, 0) * point.x());
+    return std::fma(rotation_(k, 2), point.z(), xy) + origin_m_[k];
+  }
+
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d origin_m_;
+};
 
 }  // namespace
 
 template <typename T>
 std::optional<Eigen::Vector3d> highest_in_corridor(std::span<const T> points_m,
                                                    const Eigen::Matrix4d& world_from_points, const Corridor& corridor) {
+  const Placing placing(world_from_points);
   std::optional<Eigen::Vector3d> highest;
   double height_m = -std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k + 2 < points_m.size(); k += 3) {
     const Eigen::Vector3d point(points_m[k], points_m[k + 1], points_m[k + 2]);
-    const double z_m = row_times(world_from_points, 2, point);
-    if (!(z_m > height_m)) continue;
-    const double x_m = row_times(world_from_points, 0, point), y_m = row_times(world_from_points, 1, point);
-    if (!corridor.contains(x_m, y_m)) continue;
-    height_m = z_m;
-    highest = {x_m, y_m, z_m};
+    const Eigen::Vector3d nearly = placing.nearly(point);
+    if (!corridor.contains(nearly.x(), nearly.y())) continue;
+    const Eigen::Vector3d exact = placing.exact(point);
+    if (!(exact.z() > height_m)) continue;
+    height_m = exact.z();
+    highest = exact;
   }
   return highest;
 }
@@ -34,12 +49,13 @@ std::optional<Eigen::Vector3d> highest_in_corridor(std::span<const T> points_m,
 template <typename T>
 std::vector<double> points_above(std::span<const T> points_m, const Eigen::Matrix4d& world_from_points,
                                  double z_world_m) {
+  const Placing placing(world_from_points);
   std::vector<double> above;
   for (std::size_t k = 0; k + 2 < points_m.size(); k += 3) {
     const Eigen::Vector3d point(points_m[k], points_m[k + 1], points_m[k + 2]);
-    const double z_m = row_times(world_from_points, 2, point);
-    if (!(z_m > z_world_m)) continue;
-    above.insert(above.end(), {row_times(world_from_points, 0, point), row_times(world_from_points, 1, point), z_m});
+    if (!(placing.nearly(point).z() > z_world_m)) continue;
+    const Eigen::Vector3d exact = placing.exact(point);
+    above.insert(above.end(), {exact.x(), exact.y(), exact.z()});
   }
   return above;
 }
