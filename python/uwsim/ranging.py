@@ -34,7 +34,7 @@ echo, and which is the LaserScan's range_max.
 """
 
 REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
-"""Of `reject_outliers`, assumed: measured on the valley's physics mode, they keep 99.7 % of the echoes of a gate."""
+"""Settings of `reject_outliers`, assumed: in the valley's physics mode they keep 99.7 % of the echoes of a gate."""
 
 
 def _no_intensities() -> NDArray[np.float32]:

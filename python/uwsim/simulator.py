@@ -116,7 +116,7 @@ class Simulator(Sealed):
 
     @property
     def scenario(self) -> Scenario:
-        """What runs; after `reset(seed)`, with that seed."""
+        """The scenario that runs; after `reset(seed)`, with that seed."""
         return self._scenario
 
     @property

@@ -1,4 +1,4 @@
-"""What other vehicles cost a ping: alone in the lake against among 20, and with all 20 close before the sonar.
+"""The cost of other vehicles to a ping: alone in the lake against among 20, and with all 20 close before the sonar.
 
 The cases take turns, each round on the same places; medians of the ratios round by round. One thread's processor time.
 """

@@ -1,4 +1,4 @@
-"""What the rosbridge carries, and what it costs: scans and pictures to many subscribers, and one flat out.
+"""The load that the rosbridge carries, and its cost: scans and pictures to many subscribers, and one flat out.
 
 The simulator runs in real time on the lake; its channels here are one true ping of 1,025 beams at 50 Hz and one true
 picture (JPEG) at 10 Hz, taken at the start, so that the network is measured and not the sonar. Subscribers are another

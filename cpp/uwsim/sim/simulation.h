@@ -79,8 +79,8 @@ class Simulation {
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1) const;
   /// The surfaces of the world alone, without vehicles.
   const RayScene& scene() const { return *scene_; }
-  /// What the vehicle's instruments meet: the world, and all other vehicles where they are now. Valid until time passes
-  /// or a vehicle is moved.
+  /// The surroundings of the vehicle's instruments: the world, and all other vehicles where they are now. Valid until
+  /// time passes or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
   /// All vehicles as they are placed now, for RayScene::with; indices are the vehicles'.
   const MovingBodies& vehicles_for_rays() const;

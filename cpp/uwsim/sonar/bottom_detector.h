@@ -11,7 +11,7 @@ namespace uwsim {
 /// How the range of a beam was detected.
 enum class Detection : std::uint8_t { kNone = 0, kAmplitude = 1, kPhase = 2, kFalse = 3 };
 
-/// What a beam detects.
+/// The detection of one beam.
 struct BottomDetection {
   Detection kind = Detection::kNone;
   double range_m = 0;

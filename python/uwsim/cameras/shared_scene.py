@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """What changes, at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on, light."""
+    """The moving parts at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on, light."""
 
     time_ns: int
     positions_m: Floats

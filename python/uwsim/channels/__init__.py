@@ -1,4 +1,4 @@
-"""What is said and heard: the table of channels, and the messages that they carry."""
+"""The table of channels, which says what is said and heard, and the messages that they carry."""
 
 from uwsim.channels.channel import Channel, Service
 from uwsim.channels.table import ORIGINS, channels, services

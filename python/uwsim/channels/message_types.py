@@ -69,7 +69,7 @@ _NAME = re.compile(r"([A-Za-z]\w*)/(?:(msg)/)?([A-Za-z]\w*)")
 
 
 class Kind(NamedTuple):
-    """What a field holds. base: a primitive's name ("float32"), or a message's ("std_msgs/msg/Header").
+    """The type of a field. base: a primitive's name ("float32"), or a message's ("std_msgs/msg/Header").
 
     length: None for one value, 0 for any number of them, else the fixed number of them. limit: of a sequence's length,
     or of a string's; 0 for none.

@@ -1,4 +1,4 @@
-"""What can be asked of a vehicle and of the simulator itself; each answers {"success": ..., "message": ...}."""
+"""Services of a vehicle and of the simulator itself; each answers {"success": ..., "message": ...}."""
 
 from __future__ import annotations
 

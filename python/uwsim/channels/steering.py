@@ -20,7 +20,7 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Steering:
-    """What steers a vehicle: the last effort, wrench or thruster command, or a velocity that is held until the next.
+    """Steers a vehicle: by the last effort, wrench or thruster command, or a velocity that is held until the next.
 
     Commands do not wait for their step; one that fails there is logged.
     """

@@ -12,7 +12,7 @@ EXIT_CODES = {
     INCOMPLETE: "survey: coverage is below --min-coverage",
     INTERRUPTED: "interrupted by Ctrl-C or SIGTERM",
 }
-"""What each code means; USAGE is typer's own."""
+"""The meaning of each code; USAGE is typer's own."""
 
 
 def exit_code_help() -> str:

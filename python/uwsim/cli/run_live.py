@@ -1,4 +1,4 @@
-"""What commands that run a live simulator share: they wait for Ctrl-C, and say when the pace is not held."""
+"""Shared by the commands that run a live simulator: they wait for Ctrl-C, and say when the pace is not held."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What other threads ask of the thread that owns the simulator, in the order in which they ask."""
+"""Requests of other threads to the thread that owns the simulator, in the order in which they ask."""
 
 from __future__ import annotations
 

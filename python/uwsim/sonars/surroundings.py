@@ -1,4 +1,4 @@
-"""What a sonar pings in: the surfaces and the water around it, at one time."""
+"""The surroundings of a sonar: the surfaces and the water around it, at one time."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from uwsim.channels.messages import Ros, to_bytes, to_plain
 
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
 Frame = str | bytes
-"""What goes over a WebSocket: str as a text frame, bytes as a binary one."""
+"""A frame of a WebSocket: str as text, bytes as binary."""
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 
 

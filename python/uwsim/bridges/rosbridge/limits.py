@@ -1,4 +1,4 @@
-"""What a client may ask of the server: beyond these it gets an answer that says so, waits, or is disconnected."""
+"""Limits of what a client may ask: beyond them it gets an answer that says so, waits, or is disconnected."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Limits:
     """From a client, likewise."""
 
     work_share: float = 0.3
-    """Of a core, for what all clients together send: Python runs one thread at a time, and steps need their turns."""
+    """Share of a core for all clients' frames together: Python runs one thread at a time, and steps need turns."""
 
     def __post_init__(self) -> None:
         for field in fields(self):

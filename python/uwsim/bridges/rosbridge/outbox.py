@@ -1,4 +1,4 @@
-"""What waits to be sent to one client: answers first, then each subscription's messages, in bounded memory.
+"""The messages that wait to be sent to one client: answers first, then each subscription's messages, in bounded memory.
 
 A client that does not read loses the oldest messages of its own subscriptions, and nobody else notices. Messages of
 several topics leave in the order in which they came, unless one is throttled.

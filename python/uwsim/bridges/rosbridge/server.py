@@ -97,7 +97,7 @@ class RosbridgeServer:
 
     @property
     def url(self) -> str:
-        """What clients connect to, without the token."""
+        """The address that clients connect to, without the token."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"{'wss' if self._tls else 'ws'}://{host}:{self.port}"
 

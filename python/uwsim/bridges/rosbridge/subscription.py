@@ -15,7 +15,7 @@ COMPRESSIONS: tuple[str, ...] = get_args(Compression)
 
 
 class Options(NamedTuple):
-    """Of one id. throttle_s: least time between messages. queue_length: 0 for the default."""
+    """Terms of one id. throttle_s: least time between messages. queue_length: 0 for the default."""
 
     throttle_s: float
     queue_length: int

@@ -1,4 +1,4 @@
-"""What rosapi tells of a type: its fields, and those of the types in it."""
+"""The description of a type that rosapi gives: its fields, and those of the types in it."""
 
 from __future__ import annotations
 
