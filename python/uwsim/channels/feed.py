@@ -1,0 +1,125 @@
+"""Feed: reads a live simulator's channels once for all who listen, and encodes each reading once."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
+
+from uwsim.channels.cdr import encode
+from uwsim.channels.channel import Channel
+from uwsim.live import LiveSimulator, Subscription
+from uwsim.simulator import Simulator
+
+logger = logging.getLogger("uwsim.channels")
+
+
+class Reading:
+    """One message of a channel. time_ns: simulated time at which it was read; tick: the same in steps."""
+
+    __slots__ = ("_cdr", "_lock", "channel", "message", "tick", "time_ns")
+
+    def __init__(self, channel: Channel, message: Any, time_ns: int, tick: int) -> None:
+        self.channel = channel
+        self.message = message
+        self.time_ns = time_ns
+        self.tick = tick
+        self._cdr: memoryview | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def cdr(self) -> memoryview:
+        """The message in CDR: encoded by the first who asks, on any thread, and shared by all."""
+        with self._lock:
+            if self._cdr is None:
+                self._cdr = encode(self.message)
+            return self._cdr
+
+
+Sink = Callable[[Reading], object]
+"""Takes a reading on the stepping thread: it must be brief and must not block."""
+
+
+class Feed:
+    """The channels of a live simulator for several sinks. A channel is read while somebody listens to it."""
+
+    def __init__(self, live: LiveSimulator) -> None:
+        self._live = live
+        self._lock = threading.Lock()
+        self._taps: dict[str, _Tap] = {}
+
+    def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
+        """Hand each reading of a channel to a sink from now on; return what ends that.
+
+        Whoever comes later to a latched channel gets the newest reading at once, on its own thread. Raises
+        NotRunningError.
+        """
+        with self._lock:
+            tap = self._taps.get(channel.name)
+            if tap is None:
+                tap = self._taps[channel.name] = _Tap(self._live, channel)
+            newest = tap.newest if channel.latched else None
+            tap.sinks = (*tap.sinks, sink)
+            if len(tap.sinks) == 1:
+                try:
+                    tap.open()
+                except RuntimeError:
+                    tap.sinks = ()
+                    raise
+        if newest is not None:
+            sink(newest)
+        return lambda: self._leave(tap, sink)
+
+    def _leave(self, tap: _Tap, sink: Sink) -> None:
+        with self._lock:
+            tap.sinks = tuple(kept for kept in tap.sinks if kept is not sink)
+            if not tap.sinks:
+                tap.close()
+
+
+class _Tap:
+    """One channel's subscription. sinks: replaced as a whole, for the stepping thread reads them without a lock."""
+
+    def __init__(self, live: LiveSimulator, channel: Channel) -> None:
+        self.newest: Reading | None = None
+        self.sinks: tuple[Sink, ...] = ()
+        self._live = live
+        self._channel = channel
+        self._subscription: Subscription | None = None
+
+    def open(self) -> None:
+        """Begin to read. A channel without a rate is read once."""
+        if self._channel.rate_hz is not None:
+            self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
+        elif self.newest is None:
+            self._live.read(self._read).add_done_callback(self._take_once)
+
+    def close(self) -> None:
+        """Read no more."""
+        if self._subscription is not None:
+            self._subscription.cancel()
+            self._subscription = None
+
+    def _read(self, sim: Simulator) -> Reading | None:
+        message = self._channel.read(sim)
+        return None if message is None else Reading(self._channel, message, sim.time_ns, sim.tick)
+
+    def _take_once(self, done: Future[Reading | None]) -> None:
+        error = done.exception()
+        if error is None:
+            self._hand_on(done.result())
+        else:
+            logger.error("channel '%s': %s", self._channel.name, error)
+
+    def _hand_on(self, reading: Reading | None) -> None:
+        if reading is None:
+            return
+        if self._channel.latched:
+            self.newest = reading
+        for sink in self.sinks:
+            try:
+                sink(reading)
+            except Exception:
+                logger.exception("channel '%s': a sink failed", self._channel.name)
