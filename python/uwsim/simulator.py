@@ -16,6 +16,7 @@ from uwsim.cameras import Camera
 from uwsim.cameras.mounted import station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
+from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load, vehicle_hull
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
@@ -49,6 +50,7 @@ class Simulator(Sealed):
 
     threads: int
     scene: _core.RayScene
+    journal: Journal
     cameras: Named[Camera]
     vehicles: Named[Vehicle]
     _changed_by = MappingProxyType(
@@ -81,6 +83,7 @@ class Simulator(Sealed):
             sonar_frequency_khz=sonar_frequency_khz,
         )
         self.threads = _checked_threads(threads)
+        self.journal = Journal()
         self._world = build_world(self.scenario)
         self._fixed_world = _core.FixedWorld(self._world)
         self.scene = _core.RayScene(self._world)
@@ -106,6 +109,7 @@ class Simulator(Sealed):
             cameras=vehicle_cameras(entry, index, self._shared_scene),
             lamps=self._shared_scene.lamps[index],
             imaging_sonars=imaging_sonars(self, entry),
+            journal=self.journal,
         )
 
     def _dock(self) -> Dock:
@@ -137,6 +141,7 @@ class Simulator(Sealed):
     def set_optics(self, **changes: Any) -> None:
         """Change the light, such as jerlov="5C" or sun_elevation_deg=2, from now on. Raises ValueError."""
         self._shared_scene.optics = self._shared_scene.optics.with_changes(changes)
+        self.journal.note("set_optics", **changes)
 
     @property
     def strengths_db(self) -> Named[float]:
@@ -199,7 +204,10 @@ class Simulator(Sealed):
         if n:
             for vehicle in self.vehicles.values():
                 vehicle.warn_if_docked()
-        self._core.step(int(n))
+        if self.journal.observers:
+            self.journal.step(int(n), self.tick, self._core.step)
+        else:
+            self._core.step(int(n))
 
     def advance(self, duration_s: float) -> None:
         """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
@@ -225,6 +233,7 @@ class Simulator(Sealed):
         self._core.restart(self._world, simulation_spec(scenario))
         self._shared_scene.restart(scenario)
         self._scenario = scenario
+        self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
         """Save everything that the future depends on, except scenario and seed.
@@ -247,8 +256,9 @@ class Simulator(Sealed):
         notes = json.loads(self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint()))
         for name, lamps in notes["lamps"].items():
             for lamp, on in lamps.items():
-                self.vehicles[name].lamps[lamp].on = on
-        self.set_optics(**notes["optics"])
+                self.vehicles[name].lamps[lamp].set_silently(on)
+        self._shared_scene.optics = self._shared_scene.optics.with_changes(notes["optics"])
+        self.journal.note("restore_state", state=state)
 
     def __enter__(self) -> Self:
         return self

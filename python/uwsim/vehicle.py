@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from uwsim import _core
 from uwsim.arguments import number
 from uwsim.cameras import Camera, Lamp
 from uwsim.docking import Dock, DockedWarning
+from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.read.did_you_mean import did_you_mean
@@ -95,18 +97,22 @@ class Vehicle(Sealed):
         cameras: Mapping[str, Camera],
         lamps: Mapping[str, Lamp],
         imaging_sonars: Mapping[str, ImagingSonar],
+        journal: Journal,
     ) -> None:
         self._simulation = simulation
         self._index = index
         self.name = spec.name
         sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
-        sonars = {s.name: Sonar(simulation, index, k, s) for k, s in enumerate(spec.sonars)}
+        sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
         self.sensors = Named(sensors, f"{spec.name}.sensors")
         self.sonars = Named(sonars, f"{spec.name}.sonars")
         self.cameras = Named(cameras, f"{spec.name}.cameras")
         self.lamps = Named(lamps, f"{spec.name}.lamps")
         self.imaging_sonars = Named(imaging_sonars, f"{spec.name}.imaging_sonars")
         self._dock = dock
+        self._journal = journal
+        for lamp in lamps.values():
+            lamp.report_to(journal, spec.name)
         self._commanded = False  # whether the present commands would move it
         self._has_warned = False
         self._craft: _core.Craft = spec.craft
@@ -131,6 +137,7 @@ class Vehicle(Sealed):
     def release(self) -> None:
         """Leave the station; the mission time starts. Does nothing if already free."""
         self._simulation.release(self._index)
+        self._note("release")
 
     def undock(self) -> None:
         """Leave the station at once: release the vehicle and put it, at rest, at the dock's way out (station.exit_m).
@@ -142,7 +149,8 @@ class Vehicle(Sealed):
             raise ValueError(f"vehicle '{self.name}': undock: is not docked")
         with self._named_errors():
             self._dock.require_exit(self._index)
-        self.place(self._dock.exit_world_m, self._dock.orientation_xyzw)
+        self._put(_core.BodyState(self._dock.exit_world_m, self._dock.orientation_xyzw, np.zeros(6)))
+        self._note("undock")
 
     def dock(self) -> None:
         """Enter the station's dock from nearby: it holds the vehicle, at rest, until the next release or undock.
@@ -157,6 +165,7 @@ class Vehicle(Sealed):
             self._dock.require_entry(self._index)
         self._simulation.dock(self._index, self._dock.position_world_m, self._dock.orientation_xyzw)
         self._commanded = False
+        self._note("dock")
 
     @contextmanager
     def _named_errors(self) -> Iterator[None]:
@@ -190,6 +199,8 @@ class Vehicle(Sealed):
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
         self._simulation.set_effort(self._index, np.array(efforts, np.float64))
         self.__dict__["_commanded"] = any(efforts)  # faster than by __setattr__, which checks names
+        if self._journal.observers:
+            self._note("set_effort", **dict(zip(AXES, efforts, strict=True)))
 
     @property
     def effort(self) -> Vector:
@@ -224,12 +235,14 @@ class Vehicle(Sealed):
             parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
         self._simulation.set_wrench(self._index, np.array(parts))
         self._commanded = any(parts)
+        self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
         """Command thrusters in [-1, 1] by name; unnamed thrusters stop; fins stay. Raises ValueError."""
         pairs = _numbers_by_name(commands, "thrusters", [name for name, _ in self._thruster_commands()])
         self._simulation.set_thrusters(self._index, pairs)
         self._commanded = any(value for _, value in pairs)
+        self._note("set_thrusters", commands=dict(pairs))
 
     @property
     def thrusters(self) -> Named[Thruster]:
@@ -249,6 +262,7 @@ class Vehicle(Sealed):
         pairs = _numbers_by_name(angles_rad, "fins", list(self.fins), "rad")
         self._simulation.set_fins(self._index, pairs)
         self._commanded = self._commanded or any(value for _, value in pairs)
+        self._note("set_fins", angles_rad=dict(pairs))
 
     @property
     def fins(self) -> Named[float]:
@@ -289,7 +303,21 @@ class Vehicle(Sealed):
         that are not finite or too large, and if the vehicle's origin, by whatever distance, is not above the ground or
         is inside a closed obstacle. The hull is not checked: where it overlaps a surface, contacts push it out.
         """
-        self._simulation.set_state(self._index, _core.BodyState(position_world_m, orientation_xyzw, velocity_body))
+        self._put(_core.BodyState(position_world_m, orientation_xyzw, velocity_body))
+        self._note(
+            "place",
+            position_world_m=position_world_m,
+            orientation_xyzw=orientation_xyzw,
+            velocity_body=velocity_body,
+        )
+
+    def _put(self, state: _core.BodyState) -> None:
+        self._simulation.set_state(self._index, state)
+
+    def _note(self, command: str, **arguments: Any) -> None:
+        """Tell whoever watches the simulator that a command has taken effect."""
+        if self._journal.observers:
+            self._journal.note(command, vehicle=self.name, **arguments)
 
     def warn_if_docked(self) -> None:
         """Warn, once, if the vehicle is commanded while its dock holds it. Simulator.step calls this."""

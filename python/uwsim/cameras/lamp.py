@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.journal import Journal
 from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
 from uwsim.scenario.spec.camera import Lamps
 from uwsim.sealed import Sealed
@@ -23,6 +24,8 @@ class Lamp(Sealed):
         self.name = name
         self.spec = spec
         self._on = False
+        self._journal: Journal | None = None
+        self._vehicle = ""
         self._orientations_xyzw = [mount_orientation_xyzw(spot.yaw_pitch_roll_deg) for spot in spec.spots]
 
     @property
@@ -35,6 +38,16 @@ class Lamp(Sealed):
         if not isinstance(value, bool | np.bool_):
             raise ValueError(f"lamp '{self.name}': on = {value!r}: must be True or False")
         self._on = bool(value)
+        if self._journal is not None and self._journal.observers:
+            self._journal.note("set_lamp", vehicle=self._vehicle, lamp=self.name, on=self._on)
+
+    def set_silently(self, on: bool) -> None:
+        """Switch them as part of another command, such as a reset."""
+        self._on = on
+
+    def report_to(self, journal: Journal, vehicle: str) -> None:
+        """Tell a journal when they are switched."""
+        self._journal, self._vehicle = journal, vehicle
 
     def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.SpotLamp]:
         """Return each lamp for the renderer, given the pose of the vehicle that carries them."""

@@ -61,7 +61,7 @@ class SharedScene:
         self.optics = scenario.optics
         for switches in self.lamps:
             for lamp in switches.values():
-                lamp.on = False
+                lamp.set_silently(False)
 
     def ground_m(self, position_m: Floats) -> float:
         """Return the height of the terrain under or over a place (3,), -inf beside it."""

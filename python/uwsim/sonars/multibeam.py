@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.arguments import number
+from uwsim.journal import Journal
 from uwsim.sealed import Sealed
 
 
@@ -24,10 +25,20 @@ class Sonar(Sealed):
     mode: str
     _changed_by = MappingProxyType({"elevation_rad": "aim()"})
 
-    def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SonarSpec) -> None:
+    def __init__(
+        self,
+        simulation: _core.Simulation,
+        vehicle: int,
+        index: int,
+        spec: _core.SonarSpec,
+        journal: Journal,
+        owner: str,
+    ) -> None:
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
+        self._journal = journal
+        self._owner = owner
         self.name = spec.name
         self.model = spec.model
         self.mode = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
@@ -38,7 +49,10 @@ class Sonar(Sealed):
 
         The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
         """
-        self._simulation.aim(self._vehicle, self._index, number(elevation_rad, "elevation_rad", "rad"))
+        angle = number(elevation_rad, "elevation_rad", "rad")
+        self._simulation.aim(self._vehicle, self._index, angle)
+        if self._journal.observers:
+            self._journal.note("aim", vehicle=self._owner, elevation_rad=angle, sonar=self.name)
 
     @property
     def elevation_rad(self) -> float:
