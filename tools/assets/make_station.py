@@ -1,7 +1,8 @@
-"""Makes assets/meshes/station.obj, a moored pontoon with a dock beneath; needs numpy and manifold3d.
+"""Makes assets/meshes/station.obj and station_davit.obj; needs numpy and manifold3d.
 
-Metres; x forward, z up, z = 0 the water line. The dock's middle is at (0, 0, -5); a vehicle of 1.2 x 0.8 x 0.7 m
-leaves it in any direction but up: it hangs under a roof between four posts.
+Metres; x forward, z up, z = 0 the water line. Both are a moored pontoon. station.obj has a dock beneath: its middle is
+at (0, 0, -5); a vehicle of 1.2 x 0.8 x 0.7 m leaves it in any direction but up: it hangs under a roof between four
+posts. station_davit.obj has a davit instead, which holds a vehicle over the water ahead, at (5, 0, 1.5).
 """
 
 from __future__ import annotations
@@ -56,10 +57,21 @@ def cage() -> list[Manifold]:
     return parts
 
 
+def davit() -> list[Manifold]:
+    """Make two posts on the foredeck and a beam between them, with two arms that reach over the water."""
+    parts = []
+    for side in SIDES:
+        foot, head, tip = (2.6, side * 0.8, 0.5), (3.2, side * 0.8, 3.6), (5.2, side * 0.8, 3.9)
+        parts += [rod(foot, head, 0.08, sides=8), rod(head, tip, 0.07, sides=8), ball(head, 0.09, sides=8)]
+    tip_x, tip_z = 5.0, 3.87
+    return [*parts, rod((tip_x, -0.9, tip_z), (tip_x, 0.9, tip_z), 0.06, sides=8)]
+
+
 def main() -> None:
-    """Write the mesh."""
+    """Write the meshes."""
     comment = "made by tools/assets/make_station.py; metres, z = 0 is the water line"
-    write_obj(united([*platform(), *cage()]), ASSETS / "meshes" / "station.obj", comment)
+    for name, dock in (("station", cage()), ("station_davit", davit())):
+        write_obj(united([*platform(), *dock]), ASSETS / "meshes" / f"{name}.obj", comment)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ Wire = Annotated[
 Origin = Annotated[
     str, typer.Option(help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m).")
 ]
-Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /uwsim/resume begins.")]
+Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume begins.")]
 
 
 def serve(
