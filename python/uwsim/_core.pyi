@@ -59,6 +59,7 @@ __all__: list[str] = [
     "ThrustCurve",
     "ThrusterParameters",
     "VehicleSpec",
+    "VoxelScene",
     "Water",
     "WaterOptics",
     "WaterProfile",
@@ -564,6 +565,21 @@ class RayScene:
     ) -> numpy.typing.NDArray[numpy.bool]:
         """
         (n,) bool: seen from origin_m (3,), no surface lies more than tolerance_m before the point.
+        """
+
+class VoxelScene:
+    """
+    Cubes, such as a map's occupied voxels, prepared for the rays of pictures. The cubes lie at multiples of edge_m.
+    """
+    def __init__(self, centres_world_m: typing.Any, edge_m: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        centres_world_m: (n, 3), less than 2^20 cubes apart. Raises ValueError.
+        """
+    def cast(
+        self, origins_m: typing.Any, directions: typing.Any, max_range_m: typing.SupportsFloat | typing.SupportsIndex
+    ) -> RayHits:
+        """
+        As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.
         """
 
 class SoundSpeedProfile:

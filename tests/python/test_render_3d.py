@@ -6,8 +6,7 @@ import pytest
 from uwsim import _core
 from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import view_of_box
-from uwsim.figures.render_3d import Subject, render
-from uwsim.figures.voxel_mesh import voxel_world
+from uwsim.figures.render_3d import Subject, cast_at_world, render
 
 LOW, HIGH = np.array([-8.0, -5.0, -2.0]), np.array([8.0, 5.0, 1.0])
 
@@ -44,15 +43,43 @@ def test_a_point_behind_the_eye_has_no_pixel():
     assert np.isnan(view.project(2.0 * view.eye_world_m[None])).all()
 
 
-@pytest.mark.parametrize(
-    ("voxels", "faces"), [([[0, 0, 0]], 6), ([[0, 0, 0], [1, 0, 0]], 10), ([[0, 0, 0], [1, 1, 0]], 12)]
-)
-def test_only_exposed_faces_are_built_and_they_face_outwards(voxels, faces):
-    vertices, triangles, _ = voxel_world((np.array(voxels) + 0.5) * 0.5, 0.5).surface_mesh()
-    assert len(triangles) == 2 * faces
-    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
-    assert volume == pytest.approx(len(voxels) * 0.5**3)
+def boxes_hit_m(centres_m, edge_m, origins_m, directions):
+    """The distance to the first of many cubes and the axis of its face, by the slab method for each ray and cube."""
+    with np.errstate(divide="ignore"):
+        walls = (centres_m[None, :, None] + [[-edge_m / 2], [edge_m / 2]] - origins_m[:, None, None]) / directions[
+            :, None, None
+        ]
+    enter, leave = walls.min(axis=2), walls.max(axis=2).min(axis=2)
+    axis, enter_m = enter.argmax(axis=2), np.maximum(enter.max(axis=2), 0.0)
+    enter_m[enter_m > leave] = np.inf
+    first = enter_m.argmin(axis=1)
+    rays = np.arange(len(origins_m))
+    return enter_m[rays, first], axis[rays, first]
+
+
+def test_a_ray_hits_the_first_of_many_cubes():
+    random = np.random.default_rng(3)
+    keys = np.unique(random.integers([-40, -50, -10], [60, 30, 12], (4000, 3)), axis=0)
+    edge_m = 0.25
+    centres = (keys + 0.5) * edge_m
+    origins = random.uniform([-30, -30, -20], [30, 30, 20], (1500, 3))
+    targets = centres[random.integers(len(centres), size=len(origins))] + random.uniform(-1, 1, origins.shape)
+    directions = (targets - origins) / np.linalg.norm(targets - origins, axis=1)[:, None]
+    expected_m, axis = boxes_hit_m(centres, edge_m, origins, directions)
+    hits = _core.VoxelScene(random.permutation(centres), edge_m).cast(origins, directions, 1e4)
+    assert 300 < np.isfinite(expected_m).sum() < 1500
+    assert hits.ranges_m == pytest.approx(expected_m, abs=1e-5)
+    met = np.flatnonzero(np.isfinite(expected_m) & (expected_m > 0.0))
+    assert np.abs(hits.normals_world[met]).argmax(axis=1).tolist() == axis[met].tolist()
+    assert (np.einsum("ij,ij->i", hits.normals_world[met], directions[met]) < 0.0).all()
+
+
+def test_rays_along_the_axes_hit_cubes_and_pass_between_them():
+    scene = _core.VoxelScene(np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 40.5], [70.5, 0.5, 0.5]]), 1.0)
+    origins = np.array([[0.5, 0.5, 90.0], [0.5, 0.5, 20.0], [0.5, 0.5, 20.0], [90.0, 0.5, 0.5], [1.5, 0.5, 90.0]])
+    directions = np.array([[0, 0, -1], [0, 0, -1], [0, 0, 1], [-1, 0, 0], [0, 0, -1]])
+    assert scene.cast(origins, directions, 1e3).ranges_m.tolist() == [49.0, 19.0, 20.0, 19.0, np.inf]
+    assert scene.cast(origins[:1], directions[:1], 48.0).ranges_m.tolist() == [np.inf]
 
 
 @pytest.mark.parametrize("winding", [1, -1])
@@ -77,7 +104,9 @@ def test_parts_outside_the_prism_are_invisible_and_cast_no_shadow():
     def picture():
         grey = lambda heights: np.full((len(heights), 3), 0.5)  # noqa: E731
         sun = np.array([1.0, 0.0, 1.0]) / np.sqrt(2.0)
-        return render(Subject(_core.RayScene(world), grey, ClipPrism(square, -2.0), world.height_at), view, sun)
+        return render(
+            Subject(cast_at_world(_core.RayScene(world)), grey, ClipPrism(square, -2.0), world.height_at), view, sun
+        )
 
     alone = picture()
     wall = np.array([[10.0, -15.0, -1.0], [10.0, 15.0, -1.0], [10.0, 15.0, 30.0], [10.0, -15.0, 30.0]])

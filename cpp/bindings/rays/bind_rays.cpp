@@ -10,9 +10,12 @@
 #include "uwsim/core/parallel.h"
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/rays/visibility.h"
+#include "uwsim/rays/voxel_scene.h"
 
 namespace uwsim::bindings {
 namespace {
+
+constexpr std::size_t kRaysAtOnce = 4096;
 
 struct RayHits {
   py::array_t<float> ranges_m;
@@ -45,41 +48,57 @@ void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double m
   }
 }
 
-RayHits cast(const RayScene& scene, const py::object& origins_m, const py::object& directions_world, double max_range_m,
-             bool exact) {
+/// Casts rays from origins (n, 3) or (1, 3) along directions (n, 3), in batches on all threads: cast(rays, hits).
+template <typename Cast>
+RayHits cast_rays(const py::object& origins_m, const py::object& directions_world, double max_range_m,
+                  const Cast& cast) {
   require(max_range_m > 0, "max_range_m", max_range_m, "must be positive");
-  const auto origins = as_points(origins_m, "origins_m");
-  const auto directions = as_points(directions_world, "directions");
-  const bool shared = origins.size() == 1;
-  require(shared || origins.size() == directions.size(), "origins_m.shape[0]", origins.size(),
+  const auto origins = as_array<double>(origins_m, "origins_m", {-1, 3});
+  const auto directions = as_array<double>(directions_world, "directions", {-1, 3});
+  const bool shared = origins.shape(0) == 1;
+  require(shared || origins.shape(0) == directions.shape(0), "origins_m.shape[0]", origins.shape(0),
           "must be 1 or the number of directions");
-  const std::size_t n = directions.size();
+  const auto n = static_cast<std::size_t>(directions.shape(0));
+  const double *from = origins.data(), *along = directions.data();
   std::vector<float> ranges(n), normals(3 * n);
   std::vector<Label> labels(n);
-  {
-    const py::gil_scoped_release unlocked;
-    std::vector<Ray> rays(n);
-    std::vector<RayHit> hits(n);
-    for (std::size_t k = 0; k < n; ++k) {
-      require(!directions[k].isZero(0), "directions", 0, "must not be zero");
-      rays[k] = {origins[shared ? 0 : k], directions[k].stableNormalized()};
-    }
-    if (exact) {
-      scene.cast(rays, max_range_m, hits, usable_threads());
-    } else {
-      parallel_ranges(n, usable_threads(), [&](std::size_t first, std::size_t last) {
-        cast_for_picture(scene, std::span<const Ray>(rays).subspan(first, last - first), max_range_m,
-                         std::span<RayHit>(hits).subspan(first, last - first));
-      });
-    }
-    for (std::size_t k = 0; k < n; ++k) {
-      ranges[k] = static_cast<float>(hits[k].distance_m);
-      std::copy_n(hits[k].normal_world.data(), 3, normals.begin() + static_cast<std::ptrdiff_t>(3 * k));
-      labels[k] = hits[k].label;
-    }
-  }
+  without_gil([&] {
+    parallel_batches(n, kRaysAtOnce, usable_threads(), [&](std::size_t first, std::size_t last, std::size_t) {
+      std::vector<Ray> rays(last - first);
+      std::vector<RayHit> hits(last - first);
+      for (std::size_t k = first; k < last; ++k) {
+        const Eigen::Vector3d origin(from + (shared ? 0 : 3 * k)), direction(along + 3 * k);
+        require(origin.allFinite(), "origins_m", origin.transpose(), "must be finite");
+        require(direction.allFinite(), "directions", direction.transpose(), "must be finite");
+        require(!direction.isZero(0), "directions", 0, "must not be zero");
+        rays[k - first] = {origin, direction.stableNormalized()};
+      }
+      cast(std::span<const Ray>(rays), std::span<RayHit>(hits));
+      for (std::size_t k = first; k < last; ++k) {
+        const RayHit& hit = hits[k - first];
+        ranges[k] = static_cast<float>(hit.distance_m);
+        std::copy_n(hit.normal_world.data(), 3, &normals[3 * k]);
+        labels[k] = hit.label;
+      }
+    });
+    return 0;
+  });
   const auto rows = static_cast<py::ssize_t>(n);
   return {move_out(std::move(ranges)), move_out(std::move(normals), {rows, 3}), move_out(std::move(labels))};
+}
+
+RayHits cast(const RayScene& scene, const py::object& origins_m, const py::object& directions_world, double max_range_m,
+             bool exact) {
+  return cast_rays(origins_m, directions_world, max_range_m, [&](std::span<const Ray> rays, std::span<RayHit> hits) {
+    exact ? scene.cast(rays, max_range_m, hits) : cast_for_picture(scene, rays, max_range_m, hits);
+  });
+}
+
+RayHits cast_at_voxels(const VoxelScene& scene, const py::object& origins_m, const py::object& directions_world,
+                       double max_range_m) {
+  return cast_rays(origins_m, directions_world, max_range_m, [&](std::span<const Ray> rays, std::span<RayHit> hits) {
+    for (std::size_t k = 0; k < rays.size(); ++k) hits[k] = scene.cast(rays[k], max_range_m);
+  });
 }
 
 py::array_t<bool> visible(const RayScene& scene, const py::object& origin_m, const py::object& points_m,
@@ -173,6 +192,18 @@ void bind_rays(py::module_& m) {
           "ValueError.")
       .def("distance_m", &distance, py::arg("points_m"),
            "(n, 3) -> (n,) float64, the distance to the nearest triangle, exact to double rounding.");
+
+  py::class_<VoxelScene>(m, "VoxelScene",
+                         "Cubes, such as a map's occupied voxels, prepared for the rays of pictures. The cubes lie at "
+                         "multiples of edge_m.")
+      .def(py::init([](const py::object& centres_world_m, double edge_m) {
+             const auto centres = as_points(centres_world_m, "centres_world_m");
+             return without_gil([&] { return std::make_unique<VoxelScene>(centres, edge_m); });
+           }),
+           py::arg("centres_world_m"), py::arg("edge_m"),
+           "centres_world_m: (n, 3), less than 2^20 cubes apart. Raises ValueError.")
+      .def("cast", &cast_at_voxels, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"),
+           "As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.");
 }
 
 }  // namespace uwsim::bindings

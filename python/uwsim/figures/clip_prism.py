@@ -18,8 +18,12 @@ class ClipPrism:
     def span(
         self, origins_m: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the ranges (n,) at which rays enter and leave the prism; entry > exit for rays that miss it."""
-        enter, leave = np.zeros(len(directions)), np.full(len(directions), np.inf)
+        """Return the ranges (n,) at which rays enter and leave the prism; entry > exit for rays that miss it.
+
+        origins_m, directions: (n, 3); one of them may be (3,), shared by all rays.
+        """
+        count = np.broadcast_shapes(origins_m.shape, directions.shape)[0]
+        enter, leave = np.zeros(count), np.full(count, np.inf)
         edges = np.roll(self.corners_m, -1, axis=0) - self.corners_m
         winding = np.sign(_cross2(self.corners_m, np.roll(self.corners_m, -1, axis=0)).sum())
         outward = winding * np.stack([edges[:, 1], -edges[:, 0], np.zeros(len(edges))], axis=1)
@@ -30,9 +34,9 @@ class ClipPrism:
             towards = directions @ normal
             with np.errstate(divide="ignore", invalid="ignore"):
                 crossing = inside / towards
-            enter = np.where(towards < 0.0, np.maximum(enter, crossing), enter)
-            leave = np.where(towards > 0.0, np.minimum(leave, crossing), leave)
-            leave = np.where((towards == 0.0) & (inside < 0.0), -np.inf, leave)
+            np.fmax(enter, np.where(towards < 0.0, crossing, 0.0), out=enter)
+            np.fmin(leave, np.where(towards > 0.0, crossing, np.inf), out=leave)
+            leave[np.broadcast_to((towards == 0.0) & (inside < 0.0), leave.shape)] = -np.inf
         return enter, leave
 
 

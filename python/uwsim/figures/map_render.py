@@ -9,16 +9,14 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from numpy.typing import NDArray
 
-from uwsim import _core
 from uwsim.figures.pinhole_view import view_of_box
-from uwsim.figures.render_3d import Subject, render
+from uwsim.figures.render_3d import Subject, cast_at_cubes, render
 from uwsim.figures.style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
-from uwsim.figures.voxel_mesh import voxel_world
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_centres_m, voxel_keys
 
 MAX_CUBES = 3_000_000
-"""About 3 GB of triangles for the ray caster; a map with more voxels is drawn in larger cubes."""
+"""A map with more voxels is drawn in larger cubes."""
 SUN_WORLD = np.array([-0.62, 0.21, 0.76]) / np.linalg.norm([-0.62, 0.21, 0.76])
 FOOT_PIXELS = 130
 MIN_WIDTH, MAX_WIDTH = 200, 8000
@@ -58,7 +56,7 @@ def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: s
     def colours(z_m: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(HEIGHTS(heights(z_m + shift[2]))[:, :3], np.float64)
 
-    subject = Subject(_core.RayScene(voxel_world(on_grid, edge_m)), colours, voxel_m=edge_m)
+    subject = Subject(cast_at_cubes(on_grid, edge_m), colours, voxel_m=edge_m)
     image = render(subject, view, SUN_WORLD)
     total = view.height + FOOT_PIXELS
     figure = new_figure(view.width / PIXELS_PER_INCH, total / PIXELS_PER_INCH)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +17,7 @@ from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import PinholeView
 
 SUPERSAMPLE = 2
-RAYS_AT_ONCE = 1 << 19
+RAYS_AT_ONCE = 1 << 17
 FAR_M = 1.0e4
 SHADOW_LIFT_M = 0.02
 AMBIENT, SUN, SKY = 0.42, 0.50, 0.16
@@ -22,17 +25,29 @@ BACKGROUND_TOP, BACKGROUND_BOTTOM = np.array([0.93, 0.96, 0.98]), np.array([1.0,
 CUT_GROUND = np.array([0.47, 0.44, 0.42])
 
 HeightColours = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Cast = Callable[[NDArray[np.float64], NDArray[np.float64]], _core.RayHits]
+"""Casts rays from origins (n, 3) or (1, 3) along directions (n, 3)."""
+
+
+def cast_at_world(rays: _core.RayScene) -> Cast:
+    """Return a function that casts rays for pictures at a world."""
+    return partial(rays.cast, max_range_m=FAR_M, exact=False)
+
+
+def cast_at_cubes(centres_world_m: NDArray[np.floating], edge_m: float) -> Cast:
+    """Return a function that casts rays at cubes with these centres (n, 3), at multiples of their edge."""
+    return partial(_core.VoxelScene(centres_world_m, edge_m).cast, max_range_m=FAR_M)
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The content of a picture: a world to cast rays at, and colours (n, 3) in [0, 1] for heights (n,).
+    """The content of a picture: something to cast rays at, and colours (n, 3) in [0, 1] for heights (n,).
 
     prism: clips the world. height_at: height of the ground, to paint where the prism cuts it. voxel_m: size of the
     voxels whose edges are drawn.
     """
 
-    rays: _core.RayScene
+    cast: Cast
     colours: HeightColours
     prism: ClipPrism | None = None
     height_at: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
@@ -41,52 +56,66 @@ class Subject:
 
 def render(subject: Subject, view: PinholeView, sun_world: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Return the picture (height, width, 3) uint8. sun_world: unit vector (3,) towards the light."""
-    fine = SUPERSAMPLE
     image, depth = np.empty((view.height, view.width, 3)), np.empty((view.height, view.width))
-    step = max(RAYS_AT_ONCE // (view.width * fine * fine), 1)
-    for start in range(0, view.height, step):
-        stop = min(start + step, view.height)
-        shaded, ranges_m = _shade(subject, view, view.rays(np.arange(start * fine, stop * fine), fine), sun_world)
-        up = np.linspace(1.0 - start / view.height, 1.0 - stop / view.height, (stop - start) * fine)[:, None]
-        sky = BACKGROUND_TOP * up[..., None] + BACKGROUND_BOTTOM * (1.0 - up[..., None])
-        missed = np.isinf(ranges_m)
-        shaded[missed] = np.broadcast_to(sky, (len(up), view.width * fine, 3)).reshape(-1, 3)[missed]
-        blocks = (stop - start, fine, view.width, fine)
-        image[start:stop] = shaded.reshape(*blocks, 3).mean(axis=(1, 3))
-        depth[start:stop] = ranges_m.reshape(blocks).min(axis=(1, 3))
+    step = max(RAYS_AT_ONCE // (view.width * SUPERSAMPLE**2), 1)
+
+    def draw(start: int) -> None:
+        rows = slice(start, min(start + step, view.height))
+        image[rows], depth[rows] = _draw_rows(subject, view, rows, sun_world)
+
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0)), "render") as pool:
+        list(pool.map(draw, range(0, view.height, step)))
     image *= _depth_shade(depth)
     return np.asarray(np.clip(image, 0.0, 1.0) * 255.0 + 0.5, np.uint8)
+
+
+def _draw_rows(
+    subject: Subject, view: PinholeView, rows: slice, sun_world: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the colours (rows, width, 3) and ranges (rows, width) of some rows, each pixel the mean of its rays."""
+    fine, start, stop = SUPERSAMPLE, rows.start, rows.stop
+    shaded, ranges_m = _shade(subject, view, view.rays(np.arange(start * fine, stop * fine), fine), sun_world)
+    missed = np.isinf(ranges_m)
+    up = np.linspace(1.0 - start / view.height, 1.0 - stop / view.height, (stop - start) * fine)
+    up = np.repeat(up, view.width * fine)[missed, None]
+    shaded[missed] = BACKGROUND_TOP * up + BACKGROUND_BOTTOM * (1.0 - up)
+    blocks = (stop - start, fine, view.width, fine)
+    image, depth = shaded.reshape(*blocks, 3), ranges_m.reshape(blocks)
+    parts = [(i, j) for i in range(fine) for j in range(fine)]  # sums of whole arrays are faster than of short axes
+    mean = sum((image[:, i, :, j] for i, j in parts), np.zeros(())) / len(parts)
+    return mean, np.minimum.reduce([depth[:, i, :, j] for i, j in parts])
 
 
 def _shade(
     subject: Subject, view: PinholeView, directions: NDArray[np.float64], sun_world: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return colours (n, 3) and ranges (n,), inf for rays that hit nothing."""
-    eye = np.broadcast_to(view.eye_world_m, directions.shape)
+    eye = view.eye_world_m
     colour, depth = np.zeros(directions.shape), np.full(len(directions), np.inf)
     enter, leave = _span(subject.prism, eye, directions)
     crossing = np.flatnonzero(enter < leave)
-    origins = eye[crossing] + directions[crossing] * enter[crossing, None]
-    hits = subject.rays.cast(origins, directions[crossing], FAR_M, exact=False)
-    reached = hits.ranges_m + enter[crossing]
-    inside = np.isfinite(reached) & (reached <= leave[crossing])
+    along, enter, leave = directions[crossing], enter[crossing], leave[crossing]
+    origins = eye + along * enter[:, None]
+    hits = subject.cast(origins, along)
+    reached = hits.ranges_m + enter
+    inside = np.flatnonzero(reached <= np.minimum(leave, FAR_M))
 
-    hit = crossing[inside]
-    depth[hit] = reached[inside]
-    points = eye[hit] + directions[hit] * depth[hit, None]
+    hit, along, depth_m = crossing[inside], along[inside], reached[inside]
+    depth[hit] = depth_m
+    points = eye + along * depth_m[:, None]
     normals = np.asarray(hits.normals_world[inside], np.float64)
-    normals *= -np.sign(np.einsum("ij,ij->i", normals, directions[hit]))[:, None]
+    normals *= -np.sign(np.einsum("ij,ij->i", normals, along))[:, None]
     lit = _lit(subject, points + normals * SHADOW_LIFT_M, sun_world) * np.maximum(normals @ sun_world, 0.0)
     light = AMBIENT + SUN * lit + SKY * (0.5 + 0.5 * normals[:, 2])
     if subject.voxel_m is not None:
-        light *= _edge_shade(points, normals, subject.voxel_m, depth[hit] * view.pixel_rad)
+        light *= _edge_shade(points, normals, subject.voxel_m, depth_m * view.pixel_rad)
     colour[hit] = subject.colours(points[:, 2]) * light[:, None]
 
     if subject.height_at is not None:
         with np.errstate(invalid="ignore"):
-            cut = (enter[crossing] > 0.0) & (origins[:, 2] < subject.height_at(origins[:, :2]))
+            cut = (enter > 0.0) & (origins[:, 2] < subject.height_at(origins[:, :2]))
         colour[crossing[cut]] = CUT_GROUND
-        depth[crossing[cut]] = enter[crossing[cut]]
+        depth[crossing[cut]] = enter[cut]
     return colour, depth
 
 
@@ -94,15 +123,16 @@ def _span(
     prism: ClipPrism | None, origins_m: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if prism is None:
-        return np.zeros(len(directions)), np.full(len(directions), np.inf)
+        count = np.broadcast_shapes(origins_m.shape, directions.shape)[0]
+        return np.zeros(count), np.full(count, np.inf)
     return prism.span(origins_m, directions)
 
 
 def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return which points (n, 3) see the sun: (n,) bool. Parts outside the prism cast no shadow."""
-    directions = np.broadcast_to(sun_world, points_m.shape).copy()
-    blocked_m = subject.rays.cast(points_m, directions, FAR_M, exact=False).ranges_m
-    _, leave = _span(subject.prism, points_m, directions)
+    directions = np.broadcast_to(sun_world, points_m.shape)
+    blocked_m = subject.cast(points_m, directions).ranges_m
+    _, leave = _span(subject.prism, points_m, sun_world)
     return np.asarray((blocked_m > leave) | np.isinf(blocked_m))
 
 

@@ -15,7 +15,7 @@ from scipy.spatial import ConvexHull
 from uwsim import _core
 from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import PinholeView, view_of_box
-from uwsim.figures.render_3d import Subject, render
+from uwsim.figures.render_3d import Subject, cast_at_cubes, cast_at_world, render
 from uwsim.figures.style import (
     ACCENT,
     FAINT_INK,
@@ -26,7 +26,6 @@ from uwsim.figures.style import (
     new_figure,
     save_figure,
 )
-from uwsim.figures.voxel_mesh import voxel_world
 from uwsim.scoring.polygon import inside_polygon
 from uwsim.scoring.true_surface import TERRAIN_LABEL
 
@@ -182,20 +181,14 @@ def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevatio
     view = view_of_box(low, high, AZIMUTH_RAD, elevation_rad, PANEL_PIXELS)
 
     sun = SUN_WORLD / np.linalg.norm(SUN_WORLD)
-    block = Subject(comparison.truth, comparison.colours, ClipPrism(area_m, floor_m), comparison.world.height_at)
+    block = Subject(
+        cast_at_world(comparison.truth), comparison.colours, ClipPrism(area_m, floor_m), comparison.world.height_at
+    )
     truth = render(block, view, sun)
     if not len(mapped):
         return view, truth, None
-    around = ClipPrism(_rectangle(mapped[:, :2], comparison.voxel_m), float(mapped[:, 2].min()) - comparison.voxel_m)
-    cubes = _core.RayScene(voxel_world(mapped, comparison.voxel_m, from_above=True))
-    voxels = Subject(cubes, comparison.colours, around, voxel_m=comparison.voxel_m)
-    return view, truth, render(voxels, view, sun)
-
-
-def _rectangle(xy_m: NDArray[np.floating], margin_m: float) -> NDArray[np.float64]:
-    """Return the corners (4, 2) of the rectangle about points (n, 2): all of it, but rays begin close to it."""
-    (west, south), (east, north) = xy_m.min(axis=0) - margin_m, xy_m.max(axis=0) + margin_m
-    return np.array([[west, south], [east, south], [east, north], [west, north]], np.float64)
+    cubes = cast_at_cubes(mapped, comparison.voxel_m)
+    return view, truth, render(Subject(cubes, comparison.colours, voxel_m=comparison.voxel_m), view, sun)
 
 
 def _draw_path(axes: Axes, view: PinholeView, path_world_m: NDArray[np.float64]) -> None:
