@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import sys
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from uwsim.channels.message_types import message_text, typestore
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+from uwsim.channels.message_types import typestore
+
+Distro = Literal["humble", "jazzy"]
+"""A distribution of ROS 2. Messages here are Jazzy's; Humble lacks a few of their fields."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # RTPS 2.5, table 10.3: CDR_LE, no options
 BIG_ENDIAN = b"\x00\x00\x00\x00"
@@ -23,12 +29,28 @@ class Schema(NamedTuple):
     type_hash: str
 
 
-def encode(message: Any) -> memoryview:
+@cache
+def store_of(distro: Distro) -> Typestore:
+    """Return the types as a distribution has them, with those of ours that it lacks."""
+    if distro == "jazzy":
+        return typestore()
+    store, ours = get_typestore(Stores.ROS2_HUMBLE), typestore().fielddefs
+    store.register({name: ours[name] for name in ours.keys() - store.fielddefs.keys()})
+    return store
+
+
+@cache
+def is_as_in_jazzy(name: str, distro: Distro) -> bool:
+    """Whether a type has the same fields, and so the same bytes, in a distribution as in Jazzy."""
+    return schema(name, distro).text == schema(name).text
+
+
+def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
     """Return a message in CDR, with its header of four bytes, padded with zeros to a multiple of four as DDS has it.
 
     The bytes are read-only. Readers ignore the padding.
     """
-    store, name = typestore(), message.__msgtype__
+    store, name = store_of(distro), message.__msgtype__
     definition = store.get_msgdef(name)
     size = len(LITTLE_ENDIAN) + definition.getsize_cdr(0, message, store)
     data = memoryview(bytearray(-(-size // 4) * 4))
@@ -41,6 +63,7 @@ def encode(message: Any) -> memoryview:
 
 
 @cache
-def schema(name: str) -> Schema:
+def schema(name: str, distro: Distro = "jazzy") -> Schema:
     """Return the description of a type, "sensor_msgs/msg/LaserScan"."""
-    return Schema(name, message_text(name, 2), typestore().hash_rihs01(name))
+    store = store_of(distro)
+    return Schema(name, store.generate_msgdef(name, ros_version=2)[0], store.hash_rihs01(name))

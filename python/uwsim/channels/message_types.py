@@ -63,6 +63,17 @@ ADDED = {
 }
 """Types that neither typestore has, as .msg texts. Add yours here, with its source."""
 
+NEWEST_ONLY = frozenset(
+    {
+        "sensor_msgs/msg/Image",
+        "sensor_msgs/msg/CompressedImage",
+        "sensor_msgs/msg/PointCloud2",
+        "octomap_msgs/msg/Octomap",
+        "octomap_msgs/msg/OctomapWithPose",
+    }
+)
+"""Large messages, of which a slow reader wants the newest one and not the last ten."""
+
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # ROS 2's only field of a message without fields
 _NAME = re.compile(r"([A-Za-z]\w*)/(?:(msg)/)?([A-Za-z]\w*)")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from uwsim.cli.options import Seed, SonarModel, Threads
+from uwsim.cli.options import RosDistro, RosDomain, RosPeers, RosReach, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
@@ -42,19 +43,36 @@ def serve(
         typer.Option(help="Web page that may connect besides this machine's own, such as https://station.example."),
     ] = None,
     paused: Paused = False,
+    ros2: Annotated[bool, typer.Option("--ros2", help="Also be a node of ROS 2; see docs/ros2.md.")] = False,
+    ros_distro: RosDistro = None,
+    ros_domain_id: RosDomain = None,
+    ros_reach: RosReach = None,
+    ros_peer: RosPeers = None,
     threads: Threads = None,
 ) -> None:
     """Run a scenario in real time for rosbridge clients.
 
     For roslibpy, roslibjs and others, without ROS. Ctrl-C ends it.
     """
+    from contextlib import ExitStack
+
     from uwsim.bridges import RosbridgeServer
+    from uwsim.channels.feed import Feed
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
 
+    joined = None
+    if ros2:
+        from uwsim.bridges.ros2 import Ros2Node, settings_from
+
+        joined = settings_from(
+            os.environ, distro=ros_distro, domain_id=ros_domain_id, reach=ros_reach or "localhost", peers=ros_peer or ()
+        )
+    elif any(option is not None for option in (ros_distro, ros_domain_id, ros_reach, ros_peer)):
+        raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
-    with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live:
+    with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         server = RosbridgeServer(
             live,
             host=host,
@@ -67,8 +85,12 @@ def serve(
             certfile=certfile,
             keyfile=keyfile,
         )
-        with server:
-            run_until_interrupted(live, f"{scenario} at {server.url}")
+        feed = Feed(live)
+        greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
+        if joined is not None:
+            node = Ros2Node(live, server.channels, server.services, joined, feed=feed)
+            greeting.append(f"ROS 2 {sinks.enter_context(node).settings}")
+        run_until_interrupted(live, ", ".join(greeting))
 
 
 def parsed_speed(text: str) -> float | Literal["max"]:

@@ -14,15 +14,6 @@ from uwsim.bridges.rosbridge.encoding import Compression, Frame, Sample
 from uwsim.channels.messages import Ros
 
 DEFAULT_QUEUE = 10
-NEWEST_ONLY = frozenset(  # large: of these a slow client wants the newest one, not the last ten
-    {
-        "sensor_msgs/msg/Image",
-        "sensor_msgs/msg/CompressedImage",
-        "sensor_msgs/msg/PointCloud2",
-        "octomap_msgs/msg/Octomap",
-        "octomap_msgs/msg/OctomapWithPose",
-    }
-)
 LARGE_QUEUE = 8
 
 

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, get_args
 
 from uwsim.bridges.rosbridge.encoding import Compression
 from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.bridges.rosbridge.outbox import NEWEST_ONLY, Mailbox
+from uwsim.bridges.rosbridge.outbox import Mailbox
+from uwsim.channels.message_types import NEWEST_ONLY
 from uwsim.channels.messages import Ros
 
 COMPRESSIONS: tuple[str, ...] = get_args(Compression)

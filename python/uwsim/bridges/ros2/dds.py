@@ -1,0 +1,198 @@
+"""A participant of a DDS domain that carries ready-made CDR: what Cyclone DDS offers, in the few calls that we need."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from cyclonedds._clayer import ddspy_take
+from cyclonedds.core import DDSException, DDSStatus, Entity, GuardCondition, ReadCondition, WaitSet
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.internal import DDS
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Sample, Topic
+
+from uwsim.bridges.ros2.idl import idl_type
+from uwsim.bridges.ros2.settings import Ros2Settings
+
+EVENTS_MAX = 64  # that one look at a wait set returns; others follow at the next
+UNREAD = 0x2 | 0x0C | 0x70  # samples not yet read, of any view, of any instance
+BAD_PARAMETER = -3
+
+_library = DDS._dll_handle
+_dds_write = _library.dds_write
+_dds_write.argtypes, _dds_write.restype = [ctypes.c_int32, ctypes.c_void_p], ctypes.c_int32
+_dds_attach = _library.dds_waitset_attach
+_dds_attach.argtypes, _dds_attach.restype = [ctypes.c_int32, ctypes.c_int32, ctypes.c_ssize_t], ctypes.c_int32
+_dds_wait = _library.dds_waitset_wait
+_dds_wait.argtypes = [ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int64]
+_dds_wait.restype = ctypes.c_int32
+_dds_delete = _library.dds_delete
+_dds_delete.argtypes, _dds_delete.restype = [ctypes.c_int32], ctypes.c_int32
+
+
+class Domains:
+    """The domains of this process: DDS allows one of each number, which all its participants share."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._domains: dict[int, tuple[str, Domain]] = {}
+        self._users: Counter[int] = Counter()
+
+    def enter(self, settings: Ros2Settings) -> None:
+        """Be in the domain. Raises ValueError if this process is in it by other settings, OSError if it cannot."""
+        number, config = settings.domain_id, settings.config
+        with self._lock:
+            if number not in self._domains:
+                try:
+                    self._domains[number] = config, Domain(number, config)
+                except DDSException as error:
+                    raise OSError(f"cannot join ROS 2 domain {number}: {error}") from None
+            elif self._domains[number][0] != config:
+                raise ValueError(f"ROS 2 domain {number}: this process is in it already, with other settings")
+            self._users[number] += 1
+
+    def leave(self, settings: Ros2Settings) -> None:
+        """Leave the domain."""
+        with self._lock:
+            self._users[settings.domain_id] -= 1
+            if self._users[settings.domain_id] <= 0:
+                _delete(self._domains.pop(settings.domain_id)[1])
+
+
+DOMAINS = Domains()
+
+
+class Participant:
+    """A DDS participant: writers and readers of CDR on topics that it names as ROS does. Raises ValueError, OSError.
+
+    Everything ends with `close`.
+    """
+
+    def __init__(self, settings: Ros2Settings, user_data: bytes) -> None:
+        self.settings = settings
+        DOMAINS.enter(settings)
+        try:
+            self._participant = DomainParticipant(settings.domain_id, Qos(Policy.Userdata(user_data)))
+        except DDSException as error:
+            DOMAINS.leave(settings)
+            raise OSError(f"cannot join ROS 2 domain {settings.domain_id}: {error}") from None
+        self._topics: dict[str, Topic[Any]] = {}
+        self._is_closed = False
+
+    @property
+    def guid(self) -> bytes:
+        """Its name in the domain, 16 bytes."""
+        return bytes(self._participant.guid.bytes)
+
+    def writer(self, topic: str, type_name: str, qos: Qos) -> RawWriter:
+        """Return a new writer."""
+        writer: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, type_name), qos)
+        writer.set_status_mask(DDSStatus.PublicationMatched)
+        return RawWriter(writer)
+
+    def reader(self, topic: str, type_name: str, qos: Qos) -> RawReader:
+        """Return a new reader."""
+        return RawReader(DataReader(self._participant, self._topic(topic, type_name), qos))
+
+    def wait_set(self) -> Events:
+        """Return what waits for several writers and readers."""
+        return Events(self._participant)
+
+    def close(self) -> None:
+        """Leave the domain; other participants are told."""
+        if not self._is_closed:
+            self._is_closed = True
+            _delete(self._participant)
+            DOMAINS.leave(self.settings)
+
+    def _topic(self, name: str, type_name: str) -> Topic[Any]:
+        if name not in self._topics:
+            self._topics[name] = Topic(self._participant, name, idl_type(type_name, self.settings.distro))
+        return self._topics[name]
+
+
+class RawWriter:
+    """Writes CDR."""
+
+    def __init__(self, writer: DataWriter[Any]) -> None:
+        self.entity: Entity = writer
+        self._writer = writer
+
+    @property
+    def guid(self) -> bytes:
+        """Its name in the domain, 16 bytes."""
+        return bytes(self._writer.guid.bytes)
+
+    def write(self, cdr: memoryview) -> bool:
+        """Write a message, whose length is a multiple of four; return whether it was taken. Releases the GIL."""
+        address = np.frombuffer(cdr, np.uint8).__array_interface__["data"][0]
+        sample = Sample(address, len(cdr))
+        return bool(_dds_write(self._writer._ref, ctypes.addressof(sample)) >= 0)
+
+    def readers(self) -> int:
+        """Return how many readers match now. This also ends the event that told of a change."""
+        return int(self._writer.get_publication_matched_status().current_count)
+
+
+class RawReader:
+    """Reads CDR."""
+
+    def __init__(self, reader: DataReader[Any]) -> None:
+        self._reader = reader
+        self.entity: Entity = ReadCondition(reader, UNREAD)
+
+    @property
+    def guid(self) -> bytes:
+        """Its name in the domain, 16 bytes."""
+        return bytes(self._reader.guid.bytes)
+
+    def take(self, limit: int) -> list[bytes]:
+        """Return what has arrived, at most `limit` messages."""
+        taken = ddspy_take(self._reader._ref, UNREAD, limit)
+        return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
+
+
+class Events:
+    """Waits for writers whose readers changed and readers that have something."""
+
+    def __init__(self, participant: DomainParticipant) -> None:
+        self._guard = GuardCondition(participant)
+        self._set = WaitSet(participant)
+        self._sources: list[RawWriter | RawReader | None] = []
+        self._found = (ctypes.c_ssize_t * EVENTS_MAX)()
+        self._attach(self._guard, None)
+
+    def attach(self, source: RawWriter | RawReader) -> None:
+        """Wait for a source, too."""
+        self._attach(source.entity, source)
+
+    def wake(self) -> None:
+        """End the waiting, from any thread."""
+        self._guard.set(True)
+
+    def wait(self, timeout_s: float) -> Sequence[RawWriter | RawReader]:
+        """Return the sources that have something, none after the time or when woken. Releases the GIL."""
+        count = _dds_wait(self._set._ref, ctypes.addressof(self._found), EVENTS_MAX, int(1e9 * timeout_s))
+        found = [self._sources[index] for index in self._found[: max(0, min(count, EVENTS_MAX))]]
+        if None in found:
+            self._guard.take()
+        return [source for source in found if source is not None]
+
+    def _attach(self, entity: Entity, source: RawWriter | RawReader | None) -> None:
+        code = _dds_attach(self._set._ref, entity._ref, len(self._sources))
+        if code < 0:
+            raise OSError(f"DDS: cannot wait for {entity!r} ({code})")
+        self._sources.append(source)
+
+
+def _delete(entity: Entity) -> None:
+    """Delete an entity with all that belongs to it, now and not when Python collects it."""
+    Entity._entities.pop(entity._ref, None)
+    _dds_delete(entity._ref)

@@ -1,0 +1,47 @@
+"""What ROS 2 tells of itself over DDS: names of topics, the node and its endpoints, hashes of types."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from uwsim.channels.cdr import Distro, schema, store_of
+
+ENTITIES = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+ENTITIES_TOPIC = "ros_discovery_info"
+GID_LENGTH: dict[Distro, int] = {"humble": 24, "jazzy": 16}
+PARTICIPANT_DATA = b"enclave=/;"
+_NAME = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+
+
+def dds_name(topic: str) -> str:
+    """Return what a topic "scan" is called in DDS. Raises ValueError for a name that ROS 2 does not allow."""
+    plain = topic.lstrip("/")
+    if not _NAME.fullmatch(plain):
+        raise ValueError(
+            f"topic '{topic}': ROS 2 allows letters, digits and _, and / between names; rename the vehicle"
+        )
+    return f"rt/{plain}"
+
+
+def endpoint_data(type_name: str, distro: Distro) -> bytes:
+    """Return the user data of an endpoint: Jazzy's tells the type's hash."""
+    return b"" if distro == "humble" else f"typehash={schema(type_name, distro).type_hash};".encode()
+
+
+def entities_info(
+    distro: Distro, participant: bytes, node: str, readers: Sequence[bytes], writers: Sequence[bytes]
+) -> Any:
+    """Return the message that makes a node and its endpoints known, from their names in DDS, 16 bytes each."""
+    types = store_of(distro).types
+
+    def gid(guid: bytes) -> Any:
+        return types["rmw_dds_common/msg/Gid"](np.frombuffer(guid.ljust(GID_LENGTH[distro], b"\0"), np.uint8))
+
+    node_info = types["rmw_dds_common/msg/NodeEntitiesInfo"](
+        "/", node, [gid(guid) for guid in readers], [gid(guid) for guid in writers]
+    )
+    return types[ENTITIES](gid(participant), [node_info])

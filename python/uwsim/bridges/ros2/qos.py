@@ -1,0 +1,44 @@
+"""Qualities of service: what ROS 2 readers and writers expect of each kind of topic."""
+
+from __future__ import annotations
+
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.util import duration
+
+from uwsim.channels.message_types import NEWEST_ONLY
+
+DEPTH = 10  # messages that a reader may be behind; ROS 2's default
+LARGE_DEPTH = 2
+BLOCKING = duration(milliseconds=50)  # that a write may wait for a slow reader
+
+
+def depth_of(type_name: str, latched: bool) -> int:
+    """Return how many messages of a topic are kept for a slow reader."""
+    if latched:
+        return 1
+    return LARGE_DEPTH if type_name in NEWEST_ONLY else DEPTH
+
+
+def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
+    """Reliable, so that readers of either reliability match; transient local if latched: late readers get the last."""
+    policies = [
+        Policy.Reliability.Reliable(BLOCKING),
+        Policy.History.KeepLast(depth),
+        Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+        Policy.Userdata(user_data),
+    ]
+    if latched:
+        policies.append(Policy.DurabilityService(0, Policy.History.KeepLast(depth), -1, -1, -1))
+    return Qos(*policies)
+
+
+def reader_qos(depth: int, *, reliable: bool, user_data: bytes, latched: bool = False) -> Qos:
+    """Best effort matches every writer; reliable only reliable ones, as ROS's are by default."""
+    return Qos(
+        Policy.Reliability.Reliable(BLOCKING) if reliable else Policy.Reliability.BestEffort,
+        Policy.History.KeepLast(depth),
+        Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+        Policy.Userdata(user_data),
+    )

@@ -1,0 +1,108 @@
+"""Where a ROS 2 node joins, and how: distribution, domain, reach; and the same as Cyclone DDS wants to hear it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from uwsim.channels.cdr import Distro
+
+Reach = Literal["localhost", "subnet"]
+DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher ones are beyond 65535
+SAFE_DOMAIN_MAX = 101  # Linux gives the ports of higher ones to clients of its own
+PARTICIPANTS_MAX = 32  # that one host is asked for when nothing is multicast; ROS 2 uses the same number
+PORT_BASE, PORTS_PER_DOMAIN, PORTS_PER_PARTICIPANT = 7400, 250, 2  # RTPS 2.5, section 9.6.2.3
+UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
+
+# The largest packets that UDP carries: a picture in 16 of them costs a tenth of one in 750.
+LOOPBACK_SIZES = "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>60000B</FragmentSize>"
+# A reader that stops must not stop a writer: its history of ten bounds what is kept, not the bytes.
+NO_THROTTLE = (
+    "<Internal><Watermarks><WhcHigh>1GB</WhcHigh><WhcHighInit>1GB</WhcHighInit><WhcAdaptive>false</WhcAdaptive>"
+    "</Watermarks></Internal>"
+)
+
+
+@dataclass(frozen=True)
+class Ros2Settings:
+    """How a node joins ROS 2. distro: whose types and graph it speaks. domain_id: as ROS_DOMAIN_ID, [0, 232].
+
+    reach: "localhost" talks to this machine alone, "subnet" to whomever multicast reaches. peers: further hosts, by
+    name or address, that multicast does not reach. Raises ValueError.
+    """
+
+    distro: Distro = "jazzy"
+    domain_id: int = 0
+    reach: Reach = "localhost"
+    peers: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.distro not in get_args(Distro):
+            raise ValueError(f"ROS 2 distro = {self.distro!r}: must be one of {', '.join(get_args(Distro))}")
+        if not 0 <= self.domain_id <= DOMAIN_MAX:
+            raise ValueError(f"ROS_DOMAIN_ID = {self.domain_id}: must be in [0, {DOMAIN_MAX}]")
+        if self.reach not in get_args(Reach):
+            raise ValueError(f"ROS 2 reach = {self.reach!r}: must be one of {', '.join(get_args(Reach))}")
+        for peer in self.peers:
+            if not peer or any(character in peer for character in "<>&\"' "):
+                raise ValueError(f"ROS 2 peer = {peer!r}: must be a host's name or address")
+
+    def __str__(self) -> str:
+        """Return a few words for a greeting."""
+        where = "on this machine alone" if self.reach == "localhost" else "on the subnet"
+        return f"{self.distro}, domain {self.domain_id}, {where}"
+
+    @property
+    def config(self) -> str:
+        """Cyclone DDS's configuration in XML. What CYCLONEDDS_URI says comes after it, and so has the last word."""
+        peers = [*self.peers, *(["127.0.0.1"] if self.reach == "localhost" else [])]
+        listed = "".join(f'<Peer Address="{peer}"/>' for peer in peers)
+        general = (
+            '<Interfaces><NetworkInterface name="lo"/></Interfaces>'
+            f"<AllowMulticast>false</AllowMulticast>{LOOPBACK_SIZES}"
+            if self.reach == "localhost"
+            else ""
+        )
+        ours = (
+            f"<CycloneDDS><Domain Id='any'><General>{general}</General><Discovery>"
+            f"<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{PARTICIPANTS_MAX}"
+            f"</MaxAutoParticipantIndex><Peers>{listed}</Peers></Discovery>{NO_THROTTLE}</Domain></CycloneDDS>"
+        )
+        theirs = os.environ.get("CYCLONEDDS_URI", "")
+        return f"{ours},{theirs}" if theirs else ours
+
+
+def settings_from(
+    environment: Mapping[str, str],
+    *,
+    distro: str | None = None,
+    domain_id: int | None = None,
+    reach: str = "localhost",
+    peers: Sequence[str] = (),
+) -> Ros2Settings:
+    """Return the settings of options, and where there are none, of ROS's own variables.
+
+    They are ROS_DISTRO (if it is one that is known here), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
+    """
+    if distro is None:
+        distro = environment.get("ROS_DISTRO", "")
+        distro = distro if distro in get_args(Distro) else "jazzy"
+    if domain_id is None:
+        text = environment.get("ROS_DOMAIN_ID", "") or "0"
+        if not text.strip().isdecimal():
+            raise ValueError(f"ROS_DOMAIN_ID = {text!r}: must be a whole number in [0, {DOMAIN_MAX}]")
+        domain_id = int(text)
+    static = [peer for peer in environment.get("ROS_STATIC_PEERS", "").split(";") if peer]
+    return Ros2Settings(distro, domain_id, reach, (*static, *peers))  # type: ignore[arg-type]  # checked there
+
+
+def unicast_port(domain_id: int, participant: int) -> int:
+    """Return the UDP port at which a domain's participant is discovered, the first of a host being 0."""
+    return PORT_BASE + PORTS_PER_DOMAIN * domain_id + UNICAST_OFFSET + PORTS_PER_PARTICIPANT * participant
+
+
+def multicast_port(domain_id: int) -> int:
+    """Return the UDP port on which a domain's participants announce themselves to MULTICAST_GROUP."""
+    return PORT_BASE + PORTS_PER_DOMAIN * domain_id

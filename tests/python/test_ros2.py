@@ -1,0 +1,164 @@
+"""The node of ROS 2, seen from another participant of the same domain."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from ros2_tools import free_domain, peer, until
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
+from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
+from uwsim.bridges.ros2.qos import reader_qos
+from uwsim.channels import build, channels, services
+from uwsim.channels.cdr import schema, store_of
+from uwsim.channels.messages import default_message
+from uwsim.live import LiveSimulator
+
+RANGE = "sensor_msgs/msg/Range"
+LATCHED = reader_qos(10, reliable=True, user_data=b"", latched=True)
+SETTINGS = Ros2Settings(domain_id=free_domain())
+
+
+@pytest.fixture(scope="module")
+def live():
+    with LiveSimulator("lake") as live:
+        yield live
+
+
+@pytest.fixture(scope="module")
+def node(live):
+    with Ros2Node(live, channels(live.simulator), services(live.simulator), SETTINGS) as node:
+        yield node
+
+
+@pytest.fixture
+def other(node):
+    with peer(SETTINGS) as other:
+        yield other
+
+
+def test_a_scan_arrives_as_it_was_read(node, other):
+    other.listen("scan", "sensor_msgs/msg/LaserScan", reliable=False)
+    other.listen("odom", "nav_msgs/msg/Odometry")
+    scan, odom = other.next("scan"), other.next("odom")
+    assert scan.header.frame_id == "base_scan" and len(scan.ranges) == 513
+    assert np.all(scan.ranges[np.isfinite(scan.ranges)] <= scan.range_max)
+    assert odom.child_frame_id == "base_footprint" and odom.header.frame_id == "odom"
+
+
+def test_the_clock_runs_and_nothing_is_read_that_nobody_hears(node, other, live):
+    other.listen("clock", "rosgraph_msgs/msg/Clock")
+    times = [other.next("clock").clock for _ in range(3)]
+    nanoseconds = [time.sec * 1_000_000_000 + time.nanosec for time in times]
+    assert nanoseconds == sorted(set(nanoseconds))
+    assert nanoseconds[-1] % 10_000_000 == 0  # simulated time, at 100 Hz
+    assert "camera/front/image_raw/compressed" not in node.written
+
+
+def test_a_latched_topic_comes_to_those_who_are_late(node, other):
+    for _ in range(2):
+        with peer(SETTINGS) as late:
+            late.listen("tf_static", "tf2_msgs/msg/TFMessage", latched=True)
+            frames = {transform.child_frame_id for transform in late.next("tf_static").transforms}
+            assert {"odom", "base_link", "imu_link"} <= frames
+
+
+def test_commands_are_logged_and_move_the_vehicle(node, other, live):
+    twist = default_message("geometry_msgs/msg/Twist")
+    twist.linear.x = 0.4
+    other.say("undock", default_message("std_msgs/msg/Empty"))
+    other.say("cmd_vel", twist)
+    until(lambda: live.simulator.rov.velocity.linear_body_m_s[0] > 0.2, "motion")
+    assert {"undock", "set_effort"} <= {entry.name for entry in live.log}
+
+
+def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(node, other):
+    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+    other.say("lights/front", build.message("std_msgs/msg/Bool", data=True))
+    other.say("simulation/set_speed", build.text("nonsense"))
+    other.say("cmd_tilt", build.message("std_msgs/msg/Float64", data=99.0))
+    said: list[str] = []
+    until(lambda: said.extend(log.msg for log in other.heard("rosout")) or "/cmd_tilt" in str(said), "the answers")
+    text = "\n".join(said)
+    assert '/lights/front: {"success":true' in text
+    assert "/simulation/set_speed: data = 'nonsense': must be JSON" in text
+    assert "/cmd_tilt: cmd_tilt = 99.0 rad: must be in" in text
+
+
+def test_the_graph_tells_the_node_and_all_its_endpoints(node, other):
+    reader = other.participant.reader(
+        ENTITIES_TOPIC, ENTITIES, reader_qos(10, reliable=True, user_data=b"", latched=True)
+    )
+    data = until(lambda: reader.take(10), "discovery")[0]
+    info = store_of("jazzy").deserialize_cdr(data, ENTITIES)
+    (entry,) = info.node_entities_info_seq
+    assert (entry.node_namespace, entry.node_name) == ("/", "uwsim")
+    outputs = [channel for channel in node.channels if channel.direction == "out"]
+    assert len(entry.writer_gid_seq) == len(outputs) + 1  # and /rosout
+    assert len(entry.reader_gid_seq) == len(node.channels) - len(outputs)
+    assert all(len(gid.data) == 16 for gid in entry.writer_gid_seq)
+
+
+def test_humble_has_its_own_gids_and_ranges(live):
+    settings = Ros2Settings("humble", domain_id=free_domain())
+    with Ros2Node(live, channels(live.simulator), (), settings), peer(settings) as other:
+        reader = other.participant.reader(ENTITIES_TOPIC, ENTITIES, LATCHED)
+        info = store_of("humble").deserialize_cdr(until(lambda: reader.take(10), "discovery")[0], ENTITIES)
+        assert len(info.gid.data) == 24
+        ranges = other.participant.reader(
+            "rt/altitude", "sensor_msgs/msg/Range", reader_qos(1, reliable=True, user_data=b"")
+        )
+        data = until(lambda: ranges.take(1), "an altitude")[0]
+        assert store_of("humble").deserialize_cdr(data, "sensor_msgs/msg/Range").max_range > 0
+    assert schema("sensor_msgs/msg/Range", "humble").text != schema("sensor_msgs/msg/Range").text
+
+
+def test_it_leaves_within_a_second_and_leaves_no_thread(live):
+    settings = Ros2Settings(domain_id=free_domain())
+    before = set(threading.enumerate())
+    for _ in range(2):  # the domain can be joined again
+        node = Ros2Node(live, channels(live.simulator), services(live.simulator), settings)
+        with peer(settings) as other:
+            other.listen("imu", "sensor_msgs/msg/Imu")
+            other.next("imu")
+            began = time.monotonic()
+            node.close()
+            assert time.monotonic() - began < 1.0
+    assert {thread for thread in set(threading.enumerate()) - before if "ros2" in thread.name} == set()
+
+
+def test_settings_come_from_options_and_ros_s_variables():
+    environment = {"ROS_DOMAIN_ID": "7", "ROS_DISTRO": "humble", "ROS_STATIC_PEERS": "10.0.0.2;boat"}
+    assert settings_from(environment) == Ros2Settings("humble", 7, "localhost", ("10.0.0.2", "boat"))
+    assert settings_from(environment, distro="jazzy", domain_id=8).domain_id == 8
+    assert settings_from({"ROS_DISTRO": "noetic"}).distro == "jazzy"
+    for bad in ({"ROS_DOMAIN_ID": "x"}, {"ROS_DOMAIN_ID": "233"}, {"ROS_STATIC_PEERS": "<evil>"}):
+        with pytest.raises(ValueError, match="must be"):
+            settings_from(bad)
+    with pytest.raises(ValueError, match="reach = 'moon': must be one of localhost, subnet"):
+        settings_from({}, reach="moon")
+    assert "<AllowMulticast>false" in Ros2Settings().config and '"lo"' in Ros2Settings().config
+    assert "<AllowMulticast>" not in Ros2Settings(reach="subnet").config
+
+
+def test_importing_uwsim_imports_no_dds():
+    code = "import sys, uwsim, uwsim.bridges, uwsim.channels; print('cyclonedds' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+def test_a_missing_extra_is_one_line_that_names_the_command():
+    code = (
+        "import sys; sys.modules['cyclonedds'] = None\n"
+        "import importlib.util as u; found = u.find_spec\n"
+        "u.find_spec = lambda name, *a: None if name == 'cyclonedds' else found(name, *a)\n"
+        "sys.argv = ['uwsim', 'serve', 'lake', '--ros2']\n"
+        "from uwsim.cli import main; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr == (
+        "uwsim: error: ROS 2 needs 'cyclonedds', which is not installed: pip install 'uwsim[ros2]'\n"
+    )
