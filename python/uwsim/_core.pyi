@@ -1735,6 +1735,11 @@ class OccupancyMap:
         """
         The cubes at a depth of the tree, 1 to 16, in the form of leaves(). Releases the GIL.
         """
+    def changed_occupancy(self) -> tuple[numpy.typing.NDArray[numpy.int16], numpy.typing.NDArray[numpy.uint8]]:
+        """
+        The voxels that became occupied, or are so no longer, since the last call: voxels from the origin (n, 3)
+        int16, and whether they are occupied now, (n,) uint8. Releases the GIL.
+        """
     def changed_voxels(self) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int8]]:
         """
         The voxels whose state changed since the last call: centres (n, 3) float64, states (n,) int8. Releases the

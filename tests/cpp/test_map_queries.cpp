@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "map_cases.h"
@@ -256,6 +258,39 @@ TEST(MapChanges, AreTheDifferencesSinceTheLastCall) {
     for (std::size_t step = 0; step < reported[0].size(); ++step) {
       EXPECT_EQ(reported[0][step].voxel_centres_world_m, reported[1][step].voxel_centres_world_m);
       EXPECT_EQ(reported[0][step].states, reported[1][step].states);
+    }
+  }
+}
+
+TEST(OccupancyChanges, GiveTheOccupiedVoxelsWhateverElseIsAsked) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    for (const MapEngineKind engine : kEngines) {
+      OccupancyMap map = some_map(engine, seed);
+      std::set<std::array<int, 3>> occupied;
+      for (int step = 0; step < 8; ++step) {
+        if (step % 3 == 1) map.changed_voxels();
+        const OccupancyMap::OccupancyChanges changes = map.changed_occupancy();
+        for (std::size_t i = 0; i < changes.occupied.size(); ++i) {
+          const std::int16_t* at = &changes.cells[3 * i];
+          const std::array<int, 3> cell{at[0], at[1], at[2]};
+          EXPECT_TRUE(changes.occupied[i] ? occupied.insert(cell).second : occupied.erase(cell) == 1);
+        }
+        EXPECT_EQ(changes.occupied.empty(), step == 4);
+        std::set<std::array<int, 3>> expected;
+        for (const auto& [at, state] : states_of(map)) {
+          const auto cell = [&, &at = at](std::size_t axis) {
+            return static_cast<int>(std::floor((at[axis] - kOrigin_m[Eigen::Index(axis)]) / 0.5));
+          };
+          if (state == 1) expected.insert({cell(0), cell(1), cell(2)});
+        }
+        EXPECT_EQ(occupied, expected) << "step " << step;
+        if (step == 2) {
+          OccupancyMap other = some_map(engine, seed + 20);
+          map.merge(other);
+        } else if (step != 3) {
+          insert_some(map, seed + 100 * unsigned(step), 1, 12);
+        }
+      }
     }
   }
 }

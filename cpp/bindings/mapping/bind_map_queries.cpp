@@ -74,7 +74,15 @@ void bind_cubes(MapClass& map) {
                                    move_out(std::move(changes.states)));
           },
           "The voxels whose state changed since the last call: centres (n, 3) float64, states (n,) int8. Releases the\n"
-          "GIL.");
+          "GIL.")
+      .def(
+          "changed_occupancy",
+          [](OccupancyMap& self) {
+            OccupancyMap::OccupancyChanges changes = without_gil([&] { return self.changed_occupancy(); });
+            return std::make_tuple(rows_out(std::move(changes.cells)), move_out(std::move(changes.occupied)));
+          },
+          "The voxels that became occupied, or are so no longer, since the last call: voxels from the origin (n, 3)\n"
+          "int16, and whether they are occupied now, (n,) uint8. Releases the GIL.");
 }
 
 }  // namespace

@@ -78,12 +78,13 @@ void MapChanges::append_changes(std::uint32_t chunk, const std::vector<States>& 
   }
 }
 
-/// Adds the engine's changes to those that are pending. If all chunks may have changed, these are the known ones and
-/// those that were pending.
-void MapChanges::collect_pending(MapEngine& engine, std::size_t most) {
-  const ChangedChunks latest = engine.take_changed();
-  pending_.all = pending_.all || latest.all;
-  pending_.codes.insert(latest.codes.begin(), latest.codes.end());
+void MapChanges::note(const ChangedChunks& chunks) {
+  pending_.all = pending_.all || chunks.all;
+  pending_.codes.insert(chunks.codes.begin(), chunks.codes.end());
+}
+
+/// If all chunks may have changed, lists the known ones.
+void MapChanges::list_pending(const MapEngine& engine, std::size_t most) {
   if (!pending_.all) return;
   std::uint64_t voxels = 0;
   ChangedChunks known;
@@ -95,8 +96,8 @@ void MapChanges::collect_pending(MapEngine& engine, std::size_t most) {
   pending_.codes.merge(known.codes);
 }
 
-std::vector<MapChanges::Changed> MapChanges::take(MapEngine& engine, std::size_t most) {
-  collect_pending(engine, most);
+std::vector<MapChanges::Changed> MapChanges::take(const MapEngine& engine, std::size_t most) {
+  list_pending(engine, most);
   std::vector<Changed> changed;
   std::map<std::uint32_t, ChunkStates> latest;
   for (const std::uint32_t chunk : pending_.codes) {

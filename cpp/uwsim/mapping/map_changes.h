@@ -19,9 +19,11 @@ class MapChanges {
     std::int8_t state;  ///< 1 occupied, 0 free, -1 unknown
   };
 
+  /// Notes which chunks may have changed.
+  void note(const ChangedChunks& chunks);
   /// Changed voxels in Morton order; at the first call, all known ones. Throws InvalidValue if there are more than
   /// `most`; the next call then reports them.
-  std::vector<Changed> take(MapEngine& engine, std::size_t most);
+  std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 
  private:
   enum class Kind : std::uint8_t { unknown, free, occupied, mixed };
@@ -40,9 +42,9 @@ class MapChanges {
   static std::vector<States> states_now(const MapEngine& engine, std::uint32_t chunk);
   static void append_changes(std::uint32_t chunk, const std::vector<States>& before, const std::vector<States>& now,
                              std::vector<Changed>& changed);
-  void collect_pending(MapEngine& engine, std::size_t most);
+  void list_pending(const MapEngine& engine, std::size_t most);
 
-  ChangedChunks pending_;                          ///< chunks with changes that were not reported
+  ChangedChunks pending_{true, {}};                ///< chunks with changes that were not reported
   std::map<std::uint32_t, ChunkStates> reported_;  ///< by the chunk's code
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -31,6 +32,9 @@ struct TreeBytes {
   std::uint64_t nodes = 0;
 };
 
+/// One bit for each voxel of a chunk, in Morton order.
+using OccupiedWords = std::array<std::uint64_t, 4096>;
+
 /// The data structure behind an OccupancyMap. Callers check the arguments, and call from one thread at a time.
 class MapEngine {
  public:
@@ -53,6 +57,11 @@ class MapEngine {
 
   /// The chunks that may have changed since the last call; all at the first call, from which on changes are recorded.
   virtual ChangedChunks take_changed() = 0;
+
+  /// The chunks that may have occupied voxels; `all` if they are too many to list.
+  virtual ChangedChunks occupied_chunks() const = 0;
+  /// Sets the bits of a chunk's occupied voxels; the others are zero before.
+  virtual void occupied_in(std::uint32_t chunk, OccupiedWords& words) const = 0;
 
   virtual std::optional<float> log_odds_at(const VoxelKey& key) const = 0;
   /// In Morton order. How many equal voxels make up one leaf depends on the engine.

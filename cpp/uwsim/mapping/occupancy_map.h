@@ -144,6 +144,14 @@ class OccupancyMap {
   /// Throws InvalidValue if there are more than 100 million; the next call then reports them.
   Changes changed_voxels();
 
+  struct OccupancyChanges {
+    std::vector<std::int16_t> cells;     ///< x, y, z by rows: voxels from the origin
+    std::vector<std::uint8_t> occupied;  ///< 1: has become so, 0: is so no longer
+  };
+  /// The voxels that became occupied, or are so no longer, since the last call, in Morton order; at the first call, all
+  /// occupied ones. Throws InvalidValue if there are more than 100 million; the next call then reports them.
+  OccupancyChanges changed_occupancy();
+
   /// Adds another map's log-odds, voxel by voxel: an unknown voxel counts as 0, the sum is clamped to this map's
   /// limits. The other map's origin must be a whole number of voxels from this map's along each axis. Throws
   /// InvalidValue, having changed nothing, if it is not, or if the other map has another resolution, is this map or

@@ -11,6 +11,7 @@
 #include "uwsim/mapping/map_changes.h"
 #include "uwsim/mapping/map_engine.h"
 #include "uwsim/mapping/occupancy_map.h"
+#include "uwsim/mapping/occupied_changes.h"
 
 /// For the files that define OccupancyMap's members (occupancy_map*.cpp) only.
 namespace uwsim {
@@ -56,6 +57,13 @@ struct OccupancyMap::Impl {
     return (corner[axis] - kHalfExtent + 0.5 * (1 << levels)) * resolution_m + origin_world_m[Eigen::Index(axis)];
   }
 
+  /// Tells both lists of changes what has changed since either was asked.
+  void note_changes() {
+    const ChangedChunks latest = engine->take_changed();
+    changes.note(latest);
+    occupied_changes.note(latest);
+  }
+
   std::uint64_t count(bool occupied) const;
   std::vector<double> voxels_world_m(bool occupied) const;
 
@@ -64,6 +72,7 @@ struct OccupancyMap::Impl {
   MapOptions options;
   const std::unique_ptr<MapEngine> engine;
   MapChanges changes;
+  OccupiedChanges occupied_changes;
   std::uint64_t outside_points = 0;  ///< discarded so far
   mutable std::mutex mutex;
 };

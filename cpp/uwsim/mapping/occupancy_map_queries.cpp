@@ -166,12 +166,24 @@ OccupancyMap::Casts OccupancyMap::cast_rays(std::span<const double> origins_worl
 
 OccupancyMap::Changes OccupancyMap::changed_voxels() {
   const std::scoped_lock lock(impl_->mutex);
+  impl_->note_changes();
   Changes changes;
   for (const MapChanges::Changed& voxel : impl_->changes.take(*impl_->engine, kListedMax)) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       changes.voxel_centres_world_m.push_back(impl_->centre_world_m(voxel.key, 0, axis));
     }
     changes.states.push_back(voxel.state);
+  }
+  return changes;
+}
+
+OccupancyMap::OccupancyChanges OccupancyMap::changed_occupancy() {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->note_changes();
+  OccupancyChanges changes;
+  for (const OccupiedChanges::Changed& voxel : impl_->occupied_changes.take(*impl_->engine, kListedMax)) {
+    for (const int key : voxel.key) changes.cells.push_back(static_cast<std::int16_t>(key - kHalfExtent));
+    changes.occupied.push_back(voxel.is_occupied);
   }
   return changes;
 }

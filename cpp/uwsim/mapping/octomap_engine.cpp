@@ -2,10 +2,13 @@
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <sstream>
 #include <utility>
 
 #include "uwsim/mapping/atomic_file_stream.h"
+#include "uwsim/mapping/log_odds.h"
+#include "uwsim/mapping/morton.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
 // The tree's code is Debian's, linked from its archives: compiled here, it could give another tree.
@@ -148,6 +151,25 @@ class OctomapEngine : public MapEngine {
     Root::detect_changes(tree_);
     Root::changed(tree_).clear();
     return changed;
+  }
+
+  ChangedChunks occupied_chunks() const override {
+    ChangedChunks chunks;
+    for_each_leaf([&](const VoxelKey& corner, int levels, float log_odds) {
+      if (is_occupied(log_odds)) chunks.add(corner, levels);
+    });
+    return chunks;
+  }
+
+  void occupied_in(std::uint32_t chunk, OccupiedWords& words) const override {
+    for_each_leaf_in(chunk_box(chunk), [&](const VoxelKey& corner, int levels, float log_odds) {
+      if (!is_occupied(log_odds)) return;
+      const std::size_t first = levels > 6 ? 0 : morton::code(corner) & 0x3ffff;
+      const std::size_t count = std::size_t{1} << (3 * std::min(levels, 6));
+      for (std::size_t at = first; at < first + count; at += 64) {
+        words[at >> 6] |= morton::bits_in_word(at, std::min<std::size_t>(count, 64));
+      }
+    });
   }
 
   void load(MapFormat format, std::string_view body) override {

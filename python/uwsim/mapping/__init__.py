@@ -16,7 +16,7 @@ from uwsim.mapping.occupancy_map import (
     OnOutside,
 )
 from uwsim.mapping.occupancy_model import OccupancyModel
-from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, RayCasts
+from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts
 
 __all__ = [
     "ENGINES",
@@ -27,6 +27,7 @@ __all__ = [
     "MapEngine",
     "MapFormat",
     "MapStatistics",
+    "OccupancyChanges",
     "OccupancyMap",
     "OccupancyModel",
     "OnOutside",

@@ -71,6 +71,21 @@ class MapChanges:
 
 
 @dataclass(frozen=True, eq=False)
+class OccupancyChanges:
+    """Voxels of the finest level that became occupied, or are so no longer, in Morton order.
+
+    cells: (n, 3) int16, voxels from the map's origin: the centre is at (cell + 0.5) resolution. occupied: (n,) bool,
+    now.
+    """
+
+    cells: NDArray[np.int16]
+    occupied: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.occupied)
+
+
+@dataclass(frozen=True, eq=False)
 class RayCasts:
     """Where rays end in a map.
 

@@ -56,6 +56,18 @@ class BrickEngine : public MapEngine {
 
   ChangedChunks take_changed() override { return store_.take_changed(); }
 
+  ChangedChunks occupied_chunks() const override {
+    ChangedChunks chunks;
+    for (const auto& leaf : store_.large_leaves()) {
+      if (is_occupied(leaf.log_odds)) chunks.add(morton::key(std::uint64_t{leaf.code} << 18), leaf.levels);
+    }
+    for (const auto& [code, chunk] : store_.sorted_chunks()) chunks.codes.insert(code);
+    return chunks;
+  }
+  void occupied_in(std::uint32_t chunk, OccupiedWords& words) const override {
+    bricks::occupied_in(store_, chunk, words);
+  }
+
   void load(MapFormat format, std::string_view body) override { load_tree(store_, format, body); }
 
   std::optional<float> log_odds_at(const VoxelKey& key) const override {

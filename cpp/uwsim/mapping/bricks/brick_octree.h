@@ -22,6 +22,9 @@ void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
 /// The leaves that have voxels of the box.
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf);
 
+/// Sets the bits of a chunk's occupied voxels, in Morton order.
+void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& words);
+
 // brick_octree_write.cpp
 
 /// The tree that OctoMap would have after the same scans, as an .ot: eight equal leaves are pruned to one, an inner

@@ -5,6 +5,15 @@
 namespace uwsim::bricks {
 namespace {
 
+/// The occupied voxels of the 64 of a word.
+std::uint64_t occupied_bits(const BrickStore& store, const Brick& brick, std::size_t word) {
+  if (brick.block[word] == kNone) return is_occupied(store.model().clamping_min) ? brick.known[word] : 0;
+  const float* const block = store.block(brick.block[word]);
+  std::uint64_t bits = 0;
+  for (unsigned i = 0; i < 64; ++i) bits |= std::uint64_t{is_occupied(block[i])} << i;
+  return bits & brick.known[word];
+}
+
 class LeafLister {
  public:
   explicit LeafLister(const MapEngine::LeafVisitor& visit) : visit_(visit) {}
@@ -56,6 +65,26 @@ void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf) 
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf) {
   BoxLister lister(box, leaf);
   OctreeWalk(store, lister, store.sorted_chunks(box)).run();
+}
+
+void occupied_in(const BrickStore& store, std::uint32_t code, OccupiedWords& words) {
+  const BrickStore::Chunk* const chunk = store.find_chunk(code);
+  if (!chunk) {
+    const BrickStore::LargeLeaf* const leaf = store.large_leaf_over(code);
+    if (leaf && is_occupied(leaf->log_odds)) words.fill(~std::uint64_t{0});
+    return;
+  }
+  for (std::size_t i = 0; i < chunk->bricks.size(); ++i) {
+    const std::uint32_t slot = chunk->bricks[i];
+    if (slot == kNone) continue;
+    for (std::size_t word = 0; word < 8; ++word) {
+      if (slot < BrickStore::kUniform) {
+        words[8 * i + word] = occupied_bits(store, store.brick(slot), word);
+      } else if (is_occupied(store.uniform(slot))) {
+        words[8 * i + word] = ~std::uint64_t{0};
+      }
+    }
+  }
 }
 
 }  // namespace uwsim::bricks

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import math
+from collections.abc import Callable
 from typing import Any, Literal
 
 import cbor2
@@ -50,11 +51,21 @@ class Sample:
     """One message of a topic, and the frames that were made of it. time_ns: when it was received, for cbor-raw."""
 
     __slots__ = ("_frames", "message", "time_ns")
+    builds_up = False
 
     def __init__(self, message: Any, time_ns: int = 0) -> None:
         self.message = message
         self.time_ns = time_ns
         self._frames: dict[Any, Any] = {}
+
+    @property
+    def is_taken(self) -> bool:
+        """Whether anybody was ready for it."""
+        return bool(self._frames)
+
+    def after(self, cursor: Any) -> tuple[Sample, Any]:
+        """Return what a subscriber is to get who has got everything up to a cursor, and its next cursor."""
+        return self, None
 
     def frame(self, topic: str, ros: Ros, compression: Compression) -> Frame:
         """Return the operation "publish" under the topic's name as the subscriber wrote it."""
@@ -85,6 +96,25 @@ class Sample:
             return cbor2.dumps(to_plain(self.message, ros, "cbor"))
         secs, nsecs = divmod(self.time_ns, 10**9)
         return cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": to_bytes(self.message, ros)})
+
+
+class Growing(Sample):
+    """News of a topic whose messages build on each other: each subscriber gets one with all that it does not have.
+
+    catch_up: returns the message for a cursor (None: has nothing), and the next cursor.
+    """
+
+    __slots__ = ("_catch_up",)
+    builds_up = True
+
+    def __init__(self, catch_up: Callable[[Any], tuple[Any, Any]], time_ns: int = 0) -> None:
+        super().__init__(None, time_ns)
+        self._catch_up = catch_up
+
+    def after(self, cursor: Any) -> tuple[Sample, Any]:
+        """Put together all since the cursor."""
+        message, following = self._catch_up(cursor)
+        return Sample(message, self.time_ns), following
 
 
 def to_json_string(text: str) -> str:

@@ -18,8 +18,8 @@ LOGGER = logging.getLogger("uwsim.rosbridge")
 Sink = Callable[[Sample], None]
 Reply = Callable[[bool, Any], None]
 """Answers a call: whether it succeeded, and its values, or the reason in words."""
-Handler = Callable[[Any, Reply], None]
-"""Serves a call: its arguments, and what to call with the answer, now or later, once."""
+Handler = Callable[[Any, Reply, str], None]
+"""Serves a call: its arguments, what to call with the answer, now or later, once; and who calls."""
 
 
 def plain_name(name: object, what: str = "topic") -> str:
@@ -55,14 +55,16 @@ class Service:
 class Graph:
     """Topics, services and owners. All methods raise ValueError in words that name what is wrong.
 
-    on_demand: called with a topic's name and whether anybody subscribes to it now, when that changes.
+    on_demand: each is called with a topic's name and whether anybody subscribes to it now, when that changes. on_leave:
+    each is called with an owner who has left.
     """
 
-    def __init__(self, on_demand: Callable[[str, bool], None] = lambda name, wanted: None) -> None:
+    def __init__(self) -> None:
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.nodes: dict[str, None] = {}
-        self.on_demand = on_demand
+        self.on_demand: list[Callable[[str, bool], None]] = []
+        self.on_leave: list[Callable[[str], None]] = []
 
     def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:
         """Let an owner publish on a topic."""
@@ -110,7 +112,7 @@ class Graph:
         if topic.latched is not None:
             sink(topic.latched)
         if not was_wanted:
-            self.on_demand(topic.name, True)
+            self._tell_demand(topic.name, True)
         return topic
 
     def unsubscribe(self, owner: str, key: Any, name: str) -> None:
@@ -119,7 +121,7 @@ class Graph:
         if topic is None or topic.sinks.pop((owner, key), None) is None:
             raise ValueError(f"topic '{name}': you do not subscribe to it")
         if not topic.sinks:
-            self.on_demand(topic.name, False)
+            self._tell_demand(topic.name, False)
         self._forget_if_unused(topic)
 
     def advertise_service(self, owner: str, name: str, type_name: str, handler: Handler) -> None:
@@ -137,14 +139,14 @@ class Graph:
             raise ValueError(f"service '{name}': you do not offer it")
         del self.services[service.name]
 
-    def call(self, name: str, arguments: Any, reply: Reply) -> None:
+    def call(self, name: str, arguments: Any, reply: Reply, caller: str = "") -> None:
         """Call a service. A missing one, and one that fails, answers False and why."""
         service = self.services.get(plain_name(name, "service"))
         if service is None:
             reply(False, f"service '{name}': nobody offers it")
             return
         try:
-            service.handler(arguments, reply)
+            service.handler(arguments, reply, caller)
         except ValueError as error:
             reply(False, str(error))
 
@@ -158,6 +160,12 @@ class Graph:
         for service in [service for service in self.services.values() if service.owner == owner]:
             del self.services[service.name]
         self.nodes.pop(owner, None)
+        for tell in self.on_leave:
+            tell(owner)
+
+    def _tell_demand(self, name: str, wanted: bool) -> None:
+        for tell in self.on_demand:
+            tell(name, wanted)
 
     def _topic(self, name: str, type_name: str | None) -> Topic:
         known = self.known_type(name, type_name)

@@ -21,10 +21,19 @@ class Mailbox:
     """One subscription's queue. throttle_s: least wall time between two messages. length: 0 for the default.
 
     As in rosbridge, a throttled subscription without a queue loses what comes too early; with one it gets it later.
+    credit: messages that may be on their way without having been acknowledged; None: any number.
     """
 
     def __init__(
-        self, topic: str, ros: Ros, compression: Compression, *, throttle_s: float, length: int, large: bool
+        self,
+        topic: str,
+        ros: Ros,
+        compression: Compression,
+        *,
+        throttle_s: float,
+        length: int,
+        large: bool,
+        credit: int | None = None,
     ) -> None:
         self.topic = topic
         self.ros: Ros = ros
@@ -36,19 +45,35 @@ class Mailbox:
         self.samples: deque[tuple[int, Sample]] = deque(maxlen=longest or default)
         self.next_s = float("-inf")
         self.lost = 0
+        self._credit = credit
+        self._unacknowledged = 0
+        self._cursor: Any = None  # of messages that build on each other
+
+    @property
+    def is_blocked(self) -> bool:
+        """Whether the client must acknowledge before it gets more."""
+        return self._credit is not None and self._unacknowledged >= self._credit
+
+    def acknowledge(self, count: int) -> None:
+        """Give credit back."""
+        self._unacknowledged = max(0, self._unacknowledged - count)
 
     def put(self, order: int, sample: Sample, now_s: float) -> None:
         """Queue a sample; the oldest one gives way."""
-        if self.drops_early and now_s < self.next_s:
+        if self.drops_early and now_s < self.next_s and not sample.builds_up:
             return
-        if len(self.samples) == self.samples.maxlen:
+        if sample.builds_up:
+            self.samples.clear()  # the new one says what they would have said
+        elif len(self.samples) == self.samples.maxlen:
             self.lost += 1
         self.samples.append((order, sample))
 
     def take(self, now_s: float) -> Frame:
         """Encode the oldest sample."""
         self.next_s = now_s + self.throttle_s
-        return self.samples.popleft()[1].frame(self.topic, self.ros, self.compression)
+        self._unacknowledged += 1
+        sample, self._cursor = self.samples.popleft()[1].after(self._cursor)
+        return sample.frame(self.topic, self.ros, self.compression)
 
 
 class Outbox:
@@ -81,6 +106,13 @@ class Outbox:
         """Drop a subscription's queue with what waits in it."""
         self._mailboxes.pop(key, None)
 
+    def acknowledge(self, key: Any, count: int) -> None:
+        """Take note that a subscription's client has dealt with messages."""
+        mailbox = self._mailboxes.get(key)
+        if mailbox is not None:
+            mailbox.acknowledge(count)
+            self._wake()
+
     def put(self, key: Any, sample: Sample) -> None:
         """Queue a sample for a subscription."""
         mailbox = self._mailboxes.get(key)
@@ -99,7 +131,7 @@ class Outbox:
         if self._replies:
             return self._replies.popleft(), None
         now_s = self._clock()
-        waiting = [mailbox for mailbox in self._mailboxes.values() if mailbox.samples]
+        waiting = [mailbox for mailbox in self._mailboxes.values() if mailbox.samples and not mailbox.is_blocked]
         due = [mailbox for mailbox in waiting if mailbox.next_s <= now_s]
         if due:
             return min(due, key=_age).take(now_s), None

@@ -41,7 +41,7 @@ def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callab
 
 
 def _handler(query: Query) -> Handler:
-    def handle(arguments: Any, reply: Callable[[bool, Any], None]) -> None:
+    def handle(arguments: Any, reply: Callable[[bool, Any], None], caller: str) -> None:
         if not isinstance(arguments, dict):
             raise ValueError(f"{query.type}: args must be an object")
         reply(True, query.answer(arguments))

@@ -16,7 +16,7 @@ from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Reply, plain_name
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.bridges.rosbridge.parse import parse
-from uwsim.bridges.rosbridge.subscription import Subscription, read_options
+from uwsim.bridges.rosbridge.subscription import CREDIT_MAX, Subscription, read_options
 from uwsim.channels.messages import Ros, resolve
 
 LEVELS = ("info", "warning", "error", "none")
@@ -61,6 +61,7 @@ class Session:
             "publish": self._publish,
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
+            "ack": self._acknowledge,
             "call_service": self._call_service,
             "advertise_service": self._advertise_service,
             "unadvertise_service": self._unadvertise_service,
@@ -168,6 +169,15 @@ class Session:
             self._drop_subscription(subscription.topic)
             self.graph.unsubscribe(self.name, subscription.topic, subscription.topic)
 
+    def _acknowledge(self, operation: dict[str, Any]) -> None:
+        """Ours, not rosbridge's: the client has dealt with messages of a subscription with credit."""
+        name, count = operation.get("topic"), operation.get("count", 1)
+        if not isinstance(name, str) or name not in self._subscriptions:
+            raise ValueError(f"topic = {name!r:.40}: you do not subscribe to it")
+        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= CREDIT_MAX:
+            raise ValueError(f"ack.count = {count!r:.40}: must be in [1, {CREDIT_MAX}]")
+        self.outbox.acknowledge(name, count)
+
     def _drop_subscription(self, name: str) -> None:
         del self._subscriptions[name]
         self.outbox.close(name)
@@ -187,7 +197,7 @@ class Session:
 
         arguments = operation.get("args")
         try:
-            self.graph.call(name, {} if arguments in (None, []) else arguments, reply)  # type: ignore[arg-type]
+            self.graph.call(name, {} if arguments in (None, []) else arguments, reply, self.name)  # type: ignore[arg-type]
         except ValueError as error:  # not even a name
             reply(False, str(error))
 
@@ -205,7 +215,7 @@ class Session:
             raise ValueError(f"type = {type_name!r:.40}: must be the name of a service's type")
         self._check_room()
 
-        def serve(arguments: Any, reply: Reply) -> None:
+        def serve(arguments: Any, reply: Reply, caller: str) -> None:
             if len(self._calls) >= self.limits.open_calls:
                 raise ValueError(f"service '{name}': {self.limits.open_calls} calls wait for its answer")
             identity = f"service_request:{name}:{next(self._numbers)}"

@@ -15,12 +15,19 @@ from uwsim.channels.messages import Ros
 COMPRESSIONS: tuple[str, ...] = get_args(Compression)
 
 
+CREDIT_MAX = 100
+
+
 class Options(NamedTuple):
-    """Terms of one id. throttle_s: least time between messages. queue_length: 0 for the default."""
+    """Terms of one id. throttle_s: least time between messages. queue_length: 0 for the default.
+
+    credit: how many messages may be sent that the client has not acknowledged; None: any number. Ours, not rosbridge's.
+    """
 
     throttle_s: float
     queue_length: int
     compression: Compression
+    credit: int | None = None
 
 
 def read_options(operation: dict[str, Any], limits: Limits) -> Options:
@@ -34,7 +41,10 @@ def read_options(operation: dict[str, Any], limits: Limits) -> Options:
         raise ValueError(f"queue_length = {length!r:.40}: must not be negative")
     if compression not in COMPRESSIONS:
         raise ValueError(f"compression = {compression!r:.40}: must be one of {', '.join(COMPRESSIONS)}")
-    return Options(throttle_ms / 1000.0, int(min(length, limits.queue_length)), compression)
+    credit = operation.get("credit")
+    if credit is not None and (isinstance(credit, bool) or not isinstance(credit, int) or not 1 <= credit <= CREDIT_MAX):
+        raise ValueError(f"credit = {credit!r:.40}: must be in [1, {CREDIT_MAX}]")
+    return Options(throttle_ms / 1000.0, int(min(length, limits.queue_length)), compression, credit)
 
 
 def _is_number(value: Any) -> bool:
@@ -61,4 +71,5 @@ class Subscription:
             throttle_s=min(option.throttle_s for option in options),
             length=max(option.queue_length for option in options),
             large=type_name in NEWEST_ONLY,
+            credit=min((option.credit for option in options if option.credit is not None), default=None),
         )

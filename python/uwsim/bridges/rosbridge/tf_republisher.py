@@ -89,7 +89,7 @@ class TfRepublisher:
         """End all requests."""
         self._requests.clear()
 
-    def _serve(self, arguments: Any, reply: Reply) -> None:
+    def _serve(self, arguments: Any, reply: Reply, caller: str) -> None:
         name = f"tf_repub_{next(self._numbers)}"
         request = _read_request(arguments, Topic(name))
         self._begin(request)

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "uwsim/mapping/map_engine.h"
+
+namespace uwsim {
+
+/// Which voxels became occupied, or are so no longer, since the last call. Free water, which is most of what scans
+/// change, costs it nothing: it keeps 12 bytes for each 4 x 4 x 4 voxels of which one is occupied.
+class OccupiedChanges {
+ public:
+  struct Changed {
+    VoxelKey key;
+    bool is_occupied;
+  };
+
+  /// Notes which chunks may have changed.
+  void note(const ChangedChunks& chunks);
+  /// Changed voxels in Morton order; at the first call, all occupied ones. Throws InvalidValue if there are more than
+  /// `most`; the next call then reports them.
+  std::vector<Changed> take(const MapEngine& engine, std::size_t most);
+
+ private:
+  /// Of a chunk: the words of 64 voxels, in Morton order, that are not zero.
+  using Words = std::vector<std::pair<std::uint16_t, std::uint64_t>>;
+
+  ChangedChunks pending_{true, {}};
+  std::unordered_map<std::uint32_t, Words> reported_;  ///< by the chunk's code
+};
+
+}  // namespace uwsim
