@@ -338,7 +338,8 @@ def test_who_leaves_leaves_nothing_behind(graph):
 
 def test_demand_is_told_when_it_begins_and_ends():
     demand = []
-    graph = Graph(lambda name, wanted: demand.append((name, wanted)))
+    graph = Graph()
+    graph.on_demand.append(lambda name, wanted: demand.append((name, wanted)))
     one, two = Client(graph, "/1"), Client(graph, "/2")
     for client in (one, two):
         client.send("subscribe", topic="/t")

@@ -25,6 +25,8 @@ class Channel:
     name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
     simulated time; None: one reading when somebody begins to listen. latched: whoever comes later gets the newest
     message at once. over_link: whether it goes over the acoustic link.
+    catch_up: of a channel whose messages build on each other: returns one message with all since a cursor (None: since
+    the beginning), and the next cursor; called on any thread.
     read: for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time,
     of `messages.typestore()`, or None if there is nothing to say. apply: for "in", called on any thread; must not
     block; raises ValueError for what cannot be done.
@@ -38,6 +40,7 @@ class Channel:
     latched: bool = False
     frame_id: str = ""
     over_link: bool = False
+    catch_up: Callable[[Any], tuple[Any, Any]] | None = None
     read: Callable[[Simulator], Any] = _says_nothing
     apply: Callable[[LiveSimulator, Any], object] = _hears_nothing
 

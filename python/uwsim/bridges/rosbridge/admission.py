@@ -17,16 +17,49 @@ from websockets.http11 import Request
 LOOPBACK_PAGE = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?", re.IGNORECASE)
 
 
-def allowed_origins(pages: Iterable[str]) -> list[str | re.Pattern[str] | None]:
-    """Return who may connect: programs (which send no Origin), pages of this machine, and `pages`. Raises ValueError.
+class Door:
+    """Which pages of browsers may connect, and under which names of this machine.
 
-    pages: such as "https://station.example:8080".
+    pages: those besides this machine's own, such as "https://station.example:8080"; host: where the server listens.
+    Programs send no Origin: they may connect. A browser's page must be of this machine, of this server itself or one of
+    `pages`; and the name by which it calls the server must be known, or be an address: else a page of somebody else
+    whose name is made to point here would be taken for the server's own ("DNS rebinding"). Raises ValueError.
     """
-    for page in pages:
-        parts = urlsplit(page)
-        if parts.scheme not in ("http", "https") or not parts.netloc or parts.path not in ("", "/"):
-            raise ValueError(f"origin = '{page}': must be such as 'https://station.example:8080'")
-    return [None, LOOPBACK_PAGE, *(page.rstrip("/") for page in pages)]
+
+    def __init__(self, pages: Iterable[str], host: str) -> None:
+        self._pages = set()
+        self._names = {"localhost", host.lower()}
+        for page in pages:
+            parts = urlsplit(page)
+            if parts.scheme not in ("http", "https") or not parts.hostname or parts.path not in ("", "/"):
+                raise ValueError(f"origin = '{page}': must be such as 'https://station.example:8080'")
+            self._pages.add(page.rstrip("/").lower())
+            self._names.add(parts.hostname)
+
+    def refusal(self, request: Request, *, names_matter: bool) -> tuple[HTTPStatus, str] | None:
+        """Return why a request is refused, or None. names_matter: whether the Host must be known without an Origin."""
+        origins, hosts = request.headers.get_all("Origin"), request.headers.get_all("Host")
+        if len(origins) > 1 or len(hosts) != 1:
+            return HTTPStatus.BAD_REQUEST, "one Host and at most one Origin are expected\n"
+        if (origins or names_matter) and not self._is_known(hosts[0]):
+            return HTTPStatus.FORBIDDEN, f"the name '{hosts[0][:100]}' is not this server's (--page allows another)\n"
+        if origins and not self._may_come_from(origins[0].lower(), hosts[0].lower()):
+            return HTTPStatus.FORBIDDEN, f"pages of '{origins[0][:100]}' may not connect (--page allows one)\n"
+        return None
+
+    def _may_come_from(self, origin: str, host: str) -> bool:
+        own = origin in (f"http://{host}", f"https://{host}")
+        return own or origin in self._pages or LOOPBACK_PAGE.fullmatch(origin) is not None
+
+    def _is_known(self, host: str) -> bool:
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+            if name in self._names:
+                return True
+            ipaddress.ip_address(name)
+        except ValueError:
+            return False
+        return True
 
 
 def check_token(token: str | None) -> None:

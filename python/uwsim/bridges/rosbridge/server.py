@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from http import HTTPStatus
 from pathlib import Path
 from types import TracebackType
@@ -17,6 +17,7 @@ from websockets.http11 import Request, Response
 from uwsim.bridges.rosbridge import admission
 from uwsim.bridges.rosbridge.connection import Allowance, converse
 from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.guest_node import GuestNode
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.rosapi import offer_rosapi
@@ -24,12 +25,17 @@ from uwsim.bridges.rosbridge.session import Session
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.bridges.rosbridge.tf_republisher import offer_tf
 from uwsim.channels import Channel, Service, channels, services
+from uwsim.channels.guest import Guest
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import Ros, typestore
 from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 
+Site = Callable[[Request], Awaitable[Response]]
+"""Answers requests for pages and files, which are no WebSockets."""
+
 STOP_S = 5.0
+HANDSHAKE_S = 60.0  # within which an answer to a request must be made
 WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
 
 
@@ -43,7 +49,8 @@ class RosbridgeServer:
     port 0 chooses one, see `port`. ros: whose spelling of times and headers a client gets that names its types as both
     generations do ("sensor_msgs/LaserScan"). origins: web pages beyond this
     machine's own that may connect. token: clients must know it: ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for
-    wss. wire, origin: which topics, and where odom is: see uwsim.channels. Raises ValueError, OSError.
+    wss. wire, origin: which topics, and where odom is: see uwsim.channels. guests: other peers in this process. site:
+    what is served over HTTP on the same port, without a check of the token. Raises ValueError, OSError.
     """
 
     def __init__(
@@ -60,6 +67,8 @@ class RosbridgeServer:
         limits: Limits | None = None,
         wire: Wire = "both",
         origin: str | Sequence[float] = "world",
+        guests: Sequence[Guest] = (),
+        site: Site | None = None,
     ) -> None:
         if not 0 <= port <= 65535:
             raise ValueError(f"port = {port}: must be in [0, 65535]")
@@ -69,10 +78,12 @@ class RosbridgeServer:
         self._live = live
         self._host, self._asked_port = host, port
         self._ros: Ros = ros
-        self._origins = admission.allowed_origins(origins)
+        self._door = admission.Door(origins, host)
         self._token = token
         self._tls = admission.tls_context(certfile, keyfile)
         self._limits = limits or Limits()
+        self._guests = guests
+        self._site = site
         self.channels: list[Channel] = []  # what clients see of the simulator; others may be put here before start
         self.services: list[Service] = []
         if live is not None:
@@ -86,6 +97,7 @@ class RosbridgeServer:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
+        self._node: SimulatorNode | None = None
         self._port: int | None = None
 
     @property
@@ -151,16 +163,36 @@ class RosbridgeServer:
         self._work_s = Allowance(self._limits.work_share)
         async with self._listen() as server:
             self._port = next(iter(server.sockets)).getsockname()[1]
-            node = None
             if self._live is not None:
-                node = SimulatorNode(self._live, self.channels, self.services, self.graph, self._loop)
-            offer_rosapi(self.graph, Parameters({"use_sim_time": "true"} if node else {}), self._ros, self._time_ns)
+                self._node = SimulatorNode(self._live, self.channels, self.services, self.graph, self._loop)
+            has_time = self._live is not None or bool(self._guests)
+            offer_rosapi(self.graph, Parameters({"use_sim_time": "true"} if has_time else {}), self._ros, self._time_ns)
             republisher = offer_tf(self.graph, self._loop)
+            guests = [GuestNode(guest, self.graph, self._loop) for guest in self._guests]
             ready.set()
             await self._stopping.wait()
             republisher.close()
-            if node is not None:
-                node.close()
+            for guest in guests:
+                guest.close()
+            if self._node is not None:
+                self._node.close()
+
+    def show(self, live: LiveSimulator | None, channels: list[Channel], services: list[Service]) -> None:
+        """Give clients another simulator to see, or none; they stay connected and subscribed.
+
+        Not to be called on the network's thread.
+        """
+        if self._loop is None:
+            raise RuntimeError("the server has not been started")
+
+        async def change() -> None:
+            assert self._loop is not None
+            if self._node is not None:
+                self._node.close()
+            self._live, self.channels, self.services = live, channels, services
+            self._node = None if live is None else SimulatorNode(live, channels, services, self.graph, self._loop)
+
+        asyncio.run_coroutine_threadsafe(change(), self._loop).result(STOP_S)
 
     def _time_ns(self) -> int:
         return 0 if self._live is None else self._live.simulator.time_ns
@@ -171,7 +203,6 @@ class RosbridgeServer:
             self._host,
             self._asked_port,
             ssl=self._tls,
-            origins=self._origins,  # type: ignore[arg-type]
             compression=None,
             process_request=self._admit,
             max_size=self._limits.frame_bytes,
@@ -179,12 +210,17 @@ class RosbridgeServer:
             write_limit=WRITE_LIMIT,
             ping_interval=20,
             ping_timeout=40,
+            open_timeout=HANDSHAKE_S if self._site else 10,
             close_timeout=1,
             server_header=None,
         )
 
-    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
-        reason = admission.refusal(
+    async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+        is_socket = "websocket" in request.headers.get("Upgrade", "").lower()
+        reason = self._door.refusal(request, names_matter=not is_socket)
+        if reason is None and self._site is not None and not is_socket:
+            return await self._site(request)
+        reason = reason or admission.refusal(
             request, clients=len(self.sessions), limit=self._limits.connections, token=self._token
         )
         return None if reason is None else connection.respond(*reason)

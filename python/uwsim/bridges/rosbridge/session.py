@@ -174,7 +174,7 @@ class Session:
         name, count = operation.get("topic"), operation.get("count", 1)
         if not isinstance(name, str) or name not in self._subscriptions:
             raise ValueError(f"topic = {name!r:.40}: you do not subscribe to it")
-        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= CREDIT_MAX:
+        if type(count) is not int or not 1 <= count <= CREDIT_MAX:
             raise ValueError(f"ack.count = {count!r:.40}: must be in [1, {CREDIT_MAX}]")
         self.outbox.acknowledge(name, count)
 

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
-from uwsim.bridges.rosbridge.encoding import Sample
-from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Reply
+from uwsim.bridges.rosbridge.encoding import Growing, Sample
+from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply
 from uwsim.channels import Channel, Service
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 
@@ -42,20 +42,28 @@ class SimulatorNode:
         self._drain_is_due = False
         self._is_closed = False
         graph.nodes[NAME] = None
-        graph.on_demand = self._demand
+        graph.on_demand.append(self._demand)
         for channel in channels:
-            if channel.direction == "out":
-                graph.advertise(NAME, channel.name, channel.type, channel.latched)
-            else:
-                graph.subscribe(NAME, channel.name, channel.name, channel.type, self._applier(channel))
+            try:
+                self._join(channel)
+            except ValueError as error:  # a client has the topic already, as something else
+                LOGGER.error("%s", error)
         for service in services:
             graph.advertise_service(NAME, service.name, service.type, self._server(service))
 
+    def _join(self, channel: Channel) -> None:
+        if channel.direction == "in":
+            self._graph.subscribe(NAME, channel.name, channel.name, channel.type, self._applier(channel))
+        elif self._graph.advertise(NAME, channel.name, channel.type, channel.latched).sinks:
+            self._demand(channel.name, True)  # somebody has waited for it
+
     def close(self) -> None:
-        """Read nothing more. The graph keeps what it has."""
+        """Read nothing more, and leave the graph."""
         self._is_closed = True
         for subscription in self._subscriptions.values():
             subscription.cancel()
+        self._graph.on_demand.remove(self._demand)
+        self._graph.leave(NAME)
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _demand(self, name: str, wanted: bool) -> None:
@@ -95,11 +103,15 @@ class SimulatorNode:
 
     def _drain(self) -> None:
         self._drain_is_due = False
+        if self._is_closed:
+            return
         for _ in range(len(self._arrived)):
             name, message = self._arrived.popleft()
-            topic = self._graph.topics.get(name)
-            if topic is not None and (topic.sinks or self._channels[name].latched):
-                self._graph.publish(topic, Sample(message, self._live.simulator.time_ns), self._channels[name].latched)
+            topic, channel = self._graph.topics.get(name), self._channels[name]
+            if topic is not None and (topic.sinks or channel.latched):
+                time_ns = self._live.simulator.time_ns
+                sample = Sample(message, time_ns) if channel.catch_up is None else Growing(channel.catch_up, time_ns)
+                self._graph.publish(topic, sample, channel.latched)
 
     def _on_loop(self, function: Callable[..., None], *arguments: Any) -> None:
         try:
@@ -118,10 +130,10 @@ class SimulatorNode:
 
         return apply
 
-    def _server(self, service: Service) -> Callable[[Any, Reply], None]:
+    def _server(self, service: Service) -> Handler:
         """Return what serves calls on a thread of the pool: they may wait for steps."""
 
-        def serve(arguments: Any, reply: Reply) -> None:
+        def serve(arguments: Any, reply: Reply, caller: str) -> None:
             if not isinstance(arguments, dict):
                 raise ValueError(f"service '{service.name}': args must be an object")
             future = self._pool.submit(service.call, self._live, arguments)

@@ -42,7 +42,7 @@ def read_options(operation: dict[str, Any], limits: Limits) -> Options:
     if compression not in COMPRESSIONS:
         raise ValueError(f"compression = {compression!r:.40}: must be one of {', '.join(COMPRESSIONS)}")
     credit = operation.get("credit")
-    if credit is not None and (isinstance(credit, bool) or not isinstance(credit, int) or not 1 <= credit <= CREDIT_MAX):
+    if credit is not None and (type(credit) is not int or not 1 <= credit <= CREDIT_MAX):
         raise ValueError(f"credit = {credit!r:.40}: must be in [1, {CREDIT_MAX}]")
     return Options(throttle_ms / 1000.0, int(min(length, limits.queue_length)), compression, credit)
 
