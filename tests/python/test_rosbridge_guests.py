@@ -36,7 +36,7 @@ def test_no_more_messages_are_on_their_way_than_the_credit():
 
 def test_a_slow_reader_of_a_topic_that_builds_up_misses_nothing():
     graph, said = Graph(), []
-    reader = Client(graph, "/r").send("subscribe", topic="t", type="std_msgs/String", queue_length=1, credit=1)
+    reader = Client(graph, "/r").send("subscribe", topic="t", type="std_msgs/String", credit=1)
     topic = graph.advertise("/uwsim", "t", "std_msgs/String", latch=True)
 
     def catch_up(cursor):
