@@ -3,9 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <utility>
 #include <vector>
 
 #include "meshes.h"
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/core/random.h"
+#include "uwsim/vehicle/cut_kernels.h"
 
 namespace uwsim {
 namespace {
@@ -64,6 +70,59 @@ TEST(CutVolume, AtAnyTiltAndLevelItEqualsTheSumOfClippedTriangles) {
       EXPECT_EQ(volume.below(up, level_m, false).volume_m3, volume.below(up, level_m, true).volume_m3);
       EXPECT_EQ(volume.below(up, level_m, false).first_m4, volume.below(up, level_m, true).first_m4);
     }
+  }
+}
+
+TEST(CutVolume, APlaneAnywhereInItsCellEqualsTheSumOfClippedTriangles) {
+  const TriangleMesh mesh = egg();
+  const CutVolume volume(mesh);
+  const RandomStream random(3, "planes");
+  const double pitch_m = 0.3 / 128;  // of cells in level
+  for (std::uint64_t k = 0; k < 300; ++k) {
+    const auto draw = [&](std::uint64_t index) { return 2 * random.uniform(k, index) - 1; };
+    const Eigen::Vector3d up = Eigen::Vector3d(draw(0), draw(1), draw(2)).normalized();
+    const double level_m = 0.15 * draw(3), edge_m = (std::floor(level_m / pitch_m) + 0.5) * pitch_m;
+    for (const double at_m : {level_m, edge_m * (1 - 1e-15), edge_m, edge_m * (1 + 1e-15)})
+      expect_same(volume.below(up, at_m, true), clipped(mesh, up, at_m), volume.whole());
+  }
+}
+
+TEST(CutVolume, WhatAThreadDidBeforeDoesNotChangeAResult) {
+  const CutVolume volume(egg()), other(testing::sphere(0.2, 11));
+  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.2, 1).normalized();
+  const VolumeMoments first = volume.below(up, 0.01, true);
+  for (int k = 0; k < 40; ++k) {
+    volume.below(Eigen::Vector3d(0.1, 0.01 * k, 1).normalized(), 0.02, false);
+    other.below(up, 0.01, true);
+    const VolumeMoments again = volume.below(up, 0.01, true);
+    EXPECT_EQ(again.volume_m3, first.volume_m3);
+    EXPECT_EQ(again.first_m4, first.first_m4);
+    EXPECT_EQ(again.second_m5, first.second_m5);
+  }
+}
+
+TEST(CutKernels, AllInstructionSetsGiveTheSameBits) {
+  const RandomStream random(4, "triangles");
+  std::vector<CutBlock> blocks(50);
+  for (std::uint64_t n = 0; n < blocks.size(); ++n) {
+    for (std::uint64_t k = 0; k < kCutLanes; ++k) {
+      for (std::uint64_t c = 0; c < 9; ++c) blocks[n].corner_m[c][k] = random.uniform(n, 10 * k + c) - 0.5;
+      blocks[n].volume_m3[k] = random.uniform(n, 10 * k + 9) - 0.5;
+    }
+  }
+  const Eigen::Vector3d up = Eigen::Vector3d(0.2, -0.1, 1).normalized();
+  const auto sums = [&](CutKernels::Add add) {
+    CutSums out{};
+    add(blocks.data(), blocks.size(), up.data(), 0.05, out);
+    return out;
+  };
+  const auto same = [](const CutSums& a, const CutSums& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  const CutKernels& baseline = baseline_cut_kernels();
+  for (const auto& [set, kernels] : {std::pair{InstructionSet::avx2, &avx2_cut_kernels()},
+                                     std::pair{InstructionSet::avx512, &avx512_cut_kernels()}}) {
+    if (!processor_has(set)) continue;
+    EXPECT_TRUE(same(sums(kernels->add), sums(baseline.add)));
+    EXPECT_TRUE(same(sums(kernels->add_with_second), sums(baseline.add_with_second)));
   }
 }
 

@@ -95,11 +95,19 @@ Craft::Craft(CraftParameters parameters, BuoyantHull hull)
   require_inside_box(parameters_.centre_of_mass_body_m, hull_.mesh_body());
   rigid_mass_ = rigid_body_mass(parameters_);
   inverse_mass_submerged_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> modes(parameters_.added_mass, rigid_mass_);
+  mass_modes_ = modes.eigenvectors();
+  added_mass_of_modes_ = modes.eigenvalues();
+}
+
+/// One number for each column of `mass_modes_`.
+Vector6d Craft::inverse_mass_of_modes(double submerged) const {
+  return (1 + submerged * added_mass_of_modes_.array()).inverse();
 }
 
 Matrix6d Craft::inverse_mass_at(double submerged) const {
   if (submerged == 1) return inverse_mass_submerged_;
-  return (rigid_mass_ + submerged * parameters_.added_mass).llt().solve(Matrix6d::Identity());
+  return mass_modes_ * inverse_mass_of_modes(submerged).asDiagonal() * mass_modes_.transpose();
 }
 
 double Craft::submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const {
@@ -137,7 +145,7 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
                            water.density_at(centre.z()));
   }
   if (submerged == 1) return inverse_mass_submerged_ * tau;
-  return (rigid_mass_ + submerged * parameters_.added_mass).llt().solve(tau);
+  return mass_modes_ * inverse_mass_of_modes(submerged).cwiseProduct(mass_modes_.transpose() * tau);
 }
 
 /// The forces that depend on the motion of the body through the water, and on that of the water.

@@ -62,12 +62,17 @@ class Craft {
   Vector6d damping_body(const Vector6d& relative_velocity) const;
   Vector6d flow_force_body(const Vector6d& velocity, const WaterFlow& flow, const Eigen::Matrix3d& world_from_body,
                            const Buoyancy& buoyancy, double submerged, double density_kg_m3) const;
+  Vector6d inverse_mass_of_modes(double submerged) const;
   Matrix6d inverse_mass_at(double submerged) const;
 
   CraftParameters parameters_;
   BuoyantHull hull_;
   Matrix6d rigid_mass_;              // M_RB
   Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
+  // W and L with W^T M_RB W = 1 and W^T M_A W = diag(L), so that (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T for any
+  // submerged fraction s.
+  Matrix6d mass_modes_;
+  Vector6d added_mass_of_modes_;
 };
 
 }  // namespace uwsim

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "uwsim/core/triangle_mesh.h"
@@ -22,9 +21,11 @@ struct VolumeMoments {
 /// The moments of the part of a closed mesh below a plane.
 ///
 /// They are the sum over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the cut
-/// face, a fan of triangles from the foot of the origin on the plane to the edges of the cut. The moments of whole
-/// triangles and of whole clusters of neighbouring triangles are tabulated, so that only the triangles near the plane
-/// are examined one by one.
+/// face, a fan of triangles from the foot of the origin on the plane to the edges of the cut. Planes are sorted into
+/// cells of nearly equal tilt and level. For a cell, the sum over the triangles that are below all of its planes and
+/// the list of those that some of its planes cut are made once; only the list is summed for each plane. A thread
+/// remembers the cells that it used last. What it remembers follows from the cell alone, so the result does not depend
+/// on it.
 class CutVolume {
  public:
   CutVolume() = default;
@@ -38,35 +39,28 @@ class CutVolume {
   VolumeMoments below(const Eigen::Vector3d& up, double level_m, bool with_second) const;
 
  private:
-  struct Facet {
-    double volume_m3;
-    Eigen::Vector3d first_m4;
-  };
   /// Neighbouring triangles from `first` up to `last`, inside a sphere and a box.
   struct Cluster {
-    std::uint32_t first = 0, last = 0;
+    std::size_t first = 0, last = 0;
     Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();
     double radius_m = 0;
     VolumeMoments moments;
   };
-  struct CutTriangle {
-    std::uint32_t triangle;
-    std::uint32_t wet_corners;  ///< one bit each; neither none nor all of them
-  };
-  struct Scratch;
+  struct PlaneCell;
+  struct Near;
+  struct Memory;
 
-  void add_cluster(std::uint32_t first, std::uint32_t last, const TriangleMesh& mesh);
-  template <bool kWithSecond>
-  VolumeMoments correction_for_cut(std::span<const CutTriangle> cut, const double* height_m, const Eigen::Vector3d& up,
-                                   double level_m) const;
+  PlaneCell cell_of(const Eigen::Vector3d& up, double level_m) const;
+  const Near& near(const PlaneCell& cell) const;
+  void find_near(const PlaneCell& cell, Near& near) const;
+  void add_cluster(std::size_t first, std::size_t last);
 
-  std::vector<double> x_m_, y_m_, z_m_;  // vertices, by coordinate: heights over a plane are computed by vector code
-  std::vector<Triangle> triangles_;
-  std::vector<Facet> facets_;
-  std::vector<Eigen::Matrix3d> facet_seconds_m5_;
+  std::uint64_t number_ = 0;                                 // of this mesh among all; copies share it
+  std::vector<std::array<Eigen::Vector3d, 3>> triangles_m_;  // neighbours in space are neighbours here
   std::vector<Cluster> clusters_;
   VolumeMoments whole_;
+  double radius_m_ = 0;  // of a sphere about the origin that holds the mesh
 };
 
 }  // namespace uwsim
