@@ -88,7 +88,7 @@ class Simulator(Sealed):
         self._fixed_world = _core.FixedWorld(self._world)
         self.scene = _core.RayScene(self._world)
         self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
-        self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads)
+        self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
         dock = self._dock()
         vehicles: dict[str, Vehicle] = {}
@@ -238,12 +238,13 @@ class Simulator(Sealed):
     def save_state(self) -> bytes:
         """Save everything that the future depends on, except scenario and seed.
 
-        This is motion, commands, clocks, sensors' memories, lamps and the light of set_optics. A Simulator of the same
-        scenario, seed and build that restores it gives the same poses, samples and pictures to the last bit. The
-        states of missions and maps are not included.
+        This is motion, commands, clocks, sensors' memories, lamps, cameras' aims and the light of set_optics. A
+        Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
+        the last bit. The states of missions and maps are not included.
         """
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
-        notes = json.dumps({"lamps": lit, "optics": self.optics.model_dump(mode="json")})
+        aims = {name: head.save() for name, head in self._shared_scene.heads.items()}
+        notes = json.dumps({"lamps": lit, "optics": self.optics.model_dump(mode="json"), "cameras": aims})
         return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
 
     def restore_state(self, state: bytes) -> None:
@@ -257,6 +258,8 @@ class Simulator(Sealed):
         for name, lamps in notes["lamps"].items():
             for lamp, on in lamps.items():
                 self.vehicles[name].lamps[lamp].set_silently(on)
+        for name, aim in notes["cameras"].items():
+            self._shared_scene.heads[name].restore(aim)
         self._shared_scene.optics = self._shared_scene.optics.with_changes(notes["optics"])
         self.journal.note("restore_state", state=state)
 

@@ -184,7 +184,8 @@ def test_units_are_those_of_the_messages(sim: Simulator) -> None:
     assert found["altitude"].read(sim).range == sim.rov.sensors["altitude"].read()
     assert found["altitude"].read(sim).max_range == 100.0
     joints = found["joint_states"].read(sim)
-    assert dict(zip(joints.name, joints.position, strict=True)) == {"sonar_tilt": -sim.rov.sonar.elevation_rad}
+    angles = dict(zip(joints.name, joints.position, strict=True))
+    assert angles == {"sonar_tilt": -sim.rov.sonar.elevation_rad, "front_pan": 0.0, "front_tilt": 0.0}
     clock = found["clock"].read(sim).clock
     assert clock.sec * 1_000_000_000 + clock.nanosec == sim.time_ns
 

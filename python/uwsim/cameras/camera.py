@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.arguments import number
 from uwsim.cameras.effects import EFFECTS, effects_on
 from uwsim.cameras.frame import CameraInfo, Frame
+from uwsim.cameras.pan_tilt import PanTiltHead
 from uwsim.cameras.shared_scene import SharedScene, Snapshot
 from uwsim.scenario.build.camera import core_camera, intrinsic_matrix, mount_orientation_xyzw
 from uwsim.scenario.build.optics import core_optics
@@ -28,20 +30,34 @@ class Camera(Sealed):
 
     Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
     time, and at one time it gives the same picture, whatever the number of threads. A camera does not see the vehicle
-    that carries it; one that follows a vehicle's heading does.
+    that carries it; one that follows a vehicle's heading does. One with a motor pans and tilts by `aim`.
     """
 
     name: str
     mount: CameraMount
     info: CameraInfo
 
-    def __init__(self, name: str, mount: CameraMount, scene: SharedScene, carrier: Carrier) -> None:
+    def __init__(
+        self,
+        name: str,
+        mount: CameraMount,
+        scene: SharedScene,
+        carrier: Carrier,
+        *,
+        owner: str | None = None,
+        key: str | None = None,
+    ) -> None:
+        """owner: the vehicle that carries it, None for the station; key: its name there, by default `name`."""
         self.name = name
         self.mount = mount
         self.info = _camera_info(name, mount)
         self._scene = scene
         self._carrier = carrier
+        self._owner, self._key = owner, key or name
         self._orientation_xyzw = mount_orientation_xyzw(mount.yaw_pitch_roll_deg)
+        self._head = PanTiltHead(name, mount.pan_tilt) if mount.pan_tilt is not None else None
+        if self._head is not None:
+            scene.heads[name] = self._head
         self._core: _core.Camera | None = None  # built on first use: its table of rays takes time
 
     def capture(
@@ -89,6 +105,25 @@ class Camera(Sealed):
         """(4, 4), the present pose of its frame: x ahead, y left, z up."""
         return self._pose(self._scene.snapshot(with_lamps=False))[2]
 
+    @property
+    def aim_rad(self) -> tuple[float, float]:
+        """The present pan, positive to port, and tilt, positive down; 0 without a motor."""
+        return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
+
+    def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
+        """Turn towards these angles at the motor's rate; an axis that is not given keeps its aim.
+
+        Raises ValueError, changing nothing, for an angle beyond the motor's limits, and if the camera has no motor.
+        """
+        if self._head is None:
+            raise ValueError(f"camera '{self.name}': has no pan_tilt")
+        pan, tilt = (
+            None if value is None else number(value, f"camera '{self.name}': {axis}", "rad")
+            for axis, value in (("pan_rad", pan_rad), ("tilt_rad", tilt_rad))
+        )
+        self._head.aim(self._scene.time_ns, pan, tilt)
+        self._scene.journal.note("aim_camera", camera=self._key, vehicle=self._owner, pan_rad=pan, tilt_rad=tilt)
+
     def snapshot(self) -> Snapshot:
         """Keep the present, for a `capture` later or on another thread."""
         return self._scene.snapshot(with_lamps=True)
@@ -127,11 +162,19 @@ class Camera(Sealed):
 
     def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
         """Return the camera's position (3,), orientation x, y, z, w (4,) and both as (4, 4)."""
-        carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self._orientation_xyzw)
+        carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self.mounting_xyzw(snapshot))
         position, orientation, world_from_camera = _core.mounted_pose(*carrier, *mount)
         if self.mount.follows == "heading":
             position[2] = world_from_camera[2, 3] = max(position[2], self._scene.ground_m(position) + CLEARANCE_M)
         return position, orientation, world_from_camera
+
+    def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
+        """Return the rotation from its frame to its carrier's, (4,) x, y, z, w: now, or at a snapshot."""
+        if self._head is None:
+            return self._orientation_xyzw
+        pan_tilt = self.aim_rad if snapshot is None else snapshot.aims_rad[self.name]
+        turned = Rotation.from_quat(self._orientation_xyzw) * Rotation.from_euler("ZY", pan_tilt)
+        return np.asarray(turned.as_quat(), np.float64)
 
     def _carrier_pose(self, snapshot: Snapshot) -> tuple[Floats, Floats]:
         if not isinstance(self._carrier, int):

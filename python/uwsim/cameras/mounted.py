@@ -20,7 +20,10 @@ def vehicle_cameras(vehicle: VehicleEntry, index: int, scene: SharedScene) -> di
     """Return a vehicle's cameras by name: its file's, and "chase". index: the vehicle's, in the simulation."""
     name = vehicle.name
     mounts: Mapping[str, CameraMount] = {"chase": chase_camera(vehicle.model), **vehicle.model.cameras}
-    return {mounted: Camera(_core.stream_name(name, mounted), mount, scene, index) for mounted, mount in mounts.items()}
+    return {
+        key: Camera(_core.stream_name(name, key), mount, scene, index, owner=name, key=key)
+        for key, mount in mounts.items()
+    }
 
 
 def station_cameras(station: Station, scene: SharedScene) -> dict[str, Camera]:

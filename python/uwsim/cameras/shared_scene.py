@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.cameras.lamp import Lamp
+from uwsim.cameras.pan_tilt import PanTiltHead
+from uwsim.journal import Journal
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.camera_scene import camera_scene
 from uwsim.scenario.spec.optics import Optics
@@ -19,30 +22,38 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The moving parts at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on, light."""
+    """The moving parts at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on, light.
+
+    aims_rad: pan and tilt of the cameras that turn, by name.
+    """
 
     time_ns: int
     positions_m: Floats
     orientations_xyzw: Floats
     lamps: list[_core.SpotLamp]
     optics: Optics
+    aims_rad: Mapping[str, tuple[float, float]]
 
 
 class SharedScene:
     """The scene that a simulator's cameras look at.
 
     optics: the water, sun and wind that they see by; may be replaced. lamps: each vehicle's, by the name of the switch.
+    heads: the motors of cameras that turn, by the camera's name.
     The native scene is built when the first picture is taken, so that simulators without pictures do not pay for it.
     """
 
     def __init__(
-        self, scenario: Scenario, world: _core.World, rays: _core.RayScene, simulation: _core.Simulation, threads: int
-    ) -> None:
+        self, scenario: Scenario, world: _core.World, rays: _core.RayScene, simulation: _core.Simulation, threads: int,
+        journal: Journal,
+    ) -> None:  # fmt: skip
+        self.journal = journal
         self.optics: Optics = scenario.optics
         self.threads = threads
         self.lamps: list[dict[str, Lamp]] = [
             {name: Lamp(name, spec) for name, spec in vehicle.model.lamps.items()} for vehicle in scenario.vehicles
         ]
+        self.heads: dict[str, PanTiltHead] = {}
         self._scenario = scenario
         self._world = world
         self._rays = rays
@@ -62,6 +73,13 @@ class SharedScene:
         for switches in self.lamps:
             for lamp in switches.values():
                 lamp.set_silently(False)
+        for head in self.heads.values():
+            head.restart()
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start."""
+        return self._simulation.time_ns
 
     def ground_m(self, position_m: Floats) -> float:
         """Return the height of the terrain under or over a place (3,), -inf beside it."""
@@ -85,4 +103,5 @@ class SharedScene:
             if with_lamps and lamp.on
             for light in lamp.lights(position, orientation)
         ]
-        return Snapshot(time_ns, positions, orientations, lamps, self.optics)
+        aims = {name: head.angles_rad(time_ns) for name, head in self.heads.items()}
+        return Snapshot(time_ns, positions, orientations, lamps, self.optics, aims)

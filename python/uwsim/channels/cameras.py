@@ -1,7 +1,8 @@
-"""Camera channels: JPEG pictures with camera_info, and depth images."""
+"""Camera channels: JPEG pictures with camera_info, depth images; pan and tilt."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -12,6 +13,8 @@ from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.pictures import RATE_HZ, Picture, Pictures
 from uwsim.channels.source import Source
+from uwsim.channels.steering import log_error
+from uwsim.live import LiveSimulator
 from uwsim.simulator import Simulator
 
 CameraOf = Callable[[Simulator], Camera]
@@ -22,7 +25,10 @@ def station_cameras(sim: Simulator, pictures: Pictures) -> list[Channel]:
     return [
         channel
         for name in sim.cameras
-        for channel in _channels("", name, pictures, f"{name}_optical", False, _at_station(name))
+        for channel in (
+            *_channels("", name, pictures, f"{name}_optical", False, _at_station(name)),
+            *aim_channels("", None, name, sim.cameras[name]),
+        )
     ]
 
 
@@ -30,11 +36,45 @@ def vehicle_cameras(source: Source, sim: Simulator, pictures: Pictures) -> list[
     """Return the channels of a vehicle's cameras."""
     return [
         channel
-        for name in source.of(sim).cameras
-        for channel in _channels(
-            source.prefix, name, pictures, source.frame(f"{name}_optical"), True, _on_vehicle(source, name)
+        for name, camera in source.of(sim).cameras.items()
+        for channel in (
+            *_channels(source.prefix, name, pictures, source.frame(f"{name}_optical"), True, _on_vehicle(source, name)),
+            *aim_channels(source.prefix, source.name, name, camera),
         )
+    ]
+
+
+def aim_channels(prefix: str, vehicle: str | None, name: str, camera: Camera) -> list[Channel]:
+    """Return what turns a camera: one channel for each axis of its motor that can turn."""
+    motor = camera.mount.pan_tilt
+    if motor is None:
+        return []
+    axes = (("pan", "to port", motor.pan_limits_deg), ("tilt", "down", motor.tilt_limits_deg))
+    return [
+        Channel(
+            f"{prefix}camera/{name}/cmd_{axis}", "std_msgs/msg/Float64", "in",
+            f"angle [rad] to turn to, positive {positive}, in [{math.radians(low):.4g}, {math.radians(high):.4g}]",
+            over_link=vehicle is not None,
+            apply=_aimer(f"{prefix}camera/{name}/cmd_{axis}", vehicle, name, axis, limits),
+        )
+        for axis, positive, limits in axes
+        for low, high in (limits,)
+        if low < high
     ]  # fmt: skip
+
+
+def _aimer(
+    topic: str, vehicle: str | None, camera: str, axis: str, limits_deg: tuple[float, float]
+) -> Callable[[LiveSimulator, Any], None]:
+    low, high = np.radians(limits_deg)
+
+    def apply(live: LiveSimulator, message: Any) -> None:
+        if not low <= message.data <= high:
+            raise ValueError(f"{topic} = {message.data} rad: must be in [{low:.4g}, {high:.4g}] rad")
+        angle = {f"{axis}_rad": message.data}
+        live.command("aim_camera", vehicle=vehicle, camera=camera, **angle).add_done_callback(log_error)
+
+    return apply
 
 
 def _at_station(name: str) -> CameraOf:

@@ -26,7 +26,7 @@ def common_channels(sources: Sequence[Source]) -> list[Channel]:
             read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
         ),
         Channel(
-            "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles in odom, sonar heads, cameras that follow",
+            "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles, sonar heads, cameras that turn or follow",
             rate_hz=RATE_HZ, over_link=True, read=lambda sim: _moving(sources, sim),
         ),
         Channel(
@@ -44,11 +44,13 @@ def vehicle_channels(source: Source) -> list[Channel]:
             frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
         )
     ]  # fmt: skip
-    if source.has_sonar or source.entry.model.fins:
+    turning = any(camera.pan_tilt is not None for camera in source.entry.model.cameras.values())
+    if source.has_sonar or source.entry.model.fins or turning:
         found.append(
             Channel(
                 source.topic("joint_states"), "sensor_msgs/msg/JointState", "out",
-                "angles [rad]: sonar_tilt (positive: nose down) and the fins", rate_hz=RATE_HZ, over_link=True,
+                "angles [rad]: sonar_tilt (positive: nose down), cameras' pan and tilt, fins",
+                rate_hz=RATE_HZ, over_link=True,
                 read=lambda sim: _joints(source, sim),
             )
         )  # fmt: skip
@@ -76,6 +78,9 @@ def _odometry(source: Source, sim: Simulator) -> Any:
 def _joints(source: Source, sim: Simulator) -> Any:
     vehicle = source.of(sim)
     angles = {"sonar_tilt": -vehicle.sonar.elevation_rad} if source.has_sonar else {}
+    for name, camera in vehicle.cameras.items():
+        if camera.mount.pan_tilt is not None:
+            angles |= dict(zip((f"{name}_pan", f"{name}_tilt"), camera.aim_rad, strict=True))
     angles |= vehicle.fins
     return build.message(
         "sensor_msgs/msg/JointState",
@@ -97,6 +102,11 @@ def _moving(sources: Sequence[Source], sim: Simulator) -> Any:
         for name, camera in vehicle.cameras.items():
             if camera.mount.follows == "heading":
                 transforms.append(_following(sim, frame(f"{name}_optical"), camera))
+            elif camera.mount.pan_tilt is not None:
+                transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
+    transforms += [
+        _optical(sim, "station", name, camera) for name, camera in sim.cameras.items() if camera.mount.pan_tilt
+    ]
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
 
 
@@ -104,7 +114,9 @@ def _fixed(sources: Sequence[Source], sim: Simulator) -> Any:
     station = sim.scenario.station
     yaw_xyzw = build.mount_xyzw((station.yaw_deg, 0.0, 0.0))
     transforms = [build.transform(sim.time_ns, "world", "station", station.position_m, yaw_xyzw)]
-    transforms += [_optical(sim, "station", name, camera) for name, camera in sim.cameras.items()]
+    transforms += [
+        _optical(sim, "station", name, camera) for name, camera in sim.cameras.items() if not camera.mount.pan_tilt
+    ]
     for source in sources:
         frame = source.frame
         transforms += [
@@ -122,7 +134,7 @@ def _fixed(sources: Sequence[Source], sim: Simulator) -> Any:
             child = frame(f"{name}_link")
             transforms.append(build.transform(sim.time_ns, frame("base_link"), child, sonar.position_m, turn))
         for name, camera in source.of(sim).cameras.items():
-            if camera.mount.follows == "body":
+            if camera.mount.follows == "body" and camera.mount.pan_tilt is None:
                 transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
 
@@ -134,5 +146,5 @@ def _following(sim: Simulator, child: str, camera: Camera) -> Any:
 
 
 def _optical(sim: Simulator, parent: str, name: str, camera: Camera) -> Any:
-    turn = build.turned_xyzw(build.mount_xyzw(camera.mount.yaw_pitch_roll_deg), build.OPTICAL_XYZW)
+    turn = build.turned_xyzw(camera.mounting_xyzw(), build.OPTICAL_XYZW)
     return build.transform(sim.time_ns, parent, f"{name}_optical", camera.mount.position_m, turn)

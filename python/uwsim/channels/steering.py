@@ -33,7 +33,7 @@ class Steering:
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> None:
         """Give a command that does not steer."""
-        live.command(name, vehicle=self._source.name, **arguments).add_done_callback(_log_error)
+        live.command(name, vehicle=self._source.name, **arguments).add_done_callback(log_error)
 
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> None:
         """Give a command that steers; a velocity is no longer held."""
@@ -59,7 +59,8 @@ class Steering:
                 self.ask(live, "set_effort", **efforts)
 
 
-def _log_error(future: Future[Any]) -> None:
+def log_error(future: Future[Any]) -> None:
+    """Log the error of a command that nobody waits for."""
     error = None if future.cancelled() else future.exception()
     if error is not None:
         logger.error("a command failed: %s", error)

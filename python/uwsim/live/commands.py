@@ -78,6 +78,18 @@ def set_lamp(sim: Simulator, vehicle: str, lamp: str, on: bool) -> None:
     _item(_vehicle(sim, vehicle).lamps, lamp, f"vehicle '{vehicle}' lamp").on = on
 
 
+def aim_camera(
+    sim: Simulator,
+    camera: str,
+    vehicle: str | None = None,
+    pan_rad: float | None = None,
+    tilt_rad: float | None = None,
+) -> None:
+    """Turn a vehicle's camera, or one of the station's if no vehicle is named; see Camera.aim."""
+    cameras = sim.cameras if vehicle is None else _vehicle(sim, vehicle).cameras
+    _item(cameras, camera, "camera" if vehicle is None else f"vehicle '{vehicle}' camera").aim(pan_rad, tilt_rad)
+
+
 def set_optics(sim: Simulator, **changes: Any) -> None:
     """Change the light; see Simulator.set_optics."""
     sim.set_optics(**changes)
@@ -96,6 +108,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
         place,
         aim,
         set_lamp,
+        aim_camera,
         set_optics,
     )
 }

@@ -27,6 +27,7 @@ class LiveVehicle:
         self._vehicle = vehicle
         self.name = vehicle.name
         self.sonars = {name: LiveSonar(live, vehicle.name, sonar) for name, sonar in vehicle.sonars.items()}
+        self.cameras = {name: LiveCamera(live, vehicle.name, name, camera) for name, camera in vehicle.cameras.items()}
         self.lamps = {name: LiveLamp(live, vehicle.name, lamp) for name, lamp in vehicle.lamps.items()}
 
     def __getattr__(self, name: str) -> Any:
@@ -52,11 +53,6 @@ class LiveVehicle:
     def sensors(self) -> Mapping[str, Sensor]:
         """The sensors by name."""
         return self._vehicle.sensors
-
-    @property
-    def cameras(self) -> Mapping[str, Camera]:
-        """The cameras by name."""
-        return self._vehicle.cameras
 
     @property
     def sonar(self) -> LiveSonar:
@@ -142,6 +138,26 @@ class LiveSonar:
     def ping(self) -> _core.Ping:
         """Ping once from the present pose."""
         return self._sonar.ping()
+
+
+class LiveCamera:
+    """A camera of a LiveVehicle; see uwsim.cameras.Camera."""
+
+    def __init__(self, live: LiveSimulator, vehicle: str, key: str, camera: Camera) -> None:
+        self._live = live
+        self._vehicle = vehicle
+        self._key = key
+        self._camera = camera
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a reading of the camera itself, such as `capture` or `info`."""
+        return getattr(self._camera, name)
+
+    def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
+        """Turn towards these angles."""
+        self._live.command(
+            "aim_camera", vehicle=self._vehicle, camera=self._key, pan_rad=pan_rad, tilt_rad=tilt_rad
+        ).result()
 
 
 class LiveLamp:

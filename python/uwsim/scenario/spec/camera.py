@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll
+from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, YawPitchRoll, broken
 
 LARGEST_SIDE = 8192
 DOCK_VIEW_M = (2.9, 1.3, 1.5)
@@ -16,6 +16,25 @@ Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
 Coefficient = Annotated[float, InRange(-100, 100)]
 Share = Annotated[float, InRange(0, 1)]
 Colour = tuple[Share, Share, Share]
+
+
+class PanTilt(Model):
+    """A motor that turns a camera on its mounting: pan about its z, positive to port, then tilt about y, positive down.
+
+    pan_limits_deg, tilt_limits_deg: from, to; 0, the mounting's own direction, is within. rate_deg_s: of each axis.
+    """
+
+    pan_limits_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
+    tilt_limits_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
+    rate_deg_s: Annotated[float, InRange(0.01, 1e4, "deg/s")] = 30.0
+
+    @model_validator(mode="after")
+    def _holds_zero(self) -> PanTilt:
+        for key in ("pan_limits_deg", "tilt_limits_deg"):
+            low, high = getattr(self, key)
+            if not low <= 0.0 <= high:
+                raise broken("must be from, to, with 0 between them", at=(key,), value=[low, high], unit="deg")
+        return self
 
 
 class CameraMount(Model):
@@ -27,6 +46,7 @@ class CameraMount(Model):
     electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a ray by turbulence;
     by default as `optics.turbulence_k` gives it. follows: what carries it; `body`: fixed to the hull, which it does not
     see; `heading`: it follows the vehicle's place and heading from outside, level, and is kept above the ground.
+    pan_tilt: the motor that turns it, if it has one.
     """
 
     position_m: Point3
@@ -41,6 +61,13 @@ class CameraMount(Model):
     vignetting: Share = 0.5
     wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] | None = None
     follows: Literal["body", "heading"] = "body"
+    pan_tilt: PanTilt | None = None
+
+    @model_validator(mode="after")
+    def _turns_on_the_hull(self) -> CameraMount:
+        if self.pan_tilt is not None and self.follows == "heading":
+            raise broken("is for a camera that is fixed to the hull", at=("pan_tilt",))
+        return self
 
 
 class LampSpot(Model):

@@ -1,0 +1,55 @@
+"""The motor that pans and tilts a camera: each axis turns towards its aim at a finite rate of simulated time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from uwsim.scenario.spec.camera import PanTilt
+
+AXES = ("pan", "tilt")
+Angles = tuple[float, float]
+TOLERANCE_RAD = 1e-9  # for limits that were converted from degrees
+
+
+class PanTiltHead:
+    """A motor's state: where its axes were at a time, and where they turn to."""
+
+    def __init__(self, camera: str, spec: PanTilt) -> None:
+        self._camera = camera
+        self._limits_rad = [tuple(map(math.radians, limits)) for limits in (spec.pan_limits_deg, spec.tilt_limits_deg)]
+        self._rate_rad_s = math.radians(spec.rate_deg_s)
+        self._motion: tuple[int, Angles, Angles] = 0, (0.0, 0.0), (0.0, 0.0)
+
+    def restart(self) -> None:
+        """Point along the mounting."""
+        self._motion = 0, (0.0, 0.0), (0.0, 0.0)
+
+    def angles_rad(self, time_ns: int) -> Angles:
+        """Return pan, positive to port, and tilt, positive down."""
+        since_ns, start, aim = self._motion
+        reach = self._rate_rad_s * max(time_ns - since_ns, 0) * 1e-9
+        pan, tilt = (a + min(max(b - a, -reach), reach) for a, b in zip(start, aim, strict=True))
+        return pan, tilt
+
+    def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
+        """Turn to these angles from now on; None: that axis keeps its aim. Raises ValueError, changing nothing."""
+        given = (pan_rad, tilt_rad)
+        for axis, value, (low, high) in zip(AXES, given, self._limits_rad, strict=True):
+            if value is not None and not low - TOLERANCE_RAD <= value <= high + TOLERANCE_RAD:
+                raise ValueError(
+                    f"camera '{self._camera}': {axis}_rad = {value:g} rad: must be in [{low:.4g}, {high:.4g}] rad"
+                )
+        pan, tilt = (old if new is None else new for old, new in zip(self._motion[2], given, strict=True))
+        self._motion = time_ns, self.angles_rad(time_ns), (pan, tilt)
+
+    def save(self) -> list[Any]:
+        """Return the state as JSON values."""
+        since_ns, start, aim = self._motion
+        return [since_ns, list(start), list(aim)]
+
+    def restore(self, state: Sequence[Any]) -> None:
+        """Continue from a state that `save` returned."""
+        since_ns, (pan, tilt), (pan_aim, tilt_aim) = state
+        self._motion = int(since_ns), (float(pan), float(tilt)), (float(pan_aim), float(tilt_aim))
