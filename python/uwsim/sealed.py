@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.did_you_mean import did_you_mean
 
 
 class Sealed:
@@ -15,6 +15,7 @@ class Sealed:
     other assignment raises AttributeError: it names the nearest attribute, or how to change what the attribute shows.
     """
 
+    _fixed_when: ClassVar[str] = "the simulator is made"
     _changed_by: ClassVar[Mapping[str, str]] = {}
     """How to change what an attribute shows, such as {"effort": "set_effort()"}."""
     _declared: ClassVar[frozenset[str]] = frozenset()
@@ -44,4 +45,4 @@ class Sealed:
             return f"{attribute}: cannot be assigned; use {owner._changed_by[name]}"
         if callable(getattr(owner, name, None)):
             return f"{attribute}: cannot be assigned; it is a method: call it"
-        return f"{attribute}: cannot be assigned; it is fixed when the simulator is made"
+        return f"{attribute}: cannot be assigned; it is fixed when {owner._fixed_when}"

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.arguments import number
 from uwsim.cameras import Camera, Lamp
+from uwsim.did_you_mean import did_you_mean
 from uwsim.docking import Dock, DockedWarning
 from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.scenario.build.vehicle import authority
-from uwsim.scenario.read.did_you_mean import did_you_mean
 from uwsim.sealed import Sealed
 from uwsim.sensors import Sensor
 from uwsim.sonars.mounted import ImagingSonar

@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core
+from uwsim.control import Autopilot
+from uwsim.control.autopilot import Gains
+from uwsim.control.velocity_hold import VelocityHold
+from uwsim.mapping import OccupancyMap
+from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, ObstacleMemory
 from uwsim.named import Named
+
+
+def lawn_mower(sim: Simulator) -> AdaptiveLawnMower:
+    return AdaptiveLawnMower(sim.rov, sim, LawnMowerPlan([[0, 0], [9, 0], [9, 5], [0, 5]]))
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +56,37 @@ def sim() -> Simulator:
 def test_an_assignment_without_effect_is_an_error(sim: Simulator, owner: str, name: str, message: str) -> None:
     with pytest.raises(AttributeError, match=message):
         setattr(eval(owner, {"sim": sim}), name, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "message"),
+    [
+        (lambda sim: OccupancyMap(0.5), "resolution", "unknown attribute; did you mean 'resolution_m'"),
+        (lambda sim: OccupancyMap(0.5), "resolution_m", "it is fixed when the map is made or read"),
+        (lambda sim: Autopilot(sim.rov), "gain", "unknown attribute; did you mean 'gains'"),
+        (lambda sim: Autopilot(sim.rov), "period_s", "it is fixed when the autopilot is made"),
+        (lambda sim: VelocityHold(sim.rov, 0.1), "gains", "it is fixed when the controller is made"),
+        (lambda sim: lawn_mower(sim), "lanes", "use the plan's lanes"),
+        (lambda sim: lawn_mower(sim), "stat", "unknown attribute; did you mean 'state'"),
+        (lambda sim: lawn_mower(sim).state, "lanes", "no attribute 'lanes'"),
+        (lambda sim: lawn_mower(sim).plan, "altitude_m", "cannot assign to field"),
+        (lambda sim: ObstacleMemory(), "ahead_m", "it is fixed when the memory is made"),
+    ],
+)
+def test_maps_controllers_and_missions_refuse_such_assignments_too(sim, make, name: str, message: str) -> None:
+    with pytest.raises(AttributeError, match=message):
+        setattr(make(sim), name, 1.0)
+
+
+def test_new_gains_take_effect(sim: Simulator) -> None:
+    autopilot = Autopilot(sim.rov)
+    autopilot.gains = Gains(heading=0.0, heading_rate=0.0)
+    autopilot.steer(sim.rov.pose.yaw_rad + 1.0, (0.0, 0.0), float(sim.rov.pose.position_world_m[2]))
+    assert sim.rov.effort[5] == 0.0
+    autopilot.gains = Gains(heading=0.5, heading_rate=0.0)
+    autopilot.steer(sim.rov.pose.yaw_rad + 1.0, (0.0, 0.0), float(sim.rov.pose.position_world_m[2]))
+    assert sim.rov.effort[5] == pytest.approx(0.5)
+    sim.rov.set_effort()
 
 
 def test_no_property_of_the_water_can_be_assigned(sim: Simulator) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from uwsim import _core
-from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.did_you_mean import did_you_mean
 
 EFFECTS: tuple[str, ...] = tuple(_core.effect_names())
 """All effects: attenuation, backscatter, sunlight (daylight attenuated by Kd and refracted at the surface), surface

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.control.protocols import SteeredVehicle
+from uwsim.sealed import Sealed
 
 Vector = NDArray[np.float64]
 STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `steady_gains`
@@ -30,21 +31,34 @@ class Gains:
     level_rate: float = 0.5  # per rad/s
 
 
-class Autopilot:
+class Autopilot(Sealed):
     """Turns a commanded heading, horizontal velocity and height into efforts, and keeps the vehicle level.
 
-    Call `steer` once in each control period.
+    Call `steer` once in each control period. `gains` may be replaced at any time.
     """
+
+    vehicle: SteeredVehicle
+    period_s: float
+    _fixed_when = "the autopilot is made"
 
     def __init__(self, vehicle: SteeredVehicle, period_s: float = 0.1, gains: Gains | None = None) -> None:
         self.vehicle = vehicle
         self.period_s = period_s
-        self.gains = gains or steady_gains(Gains(), getattr(vehicle, "authority", None), period_s)
+        self._gains = gains or steady_gains(Gains(), getattr(vehicle, "authority", None), period_s)
         self._surge_integral = self._sway_integral = self._height_integral = 0.0
+
+    @property
+    def gains(self) -> Gains:
+        """The gains of the next control period on."""
+        return self._gains
+
+    @gains.setter
+    def gains(self, gains: Gains) -> None:
+        self._gains = gains
 
     def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Vector, z_world_m: float) -> None:
         """Set the efforts of one control period for a heading, a horizontal velocity (2,) and a height z."""
-        gains, pose, velocity = self.gains, self.vehicle.pose, self.vehicle.velocity
+        gains, pose, velocity = self._gains, self.vehicle.pose, self.vehicle.velocity
         # Plain numbers: for arrays of three, NumPy's overhead is many times their arithmetic.
         surge_m_s, sway_m_s, heave_m_s = velocity.linear_body_m_s.tolist()
         roll_rad_s, pitch_rad_s, yaw_rad_s = velocity.angular_body_rad_s.tolist()

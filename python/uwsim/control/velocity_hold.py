@@ -7,16 +7,22 @@ from numpy.typing import NDArray
 
 from uwsim.control.autopilot import Gains, steady_gains
 from uwsim.control.protocols import SteeredVehicle
+from uwsim.sealed import Sealed
 
 Vector = NDArray[np.float64]
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
-class VelocityHold:
+class VelocityHold(Sealed):
     """Turns a commanded velocity into efforts. Roll and pitch are kept level while no rate is commanded about them.
 
     Call `efforts` once in each control period. An integral stops growing while its effort is at the limit.
     """
+
+    vehicle: SteeredVehicle
+    period_s: float
+    gains: Gains
+    _fixed_when = "the controller is made"
 
     def __init__(self, vehicle: SteeredVehicle, period_s: float, gains: Gains | None = None) -> None:
         self.vehicle = vehicle

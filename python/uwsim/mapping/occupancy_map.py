@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from uwsim import _core
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
 from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts
+from uwsim.sealed import Sealed
 
 MapFormat = Literal["bt", "ot"]
 MapEngine = Literal["bricks", "octomap"]
@@ -29,7 +30,7 @@ INSTRUCTION_SETS = {
 ON_OUTSIDE = ("raise", "count")
 
 
-class OccupancyMap:
+class OccupancyMap(Sealed):
     """A probabilistic voxel map: OctoMap's octree with OctoMap's sensor model.
 
     resolution_m: edge of a voxel. OctoMap's cube reaches 2**15 voxels from its origin along each axis (+-6.5 km at
@@ -55,6 +56,8 @@ class OccupancyMap:
 
     The bytes of a map depend only on the scans and their order. Calls release the GIL and wait for each other.
     """
+
+    _fixed_when = "the map is made or read"
 
     def __init__(
         self,

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, Saved
 from uwsim.missions.mission_state import checked_state
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.shoal_chart import ShoalChart
+from uwsim.sealed import Sealed
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
@@ -62,12 +64,22 @@ class StoppedError(Exception):
     """The mission ended before its last lane; the message says why."""
 
 
-class AdaptiveLawnMower:
+class AdaptiveLawnMower(Sealed):
     """Flies a plan with a vehicle and a clock, which need the names in uwsim.control.protocols.
 
     The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for each lane. Everything that a leg
     remembers from one control period to the next is in `state`, so that `save` and `restore` are possible at any time.
     """
+
+    vehicle: SurveyVehicle
+    clock: Clock
+    plan: LawnMowerPlan
+    period_s: float
+    autopilot: Autopilot
+    obstacles_ahead: ObstacleMemory
+    shoals: ShoalChart
+    _fixed_when = "the mission is made"
+    _changed_by = MappingProxyType({"state": "restore()", "lanes": "the plan's lanes"})
 
     def __init__(self, vehicle: SurveyVehicle, clock: Clock, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
         for sensor in ("altitude", "proximity_port"):
@@ -81,8 +93,18 @@ class AdaptiveLawnMower:
         self.obstacles_ahead = ObstacleMemory()
         self.shoals = ShoalChart(PASSABLE_Z_M)
         east_m, north_m, _ = self._position().tolist()
-        self.state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
-        self.lanes = self._lanes()
+        self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
+        self._lanes = self._planned_lanes()
+
+    @property
+    def state(self) -> MowerState:
+        """The progress of the mission."""
+        return self._state
+
+    @property
+    def lanes(self) -> list[Lane]:
+        """The lanes to fly, in order."""
+        return self._lanes
 
     @property
     def progress(self) -> float:
@@ -98,8 +120,8 @@ class AdaptiveLawnMower:
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state that `save` returned; `run` then goes on from there. Raises ValueError."""
         saved = checked_state(SavedMission, state)
-        self.state = saved.mower
-        self.lanes = self._lanes()
+        self._state = saved.mower
+        self._lanes = self._planned_lanes()
         self.autopilot.integrals = saved.autopilot
         self.obstacles_ahead.restore(saved.lookout)
         self.shoals.restore(saved.shoals)
@@ -130,7 +152,7 @@ class AdaptiveLawnMower:
             self.vehicle.set_effort()
         return f"no way led to {state.skipped} of {len(self.lanes)} lanes" if state.skipped else COVERED
 
-    def _lanes(self) -> list[Lane]:
+    def _planned_lanes(self) -> list[Lane]:
         if self.plan.lanes is not None:
             return list(self.plan.lanes)
         near_m = np.array(self.state.lanes_near_m)

@@ -19,7 +19,7 @@ class LegStart:
     yaw_rad: float
 
 
-@dataclass
+@dataclass(slots=True)
 class MowerState:
     """The progress of a mission.
 

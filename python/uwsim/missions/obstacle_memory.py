@@ -11,17 +11,22 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.control.protocols import PingLike
+from uwsim.sealed import Sealed
 
 Vector = NDArray[np.float64]
 WORLD = np.eye(4)  # of points that are in the world already
 
 
-class ObstacleMemory:
+class ObstacleMemory(Sealed):
     """Remembers the highest echo of each ping in the corridor ahead of the vehicle, until it has been passed.
 
     The corridor reaches from half_width_m behind the vehicle to ahead_m before it, half_width_m to either side.
     pings: how many are remembered.
     """
+
+    half_width_m: float
+    ahead_m: float
+    _fixed_when = "the memory is made"
 
     def __init__(self, half_width_m: float = 3.0, ahead_m: float = 20.0, pings: int = 300) -> None:
         self.half_width_m = half_width_m

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from uwsim import _core
 from uwsim.control.protocols import PingLike
+from uwsim.sealed import Sealed
 
 Point = tuple[float, float]
 Cell = tuple[int, int]
@@ -24,11 +25,14 @@ STEPS_TO_LEAVE = 4  # of half a cell
 WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
-class ShoalChart:
+class ShoalChart(Sealed):
     """Square cells of the horizontal plane in which something reaches higher than top_z_m.
 
     A vehicle cannot pass over them, and keeps one cell away from them.
     """
+
+    top_z_m: float
+    _fixed_when = "the chart is made"
 
     def __init__(self, top_z_m: float) -> None:
         self.top_z_m = top_z_m

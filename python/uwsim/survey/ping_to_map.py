@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core, ranging
 from uwsim.mapping import OccupancyMap
+from uwsim.sealed import Sealed
 from uwsim.survey.wall_time import VERIFICATION, WAITING, WallTimer
 
 SCANS_PER_BATCH = 16  # a map inserts several scans faster than one by one, and threads synchronise less often
@@ -36,7 +37,7 @@ class HullBox:
     high_body_m: NDArray[np.float64]
 
 
-class PingToMap:
+class PingToMap(Sealed):
     """Passes every ping through the chain into a map. A context manager: leaving it waits until the map is filled.
 
     With more than one thread the map is filled in parallel to the simulation. Scans are inserted in order, so the
@@ -44,6 +45,13 @@ class PingToMap:
     returns the string that arrives. reference: a second map, which gets every scan one by one, for comparison.
     outlier_filter: whether ranging.reject_outliers is a link of the chain.
     """
+
+    occupancy: OccupancyMap
+    reference: OccupancyMap | None
+    model: _core.MultibeamModel
+    hull_box: HullBox
+    timer: WallTimer
+    _fixed_when = "the chain is made"
 
     def __init__(
         self,

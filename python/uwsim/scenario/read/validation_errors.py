@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.yaml_document import Key, YamlDocument
 

@@ -19,8 +19,8 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Get
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
+from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.read.assets import find_asset
-from uwsim.scenario.read.did_you_mean import did_you_mean
 from uwsim.scenario.read.validation_errors import HINTS
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")

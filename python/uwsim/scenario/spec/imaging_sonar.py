@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
-from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.parameter import checked_values
 

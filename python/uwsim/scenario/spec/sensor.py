@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
-from uwsim.scenario.read.did_you_mean import did_you_mean
+from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.parameter import checked_values
