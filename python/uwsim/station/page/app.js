@@ -1,0 +1,143 @@
+// Where it begins: connects, shows the start screen or the station, and joins the parts to each other.
+import './theme.js';
+import { watchDialogs } from './dialogs/dialog.js';
+import { showKeys } from './dialogs/keys.js';
+import { showMenu } from './dialogs/menu.js';
+import { byId, toast, write } from './dom.js';
+import { Bindings } from './drive/bindings.js';
+import { Lease } from './drive/lease.js';
+import { Pilot } from './drive/pilot.js';
+import { Panel } from './panel/panel.js';
+import { Recorder } from './recorder.js';
+import { SceneView } from './scene/scene.js';
+import { StartScreen } from './start.js';
+import { Telemetry } from './telemetry.js';
+import { TopBar } from './topbar.js';
+import { Views } from './views/layout.js';
+import { bridgeUrl, Station } from './wire/station.js';
+
+const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
+const MAP = { throttle_rate: 250, queue_length: 1 };
+const SCAN = { throttle_rate: 200 };
+
+const station = new Station(bridgeUrl(location), `Pilot ${Math.floor(Math.random() * 900 + 100)}`);
+const telemetry = new Telemetry(station);
+const bindings = new Bindings();
+const scene = new SceneView();
+const views = new Views(station, telemetry, byId('views'), scene);
+const pilot = new Pilot(station, bindings, act);
+const topbar = new TopBar(station, telemetry, pilot, views);
+const panel = new Panel(byId('panel'), station, telemetry, pilot);
+const recorder = new Recorder(station, telemetry, views);
+const lease = new Lease(station);
+const start = new StartScreen(station);
+let ends = []; // of this session's subscriptions
+let vehicle = null;
+
+watchDialogs((isOpen) => pilot.suspend(isOpen));
+byId('help').addEventListener('click', () => openKeys());
+byId('menu').addEventListener('click', () => openMenu());
+addEventListener('keydown', (event) => {
+  if (event.target.matches('input, select, textarea') || event.ctrlKey || event.metaKey || event.altKey || !station.isRunning) return;
+  const isOpen = document.querySelector('dialog[open]');
+  if (event.key === '?' && !isOpen) openKeys();
+  else if (event.key === 'Escape' && !isOpen) openMenu();
+  else if (/^Digit[1-9]$/.test(event.code) && !event.shiftKey && !isOpen) views.enlargeNumber(Number(event.code.slice(5)));
+  else return;
+  event.preventDefault();
+});
+
+station.addEventListener('state', () => {
+  const isRunning = station.isRunning && station.description !== null;
+  byId('station').hidden = !isRunning;
+  byId('start').hidden = isRunning || station.state.phase === '';
+  if (!isRunning && station.state.phase !== '') start.show();
+  document.title = isRunning ? `${station.description.scenario} – uwsim station` : 'uwsim station';
+  if (isRunning) lease.takeOnce();
+  showBanner();
+});
+station.addEventListener('close', showBanner);
+station.addEventListener('open', showBanner);
+station.addEventListener('trouble', (event) => toast(event.detail, 'error'));
+station.addEventListener('session', begin);
+
+// Show another simulator, or the same one from its start.
+function begin() {
+  const { description } = station;
+  for (const end of ends) end();
+  vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];
+  pilot.vehicle = vehicle.name;
+  telemetry.watch(vehicle.telemetry);
+  topbar.begin(vehicle, description, SPEEDS);
+  panel.begin(vehicle, description);
+  views.fill(description.views.filter((view) => !view.vehicle || view.vehicle === vehicle.name));
+  scene.begin(load, description.vehicles).catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
+  ends = description.vehicles.flatMap((each) => watch(each));
+  panel.showMap(scene.store);
+}
+
+function watch({ name, telemetry: topic, map_changes: map, scan }) {
+  let tilt_rad = 0;
+  const found = [station.bridge.subscribe(topic, 'uwsim_msgs/Telemetry', (message) => {
+    tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
+    scene.takeTelemetry(name, message);
+  }, { throttle_rate: 150 })];
+  if (scan) found.push(station.bridge.subscribe(scan, 'sensor_msgs/LaserScan', (message) => scene.takeScan(name, message, tilt_rad), SCAN));
+  if (map && name === vehicle.name) {
+    found.push(station.bridge.subscribe(map, 'uwsim_msgs/MapChanges', (changes) => {
+      scene.takeMap(changes);
+      panel.showMap(scene.store);
+    }, MAP));
+  }
+  return found;
+}
+
+async function load(path) {
+  const answer = await fetch(station.href(path));
+  if (!answer.ok) throw new Error(`${path}: ${answer.status} ${answer.statusText}`);
+  return answer;
+}
+
+function act(action, isPressed) {
+  if (action === 'tiltUp' || action === 'tiltDown') {
+    topbar.tilt(action === 'tiltUp' ? 1 : -1, isPressed);
+    return;
+  }
+  if (!isPressed) return;
+  const actions = {
+    stop: () => pilot.stop(),
+    release: () => topbar.releaseOrDock(),
+    frontOn: () => topbar.light('front', true),
+    frontOff: () => topbar.light('front', false),
+    downOn: () => topbar.light('down', true),
+    downOff: () => topbar.light('down', false),
+    gainUp: () => pilot.changeGain(1),
+    gainDown: () => pilot.changeGain(-1),
+    mark: () => mark(),
+    pause: () => topbar.pauseOrResume(),
+    step: () => topbar.step(),
+    snapshot: () => recorder.snapshot(),
+    record: () => recorder.toggle(),
+    mute: () => panel.alarms.setSound(!panel.alarms.isLoud),
+  };
+  actions[action]?.();
+}
+
+function mark() {
+  const at = scene.mark(vehicle.name);
+  if (at) toast(`Mark ${scene.marks.count}: ${at.toArray().map((value) => value.toFixed(1)).join(', ')} m`);
+}
+
+function openKeys() { showKeys(bindings, [...byId('views').children].map((view) => view.getAttribute('aria-label'))); }
+
+function openMenu() { showMenu(station, { keys: openKeys, resume: () => topbar.pauseOrResume() }); }
+
+function showBanner() {
+  const { connected, state } = station;
+  const text = !connected ? 'The connection is lost; trying again. The vehicle stops by itself.'
+    : state.error ? `The simulation stopped: ${state.error}` : '';
+  write(byId('banner'), text);
+  byId('banner').hidden = text === '';
+}
+
+globalThis.station = { station, telemetry, pilot, views, scene, panel, bindings, recorder }; // for the browser's console and tests

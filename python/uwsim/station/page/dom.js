@@ -1,0 +1,57 @@
+// Small helpers for the document.
+
+export const byId = (id) => document.getElementById(id);
+
+// Make an element: el('button', { type: 'button', onclick, 'aria-label': '...' }, 'text', child).
+export function el(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else if (name in element && name !== 'list' && !name.includes('-')) element[name] = value;
+    else element.setAttribute(name, value === true ? '' : value);
+  }
+  element.append(...children.filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+// Write text only if it differs: layout is not disturbed ten times a second for nothing.
+export function write(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+let toastTimer = 0;
+export function toast(text, kind = 'info') {
+  const box = byId('toast');
+  box.textContent = text;
+  box.dataset.kind = kind;
+  box.classList.add('is-shown');
+  clearTimeout(toastTimer);
+  toastTimer = setTimeout(() => box.classList.remove('is-shown'), kind === 'error' ? 6000 : 3000);
+}
+
+// Do what a button asks the server for; say it when the server refuses. Return its answer, or null.
+export async function attempt(promise, done = '') {
+  try {
+    const answer = await promise;
+    if (answer?.success === false) {
+      toast(answer.message || 'The simulator refused.', 'error');
+      return null;
+    }
+    if (done) toast(done);
+    return answer ?? {};
+  } catch (error) {
+    toast(error.message, 'error');
+    return null;
+  }
+}
+
+export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1') : '–');
+
+export function clockText(seconds, digits = 0) {
+  if (!Number.isFinite(seconds)) return '–';
+  const whole = Math.floor(seconds);
+  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  const rest = (seconds % 60).toFixed(digits).padStart(digits ? 3 + digits : 2, '0');
+  return hours ? `${hours}:${String(minutes).padStart(2, '0')}:${rest}` : `${minutes}:${rest}`;
+}

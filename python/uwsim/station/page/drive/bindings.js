@@ -1,0 +1,105 @@
+// Which key does what: actions, presets, the pilot's own changes. A key is a place on the keyboard (KeyboardEvent.code).
+
+// Axes are those of REP 103: x ahead, y to port, z up; so positive pitch is nose down and positive yaw turns to port.
+export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
+export const DRIVING = {
+  'surge+': 'Ahead', 'surge-': 'Astern', 'sway+': 'To port', 'sway-': 'To starboard', 'heave+': 'Up', 'heave-': 'Down',
+  'yaw+': 'Turn to port', 'yaw-': 'Turn to starboard', 'pitch+': 'Nose down', 'pitch-': 'Nose up',
+  'roll-': 'Roll to port', 'roll+': 'Roll to starboard',
+};
+export const VEHICLE = {
+  stop: 'All stop', release: 'Release or dock', frontOn: 'Front light on', frontOff: 'Front light off',
+  downOn: 'Down light on', downOff: 'Down light off', tiltDown: 'Sonar nose down', tiltUp: 'Sonar nose up',
+  gainUp: 'More gain', gainDown: 'Less gain', mark: 'Mark this place',
+};
+export const SCREEN = {
+  pause: 'Pause or resume', step: 'One step', snapshot: 'Snapshot', record: 'Record', mute: 'Sound on or off',
+};
+export const ACTIONS = { ...DRIVING, ...VEHICLE, ...SCREEN };
+
+const SHARED = {
+  'surge+': ['KeyW'], 'surge-': ['KeyS'], stop: ['KeyX', 'KeyC'], release: ['KeyR'],
+  frontOff: ['BracketLeft'], frontOn: ['BracketRight'], downOff: ['Semicolon'], downOn: ['Quote'],
+  tiltDown: ['Comma'], tiltUp: ['Period'], gainUp: ['Equal'], gainDown: ['Minus'], mark: ['KeyM'],
+  pause: ['KeyP'], step: ['KeyN'], snapshot: ['KeyV'], record: ['KeyG'], mute: ['KeyU'],
+};
+export const PRESETS = {
+  published: { // the keys of the paper's own keyboard node
+    name: 'Published',
+    keys: {
+      ...SHARED, 'sway+': ['KeyA'], 'sway-': ['KeyD'], 'heave+': ['KeyB'], 'heave-': ['Space'],
+      'yaw+': ['KeyQ'], 'yaw-': ['KeyE'], 'pitch+': ['KeyI'], 'pitch-': ['KeyK'], 'roll-': ['KeyJ'], 'roll+': ['KeyL'],
+    },
+  },
+  wasd: { // as in games: A and D turn
+    name: 'WASD',
+    keys: {
+      ...SHARED, 'yaw+': ['KeyA'], 'yaw-': ['KeyD'], 'sway+': ['KeyQ'], 'sway-': ['KeyE'], 'heave+': ['Space'],
+      'heave-': ['ShiftLeft'], 'pitch+': ['ArrowUp'], 'pitch-': ['ArrowDown'], 'roll-': ['ArrowLeft'],
+      'roll+': ['ArrowRight'],
+    },
+  },
+};
+
+const RESERVED = /^(Digit\d|Escape|Tab|Enter|F\d+|Slash|Meta.*|Control.*|Alt.*)$/;
+const STORED = 'uwsim.keys';
+const NAMES = {
+  Space: 'Space', BracketLeft: '[', BracketRight: ']', Semicolon: ';', Quote: "'", Comma: ',', Period: '.', Equal: '=',
+  Minus: '-', Slash: '/', Backslash: '\\', Backquote: '`', ShiftLeft: 'Shift', ShiftRight: 'Right Shift',
+  ArrowUp: '↑', ArrowDown: '↓', ArrowLeft: '←', ArrowRight: '→',
+};
+
+export const keyName = (code) => NAMES[code] ?? code.replace(/^(Key|Digit)/, '');
+
+export class Bindings {
+  #actionOf = new Map();
+
+  constructor() {
+    const kept = readStored();
+    this.preset = kept.preset in PRESETS ? kept.preset : 'published';
+    this.changes = kept.changes ?? {};
+    this.#index();
+  }
+
+  get isChanged() { return Object.keys(this.changes).length > 0; }
+
+  actionOf(code) { return this.#actionOf.get(code); }
+
+  keysOf(action) { return this.changes[action] ?? PRESETS[this.preset].keys[action] ?? []; }
+
+  choose(preset) {
+    this.preset = preset;
+    this.changes = {};
+    this.#keep();
+  }
+
+  // Give a key to an action; whoever had it loses it. Return why it cannot be, or ''.
+  assign(action, code) {
+    if (RESERVED.test(code)) return `${keyName(code)} is needed for something else`;
+    const owner = this.actionOf(code);
+    if (owner && owner !== action) this.changes[owner] = this.keysOf(owner).filter((key) => key !== code);
+    this.changes[action] = [code];
+    this.#keep();
+    return '';
+  }
+
+  #keep() {
+    this.#index();
+    try {
+      localStorage.setItem(STORED, JSON.stringify({ preset: this.preset, changes: this.changes }));
+    } catch { /* a browser that stores nothing: the keys last until the page is closed */ }
+  }
+
+  #index() {
+    this.#actionOf.clear();
+    for (const action of Object.keys(ACTIONS)) for (const code of this.keysOf(action)) this.#actionOf.set(code, action);
+  }
+}
+
+function readStored() {
+  try {
+    return JSON.parse(localStorage.getItem(STORED)) ?? {};
+  } catch {
+    return {};
+  }
+}

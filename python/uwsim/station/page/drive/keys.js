@@ -1,0 +1,61 @@
+// Held keys as efforts, and pressed keys as actions.
+import { DRIVING } from './bindings.js';
+
+const TYPING = 'input, select, textarea, [contenteditable]';
+
+export class Keys {
+  #held = new Map(); // key's code: driving action
+  #bindings;
+  #act;
+  #changed;
+  #allowed;
+
+  // act(action, isPressed): an action that is no axis. changed(): what is held has changed. allowed(): may the keys drive?
+  constructor(bindings, { act, changed, allowed }) {
+    [this.#bindings, this.#act, this.#changed, this.#allowed] = [bindings, act, changed, allowed];
+    addEventListener('keydown', (event) => this.#down(event));
+    addEventListener('keyup', (event) => this.#up(event));
+  }
+
+  get isHeld() { return this.#held.size > 0; }
+
+  get actions() { return new Set(this.#held.values()); }
+
+  // Let all keys go: each must be pressed anew.
+  drop() {
+    const had = this.isHeld;
+    this.#held.clear();
+    if (had) this.#changed();
+  }
+
+  // Add what the keys ask for to the axes.
+  addTo(axes) {
+    for (const action of this.#held.values()) axes[action.slice(0, -1)] += action.endsWith('+') ? 1 : -1;
+  }
+
+  #down(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.(TYPING) || !this.#allowed()) return;
+    const action = this.#bindings.actionOf(event.code);
+    if (!action) return;
+    if (event.target.matches?.('canvas') && event.code.startsWith('Arrow')) return; // they turn the 3D view
+    const isButton = event.target.closest?.('button, a, summary');
+    if (isButton && event.code === 'Space' && event.target.matches(':focus-visible')) return; // presses the button
+    event.preventDefault();
+    if (event.repeat) return;
+    if (action in DRIVING) {
+      this.#held.set(event.code, action);
+      this.#changed();
+    } else {
+      this.#act(action, true);
+    }
+  }
+
+  #up(event) {
+    if (this.#held.delete(event.code)) {
+      this.#changed();
+    } else if (this.#allowed()) {
+      const action = this.#bindings.actionOf(event.code);
+      if (action && !(action in DRIVING)) this.#act(action, false);
+    }
+  }
+}

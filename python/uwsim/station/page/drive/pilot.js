@@ -1,0 +1,113 @@
+// Keys and gamepads become efforts: sent at once when they change, five times a second while held, zero when let go.
+import { AXES } from './bindings.js';
+import { Gamepads } from './gamepad.js';
+import { Keys } from './keys.js';
+
+const PERIOD_MS = 200;
+const LEAST_MS = 40; // between two commands of a moving stick
+const GAINS = [0.1, 0.25, 0.5, 0.75, 1];
+const none = () => Object.fromEntries(AXES.map((axis) => [axis, 0]));
+const isZero = (efforts) => AXES.every((axis) => efforts[axis] === 0);
+
+// Events: 'efforts' (what is asked for has changed), 'gain', 'answer' (detail: milliseconds to the server and back).
+export class Pilot extends EventTarget {
+  efforts = none();
+  answers_ms = []; // of the last commands, for the curious and for benchmarks
+  #gain = GAINS.indexOf(0.5);
+  #sentMs = -Infinity;
+  #sent = none();
+  #timer = 0;
+  #isOpen = true; // false while a dialog is shown
+
+  constructor(station, bindings, act) {
+    super();
+    this.station = station;
+    this.vehicle = '';
+    this.keys = new Keys(bindings, {
+      act: (action, isPressed) => this.mayAct && act(action, isPressed),
+      changed: () => this.#read(),
+      allowed: () => this.mayAct,
+    });
+    this.gamepads = new Gamepads((action, isPressed) => this.mayAct && act(action, isPressed));
+    addEventListener('blur', () => this.letGo());
+    addEventListener('pagehide', () => this.letGo());
+    document.addEventListener('visibilitychange', () => { if (document.hidden) this.letGo(); });
+    document.addEventListener('focusin', (event) => { if (event.target.matches('input, select, textarea')) this.letGo(); });
+    station.addEventListener('close', () => this.letGo());
+    station.addEventListener('state', () => { if (!station.isPilot) this.letGo(); });
+    requestAnimationFrame(() => this.#poll());
+  }
+
+  get gain() { return GAINS[this.#gain]; }
+
+  get mayAct() { return this.#isOpen && !document.hidden && this.station.isRunning; }
+
+  get isHeld() { return !isZero(this.efforts); }
+
+  changeGain(steps) {
+    this.#gain = Math.max(0, Math.min(GAINS.length - 1, this.#gain + steps));
+    this.dispatchEvent(new Event('gain'));
+    this.#read();
+  }
+
+  // While a dialog is shown no control acts.
+  suspend(isSuspended) {
+    this.#isOpen = !isSuspended;
+    if (isSuspended) this.letGo();
+  }
+
+  // Let all controls go, and say so to the server, even if it has heard zeros before: a lost one must not matter.
+  letGo() {
+    this.keys.drop();
+    this.gamepads.axes = {};
+    this.efforts = none();
+    clearTimeout(this.#timer);
+    this.#timer = 0;
+    if (!isZero(this.#sent)) this.#send();
+    this.dispatchEvent(new Event('efforts'));
+  }
+
+  // All efforts to zero, whatever is held: each key must be pressed anew.
+  stop() {
+    this.letGo();
+    this.#send();
+  }
+
+  #poll() {
+    if (this.gamepads.poll(this.mayAct)) this.#read();
+    requestAnimationFrame(() => this.#poll());
+  }
+
+  #read() {
+    const axes = none();
+    this.keys.addTo(axes);
+    this.gamepads.addTo(axes);
+    for (const axis of AXES) axes[axis] = this.gain * Math.max(-1, Math.min(1, axes[axis]));
+    this.efforts = axes;
+    this.dispatchEvent(new Event('efforts'));
+    const waitMs = isZero(axes) ? 0 : this.#sentMs + LEAST_MS - performance.now();
+    if (waitMs > 0) this.#later(waitMs);
+    else this.#send();
+  }
+
+  #later(ms) {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#send(), ms);
+  }
+
+  async #send() {
+    clearTimeout(this.#timer);
+    this.#timer = 0;
+    const begun = performance.now();
+    this.#sentMs = begun;
+    if (this.isHeld) this.#later(PERIOD_MS);
+    if (!this.station.isPilot) return;
+    this.#sent = this.efforts;
+    try {
+      const answer = await this.station.drive(this.vehicle, this.efforts, begun);
+      const ms = performance.now() - begun;
+      this.answers_ms = [...this.answers_ms.slice(-199), ms];
+      this.dispatchEvent(new CustomEvent('answer', { detail: { ...answer, ms } }));
+    } catch { /* a lost connection is shown by the banner; the server puts efforts to zero */ }
+  }
+}

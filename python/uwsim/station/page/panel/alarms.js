@@ -1,0 +1,62 @@
+// The three lamps of the paper's panel, and their sound, which is off until somebody wants it.
+import { el, write } from '../dom.js';
+
+const STORED = 'uwsim.sound';
+// Pitch [Hz] and length [s] of each beep: told apart by ear.
+const LAMPS = {
+  range: { title: 'Range', level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
+  proximity: { title: 'Proximity', level: 'warn', field: 'proximity_warning', beep: [740, 0.1], period_ms: 1500 },
+  collision: { title: 'Collision', level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
+};
+
+export class Alarms {
+  #audio = null;
+  #beepedMs = {};
+  #lamps = {};
+
+  constructor() {
+    for (const [name, { title }] of Object.entries(LAMPS)) {
+      const state = el('span', { className: 'visually-hidden' }, 'off');
+      this.#lamps[name] = { state, element: el('div', { className: 'lamp', id: `lamp-${name}`, role: 'status' }, el('i', { 'aria-hidden': 'true' }), el('b', {}, title), state) };
+    }
+    this.button = el('button', { type: 'button', id: 'sound', onclick: () => this.setSound(!this.isLoud) });
+    this.element = el('section', {}, el('h2', {}, 'Warnings', this.button),
+      el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)));
+    this.isLoud = false;
+    this.setSound(localStorage.getItem(STORED) === 'on');
+  }
+
+  setSound(isLoud) {
+    this.isLoud = isLoud;
+    localStorage.setItem(STORED, isLoud ? 'on' : 'off');
+    this.button.setAttribute('aria-pressed', String(isLoud));
+    write(this.button, isLoud ? 'Sound on' : 'Sound off');
+  }
+
+  show(message, isStale) {
+    for (const [name, { field, level, beep, period_ms }] of Object.entries(LAMPS)) {
+      const { element, state } = this.#lamps[name];
+      const isOn = Boolean(message?.[field]);
+      element.dataset.on = isOn ? level : 'off';
+      element.classList.toggle('is-stale', isStale);
+      write(state, isOn ? 'on' : 'off');
+      if (isOn && this.isLoud && !isStale) this.#beep(name, beep, period_ms);
+    }
+  }
+
+  #beep(name, [hertz, seconds], period_ms) {
+    const now = performance.now();
+    if (now - (this.#beepedMs[name] ?? -Infinity) < period_ms) return;
+    this.#beepedMs[name] = now;
+    this.#audio ??= new AudioContext();
+    if (this.#audio.state === 'suspended') this.#audio.resume();
+    const [tone, volume, start] = [this.#audio.createOscillator(), this.#audio.createGain(), this.#audio.currentTime];
+    tone.frequency.value = hertz;
+    volume.gain.setValueAtTime(0.0001, start);
+    volume.gain.exponentialRampToValueAtTime(0.2, start + 0.01);
+    volume.gain.exponentialRampToValueAtTime(0.0001, start + seconds);
+    tone.connect(volume).connect(this.#audio.destination);
+    tone.start(start);
+    tone.stop(start + seconds + 0.02);
+  }
+}

@@ -1,0 +1,118 @@
+// The panel: every value of the paper's, the position, bars, the link and the map.
+import { attitude } from '../attitude.js';
+import { clockText, el, fixed, write } from '../dom.js';
+import { Alarms } from './alarms.js';
+import { Bars } from './bars.js';
+
+const LOW_PERCENT = 25;
+const EMPTY_PERCENT = 10;
+const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
+const RANGE = (value, digits = 1) => (value === Infinity ? 'none' : fixed(value, digits));
+
+// Each value: name, unit, and what it is in the telemetry m.
+const BIG = [
+  ['Depth', 'm', (m) => fixed(m.depth, 1)],
+  ['Altitude', 'm', (m) => RANGE(m.distance_to_seabed)],
+  ['Heading', '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
+];
+const MOTION = [
+  ['Speed', 'm/s', (m) => fixed(m.speed, 2)],
+  ['Turning', '°/s', (m) => fixed((m.angular_speed * 180) / Math.PI, 1)],
+  ['Roll', '°', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
+  ['Pitch', '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
+];
+const POSITION = [
+  ['East', 'm', (m) => fixed(m.position[0], 1)],
+  ['North', 'm', (m) => fixed(m.position[1], 1)],
+  ['Up', 'm', (m) => fixed(m.position[2], 1)],
+];
+const AROUND = [
+  ['Station', 'm', (m) => fixed(m.distance_to_station, 1)],
+  ['Port side', 'm', (m) => RANGE(m.distance_to_port)],
+  ['Water', '°C', (m) => fixed(m.temperature, 1)],
+  ['Pressure', 'kPa', (m) => fixed(m.pressure / 1000, 1)],
+  ['Sound delay', 'ms', (m) => fixed(1000 * m.link_delay, 0)],
+  ['Collisions', '', (m) => String(m.collisions)],
+];
+
+// "2.0 S": to starboard.
+function sided(value, positive, negative) {
+  const text = fixed(Math.abs(value), 1);
+  return Number(text) ? `${text} ${value > 0 ? positive : negative}` : text;
+}
+
+export class Panel {
+  #values = []; // { write(m) }
+  alarms = new Alarms();
+  thrusters = new Bars();
+  efforts = new Bars();
+
+  constructor(container, station, telemetry, pilot) {
+    [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
+    this.kind = el('small');
+    this.age = el('small');
+    this.battery = el('i');
+    this.meter = el('div', { className: 'meter', role: 'meter', 'aria-label': 'Battery', 'aria-valuemin': 0, 'aria-valuemax': 100 }, this.battery);
+    this.mapNote = el('small');
+    this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the map' });
+    this.efforts.name(EFFORTS);
+    this.charge = el('small');
+    this.timed = el('div', {},
+      this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
+      this.#section('Position', this.kind, this.#list(POSITION, 'big-values small')),
+      this.#section('Around', null, this.#list(AROUND)),
+      this.#section('Battery', this.charge, this.meter),
+      this.#section('Thrusters', el('small', {}, '%'), this.thrusters.element));
+    container.append(this.alarms.element, this.timed,
+      this.#section('Controls', el('small', {}, '%'), this.efforts.element),
+      this.#section('Map', this.mapNote, this.downloads));
+    telemetry.addEventListener('change', () => this.show());
+    pilot.addEventListener('efforts', () => this.efforts.show(Object.values(pilot.efforts)));
+    setInterval(() => this.show(), 500);
+  }
+
+  begin(vehicle, description) {
+    this.thrusters.name(vehicle.thrusters);
+    this.truthAllowed = description.truth_allowed;
+    this.downloads.replaceChildren(...['bt', 'ply', 'pcd', 'tif'].map((kind) => el('a', {
+      href: this.station.href(`/map/${vehicle.name}.${kind}`), download: `${description.scenario}-${vehicle.name}.${kind}`,
+      'aria-label': `Download the map as .${kind}`,
+    }, `.${kind}`)));
+  }
+
+  showMap({ count, resolution_m }) {
+    write(this.mapNote, count ? `${count.toLocaleString('en')} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet');
+  }
+
+  show() {
+    const { message, isStale, lag_s } = this.telemetry;
+    this.timed.classList.toggle('is-stale', isStale);
+    this.alarms.show(message, isStale);
+    write(this.age, !message ? 'waiting' : !this.station.connected ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '');
+    if (!message) return;
+    for (const [element, read] of this.#values) write(element, read(message));
+    write(this.kind, message.is_truth ? 'truth' : 'estimate');
+    this.thrusters.show(message.thrusters);
+    const percent = Math.max(0, Math.min(100, message.battery));
+    this.battery.style.width = `${percent}%`;
+    this.meter.dataset.level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';
+    this.meter.setAttribute('aria-valuenow', percent.toFixed(0));
+    write(this.charge, `${fixed(message.battery, 0)} % · ${clockText(message.mission_time)} used`);
+  }
+
+  #section(title, note, ...contents) {
+    const head = title || note ? el('h2', {}, title || 'Vehicle', note) : null;
+    return el('section', {}, head, ...contents);
+  }
+
+  #list(rows, className = 'values') {
+    const list = el('dl', { className });
+    for (const [name, unit, read] of rows) {
+      const value = el('span', {}, '–');
+      this.#values.push([value, read]);
+      const parts = [el('dt', {}, name), el('dd', {}, value, unit ? el('span', { className: 'unit' }, unit) : null)];
+      list.append(el('div', {}, ...parts));
+    }
+    return list;
+  }
+}

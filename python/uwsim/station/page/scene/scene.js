@@ -1,0 +1,262 @@
+// The 3D view: the lake, the live map, the vehicle with its track and its sonar's fan. Drawn when pictures leave time.
+import {
+  Color, DirectionalLight, GLTFLoader, HemisphereLight, Mesh, MeshLambertMaterial, OrbitControls, PerspectiveCamera, Scene, Vector3,
+  WebGLRenderer,
+} from '../vendor/three.js';
+import { el, write } from '../dom.js';
+import { Marks, Vessel } from './actors.js';
+import { FrameGate } from './frame_gate.js';
+import { makeSurface, makeTerrain } from './terrain.js';
+import { VoxelPoints } from './voxel_points.js';
+import { VoxelStore } from './voxel_store.js';
+
+const SMALL_MS = 1000; // between two frames while the view is small
+const IDLE_MS = 250; // while it is large and nothing turns it
+const SLOW_MS = 140;
+const FAST_MS = 45;
+const PATIENCE = 4; // frames that must be slow, or fast, before the level changes
+const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
+
+export class SceneView {
+  name = 'scene';
+  title = '3D map';
+  store = new VoxelStore();
+  voxels = new VoxelPoints(this.store);
+  vessels = new Map(); // name: Vessel
+  marks = new Marks();
+  isOrbiting = false;
+  #isLarge = false;
+  #layers = { terrain: true, map: true, track: true, fan: true };
+  #follows = true;
+  #isDue = true;
+  #drawnMs = -Infinity;
+  #pace = 0;
+  #scenery = [];
+  #terrain = null;
+  #followed = '';
+
+  constructor() {
+    this.canvas = el('canvas', { role: 'img', 'aria-label': '3D view of the lake, the map and the vehicle', tabindex: '-1' });
+    this.note = el('p', { className: 'scene-note' });
+    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': '3D view' });
+    this.element = [this.canvas, this.tools, this.note];
+    this.#makeTools();
+    this.#makeScene();
+    requestAnimationFrame(() => this.#frame());
+  }
+
+  get frame_ms() { return this.gate?.frame_ms ?? NaN; }
+
+  setLarge(isLarge) {
+    this.#isLarge = isLarge;
+    this.#isDue = true;
+    if (this.controls) this.controls.enabled = isLarge;
+    this.canvas.tabIndex = isLarge ? 0 : -1;
+  }
+
+  // Show another simulator's lake. load(path): fetches from it.
+  async begin(load, vehicles) {
+    this.clear();
+    for (const part of this.#scenery) this.scene?.remove(part);
+    this.#scenery = [];
+    if (!this.scene) return;
+    for (const { name } of vehicles) this.#addVessel(name);
+    this.#followed = vehicles[0]?.name ?? '';
+    const found = await (await load('/scene/scene.json')).json();
+    const heights = new Float32Array(await (await load(found.terrain.url)).arrayBuffer());
+    this.#terrain = makeTerrain(heights, found.terrain, 0.5);
+    this.voxels.setRange(this.#terrain.low_m, this.#terrain.high_m);
+    this.#addScenery(this.#terrain.mesh, makeSurface(found.terrain, found.surface_m ?? 0));
+    const loader = new GLTFLoader();
+    const glb = async (url) => (await loader.parseAsync(await (await load(url)).arrayBuffer(), '')).scene;
+    for (const { url, label } of found.meshes) this.#addScenery(dressed(await glb(url), label));
+    for (const { name, url } of found.vehicles) this.vessels.get(name)?.setHull(await glb(url));
+    this.#isDue = true;
+  }
+
+  // Forget the map and the tracks, such as at a restart.
+  clear() {
+    this.store.clear();
+    this.voxels.clear();
+    for (const { group, track } of this.vessels.values()) this.scene?.remove(group, track.line);
+    this.vessels.clear();
+    this.marks.clear();
+  }
+
+  follow(name) { this.#followed = name; }
+
+  takeMap(changes) {
+    if (changes.snapshot) this.voxels.clear();
+    this.voxels.changed(this.store.apply(changes));
+    this.#isDue = true;
+  }
+
+  takeTelemetry(name, message) {
+    const vessel = this.vessels.get(name);
+    if (!vessel) return;
+    const before = vessel.group.position.clone();
+    vessel.move(message);
+    if (name === this.#followed && this.#follows) this.#moveWith(vessel.group.position, before);
+    this.#isDue = true;
+  }
+
+  takeScan(name, scan, tilt_rad) {
+    this.vessels.get(name)?.setFan(scan, tilt_rad);
+    this.#applyLayers();
+    this.#isDue = true;
+  }
+
+  // Leave a pole where a vehicle is; return its position.
+  mark(name) {
+    const at = this.vessels.get(name)?.group.position.clone();
+    if (at) this.marks.add(at);
+    this.#isDue = true;
+    return at;
+  }
+
+  // The view as it is now: a canvas of WebGL keeps its picture no longer than a frame.
+  picture(take) {
+    if (!this.scene) return;
+    this.#draw();
+    take(this.canvas);
+  }
+
+  // Look at the followed vehicle from behind and above, or at the whole map from above.
+  look(isFromAbove) {
+    const vessel = this.vessels.get(this.#followed);
+    const target = vessel ? vessel.group.position : new Vector3(0, 0, -20);
+    const ahead = vessel ? new Vector3(1, 0, 0).applyQuaternion(vessel.group.quaternion) : new Vector3(0, 1, 0);
+    const away = isFromAbove ? new Vector3(0, -0.1, 130) : new Vector3(-34 * ahead.x, -34 * ahead.y, 24);
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).add(away);
+    this.controls.update();
+    this.#isDue = true;
+  }
+
+  #makeTools() {
+    const toggles = Object.entries(LAYERS).map(([layer, name]) => el('button', {
+      type: 'button', 'aria-pressed': 'true',
+      onclick: (event) => {
+        this.#layers[layer] = !this.#layers[layer];
+        event.currentTarget.setAttribute('aria-pressed', String(this.#layers[layer]));
+        this.#applyLayers();
+      },
+    }, name));
+    const follow = el('button', {
+      type: 'button', 'aria-pressed': 'true',
+      onclick: () => {
+        this.#follows = !this.#follows;
+        follow.setAttribute('aria-pressed', String(this.#follows));
+      },
+    }, 'Follow');
+    this.tools.append(...toggles, follow,
+      el('button', { type: 'button', onclick: () => this.look(false) }, 'Behind'),
+      el('button', { type: 'button', onclick: () => this.look(true) }, 'Above'));
+  }
+
+  #makeScene() {
+    try {
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: false, powerPreference: 'low-power' });
+    } catch {
+      write(this.note, 'This browser has no WebGL 2: no 3D view');
+      return;
+    }
+    this.renderer.setPixelRatio(1);
+    this.gate = new FrameGate(this.renderer.getContext());
+    this.scene = new Scene();
+    this.scene.background = new Color(0x0a1720);
+    this.camera = new PerspectiveCamera(50, 16 / 9, 0.5, 2000);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-60, -60, 40);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.maxPolarAngle = 0.95 * Math.PI;
+    this.controls.minDistance = 2;
+    this.controls.maxDistance = 900;
+    this.controls.listenToKeyEvents?.(this.canvas);
+    this.controls.addEventListener('change', () => { this.#isDue = true; });
+    this.controls.addEventListener('start', () => { this.isOrbiting = true; });
+    this.controls.addEventListener('end', () => { this.isOrbiting = false; });
+    const sun = new DirectionalLight(0xffffff, 2.2);
+    sun.position.set(-0.5, 0.6, 1);
+    this.scene.add(new HemisphereLight(0xcfe6f2, 0x1c2f3a, 1.4), sun, this.voxels.group, this.marks.group);
+  }
+
+  #addVessel(name) {
+    const vessel = new Vessel();
+    this.vessels.set(name, vessel);
+    this.scene.add(vessel.group, vessel.track.line);
+  }
+
+  #addScenery(...parts) {
+    this.#scenery.push(...parts);
+    this.scene.add(...parts);
+    this.#applyLayers();
+  }
+
+  #applyLayers() {
+    if (this.#terrain) this.#terrain.mesh.visible = this.#layers.terrain;
+    this.voxels.group.visible = this.#layers.map;
+    for (const vessel of this.vessels.values()) {
+      vessel.track.line.visible = this.#layers.track;
+      vessel.showFan(this.#layers.fan);
+    }
+    this.#isDue = true;
+  }
+
+  #moveWith(now, before) {
+    if (!this.controls) return;
+    if (!this.hasLooked) { // the first pose
+      this.hasLooked = true;
+      this.look(false);
+      return;
+    }
+    const moved = now.clone().sub(before);
+    this.controls.target.add(moved);
+    this.camera.position.add(moved);
+  }
+
+  #frame() {
+    requestAnimationFrame(() => this.#frame());
+    if (!this.scene || document.hidden || !this.gate.isOpen) return;
+    const waited = performance.now() - this.#drawnMs;
+    const period = this.#isLarge ? (this.isOrbiting ? 0 : this.#isDue ? Math.max(50, 1.5 * this.gate.frame_ms) : IDLE_MS) : SMALL_MS;
+    if (waited < period || (!this.#isDue && !this.isOrbiting)) return;
+    this.#draw();
+  }
+
+  #draw() {
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    if (width === 0 || height === 0) return;
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      this.renderer.setSize(width, height, false);
+      this.camera.aspect = width / height;
+      this.camera.updateProjectionMatrix();
+    }
+    this.#adapt();
+    this.#isDue = this.voxels.update(this.camera, height);
+    this.gate.begin();
+    this.renderer.render(this.scene, this.camera);
+    this.gate.end();
+    this.#drawnMs = performance.now();
+    write(this.note, `${this.store.count.toLocaleString('en')} voxels · ${this.voxels.pointCount.toLocaleString('en')} drawn · `
+      + `${Math.round(this.gate.frame_ms)} ms`);
+  }
+
+  // Coarser when frames are slow, finer when there is time: several frames must agree.
+  #adapt() {
+    if (!this.#isLarge) return;
+    const { frame_ms: ms } = this.gate;
+    this.#pace = ms > SLOW_MS ? Math.max(this.#pace, 0) + 1 : ms && ms < FAST_MS ? Math.min(this.#pace, 0) - 1 : 0;
+    if (Math.abs(this.#pace) < PATIENCE) return;
+    this.voxels.bias = Math.max(0, Math.min(3, this.voxels.bias + Math.sign(this.#pace)));
+    this.#pace = 0;
+  }
+}
+
+// A mesh that is fixed: its colour says what it is.
+function dressed(node, label) {
+  const colour = /pipe/.test(label) ? 0xb9a27a : /station/.test(label) ? 0xc8ced2 : /gate/.test(label) ? 0xd98c5f : 0x94a3ad;
+  const material = new MeshLambertMaterial({ color: colour });
+  node.traverse((part) => { if (part instanceof Mesh) part.material = material; });
+  return node;
+}

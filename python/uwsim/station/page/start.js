@@ -1,0 +1,190 @@
+// The start screen: what to simulate, or where a simulator runs already.
+import { byId, el, write } from './dom.js';
+
+const CHECK_MS = 250;
+const OWN = 'The scenario’s own';
+
+export class StartScreen {
+  #fields = new Map(); // name: { box, input, hint, wrong }
+  #timer = 0;
+  #checks = 0;
+
+  constructor(station) {
+    this.station = station;
+    this.form = byId('start-form');
+    this.button = this.form.querySelector('button[type=submit]');
+    this.form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      this.#submit();
+    });
+    this.form.addEventListener('input', () => this.#later());
+  }
+
+  async show() {
+    if (this.catalog) return;
+    this.#say('Asking the simulator what it offers …');
+    try {
+      this.catalog = await this.station.catalog();
+    } catch (error) {
+      this.#say(error.message, 'error');
+      return;
+    }
+    this.#build();
+    this.#say('');
+    this.#later();
+  }
+
+  #build() {
+    const { scenarios, vehicles, sonars, links, speeds, defaults } = this.catalog;
+    const own = { value: '', text: OWN };
+    byId('start-fields').replaceChildren(
+      this.#set('Simulator', this.#where()),
+      this.ownSet = this.#set('Mission',
+        this.#field('scenario', 'Scenario', options(scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description }))), { wide: true }),
+        this.#field('vehicle', 'Vehicle', options([own, ...vehicles.map(({ name, description }) => ({ value: name, text: name, hint: description }))])),
+        this.#field('sonar', 'Sonar', options([own, ...sonars.map(({ name, title, description }) => ({ value: name, text: title ?? name, hint: description }))])),
+        this.#field('mission_time_s', 'Mission time', number({ min: 1, step: 1 }), { unit: 's', hint: 'The battery lasts as long.' }),
+        this.#field('seed', 'Seed', number({ min: 0, step: 1 }), { hint: 'The same seed and the same controls give the same run.' })),
+      this.paceSet = this.#set('Time and link',
+        this.#field('speed', 'Speed', options(speeds.map((speed) => ({ value: speed, text: speed === 0 ? 'As fast as possible' : `${speed} × real time` })))),
+        this.#field('link', 'Link to the vehicle', options(links.map(({ name, description }) => ({ value: name, text: name, hint: description }))))),
+      this.otherSet = this.#set('Address',
+        this.#field('host', 'Host', el('input', { type: 'text', placeholder: '127.0.0.1', autocomplete: 'off', spellcheck: false }), { hint: 'A rosbridge server of uwsim, such as uwsim serve lake --station.' }),
+        this.#field('port', 'Port', number({ min: 1, max: 65535, step: 1 }), { hint: '' })));
+    for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
+      const field = this.#fields.get(name);
+      if (field && value !== null && value !== undefined) field.input.value = value;
+    }
+    this.#showWhere();
+    this.#showHints();
+  }
+
+  #where() {
+    const choice = (value, title, text) => el('label', {},
+      el('input', { type: 'radio', name: 'where', value, checked: value === 'here', onchange: () => this.#showWhere() }),
+      el('b', {}, title), el('small', {}, text));
+    return el('div', { className: 'choice', role: 'radiogroup', 'aria-label': 'Simulator' },
+      choice('here', 'Start one here', 'In the process that serves this page'),
+      choice('there', 'Join one elsewhere', 'By the address and port of its rosbridge'));
+  }
+
+  get isElsewhere() { return this.form.elements.where?.value === 'there'; }
+
+  #showWhere() {
+    this.ownSet.hidden = this.paceSet.hidden = this.isElsewhere;
+    this.otherSet.hidden = !this.isElsewhere;
+    write(this.button, this.isElsewhere ? 'Connect' : 'Start');
+    this.#later();
+  }
+
+  #set(title, ...fields) { return el('fieldset', {}, el('legend', {}, title), ...fields); }
+
+  #field(name, title, input, { wide = false, unit = '', hint = '' } = {}) {
+    input.id = `field-${name}`;
+    input.name = name;
+    const [note, wrong] = [el('p', { className: 'hint', id: `hint-${name}` }, hint), el('p', { className: 'wrong', id: `wrong-${name}`, role: 'alert' })];
+    input.setAttribute('aria-describedby', `hint-${name} wrong-${name}`);
+    const box = el('div', { className: `field${wide ? ' wide' : ''}` }, el('label', { htmlFor: input.id }, title),
+      unit ? el('div', { className: 'with-unit' }, input, el('span', { 'aria-hidden': 'true' }, unit)) : input, note, wrong);
+    this.#fields.set(name, { box, input, hint: note, wrong, fixedHint: hint });
+    return box;
+  }
+
+  #showHints() {
+    for (const { input, hint, fixedHint } of this.#fields.values()) {
+      write(hint, input.selectedOptions?.[0]?.dataset.hint ?? fixedHint);
+    }
+    const scenario = this.catalog?.scenarios.find(({ name }) => name === this.#fields.get('scenario').input.value);
+    if (!scenario) return;
+    this.#fields.get('mission_time_s').input.placeholder = `${scenario.mission_time_s} (the scenario’s own)`;
+    this.#fields.get('seed').input.placeholder = `${scenario.seed} (the scenario’s own)`;
+    const [vehicle] = scenario.vehicles;
+    if (this.#fields.get('vehicle').input.value === '' && vehicle) write(this.#fields.get('vehicle').hint, scenario.vehicles.map(({ name, model }) => (name === model ? name : `${name}: ${model}`)).join(', '));
+    if (this.#fields.get('sonar').input.value === '') write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
+  }
+
+  // The choice, with what is empty left to the scenario. Numbers that are none are sent as they are: the server says why.
+  get choice() {
+    const value = (name) => this.#fields.get(name).input.value.trim();
+    const numeric = (name) => (value(name) === '' ? null : Number.isNaN(Number(value(name))) ? value(name) : Number(value(name)));
+    const text = (name) => value(name) || null;
+    return {
+      scenario: text('scenario'), vehicle: text('vehicle'), sonar: text('sonar'), mission_time_s: numeric('mission_time_s'),
+      seed: numeric('seed'), speed: numeric('speed'), link: text('link'),
+    };
+  }
+
+  #later() {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#check(), CHECK_MS);
+  }
+
+  async #check() {
+    if (!this.catalog) return;
+    this.#showHints();
+    const number_ = this.#checks += 1;
+    const answer = this.isElsewhere ? { errors: this.#addressErrors() } : await this.station.check(this.choice).catch(() => null);
+    if (answer && number_ === this.#checks) this.#mark(answer.errors ?? {});
+  }
+
+  #addressErrors() {
+    const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
+    const errors = {};
+    if (!/^[\w.:[\]-]+$/.test(host)) errors.host = `host = '${host}': must be a name or an address, such as 127.0.0.1`;
+    if (!/^\d+$/.test(port) || port < 1 || port > 65535) errors.port = `port = '${port}': must be in [1, 65535]`;
+    return errors;
+  }
+
+  // Say what is wrong at its field; return whether anything is.
+  #mark(errors) {
+    for (const [name, { box, input, wrong }] of this.#fields) {
+      const text = errors[name] ?? '';
+      write(wrong, text);
+      box.toggleAttribute('data-wrong', text !== '');
+      input.setAttribute('aria-invalid', String(text !== ''));
+    }
+    const others = Object.entries(errors).filter(([name]) => !this.#fields.has(name)).map(([, text]) => text);
+    this.#say(others.join(' '), others.length ? 'error' : '');
+    return Object.keys(errors).length > 0;
+  }
+
+  async #submit() {
+    if (!this.catalog) return;
+    if (this.isElsewhere) {
+      const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
+      if (!this.#mark(this.#addressErrors())) location.search = `?rosbridge=${encodeURIComponent(`ws://${host}:${port}`)}`;
+      return;
+    }
+    this.button.disabled = true;
+    this.#say('Starting …');
+    try {
+      const answer = await this.station.start(this.choice);
+      if (answer.success) this.#say('');
+      else if (this.#mark(answer.errors ?? {})) this.form.querySelector('[aria-invalid=true]')?.focus();
+      if (!answer.success && answer.message) this.#say(answer.message, 'error');
+    } catch (error) {
+      this.#say(error.message, 'error');
+    }
+    this.button.disabled = false;
+  }
+
+  #say(text, kind = '') {
+    const message = byId('start-message');
+    write(message, text);
+    message.dataset.kind = kind;
+  }
+}
+
+function options(choices) {
+  const select = el('select');
+  for (const { value, text, hint } of choices) {
+    const option = el('option', { value: String(value) }, text);
+    if (hint) option.dataset.hint = hint;
+    select.append(option);
+  }
+  return select;
+}
+
+function number({ min, max, step }) {
+  return el('input', { type: 'text', inputMode: 'numeric', autocomplete: 'off', spellcheck: false, 'data-min': min, 'data-max': max, 'data-step': step });
+}

@@ -1,0 +1,43 @@
+// The newest telemetry of the vehicle that is shown, and how old it is.
+
+const LATE_MS = 1500;
+const LATE_SIM_S = 2; // behind the simulated time, such as by an acoustic link
+
+export class Telemetry extends EventTarget {
+  #end = null;
+  message = null;
+  #heardMs = -Infinity;
+
+  constructor(station) {
+    super();
+    this.station = station;
+  }
+
+  watch(topic) {
+    this.#end?.();
+    this.message = null;
+    this.#heardMs = -Infinity;
+    this.#end = this.station.bridge.subscribe(topic, 'uwsim_msgs/Telemetry', (message) => {
+      this.message = message;
+      this.#heardMs = performance.now();
+      this.dispatchEvent(new Event('change'));
+    }, { throttle_rate: 150 });
+  }
+
+  get stamp_s() {
+    const stamp = this.message?.header?.stamp;
+    return stamp ? (stamp.sec ?? stamp.secs ?? 0) + 1e-9 * (stamp.nanosec ?? stamp.nsecs ?? 0) : NaN;
+  }
+
+  // Seconds of simulated time that the values are behind the simulator.
+  get lag_s() { return Math.max(0, this.station.state.time - this.stamp_s); }
+
+  // Whether the values are older than they should be.
+  get isStale() {
+    const { state, connected } = this.station;
+    if (!this.message || !connected) return true;
+    if (state.paused) return false;
+    const slow = state.factor > 0 && state.factor < 1 ? 1 / state.factor : 1;
+    return performance.now() - this.#heardMs > LATE_MS * Math.min(slow, 20) || this.lag_s > LATE_SIM_S * Math.max(1, state.factor || 1);
+  }
+}

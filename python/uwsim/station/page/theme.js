@@ -1,0 +1,22 @@
+// Dark or light: as the system says, unless somebody has chosen.
+
+const STORED = 'uwsim.theme';
+export const THEMES = ['system', 'dark', 'light'];
+const prefersLight = matchMedia('(prefers-color-scheme: light)');
+
+export function theme() {
+  const kept = localStorage.getItem(STORED);
+  return THEMES.includes(kept) ? kept : 'system';
+}
+
+export function setTheme(kind) {
+  localStorage.setItem(STORED, kind);
+  apply();
+}
+
+function apply() {
+  document.documentElement.dataset.theme = theme() === 'system' ? (prefersLight.matches ? 'light' : 'dark') : theme();
+}
+
+prefersLight.addEventListener('change', apply);
+apply();

@@ -1,0 +1,235 @@
+// What a pilot reads without looking away from the video: heading, depth, altitude, attitude, drawn over it.
+import { attitude } from '../attitude.js';
+
+const INK = '#f2f8fb';
+const SOFT = 'rgb(242 248 251 / .72)';
+const STALE = '#9aa6ae';
+const SHADE = 'rgb(5 10 13 / .62)';
+const WARN = '#ffc247';
+const CARDINALS = { 0: 'N', 45: 'NE', 90: 'E', 135: 'SE', 180: 'S', 225: 'SW', 270: 'W', 315: 'NW' };
+
+export class Hud {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext('2d');
+  }
+
+  clear() { this.context.clearRect(0, 0, this.canvas.width, this.canvas.height); }
+
+  // hasLadder: whether the picture looks ahead from the vehicle, so that a horizon makes sense.
+  draw(message, { isStale, hasLadder, proximity_m }) {
+    const { canvas, context: c } = this;
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+      [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
+    }
+    c.setTransform(ratio, 0, 0, ratio, 0, 0);
+    c.clearRect(0, 0, width, height);
+    if (!message || width < 240) return;
+    const scale = Math.max(0.72, Math.min(1.15, height / 560));
+    this.ink = isStale ? STALE : INK;
+    this.soft = isStale ? STALE : SOFT;
+    c.textBaseline = 'middle';
+    const angles = attitude(message.orientation);
+    if (hasLadder) this.#ladder(width / 2, height / 2, scale, angles);
+    this.#heading(width / 2, 10, Math.min(440, width * 0.46), scale, angles.heading_deg);
+    const tall = Math.min(300, height * 0.56);
+    const side = Math.max(12, width * 0.02);
+    this.#tape(side, height / 2, tall, scale, { name: 'DEPTH', value: message.depth, side: 'left', down: true });
+    const altitude = message.distance_to_seabed;
+    this.#tape(width - side, height / 2, tall, scale, {
+      name: 'ALT', value: altitude, side: 'right', color: !isStale && altitude < proximity_m ? WARN : this.ink,
+    });
+  }
+
+  #font(size, weight = 500) { this.context.font = `${weight} ${size}px ${getComputedStyle(document.body).fontFamily}`; }
+
+  #box(x, y, w, h) {
+    const { context: c } = this;
+    c.fillStyle = SHADE;
+    c.beginPath();
+    c.roundRect(x, y, w, h, 4);
+    c.fill();
+  }
+
+  #heading(middle, top, width, scale, heading) {
+    const { context: c } = this;
+    const height = 34 * scale;
+    const perDegree = width / 90;
+    this.#box(middle - width / 2, top, width, height);
+    c.save();
+    c.beginPath();
+    c.rect(middle - width / 2, top, width, height);
+    c.clip();
+    c.strokeStyle = this.soft;
+    c.fillStyle = this.ink;
+    c.lineWidth = 1;
+    c.textAlign = 'center';
+    this.#font(11 * scale, 600);
+    const first = Math.ceil((heading - 50) / 5) * 5;
+    for (let degree = first; degree <= heading + 50; degree += 5) {
+      const x = Math.round(middle + (degree - heading) * perDegree) + 0.5;
+      const whole = (degree + 360) % 360;
+      const isNamed = whole % 15 === 0;
+      c.beginPath();
+      c.moveTo(x, top + height);
+      c.lineTo(x, top + height - (isNamed ? 8 : 4) * scale);
+      c.stroke();
+      if (isNamed) c.fillText(CARDINALS[whole] ?? String(whole).padStart(3, '0'), x, top + 13 * scale);
+    }
+    c.restore();
+    const [w, h] = [58 * scale, 24 * scale];
+    const y = top + height + 3;
+    c.fillStyle = this.ink;
+    c.beginPath();
+    c.moveTo(middle - 5, y + 1);
+    c.lineTo(middle + 5, y + 1);
+    c.lineTo(middle, y - 6);
+    c.fill();
+    this.#box(middle - w / 2, y, w, h);
+    c.strokeStyle = this.ink;
+    c.strokeRect(middle - w / 2 + 0.5, y + 0.5, w - 1, h - 1);
+    c.fillStyle = this.ink;
+    c.textAlign = 'center';
+    this.#font(15 * scale, 600);
+    c.fillText(`${String(Math.round(heading) % 360).padStart(3, '0')}°`, middle, y + h / 2 + 1);
+  }
+
+  // A vertical tape with the value in a box at its middle. down: greater values below.
+  #tape(x, middle, tall, scale, { name, value, side, down = false, color = this.ink }) {
+    const { context: c } = this;
+    const isLeft = side === 'left';
+    const wide = 46 * scale;
+    const left = isLeft ? x : x - wide;
+    const isKnown = Number.isFinite(value);
+    const perMetre = tall / 12;
+    this.#box(left, middle - tall / 2, wide, tall);
+    c.save();
+    c.beginPath();
+    c.rect(left, middle - tall / 2, wide, tall);
+    c.clip();
+    c.strokeStyle = this.soft;
+    c.fillStyle = this.soft;
+    c.lineWidth = 1;
+    this.#font(10.5 * scale);
+    c.textAlign = isLeft ? 'right' : 'left';
+    const edge = isLeft ? left + wide : left;
+    const inward = isLeft ? -1 : 1;
+    for (let tick = Math.ceil(value - 7); isKnown && tick <= value + 7; tick += 1) {
+      if (tick < 0) continue;
+      const y = Math.round(middle + (tick - value) * perMetre * (down ? 1 : -1)) + 0.5;
+      const isNamed = tick % 2 === 0;
+      c.beginPath();
+      c.moveTo(edge, y);
+      c.lineTo(edge + inward * (isNamed ? 9 : 5) * scale, y);
+      c.stroke();
+      if (isNamed) c.fillText(String(tick), edge + inward * 13 * scale, y);
+    }
+    c.restore();
+    const [w, h] = [66 * scale, 26 * scale];
+    const boxLeft = isLeft ? x : x - w;
+    c.fillStyle = 'rgb(5 10 13 / .9)';
+    c.fillRect(boxLeft, middle - h / 2, w, h);
+    c.strokeStyle = color;
+    c.strokeRect(boxLeft + 0.5, middle - h / 2 + 0.5, w - 1, h - 1);
+    c.fillStyle = color;
+    c.textAlign = 'right';
+    this.#font(15 * scale, 600);
+    c.fillText(isKnown ? value.toFixed(value < 99.95 ? 1 : 0) : '–', boxLeft + w - 17 * scale, middle + 1);
+    this.#font(10.5 * scale);
+    c.fillText('m', boxLeft + w - 6 * scale, middle + 2);
+    c.textAlign = isLeft ? 'left' : 'right';
+    this.#font(10.5 * scale, 600);
+    this.#outlined(name, x + (isLeft ? 2 : -2), middle - tall / 2 - 9 * scale, color);
+  }
+
+  #outlined(text, x, y, color) {
+    const { context: c } = this;
+    c.lineWidth = 3;
+    c.strokeStyle = SHADE;
+    c.strokeText(text, x, y);
+    c.fillStyle = color;
+    c.fillText(text, x, y);
+    c.lineWidth = 1;
+  }
+
+  #ladder(x, y, scale, { nose_up_deg: pitch, roll_deg: roll }) {
+    const { context: c } = this;
+    const perDegree = 4.2 * scale;
+    const radius = 92 * scale;
+    c.save();
+    c.translate(x, y);
+    this.#rollScale(radius, scale, roll);
+    c.save();
+    c.beginPath();
+    c.arc(0, 0, radius - 8 * scale, 0, 2 * Math.PI);
+    c.clip();
+    c.rotate((-roll * Math.PI) / 180);
+    this.#font(10 * scale, 600);
+    c.textAlign = 'left';
+    for (let degree = -90; degree <= 90; degree += 10) {
+      const at = (pitch - degree) * perDegree;
+      if (Math.abs(at) > radius) continue;
+      const half = (degree === 0 ? 78 : 26) * scale;
+      const gap = degree === 0 ? 22 * scale : 0;
+      this.#twice(() => {
+        c.beginPath();
+        if (degree < 0) c.setLineDash([5, 4]);
+        for (const sign of gap ? [-1, 1] : [0]) {
+          c.moveTo(sign ? sign * gap : -half, at);
+          c.lineTo(sign ? sign * half : half, at);
+        }
+        c.stroke();
+        c.setLineDash([]);
+      }, degree === 0 ? 1.6 : 1.1);
+      if (degree !== 0) this.#outlined(String(Math.abs(degree)), half + 5, at, this.soft);
+    }
+    c.restore();
+    this.#twice(() => { // the vehicle
+      c.beginPath();
+      c.moveTo(-20 * scale, 0);
+      c.lineTo(-8 * scale, 0);
+      c.lineTo(0, 7 * scale);
+      c.lineTo(8 * scale, 0);
+      c.lineTo(20 * scale, 0);
+      c.stroke();
+    }, 2);
+    c.restore();
+  }
+
+  #rollScale(radius, scale, roll) {
+    const { context: c } = this;
+    this.#twice(() => {
+      c.beginPath();
+      for (const mark of [-60, -45, -30, -20, -10, 0, 10, 20, 30, 45, 60]) {
+        const angle = ((mark - 90) * Math.PI) / 180;
+        const long = (mark % 30 === 0 ? 8 : 5) * scale;
+        c.moveTo(radius * Math.cos(angle), radius * Math.sin(angle));
+        c.lineTo((radius + long) * Math.cos(angle), (radius + long) * Math.sin(angle));
+      }
+      c.stroke();
+    }, 1.1);
+    c.save();
+    c.rotate((Math.max(-70, Math.min(70, roll)) * Math.PI) / 180);
+    c.fillStyle = this.ink;
+    c.beginPath();
+    c.moveTo(0, -radius + 1);
+    c.lineTo(-5 * scale, -radius + 9 * scale);
+    c.lineTo(5 * scale, -radius + 9 * scale);
+    c.fill();
+    c.restore();
+  }
+
+  // A light line with a dark edge is seen over any water.
+  #twice(path, width) {
+    const { context: c } = this;
+    c.lineWidth = width + 2.2;
+    c.strokeStyle = SHADE;
+    path();
+    c.lineWidth = width;
+    c.strokeStyle = this.ink;
+    path();
+    c.lineWidth = 1;
+  }
+}

@@ -1,0 +1,129 @@
+// The views: one large, the others small, swapped by click or number key. Each camera or sonar is a stream of pictures.
+import { el, write } from '../dom.js';
+import { Hud } from './hud.js';
+import { Picture } from './picture.js';
+
+const LATE_MS = 2500;
+const LADDER = /front/; // cameras that look ahead
+const SMALL = { throttle_rate: 400 };
+const LARGE = { credit: 2 };
+
+export class Views extends EventTarget {
+  #views = new Map(); // name: { view, element, picture, hud, scene, lost }
+  #large = '';
+  #tools = el('div', { className: 'picture-tools' });
+
+  // scene: the 3D view, { element, name, title, setLarge(isLarge) }.
+  constructor(station, telemetry, container, scene) {
+    super();
+    [this.station, this.telemetry, this.container, this.scene] = [station, telemetry, container, scene];
+    telemetry.addEventListener('change', () => this.#drawHud());
+    document.addEventListener('visibilitychange', () => this.#choosePictures());
+    new ResizeObserver(() => this.#drawHud()).observe(container);
+    setInterval(() => this.#look(), 500);
+  }
+
+  // Controls of the large picture, shown over it.
+  setTools(...tools) { this.#tools.append(...tools); }
+
+  get large() { return this.#large; }
+
+  get largeView() { return this.#views.get(this.#large); }
+
+  get names() { return [...this.#views.keys()]; }
+
+  picture(name) { return this.#views.get(name)?.picture; }
+
+  // Show these views (of describe.views), and the scene among them.
+  fill(views) {
+    for (const { picture } of this.#views.values()) picture?.show('');
+    this.#views.clear();
+    for (const view of views) this.#views.set(view.name, this.#pictureView(view));
+    this.#views.set('scene', this.#sceneView());
+    [...this.#views.values()].forEach(({ element, number, swap, title }, k) => {
+      write(number, String(k + 1));
+      swap.setAttribute('aria-label', `Make ${title} the large view (key ${k + 1})`);
+      element.dataset.index = k;
+    });
+    this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
+    this.container.style.setProperty('--small-count', Math.max(this.#views.size - 1, 1));
+    this.enlarge(this.#views.has(this.#large) ? this.#large : this.names[0]);
+  }
+
+  enlarge(name) {
+    if (!this.#views.has(name)) return;
+    this.#large = name;
+    for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
+    this.scene.setLarge(name === 'scene');
+    if (name === 'scene') this.#tools.remove();
+    else this.#views.get(name).element.append(this.#tools);
+    this.#choosePictures();
+    this.#drawHud();
+    this.dispatchEvent(new Event('swap'));
+  }
+
+  enlargeNumber(number) { this.enlarge(this.names[number - 1]); }
+
+  #frame(title, ...contents) {
+    const number = el('b');
+    const swap = el('button', { type: 'button', className: 'swap' });
+    const lost = el('p', { className: 'lost' }, 'No picture');
+    const name = el('p', { className: 'name' }, number, title);
+    const element = el('section', { className: 'view', 'aria-label': title }, ...contents, lost, name, swap);
+    return { element, number, swap, lost, title };
+  }
+
+  #pictureView(view) {
+    const canvas = el('canvas', { className: 'picture', width: 16, height: 9, role: 'img', 'aria-label': `Picture: ${view.title}` });
+    const hasHud = ['camera', 'station', 'chase'].includes(view.kind);
+    const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
+    const frame = this.#frame(view.title, canvas, hudCanvas);
+    frame.swap.addEventListener('click', () => this.enlarge(view.name));
+    frame.element.dataset.view = view.name;
+    return { ...frame, view, picture: new Picture(this.station.bridge, canvas), hud: hasHud ? new Hud(hudCanvas) : null };
+  }
+
+  #sceneView() {
+    const { element: contents, title } = this.scene;
+    const frame = this.#frame(title, ...contents);
+    frame.swap.addEventListener('click', () => this.enlarge('scene'));
+    frame.element.dataset.view = 'scene';
+    return { ...frame, view: { name: 'scene', kind: 'scene', title } };
+  }
+
+  // Pictures of a hidden tab are not even rendered.
+  #choosePictures() {
+    for (const [name, { view, picture }] of this.#views) {
+      if (!picture) continue;
+      if (document.hidden) picture.show('');
+      else if (name === this.#large) picture.show(view.topic, LARGE);
+      else picture.show(view.small_topic || view.topic, SMALL);
+    }
+  }
+
+  #drawHud() {
+    for (const [name, { hud, view }] of this.#views) {
+      if (!hud) continue;
+      if (name !== this.#large) {
+        hud.clear();
+        continue;
+      }
+      hud.draw(this.telemetry.message, {
+        isStale: this.telemetry.isStale,
+        hasLadder: view.kind === 'camera' && LADDER.test(name),
+        proximity_m: this.station.description?.warnings?.proximity_m ?? 0,
+      });
+    }
+  }
+
+  #look() {
+    const { connected, state } = this.station;
+    for (const { element, picture, lost } of this.#views.values()) {
+      if (!picture) continue;
+      const isLate = !connected || (!state.paused && performance.now() - picture.arrivedMs > LATE_MS);
+      element.classList.toggle('is-stale', isLate || picture.drawn === 0);
+      write(lost, picture.drawn === 0 ? 'Waiting for a picture' : 'Old picture');
+    }
+    if (this.telemetry.isStale) this.#drawHud();
+  }
+}

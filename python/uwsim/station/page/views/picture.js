@@ -1,0 +1,61 @@
+// A stream of JPEG pictures on a canvas: only the newest, and each acknowledged when it has been drawn.
+
+export class Picture {
+  #end = null;
+  #topic = '';
+  #isDrawing = false;
+  #waiting = null;
+  #hasCredit = false;
+  arrivedMs = -Infinity;
+  drawn = 0;
+  delays_ms = []; // from arrival to canvas
+
+  constructor(bridge, canvas) {
+    this.bridge = bridge;
+    this.canvas = canvas;
+    this.context = canvas.getContext('2d', { alpha: false });
+  }
+
+  get topic() { return this.#topic; }
+
+  // Show another topic, '' for none. The last picture stays until the next.
+  show(topic, options) {
+    if (topic === this.#topic) return;
+    this.#end?.();
+    this.#end = null;
+    this.#topic = topic;
+    this.#waiting = null;
+    this.#hasCredit = Boolean(options?.credit);
+    if (!topic) return;
+    this.arrivedMs = performance.now();
+    this.#end = this.bridge.subscribe(topic, 'sensor_msgs/CompressedImage', (message) => this.#take(topic, message), options);
+  }
+
+  async #take(topic, message) {
+    this.#waiting = { topic, message, atMs: performance.now() };
+    if (this.#isDrawing) return;
+    this.#isDrawing = true;
+    while (this.#waiting) {
+      const { topic: from, message: { data, format }, atMs } = this.#waiting;
+      this.#waiting = null;
+      try {
+        const bitmap = await createImageBitmap(new Blob([data], { type: `image/${/png/.test(format) ? 'png' : 'jpeg'}` }));
+        if (from === this.#topic) this.#draw(bitmap, atMs);
+        bitmap.close();
+      } catch { /* a picture that is damaged: the next one comes */ }
+      if (this.#hasCredit && from === this.#topic) this.bridge.acknowledge(from);
+    }
+    this.#isDrawing = false;
+  }
+
+  #draw(bitmap, atMs) {
+    const { canvas } = this;
+    if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+      [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
+    }
+    this.context.drawImage(bitmap, 0, 0);
+    this.arrivedMs = performance.now();
+    this.drawn += 1;
+    this.delays_ms = [...this.delays_ms.slice(-199), this.arrivedMs - atMs];
+  }
+}
