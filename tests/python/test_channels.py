@@ -12,6 +12,7 @@ from channel_tools import chain, stamp_ns, table
 from uwsim import Simulator, ranging
 from uwsim.channels import channels
 from uwsim.channels.messages import to_bytes, to_plain, typestore
+from uwsim.channels.table import table_of
 from uwsim.mapping import OccupancyMap
 
 
@@ -201,3 +202,51 @@ def test_nothing_to_measure_is_infinite_for_a_range() -> None:
 def test_importing_uwsim_imports_no_message_types() -> None:
     program = "import sys, uwsim, uwsim.simulator, uwsim.live; sys.exit('rosbags' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False, timeout=60).returncode == 0
+
+
+def voxels_after(known: set, message) -> set:
+    """Return the occupied voxels that one knows after a MapChanges message."""
+    known, at = set() if message.snapshot else set(known), 0
+    for block, count in zip(message.blocks.reshape(-1, 3).tolist(), message.counts.tolist(), strict=True):
+        for cell in message.cells[at : at + count].tolist():
+            voxel = tuple(16 * block[axis] + (cell >> 4 * axis & 15) for axis in range(3))
+            (known.add if cell >> 15 else known.remove)(voxel)
+        at += count
+    return known
+
+
+def test_map_changes_build_the_occupied_voxels_of_the_map_whenever_one_begins_to_listen():
+    sim = Simulator("lake")
+    channel, known, cursors = table(sim)["map_changes"], {"early": set(), "late": set()}, {"early": None}
+    ping_map = table_of(sim).maps["rov"]
+    for k in range(12):
+        sim.rov.place((-30.0 + 0.5 * k, -40.0, -20.0))
+        channel.read(sim)
+        centres, edge_m = ping_map.points()
+        occupied = set(map(tuple, np.floor(centres / edge_m).astype(int).tolist()))
+        if k == 8:
+            cursors["late"] = None
+        for name, cursor in cursors.items():
+            message, cursors[name] = channel.catch_up(cursor)
+            assert message.snapshot == (cursor is None)
+            known[name] = voxels_after(known[name], message)
+            assert known[name] == occupied and len(occupied) > 100
+        sim.advance(0.25)
+    sim.reset()
+    channel.read(sim)
+    ping_map.points()
+    assert channel.catch_up(cursors["late"])[0].snapshot  # another map
+
+
+def test_telemetry_tells_the_truth_only_where_it_may():
+    sim = Simulator("lake")
+    sim.rov.place((-30.0, -40.0, -20.0))
+    sim.advance(3.0)
+    told = table(sim)["telemetry"].read(sim)
+    assert told.is_truth and np.allclose(told.position, sim.rov.pose.position_world_m)
+    assert np.linalg.norm(told.estimate - told.position) < 5.0  # an acoustic fix, a degree wrong at 110 m
+    assert told.link_delay == pytest.approx(told.distance_to_station / 1475.0, rel=0.02)
+    assert (told.depth, told.released) == (pytest.approx(20.0, abs=0.1), True)
+    hidden = table(sim, truth=False)["telemetry"].read(sim)
+    assert not hidden.is_truth and np.isnan(hidden.position).all()
+    assert (hidden.estimate == told.estimate).all() and np.isfinite(hidden.orientation).all()

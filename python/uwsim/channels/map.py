@@ -1,17 +1,21 @@
-"""The map that the newest pings make: /octomap_binary."""
+"""The map that the newest pings make: /octomap_binary whole, /map_changes as it grows."""
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim import ranging
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
+from uwsim.channels.map_changes import MapChanges
+from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.scans import scan_of
 from uwsim.channels.source import Source
@@ -19,9 +23,35 @@ from uwsim.mapping import OccupancyMap
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.simulator import Simulator
 
-PUBLISH_NS = 1_000_000_000
+PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
 HULL_MARGIN_M = 0.05
 WAITING_MAX = 64  # pings that may wait for the map; more make the steps wait
+
+
+class _Late:
+    """What a channel says: begun at a ping every period_ns, said one ping later; the first at once."""
+
+    def __init__(self, period_ns: int) -> None:
+        self._period_ns = period_ns
+        self._newest_ns = -1
+        self._begun: tuple[int, Future[Any]] | None = None  # at the newest ping
+        self._said: tuple[int, Future[Any]] | None = None  # by whoever reads at the newest ping
+
+    def at_ping(self, stamp_ns: int, interval_ns: int, begin: Callable[[], Future[Any]]) -> None:
+        """Take note of a ping, once."""
+        if stamp_ns == self._newest_ns:
+            return
+        is_first = self._newest_ns < 0 or stamp_ns < self._newest_ns
+        is_due = is_first or stamp_ns // self._period_ns != (stamp_ns - interval_ns) // self._period_ns
+        self._newest_ns = stamp_ns
+        self._said = self._begun
+        self._begun = (stamp_ns, begin()) if is_due else None
+        self._said = self._begun if is_first else self._said
+
+    @property
+    def said(self) -> tuple[int, Any] | None:
+        """The stamp and the result that are due now, which is waited for."""
+        return None if self._said is None else (self._said[0], self._said[1].result())
 
 
 class PingMap:
@@ -38,42 +68,69 @@ class PingMap:
         self._newest_ns = -1
         self._worker = ThreadPoolExecutor(1, "uwsim-map")
         self._waiting: deque[Future[None]] = deque()
-        self._begun: tuple[int, Future[bytes]] | None = None  # at the newest ping
-        self._said: tuple[int, Future[bytes]] | None = None  # by whoever reads at the newest ping
+        self._whole, self._news = _Late(PUBLISH_NS), _Late(CHANGES_NS)
+        self.changes = MapChanges()
         vertices, _ = vehicle_hull(source.entry.model)
         self._low_m, self._high_m = vertices.min(axis=0) - HULL_MARGIN_M, vertices.max(axis=0) + HULL_MARGIN_M
 
-    def channel(self) -> Channel:
-        """Return the channel."""
-        return Channel(
-            self._source.topic("octomap_binary"), "octomap_msgs/msg/Octomap", "out",
-            "the map of the pings since somebody first listened, once a second", rate_hz=self._pings.rate_hz,
-            latched=True, frame_id=self._source.frame("odom"), read=self.read,
-        )  # fmt: skip
+    def channels(self) -> list[Channel]:
+        """Return the channels."""
+        rate_hz, frame_id = self._pings.rate_hz, self._source.frame("odom")
+        return [
+            Channel(
+                self._source.topic("octomap_binary"), "octomap_msgs/msg/Octomap", "out",
+                "the map of the pings since somebody first listened, once a second", rate_hz=rate_hz,
+                latched=True, frame_id=frame_id, read=self.read,
+            ),
+            Channel(
+                self._source.topic("map_changes"), MAP_CHANGES, "out",
+                "the voxels of the same map that became occupied, or are so no longer, four times a second",
+                rate_hz=rate_hz, latched=True, frame_id=frame_id, read=self.read_changes,
+                catch_up=lambda cursor: self._changes_message(self._newest_ns, self.changes.since(cursor)),
+            ),
+        ]  # fmt: skip
 
     def read(self, sim: Simulator) -> Any:
         """Insert the newest ping; return the map that was begun at the last reading, once a second, else None."""
-        taken = self._pings.newest(sim)
-        stamp_ns = taken.ping.time_ns
-        if stamp_ns != self._newest_ns:
-            is_first = self._insert(sim, taken)
-            before_ns = stamp_ns - round(self._pings.interval_s * 1e9)
-            is_due = is_first or stamp_ns // PUBLISH_NS != before_ns // PUBLISH_NS
-            self._said = self._begun
-            self._begun = (stamp_ns, self._worker.submit(_binary, self._map)) if is_due else None
-            self._said = self._begun if is_first else self._said
-        return None if self._said is None else self._message(*self._said)
+        self._insert_newest(sim)
+        self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(_binary, self._map))
+        said = self._whole.said
+        return None if said is None else self._message(*said)
+
+    def read_changes(self, sim: Simulator) -> Any:
+        """Insert the newest ping; return what had changed at the last reading, four times a second, else None."""
+        self._insert_newest(sim)
+        self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
+        said = self._news.said
+        return None if said is None else self._changes_message(said[0], (said[1], None))[0]
+
+    def points(self) -> tuple[NDArray[np.float64], float]:
+        """Return the centres of the occupied voxels, (n, 3), odom, and their edge [m]. Raises ValueError."""
+        return self._worker.submit(self._points).result()
 
     def write(self, path: Path) -> None:
         """Write the map, with every ping so far. Raises ValueError if there is none yet, OSError."""
         self._worker.submit(self._write, path).result()
 
-    def _insert(self, sim: Simulator, taken: TakenPing) -> bool:
-        """Pass a ping through the chain towards the map; return whether it is a new one: if time has gone back."""
-        is_first = self._map is None or taken.ping.time_ns < self._newest_ns
-        if is_first:
+    def to_bytes(self) -> bytes:
+        """Return the map, with every ping so far, as a .bt file. Raises ValueError if there is none yet."""
+        return self._worker.submit(lambda: self._some_map().to_bytes("bt")).result()
+
+    @property
+    def _interval_ns(self) -> int:
+        return round(self._pings.interval_s * 1e9)
+
+    def _insert_newest(self, sim: Simulator) -> None:
+        taken = self._pings.newest(sim)
+        if taken.ping.time_ns != self._newest_ns:
+            self._insert(sim, taken)
+
+    def _insert(self, sim: Simulator, taken: TakenPing) -> None:
+        """Pass a ping through the chain towards the map: a new one if time has gone back."""
+        if self._map is None or taken.ping.time_ns < self._newest_ns:
             survey = sim.scenario.survey
             self._map = OccupancyMap(survey.voxel_m if survey else 0.2, on_outside="count")
+            self._worker.submit(self.changes.forget, self._map.resolution_m)
         self._newest_ns = taken.ping.time_ns
         body_from_sonar = np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar
         points = ranging.transform_points(ranging.to_point_cloud(scan_of(self._pings, taken)), body_from_sonar)
@@ -84,9 +141,18 @@ class PingMap:
         self._waiting.append(self._worker.submit(self._map.insert_scan, points_odom, origin_m, reach_m))
         while len(self._waiting) > WAITING_MAX or (self._waiting and self._waiting[0].done()):
             self._waiting.popleft().result()
-        return is_first
 
-    def _message(self, stamp_ns: int, data: Future[bytes]) -> Any:
+    def _note_changes(self) -> Any:
+        """Move what has changed from the map to the list of changes, on the worker's thread."""
+        assert self._map is not None
+        return self.changes.note(self._map.changed_occupancy())
+
+    def _changes_message(self, stamp_ns: int, found: tuple[Any, Any]) -> tuple[Any, Any]:
+        part, cursor = found
+        header = build.header(max(stamp_ns, 0), self._source.frame("odom"))
+        return build.message(MAP_CHANGES, header=header, **part._asdict()), cursor
+
+    def _message(self, stamp_ns: int, data: bytes) -> Any:
         assert self._map is not None
         return build.message(
             "octomap_msgs/msg/Octomap",
@@ -94,13 +160,20 @@ class PingMap:
             binary=True,
             id="OcTree",
             resolution=self._map.resolution_m,
-            data=np.frombuffer(data.result(), np.int8),
+            data=np.frombuffer(data, np.int8),
         )
 
     def _write(self, path: Path) -> None:
+        self._some_map().write(path)
+
+    def _points(self) -> tuple[NDArray[np.float64], float]:
+        occupancy = self._some_map()
+        return occupancy.occupied_voxels(), occupancy.resolution_m
+
+    def _some_map(self) -> OccupancyMap:
         if self._map is None:
             raise ValueError(f"there is no map yet: subscribe to '{self._source.topic('octomap_binary')}' first")
-        self._map.write(path)
+        return self._map
 
 
 def _binary(occupancy: OccupancyMap | None) -> bytes:

@@ -14,10 +14,13 @@ from typing import Any, Literal, NamedTuple
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from uwsim.channels.own_types import OWN_TYPES
+
 Ros = Literal[1, 2]
 """The generation of ROS that a client speaks."""
 
 ADDED = {
+    **OWN_TYPES,
     # https://github.com/OctoMap/octomap_msgs
     "octomap_msgs/msg/Octomap": "std_msgs/Header header\nbool binary\nstring id\nfloat64 resolution\nint8[] data\n",
     "octomap_msgs/msg/OctomapWithPose": (

@@ -31,17 +31,19 @@ class Steering:
         self._loop: Subscription | None = None
         self._wanted = np.zeros(6)
 
-    def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> None:
+    def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         """Give a command that does not steer."""
-        live.command(name, vehicle=self._source.name, **arguments).add_done_callback(log_error)
+        future = live.command(name, vehicle=self._source.name, **arguments)
+        future.add_done_callback(log_error)
+        return future
 
-    def give(self, live: LiveSimulator, name: str, **arguments: Any) -> None:
+    def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         """Give a command that steers; a velocity is no longer held."""
         with self._lock:
             if self._loop is not None:
                 self._loop.cancel()
                 self._loop = None
-            self.ask(live, name, **arguments)
+            return self.ask(live, name, **arguments)
 
     def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
         """Hold a velocity (6,), [m/s] and [rad/s], in body axes, from now on."""

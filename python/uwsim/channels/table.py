@@ -22,6 +22,7 @@ from uwsim.channels.scans import imaging_channels, scan_channels
 from uwsim.channels.services import simulation_services, stream_service, vehicle_services
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
+from uwsim.channels.telemetry import telemetry_channel
 from uwsim.simulator import Simulator
 
 Wire = Literal["standard", "published", "both"]
@@ -33,8 +34,14 @@ class Table:
     """The channels and services of a simulator, which share its newest pings, pictures and map."""
 
     def __init__(
-        self, sim: Simulator, origin_m: NDArray[np.float64], may_wait: Callable[[], bool] = lambda: True
+        self,
+        sim: Simulator,
+        origin_m: NDArray[np.float64],
+        may_wait: Callable[[], bool] = lambda: True,
+        *,
+        truth: bool = True,
     ) -> None:
+        self._truth = truth
         alone = len(sim.scenario.vehicles) == 1
         self.sources = [Source(entry, "" if alone else f"{entry.name}/", origin_m) for entry in sim.scenario.vehicles]
         self.pictures = Pictures(may_wait)
@@ -57,13 +64,14 @@ class Table:
         found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
         for source in self.sources:
             found += frames.vehicle_channels(source)
+            found.append(telemetry_channel(source, truth=self._truth))
             found += sensor_channels(source, sim)
             found += vehicle_cameras(source, sim, self.pictures)
             found += imaging_channels(source, sim)
             found += command_channels(source, sim, self.steering[source.name])
             if source.name in self.pings:
                 found += scan_channels(source, self.pings[source.name])
-                found.append(self.maps[source.name].channel())
+                found += self.maps[source.name].channels()
         return found
 
     def services(self, sim: Simulator) -> list[Service]:
@@ -84,26 +92,32 @@ def channels(
     wire: Wire = "both",
     origin: str | Sequence[float] = "world",
     may_wait: Callable[[], bool] = lambda: True,
+    truth: bool = True,
 ) -> list[Channel]:
     """Return everything that a simulator's vehicles say and hear; see the Channel.
 
     wire: "published" is that of the paper's simulator, "standard" ROS's usual topics. origin: where the world's origin
     is in the odom frame, (3,) [m], or a name in ORIGINS. A scenario with several vehicles has their names before topics
-    and frames. may_wait: whether the steps may wait for pictures; if not, those that are late are left out. Raises
-    ValueError.
+    and frames. may_wait: whether the steps may wait for pictures; if not, those that are late are left out. truth:
+    whether /telemetry tells the true position. Raises ValueError.
     """
     if wire not in ("standard", "published", "both"):
         raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
-    table = _TABLES[sim] = Table(sim, _origin_m(origin), may_wait)
+    table = _TABLES[sim] = Table(sim, _origin_m(origin), may_wait, truth=truth)
     found = table.published(sim) if wire != "standard" else []
     return found + (table.standard(sim) if wire != "published" else [])
 
 
 def services(sim: Simulator) -> list[Service]:
     """Return everything that can be asked of a simulator. Those of maps and cameras act on its last `channels`."""
+    return table_of(sim).services(sim)
+
+
+def table_of(sim: Simulator) -> Table:
+    """Return the table of the last `channels` of a simulator, for those who need its parts."""
     if sim not in _TABLES:
         _TABLES[sim] = Table(sim, _origin_m("world"))
-    return _TABLES[sim].services(sim)
+    return _TABLES[sim]
 
 
 def _origin_m(origin: str | Sequence[float]) -> NDArray[np.float64]:

@@ -1,0 +1,60 @@
+"""Message types of our own, as .msg texts: what no package has. docs/station-wire.md explains the fields."""
+
+TELEMETRY = "uwsim_msgs/msg/Telemetry"
+MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
+STATION_STATE = "uwsim_msgs/msg/StationState"
+
+OWN_TYPES = {
+    TELEMETRY: """\
+std_msgs/Header header
+float64[3] position            # m, in the odom frame; nan where the truth is not to be seen
+float64[3] estimate            # m, in the odom frame: the newest acoustic fix, and the depth sensor; nan without one
+float32[4] orientation         # x, y, z, w
+bool is_truth                  # else position is nan, and orientation that of the IMU
+float32 speed                  # m/s
+float32 angular_speed          # rad/s
+float32 temperature            # deg C
+float32 pressure               # Pa, absolute
+float32 depth                  # m
+float32 distance_to_station    # m
+float32 distance_to_seabed     # m, straight down; inf: nothing
+float32 distance_to_port       # m, of the proximity sensor; nan without one
+float32 mission_time           # s since the release
+float32 battery                # percent
+float32 link_delay             # s, one way, of sound between vehicle and station
+float32 tilt                   # rad, of the sonar's head; up is positive; nan without one
+float32[] thrusters            # commands in [-1, 1], in their order
+float32[] efforts              # surge, sway, heave, roll, pitch, yaw as commanded
+bool[] lamps                   # in their order
+bool released
+bool range_warning
+bool proximity_warning
+bool collision_warning
+uint32 collisions              # since the start
+""",
+    MAP_CHANGES: """\
+std_msgs/Header header
+uint32 sequence
+bool snapshot                  # forget everything before this
+float64 resolution             # m, edge of a voxel
+int16[] blocks                 # 3 n: x, y, z of each block of 16 x 16 x 16 voxels, from the origin of header.frame_id
+uint16[] counts                # n: how many cells follow for each
+uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block; bit 15: occupied now, or no longer
+""",
+    STATION_STATE: """\
+string phase                   # idle, starting, running
+uint32 session                 # changes with each simulator and each restart
+string scenario
+string error                   # why the simulation stopped
+float64 time                   # s, simulated
+bool paused
+float32 speed                  # simulated seconds per second that are wanted; 0: as many as possible
+float32 factor                 # and achieved
+float32 lateness               # s, worst delay of a step
+string pilot                   # client who has the controls; empty: nobody
+string[] member_ids
+string[] member_names
+string[] asking                # members who want the controls
+string recording               # file that is being written
+""",
+}
