@@ -1,0 +1,119 @@
+"""ROS 2 with the middleware of its default: Fast DDS and Fast CDR read what we write, and we what they write."""
+
+import os
+import signal
+import time
+import zlib
+
+import numpy as np
+import pytest
+
+from channel_tools import stamp_ns
+from fast_dds import BINARY, fast_dds_peer, sub
+from ros2_tools import free_domain, peer, until
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
+from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
+from uwsim.bridges.ros2.qos import reader_qos
+from uwsim.channels import Channel, build, channels, services
+from uwsim.channels.cdr import schema, store_of
+from uwsim.channels.feed import Feed
+from uwsim.live import LiveSimulator
+
+pytestmark = pytest.mark.skipif(not BINARY.is_file(), reason="fast_dds_peer is built by tools/setup --dev")
+SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
+IMAGE, TWIST, ODOMETRY = "sensor_msgs/msg/Image", "geometry_msgs/msg/Twist", "nav_msgs/msg/Odometry"
+MESSAGES = 40
+
+
+@pytest.fixture(scope="module")
+def live():
+    with LiveSimulator("lake") as live:
+        yield live
+
+
+@pytest.fixture
+def settings():
+    return Ros2Settings(domain_id=free_domain())
+
+
+def test_fast_dds_reads_the_values_that_were_sent(live, settings):
+    table, feed = channels(live.simulator), Feed(live)
+    sent: dict[str, list] = {"rt/scan": [], "rt/laserPointCloud": []}
+    with Ros2Node(live, table, services(live.simulator), settings, feed=feed):
+        for channel in table:
+            if f"rt/{channel.name}" in sent:
+                feed.listen(channel, sent[f"rt/{channel.name}"].append)
+        words = [*sub("scan", SCAN), *sub("laserPointCloud", CLOUD), *sub("tf_static", TF, "reliable", "latched")]
+        with fast_dds_peer(settings.domain_id, *words) as other:
+            for topic, readings in sent.items():
+                received = other.wait_for(topic, MESSAGES)
+                checksums = [zlib.crc32(reading.cdr) for reading in readings]
+                got = [line["crc32"] for line in received]
+                assert any(got == checksums[start : start + len(got)] for start in range(len(checksums))), topic
+            latched = other.wait_for("rt/tf_static", 1)
+            assert {"odom", "base_link"} <= set(latched[0]["children"])
+            decoded = other.messages("rt/scan")[-1]
+    scans = {stamp_ns(reading.message): reading.message for reading in sent["rt/scan"]}
+    scan = scans[decoded["stamp_ns"]]
+    assert decoded["frame_id"] == scan.header.frame_id and decoded["count"] == len(scan.ranges)
+    assert decoded["sum"] == pytest.approx(np.sum(scan.ranges[np.isfinite(scan.ranges)], dtype=float), rel=1e-12)
+    assert decoded["angle_min"] == pytest.approx(scan.angle_min, rel=1e-6)
+
+
+def test_the_graph_names_endpoints_that_fast_dds_has_found_with_their_types_hashes(live, settings):
+    latched = reader_qos(1, reliable=True, user_data=b"", latched=True)
+    with (
+        Ros2Node(live, channels(live.simulator), services(live.simulator), settings) as node,
+        fast_dds_peer(settings.domain_id, "graph") as other,
+        peer(settings) as ours,
+    ):
+        reader = ours.participant.reader(ENTITIES_TOPIC, ENTITIES, latched)
+        data = until(lambda: reader.take(1), "discovery")[0]
+        (entry,) = store_of("jazzy").deserialize_cdr(data, ENTITIES).node_entities_info_seq
+        told = {bytes(gid.data).hex() for gid in (*entry.reader_gid_seq, *entry.writer_gid_seq)}
+        until(lambda: told <= other.endpoints().keys(), "discovery by Fast DDS")
+        found = {line["topic"]: line for guid, line in other.endpoints().items() if guid in told}
+        for channel in node.channels:
+            package, _, short = channel.type.split("/")
+            line = found[f"rt/{channel.name}"]
+            assert line["type"] == f"{package}::msg::dds_::{short}_"
+            assert line["user_data"] == f"typehash={schema(channel.type).type_hash};"
+
+
+def test_commands_of_fast_dds_arrive_in_order(live, settings):
+    heard: list[float] = []
+    channel = Channel("cmd_vel", TWIST, "in", "", apply=lambda live, message: heard.append(message.linear.x))
+    with Ros2Node(live, [channel], (), settings), fast_dds_peer(settings.domain_id, "pub", "rt/cmd_vel", "100"):
+        until(lambda: len(heard) >= MESSAGES, "commands")
+    counts = np.round(1e3 * np.array(heard)).astype(int)
+    assert np.all(np.diff(counts) > 0)
+    assert len(counts) >= 0.95 * (counts[-1] - counts[0] + 1)
+
+
+def test_a_reader_that_stops_delays_nobody(live, settings):
+    """Its messages are lost beyond the depth of the history; another reader gets all, and closing does not wait."""
+    picture = build.message(IMAGE, data=np.zeros(1_000_000, np.uint8))
+    table = [
+        Channel("picture", IMAGE, "out", "", rate_hz=20.0, read=lambda sim: picture),
+        Channel("odometry", ODOMETRY, "out", "", rate_hz=50.0, read=channel_named(live, "odom").read),
+    ]
+    with Ros2Node(live, table, (), settings) as node, peer(settings) as ours:
+        ours.listen("odometry", ODOMETRY)
+        with fast_dds_peer(settings.domain_id, *sub("picture", IMAGE), *sub("odometry", ODOMETRY)) as other:
+            other.wait_for("rt/picture", 2)
+            os.kill(other.process.pid, signal.SIGSTOP)
+            try:
+                ours.heard("odometry")
+                before = dict(node.written)
+                until(lambda: node.written["picture"] >= before["picture"] + 20, "pictures while one reader sleeps")
+                assert len(ours.heard("odometry")) >= 20
+                began = time.monotonic()
+                node.close()
+                assert time.monotonic() - began < 5.0  # 2 ms on a quiet machine
+            finally:
+                os.kill(other.process.pid, signal.SIGCONT)
+    assert node.written["odometry"] > before["odometry"] and not node.dropped.get("odometry")
+
+
+def channel_named(live, name):
+    return next(channel for channel in channels(live.simulator) if channel.name == name)
