@@ -1,5 +1,6 @@
 """Imaging sonars in a vehicle's YAML file: they move with the vehicle, and errors name the key."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,8 @@ imaging_sonars:
 
 def pool_with(tmp_path: Path, sonars: str) -> Path:
     """The pool with a vehicle that carries these sonars."""
-    (tmp_path / "diver.yaml").write_text((assets_folder() / "vehicles" / "rov.yaml").read_text() + sonars)
+    text = (assets_folder() / "vehicles" / "rov.yaml").read_text()
+    (tmp_path / "diver.yaml").write_text(re.sub(r"\nimaging_sonars:\n(  .*\n)+", "\n", text) + sonars)
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     path = tmp_path / "scenario.yaml"
     path.write_text(text.replace("model: rov", "model: diver.yaml"))

@@ -11,8 +11,9 @@ from PIL import Image
 from command_line import error_line, uwsim
 from uwsim.cli.draw_sonar import KINDS, Request, run_sonar
 from uwsim.cli.pose_option import parsed_pose
-from uwsim.figures.sonar_image import fan_pixels, shown_range, write_grey_png
+from uwsim.figures.sonar_image import write_grey_png
 from uwsim.sonars.imaging import ForwardLooking, SonarImage
+from uwsim.sonars.imaging.pixels import fan_pixels, shown_range
 
 
 def image_of(row: int, column: int, *, beams: int = 91, bins: int = 200, field_of_view_deg: float = 90.0) -> SonarImage:

@@ -1,4 +1,4 @@
-"""The pictures of cameras: each is rendered once for all, beside the steps, and arrives one period later."""
+"""Pictures of cameras and imaging sonars: each is made once for all, beside the steps, and arrives a period later."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import io
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.cameras import Camera, Frame
 from uwsim.simulator import Simulator
@@ -17,7 +20,7 @@ WIDTHS = (16, 4096)
 
 @dataclass(frozen=True)
 class Stream:
-    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: the camera's own."""
+    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: as it is made."""
 
     enabled: bool = True
     rate_hz: float = RATE_HZ
@@ -38,16 +41,20 @@ class Picture(NamedTuple):
     stream: Stream
 
 
+Begin = Callable[[Stream], Callable[[], Any]]
+"""Keeps the present, on the stepping thread; returns what makes the picture of it, on another."""
+
+
 @dataclass(eq=False)
 class _Job:
     slot: int
-    picture: Future[Picture]
+    picture: Future[Any]
     is_first: bool
     read_in: int | None = None  # the period in which it was read, if it may be late
 
 
 class Pictures:
-    """The last two pictures of each camera, and how each is streamed.
+    """The last two pictures of each camera or imaging sonar, and how each is streamed.
 
     Simulated time is cut into periods of 1 / RATE_HZ. The first reading in a period begins the picture of that moment,
     on a thread of its own. If the steps may wait, readings in the next period get it, and the first picture is waited
@@ -73,25 +80,31 @@ class Pictures:
 
     def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
         """Return the picture of the last period, or None if none was due."""
+
+        def begin(stream: Stream) -> Callable[[], Picture]:
+            snapshot = camera.snapshot()
+
+            def take() -> Picture:
+                frame = camera.capture(at=snapshot)
+                return Picture(frame, _jpeg(frame, stream), stream)
+
+            return take
+
+        picture: Picture | None = self.read_made(sim, name, begin)
+        return picture
+
+    def read_made(self, sim: Simulator, name: str, begin: Begin) -> Any:
+        """Return what `begin` made in the last period, or None if nothing was due."""
         stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
         waits = self._may_wait()
         is_first = not jobs or slot - jobs[-1].slot > 1 + RATE_HZ / stream.rate_hz
         is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
         if is_due and (waits or not jobs or jobs[-1].picture.done()):
-            jobs = [*jobs[-1:], self._begin(slot, camera, stream, is_first)]
+            jobs = [*jobs[-1:], _Job(slot, self._worker.submit(begin(stream)), is_first)]
         self._jobs[name] = jobs
         is_ready = _is_of_last_period if waits else _is_just_done
         return next((job.picture.result() for job in jobs if is_ready(job, slot)), None)
-
-    def _begin(self, slot: int, camera: Camera, stream: Stream, is_first: bool) -> _Job:
-        snapshot = camera.snapshot()
-
-        def take() -> Picture:
-            frame = camera.capture(at=snapshot)
-            return Picture(frame, _jpeg(frame, stream), stream)
-
-        return _Job(slot, self._worker.submit(take), is_first)
 
 
 def _is_of_last_period(job: _Job, slot: int) -> bool:
@@ -105,12 +118,17 @@ def _is_just_done(job: _Job, slot: int) -> bool:
 
 
 def _jpeg(frame: Frame, stream: Stream) -> bytes:
-    if not stream.width:
-        return frame.jpeg(stream.quality)
+    return frame.jpeg(stream.quality) if not stream.width else as_jpeg(frame.rgb, stream)
+
+
+def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
+    """Return a picture (height, width, 3) as JPEG, in the stream's width and quality."""
     from PIL import Image
 
-    height, width = frame.rgb.shape[:2]
-    small = Image.fromarray(frame.rgb).resize((stream.width, max(1, round(height * stream.width / width))))
+    picture = Image.fromarray(rgb)
+    height, width = rgb.shape[:2]
+    if stream.width:
+        picture = picture.resize((stream.width, max(1, round(height * stream.width / width))))
     data = io.BytesIO()
-    small.save(data, "JPEG", quality=stream.quality)
+    picture.save(data, "JPEG", quality=stream.quality)
     return data.getvalue()

@@ -1,4 +1,4 @@
-"""The multibeam's channels: /scan, /laserPointCloud and /points; and pictures of imaging sonars."""
+"""The multibeam's channels: /scan, /laserPointCloud and /points."""
 
 from __future__ import annotations
 
@@ -13,13 +13,9 @@ from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.source import Source
-from uwsim.simulator import Simulator
-from uwsim.sonars.imaging import ForwardLooking
 
 SCAN_HZ = 50.0
-IMAGE_HZ = 5.0
 FLOAT32 = 7  # PointField.FLOAT32
-DTYPE_FLOAT32 = 8  # SonarImageData.DTYPE_FLOAT32
 
 
 def scan_of(pings: Pings, taken: TakenPing) -> ranging.LaserScan:
@@ -94,47 +90,3 @@ def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str)
         data=data.view(np.uint8).ravel(),
         is_dense=True,
     )
-
-
-def imaging_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the pictures of a vehicle's forward-looking sonars."""
-    return [
-        Channel(
-            source.topic(f"{name}/image"), "marine_acoustic_msgs/msg/ProjectedSonarImage", "out",
-            "levels [dB re 1 uPa] by beam and range", rate_hz=IMAGE_HZ, frame_id=source.frame(f"{name}_link"),
-            over_link=True, read=_imaging_reader(source, name),
-        )
-        for name, sonar in source.of(sim).imaging_sonars.items()
-        if isinstance(sonar.model, ForwardLooking)
-    ]  # fmt: skip
-
-
-def _imaging_reader(source: Source, name: str) -> Callable[[Simulator], Any]:
-    frame_id = source.frame(f"{name}_link")
-
-    def read(sim: Simulator) -> Any:
-        picture = source.of(sim).imaging_sonars[name].look()
-        bearings = picture.bearings_rad
-        info = build.message(
-            "marine_acoustic_msgs/msg/PingInfo",
-            frequency=picture.model.frequency_hz,
-            rx_beamwidths=np.full(len(bearings), picture.model.beam_width_rad, np.float32),
-            tx_beamwidths=np.array([picture.model.vertical_width_rad], np.float32),
-        )
-        image = build.message(
-            "marine_acoustic_msgs/msg/SonarImageData",
-            dtype=DTYPE_FLOAT32,
-            beam_count=len(bearings),
-            data=np.ascontiguousarray(picture.level_db, "<f4").view(np.uint8).ravel(),
-        )
-        return build.message(
-            "marine_acoustic_msgs/msg/ProjectedSonarImage",
-            header=build.header(sim.time_ns, frame_id),
-            ping_info=info,
-            # x up, z ahead, so y is to starboard; bearings rise to port.
-            beam_directions=[build.vector((0.0, -np.sin(bearing), np.cos(bearing))) for bearing in bearings],
-            ranges=picture.ranges_m.astype(np.float32),
-            image=image,
-        )
-
-    return read

@@ -49,7 +49,9 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
     for lamp in vehicle.lamps:
         found.append(Service(source.topic(f"lights/{lamp}"), SET_BOOL, _done(_lamp(name, lamp)), "switch the lamps"))
     for camera in vehicle.cameras:
-        found.append(stream_service(source.prefix, camera, source.topic(camera), pictures))
+        found.append(stream_service(source.topic(f"camera/{camera}"), source.topic(camera), pictures))
+    for sonar in vehicle.imaging_sonars:
+        found.append(stream_service(source.topic(sonar), source.topic(sonar), pictures))
     if ping_map is not None:
         found.append(
             Service(
@@ -64,10 +66,10 @@ def _commanded(vehicle: str, command: str) -> Callable[[LiveSimulator, Request],
     return lambda live, request: live.command(command, vehicle=vehicle).result()
 
 
-def stream_service(prefix: str, camera: str, key: str, pictures: Pictures) -> Service:
-    """Return the service that sets how a camera's pictures are sent."""
+def stream_service(topic: str, key: str, pictures: Pictures) -> Service:
+    """Return the service that sets how the pictures of a camera or an imaging sonar are sent."""
     return Service(
-        f"{prefix}camera/{camera}/set_stream", "uwsim_msgs/srv/SetStream", _done(_set_stream(key, pictures)),
+        f"{topic}/set_stream", "uwsim_msgs/srv/SetStream", _done(_set_stream(key, pictures)),
         f"set enabled, rate_hz (at most {RATE_HZ:g}), width [pixels, 0: its own] and JPEG quality; "
         "what is not given stays",
     )  # fmt: skip

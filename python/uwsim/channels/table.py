@@ -13,12 +13,13 @@ from uwsim.channels import frames
 from uwsim.channels.cameras import station_cameras, vehicle_cameras
 from uwsim.channels.channel import Channel, Service
 from uwsim.channels.commands import command_channels
+from uwsim.channels.imaging import imaging_channels
 from uwsim.channels.instruments import sensor_channels
 from uwsim.channels.map import PingMap
 from uwsim.channels.pictures import Pictures
 from uwsim.channels.pings import Pings
 from uwsim.channels.published import published_channels, station_picture
-from uwsim.channels.scans import imaging_channels, scan_channels
+from uwsim.channels.scans import scan_channels
 from uwsim.channels.services import simulation_services, stream_service, vehicle_services
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
@@ -67,7 +68,7 @@ class Table:
             found.append(telemetry_channel(source, truth=self._truth))
             found += sensor_channels(source, sim)
             found += vehicle_cameras(source, sim, self.pictures)
-            found += imaging_channels(source, sim)
+            found += imaging_channels(source, sim, self.pictures)
             found += command_channels(source, sim, self.steering[source.name])
             if source.name in self.pings:
                 found += scan_channels(source, self.pings[source.name])
@@ -77,7 +78,7 @@ class Table:
     def services(self, sim: Simulator) -> list[Service]:
         """Return all services."""
         found = simulation_services()
-        found += [stream_service("", name, name, self.pictures) for name in sim.cameras]
+        found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
         for source in self.sources:
             found += vehicle_services(source, sim, self.pictures, self.maps.get(source.name))
         return found

@@ -10,12 +10,13 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Arc
 from numpy.typing import NDArray
 
-from uwsim.figures.sonar_image import fan_pixels, shown_range
 from uwsim.figures.style import ACCENT, add_legend, label_axes
 from uwsim.sonars.imaging import Profiles, SonarImage, Waterfall
+from uwsim.sonars.imaging import pixels as sonar_pixels
+from uwsim.sonars.imaging.pixels import NIGHT, fan_pixels, shown_range
 
-AMBER = LinearSegmentedColormap.from_list("amber", ["#000000", "#4a2503", "#c47a1a", "#ffd98a", "#fffbe8"])
-NIGHT, RING = "#0b0f14", "#9fd3e6"
+AMBER = LinearSegmentedColormap.from_list("amber", sonar_pixels.AMBER)
+RING = "#9fd3e6"
 BEARING_STEP_DEG = 30.0
 SHOWN_BINS = 500
 

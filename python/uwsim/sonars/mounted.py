@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol, cast
 
 from numpy.typing import ArrayLike
@@ -62,9 +62,12 @@ class ImagingSonar(Sealed):
 
     def ping(self, *arguments: Any) -> Any:
         """Ping once from here. The arguments and the result depend on the kind; look, line and profile name them."""
-        return self._kind.ping(
-            self._sim.around(self._vehicle), self.world_from_sonar, self.model, self._stream, *arguments
-        )
+        return self.later(*arguments)()
+
+    def later(self, *arguments: Any) -> Callable[[], Any]:
+        """Keep the present; return what pings in it whenever it is called, on any thread: see `ping`."""
+        around, pose = self._sim.around(self._vehicle), self.world_from_sonar
+        return lambda: self._kind.ping(around, pose, self.model, self._stream, *arguments)
 
     def look(self) -> SonarImage:
         """Return a forward-looking sonar's picture. Raises ValueError for another kind."""

@@ -1,0 +1,92 @@
+"""Channels of imaging sonars: levels are those of the sonar at the stamp, pictures hold the last pings."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from channel_tools import stamp_ns, table
+from test_imaging_mount import SONARS, pool_with
+from uwsim import Simulator
+from uwsim.channels import imaging, services
+
+PERIOD_S = 0.1
+
+
+@pytest.fixture
+def sim(tmp_path: Path) -> Simulator:
+    sim = Simulator(pool_with(tmp_path, SONARS), seed=2)
+    sim.rov.place((-2.0, 1.0, -2.0))
+    return sim
+
+
+def levels(message):
+    return np.asarray(message.image.data).view("<f4").reshape(len(message.ranges), message.image.beam_count)
+
+
+def picture(message):
+    return np.asarray(Image.open(io.BytesIO(bytes(message.data))).convert("L"), int)
+
+
+def test_a_forward_looking_sonar_says_the_look_of_its_stamp(sim):
+    found = table(sim)
+    said, seen = found["ahead/image"].read(sim), sim.rov.imaging_sonars["ahead"].look()
+    assert stamp_ns(said) == sim.time_ns
+    assert found["ahead/image"].frame_id == said.header.frame_id == "ahead_link"
+    np.testing.assert_array_equal(levels(said), seen.level_db)
+    port = np.array([-d.y for d in said.beam_directions])  # x up, z ahead, y to starboard
+    np.testing.assert_allclose(port, np.sin(seen.bearings_rad))
+    shown = picture(found["ahead/picture/compressed"].read(sim))
+    assert shown.shape[0] == imaging.HEIGHT
+    assert shown[-1, 0] < 30  # outside the fan
+    assert shown.max() > 200
+
+
+def test_a_waterfall_grows_by_one_ping_a_period_and_begins_anew_when_time_goes_back(sim):
+    found = table(sim)
+    start = sim.save_state()
+
+    def rows_after(periods):
+        for _ in range(periods):
+            shown = found["aside/picture/compressed"].read(sim)
+            said = found["aside/image"].read(sim)
+            assert (shown is None) == (said is None)
+            sim.advance(PERIOD_S)
+        assert said.image.beam_count == 2
+        starboard, port = said.beam_directions
+        assert (starboard.y, port.y) == pytest.approx((1.0, -1.0))
+        return int((picture(shown).max(axis=1) > 60).sum())  # night is darker than echoes
+
+    few = rows_after(6)
+    assert rows_after(20) >= few + 15
+    sim.restore_state(start)
+    assert rows_after(6) == few
+
+
+def test_a_profiler_steps_to_and_fro_and_shows_its_last_echo_in_each_direction(sim):
+    found, turned = table(sim), {}
+    for _ in range(20):
+        said = found["below/image"].read(sim)
+        turned[stamp_ns(said)] = [np.arctan2(-d.y, d.z) for d in said.beam_directions]
+        shown = found["below/picture/compressed"].read(sim)
+        sim.advance(PERIOD_S)
+    turned = np.concatenate(list(turned.values()))
+    steps = np.abs(np.diff(turned))
+    np.testing.assert_allclose(steps[steps > 1e-6], imaging.SWEEP_STEP_RAD)
+    assert np.ptp(turned) == pytest.approx(2 * imaging.SWEEP_RAD)
+    assert picture(shown)[: imaging.HEIGHT // 8].max() < picture(shown).max() - 100  # the bed is below, not above
+
+
+def test_their_streams_are_chosen_as_those_of_cameras(sim):
+    found = table(sim)["ahead/picture/compressed"]
+    set_stream = next(service for service in services(sim) if service.name == "ahead/set_stream")
+    assert set_stream.call(None, {"width": 64, "rate_hz": 1.0}) == {"success": True, "message": ""}
+    seen = []
+    for _ in range(30):
+        seen.append(found.read(sim))
+        sim.advance(PERIOD_S)
+    said = [message for message in seen if message is not None]
+    assert 2 <= len(said) <= 4
+    assert all(picture(message).shape[1] == 64 for message in said)
