@@ -40,7 +40,8 @@ def vehicle_channels(source: Source) -> list[Channel]:
     """Return odometry and joint states of a vehicle."""
     found = [
         Channel(
-            source.topic("odom"), "nav_msgs/msg/Odometry", "out", "the true pose and velocity", rate_hz=RATE_HZ,
+            source.topic("odom"), "nav_msgs/msg/Odometry", "out",
+            "the true pose and velocity; covariances are 0", rate_hz=RATE_HZ,
             frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
         )
     ]  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 from uwsim import _core
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
+from uwsim.channels.covariance import isotropic, of_velocity, variance
 from uwsim.channels.source import Source
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.sensors import Sample
@@ -22,11 +23,26 @@ ULTRASOUND = 0
 DVL_MODE_BOTTOM = 1
 
 
+class Errors(NamedTuple):
+    """The errors of a sensor's readings at a time."""
+
+    mount: SensorMount
+    rate_hz: float
+    time_s: float
+
+    def variance(self, channel: str) -> float:
+        """Return the variance of a channel [unit^2]."""
+        return variance(self.mount, channel, self.rate_hz, self.time_s)
+
+
+Write = Callable[[Any, Any, Errors], Any]
+
+
 class Kind(NamedTuple):
-    """How a kind of sensor is said. write(value, header, mount): the message. even_invalid: also without a fix."""
+    """How a kind of sensor is said. write(value, header, errors): the message. even_invalid: also without a fix."""
 
     type: str
-    write: Callable[[Any, Any, SensorMount], Any]
+    write: Write
     even_invalid: bool = False
 
 
@@ -57,7 +73,8 @@ def _reader(source: Source, name: str, kind: Kind, mount: SensorMount, frame_id:
         sample: Sample = source.of(sim).sensors[name].sample()
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
-        return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), mount)
+        errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s)
+        return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
 
     return read
 
@@ -79,18 +96,22 @@ def _battery(source: Source, sim: Simulator) -> Any:
     )
 
 
-def _imu(value: Any, header: Any, mount: SensorMount) -> Any:
-    """Return an Imu. Acceleration is specific force, as REP 145 says; covariances of 0 stand for unknown."""
+def _imu(value: Any, header: Any, errors: Errors) -> Any:
+    """Return an Imu. Acceleration is specific force, as REP 145 says."""
     return build.message(
         "sensor_msgs/msg/Imu",
         header=header,
         orientation=build.quaternion(value.orientation_xyzw),
+        orientation_covariance=isotropic(errors.variance("orientation")),
         angular_velocity=build.vector(value.angular_velocity_rad_s),
+        angular_velocity_covariance=isotropic(errors.variance("angular_velocity")),
         linear_acceleration=build.vector(value.linear_acceleration_m_s2),
+        linear_acceleration_covariance=isotropic(errors.variance("linear_acceleration")),
     )
 
 
-def _range(value: float, header: Any, mount: SensorMount) -> Any:
+def _range(value: float, header: Any, errors: Errors) -> Any:
+    mount = errors.mount
     (range_max_m,) = mount.parameters.get("range_max_m") or (_default(mount.kind, "range_max_m"),)
     return build.message(
         "sensor_msgs/msg/Range",
@@ -105,8 +126,9 @@ def _default(kind: str, parameter: str) -> float:
     return float(_core.sensor_kind(kind).parameters[parameter].by_default)
 
 
-def _dvl(value: Any, header: Any, mount: SensorMount) -> Any:
-    """Return a marine_acoustic_msgs/Dvl: x ahead, z along the beams, so y is to starboard. Covariances: -1, unknown."""
+def _dvl(value: Any, header: Any, errors: Errors) -> Any:
+    """Return a marine_acoustic_msgs/Dvl: x ahead, z along the beams, so y is to starboard."""
+    mount = errors.mount
     down = np.array([1.0, -1.0, -1.0])
     velocity = down * value.velocity_m_s
     (slant,) = np.radians(mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),))
@@ -114,12 +136,13 @@ def _dvl(value: Any, header: Any, mount: SensorMount) -> Any:
     azimuths = first + 0.5 * np.pi * np.arange(4)
     beams = np.array([np.sin(slant) * np.cos(azimuths), np.sin(slant) * np.sin(azimuths), -np.full(4, np.cos(slant))])
     good = np.isfinite(value.beam_ranges_m)
+    velocity_variance = errors.variance("beam_velocity")
     return build.message(
         "marine_acoustic_msgs/msg/Dvl",
         header=header,
         velocity_mode=DVL_MODE_BOTTOM,
         velocity=build.vector(velocity),
-        velocity_covar=np.full(9, -1.0),
+        velocity_covar=of_velocity(down * beams.T[good], velocity_variance),
         altitude=float(np.cos(slant) * value.beam_ranges_m[good].mean()) if good.any() else math.nan,
         course_gnd=math.atan2(velocity[1], velocity[0]),
         speed_gnd=math.hypot(velocity[0], velocity[1]),
@@ -129,24 +152,26 @@ def _dvl(value: Any, header: Any, mount: SensorMount) -> Any:
         beam_velocities_valid=bool(good.any()),
         beam_unit_vec=[build.vector(down * beam) for beam in beams.T],
         range=np.asarray(value.beam_ranges_m, np.float64),
-        range_covar=np.full(4, -1.0, np.float32),
+        range_covar=np.full(4, errors.variance("beam_range"), np.float32),
         beam_quality=good.astype(np.float32),
         beam_velocity=np.asarray(value.beam_velocities_m_s, np.float32),
-        beam_velocity_covar=np.full(4, -1.0, np.float32),
+        beam_velocity_covar=np.full(4, velocity_variance, np.float32),
     )
 
 
-def _plain(name: str, field: str) -> Callable[[Any, Any, SensorMount], Any]:
-    """Return what writes a scalar with a header."""
-    return lambda value, header, mount: build.message(name, header=header, **{field: value})
+def _plain(name: str, field: str, channel: str) -> Write:
+    """Return what writes a scalar with a header and its variance."""
+    return lambda value, header, errors: build.message(
+        name, header=header, variance=errors.variance(channel), **{field: value}
+    )
 
 
-def _bare(name: str, convert: Callable[[float], Any]) -> Callable[[Any, Any, SensorMount], Any]:
+def _bare(name: str, convert: Callable[[float], Any]) -> Write:
     """Return what writes a scalar alone."""
-    return lambda value, header, mount: build.message(name, data=convert(value))
+    return lambda value, header, errors: build.message(name, data=convert(value))
 
 
-def _usbl(value: Any, header: Any, mount: SensorMount) -> Any:
+def _usbl(value: Any, header: Any, errors: Errors) -> Any:
     """Return the position from the station along east, north and up, as the world's axes are."""
     header.frame_id = "world"
     return build.message(
@@ -156,8 +181,12 @@ def _usbl(value: Any, header: Any, mount: SensorMount) -> Any:
 
 KINDS: dict[str, Kind] = {
     "imu": Kind("sensor_msgs/msg/Imu", _imu),
-    "pressure": Kind("sensor_msgs/msg/FluidPressure", _plain("sensor_msgs/msg/FluidPressure", "fluid_pressure")),
-    "temperature": Kind("sensor_msgs/msg/Temperature", _plain("sensor_msgs/msg/Temperature", "temperature")),
+    "pressure": Kind(
+        "sensor_msgs/msg/FluidPressure", _plain("sensor_msgs/msg/FluidPressure", "fluid_pressure", "pressure")
+    ),
+    "temperature": Kind(
+        "sensor_msgs/msg/Temperature", _plain("sensor_msgs/msg/Temperature", "temperature", "temperature")
+    ),
     "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
     "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
     "dvl": Kind("marine_acoustic_msgs/msg/Dvl", _dvl, even_invalid=True),

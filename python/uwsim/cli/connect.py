@@ -33,7 +33,7 @@ def connect(
     import logging
 
     from uwsim.bridges import RosbridgeClient
-    from uwsim.channels import channels, services
+    from uwsim.channels import channels, diagnostics_channel, services
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
@@ -50,6 +50,8 @@ def connect(
         origin=origin,
         may_wait=lambda: live.speed == "max",  # on the wall clock the pace comes first
     )
+    if wire != "published":
+        said.append(diagnostics_channel(live))
     with (
         live,
         RosbridgeClient(live, url, channels=said, services=services(simulator), ros=ros),  # type: ignore[arg-type]

@@ -24,7 +24,7 @@ from uwsim.bridges.rosbridge.rosapi import offer_rosapi
 from uwsim.bridges.rosbridge.session import Session
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.bridges.rosbridge.tf_republisher import offer_tf
-from uwsim.channels import Channel, Service, channels, services
+from uwsim.channels import Channel, Service, channels, diagnostics_channel, services
 from uwsim.channels.guest import Guest
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import Ros, typestore
@@ -91,6 +91,8 @@ class RosbridgeServer:
                 self.channels = [channel for channel in channels(live.simulator) if channel.name == "clock"]
             may_wait = lambda: live.speed == "max"  # noqa: E731  # on the wall clock the pace comes first
             self.channels += channels(live.simulator, wire=wire, origin=origin, may_wait=may_wait)
+            if wire != "published":
+                self.channels.append(diagnostics_channel(live))
             self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
         self._numbers = itertools.count(1)

@@ -1,0 +1,42 @@
+"""Variances of readings from the sensors' own figures of noise, for the covariances of messages.
+
+A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the bias drawn at the start, the
+Gauss-Markov bias in its stationary state, the random walk that has grown with time, and rounding, quantum^2 / 12
+(uniform over one step). Their variances add up. Limits and lost samples are not part of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+
+UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of a covariance that nobody knows
+
+
+def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) -> float:
+    """Return the variance of a channel's errors [unit^2] at a time since the start; 0 for an exact sensor.
+
+    rate_hz: at which it samples.
+    """
+    noise = mount.channels.get(channel) or mount.noise or Noise(std=mount.noise_std or 0.0)
+    white = noise.std**2 + noise.density**2 * rate_hz
+    bias = noise.turn_on_std**2 + noise.bias_std**2 + noise.walk**2 * max(time_s, 0.0)
+    return white + bias + noise.quantum**2 / 12.0
+
+
+def isotropic(value: float) -> NDArray[np.float64]:
+    """Return the covariance (9,), by rows, of three axes with equal and independent errors."""
+    return value * np.eye(3).ravel()
+
+
+def of_velocity(beams: NDArray[np.float64], value: float) -> NDArray[np.float64]:
+    """Return the covariance (9,) of a velocity that is the least-squares fit to beams' velocities.
+
+    beams: unit vectors (n, 3). value: the variance of each beam's velocity. Fewer than three directions leave it
+    unknown.
+    """
+    if np.linalg.matrix_rank(beams) < 3:
+        return np.full(9, UNKNOWN)
+    return np.asarray(value * np.linalg.inv(beams.T @ beams), np.float64).ravel()

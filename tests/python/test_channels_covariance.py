@@ -1,0 +1,73 @@
+"""Covariances are those of the sensors' own figures: readings scatter about the truth as they say."""
+
+import numpy as np
+import pytest
+
+from channel_tools import table
+from uwsim import Simulator
+from uwsim.channels import diagnostics_channel
+from uwsim.channels.covariance import UNKNOWN, of_velocity, variance
+from uwsim.live import LiveSimulator
+from uwsim.scenario.spec.sensor import SensorMount
+
+SEEDS = 60
+
+
+def mount(**noise):
+    return SensorMount(kind="depth", rate_hz=25.0, noise=noise)
+
+
+def test_independent_errors_add_up():
+    assert variance(mount(), "depth", 25.0, 0.0) == 0.0
+    assert variance(mount(density=0.2), "depth", 25.0, 0.0) == pytest.approx(1.0)  # 0.2 x sqrt(25)
+    parts = {"std": 0.3, "turn_on_std": 0.4, "bias_std": 1.2, "bias_time_s": 5.0, "walk": 0.1}
+    assert variance(mount(**parts), "depth", 25.0, 100.0) == pytest.approx(0.09 + 0.16 + 1.44 + 1.0)
+    by_channel = SensorMount(kind="imu", noise={"std": 1.0}, channels={"orientation": {"std": 2.0}})
+    assert [variance(by_channel, name, 1.0, 0.0) for name in ("orientation", "angular_velocity")] == [4.0, 1.0]
+
+
+def test_a_velocity_from_beams_scatters_as_its_covariance_says():
+    azimuth = np.radians([45, 135, 225, 315])
+    beams = np.stack([0.5 * np.cos(azimuth), 0.5 * np.sin(azimuth), np.full(4, -np.sqrt(0.75))], axis=1)
+    draws = np.random.default_rng(1).normal(0.0, 0.1, (20_000, 4)) @ np.linalg.pinv(beams).T
+    np.testing.assert_allclose(of_velocity(beams, 0.01).reshape(3, 3), np.cov(draws.T), atol=6e-4)
+    assert of_velocity(beams[:2], 0.01)[0] == UNKNOWN
+
+
+def test_readings_of_many_seeds_scatter_as_the_messages_say():
+    sim, found = Simulator("pool"), {}
+    errors = {name: [] for name in ("pressure", "temperature", "rate", "force")}
+    for seed in range(SEEDS):
+        sim.reset(seed=seed)
+        sim.rov.place((0.0, 0.0, -2.0))
+        sim.advance(0.25)
+        found = found or table(sim)
+        said, sensors = {name: found[name].read(sim) for name in ("pressure", "temperature", "imu")}, sim.rov.sensors
+        true = {name: sensors[name].read(noise=False) for name in said}
+        errors["pressure"].append(said["pressure"].fluid_pressure - true["pressure"])
+        errors["temperature"].append(said["temperature"].temperature - true["temperature"])
+        errors["rate"].append(said["imu"].angular_velocity.z - true["imu"].angular_velocity_rad_s[2])
+        errors["force"].append(said["imu"].linear_acceleration.y - true["imu"].linear_acceleration_m_s2[1])
+    expected = {
+        "pressure": said["pressure"].variance,
+        "temperature": said["temperature"].variance,
+        "rate": said["imu"].angular_velocity_covariance[8],
+        "force": said["imu"].linear_acceleration_covariance[4],
+    }
+    for name, values in errors.items():
+        ratio = np.var(values) / expected[name]
+        assert 0.45 < ratio < 1.8, name  # 99.9 % of chi2 of 60 draws are within 0.5 and 1.7
+
+
+def test_diagnostics_tell_the_pace():
+    with LiveSimulator("pool", speed=1.0, paused=True) as live:
+        channel = diagnostics_channel(live)
+        (status,) = live.read(channel.read).result().status
+        values = {pair.key: pair.value for pair in status.values}
+        assert (status.level, status.message, values["speed"], values["paused"]) == (0, "paused", "1.0", "True")
+        live.speed = 1e6  # beyond any machine
+        live.resume()
+        while live.slipped_s == 0.0:
+            pass
+        (status,) = live.read(channel.read).result().status
+        assert (status.level, status.message) == (1, "the pace is not held")
