@@ -26,6 +26,7 @@ const bindings = new Bindings();
 const scene = new SceneView();
 const views = new Views(station, telemetry, byId('views'), scene);
 const pilot = new Pilot(station, bindings, act);
+byId('station').append(pilot.touch.element);
 const topbar = new TopBar(station, telemetry, pilot, views);
 const panel = new Panel(byId('panel'), station, telemetry, pilot);
 const recorder = new Recorder(station, telemetry, views);
@@ -130,7 +131,7 @@ function mark() {
 
 function openKeys() { showKeys(bindings, [...byId('views').children].map((view) => view.getAttribute('aria-label'))); }
 
-function openMenu() { showMenu(station, { keys: openKeys, resume: () => topbar.pauseOrResume() }); }
+function openMenu() { showMenu(station, { keys: openKeys }); }
 
 function showBanner() {
   const { connected, state } = station;

@@ -1,38 +1,57 @@
-// The pause menu.
-import { attempt, byId, el } from '../dom.js';
-import { THEMES, theme, setTheme } from '../theme.js';
+// The pause menu: time stands still while the pilot reads it.
+import { attempt, byId, el, toast } from '../dom.js';
+import { setTheme, theme, THEMES } from '../theme.js';
 import { openDialog } from './dialog.js';
 
-export function showMenu(station, { keys, resume }) {
-  const { isPilot, state } = station;
+export function showMenu(station, { keys }) {
   const dialog = byId('menu-dialog');
-  const item = (text, act, { only = true, hint = '', className = '' } = {}) => el('button', {
-    type: 'button', disabled: only && !isPilot, className,
-    onclick: () => { dialog.close(); act(); },
+  const { isPilot } = station;
+  let resumes = isPilot && !station.state.paused; // when it closes
+  if (resumes) attempt(station.control('pause'));
+  const leave = (act, staysPaused = false) => {
+    if (staysPaused) resumes = false;
+    dialog.close();
+    act?.();
+  };
+  const item = (text, act, { forAll = false, hint = '', className = '' } = {}) => el('button', {
+    type: 'button', disabled: !forAll && !isPilot, className, onclick: act,
   }, text, hint ? el('small', { className: 'caption' }, hint) : null);
-  const name = el('input', { type: 'text', id: 'save-name', value: `${station.description?.scenario ?? 'session'}`, 'aria-label': 'Name to save under', autocomplete: 'off', spellcheck: false });
-  openDialog(dialog, state.paused ? 'Paused' : 'Menu',
+
+  openDialog(dialog, isPilot ? 'Paused' : 'Menu',
+    isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot changes the run.'),
     el('div', { className: 'stack' },
-      state.paused ? item('Resume', resume) : item('Pause', resume),
-      item('Restart from the beginning', () => attempt(station.control('restart'), 'Restarted')),
-      item('Keys', keys, { only: false, hint: '?' })),
-    el('hr'),
-    el('form', {
-      className: 'row', onsubmit: (event) => {
-        event.preventDefault();
-        dialog.close();
-        attempt(station.control('save', { name: name.value.trim() })).then((answer) => answer && attempt(Promise.resolve({ success: true }), answer.message || 'Saved'));
-      },
-    }, el('label', { htmlFor: 'save-name' }, 'Save as'), name, el('button', { type: 'submit', disabled: !isPilot }, 'Save')),
-    el('hr'),
-    el('div', { className: 'row apart' }, el('span', {}, 'Colours'), el('div', { className: 'row', role: 'group', 'aria-label': 'Colours' },
-      ...THEMES.map((kind) => el('button', {
-        type: 'button', 'aria-pressed': String(theme() === kind), onclick: (event) => {
-          setTheme(kind);
-          for (const other of event.target.parentElement.children) other.setAttribute('aria-pressed', String(other === event.target));
-        },
-      }, kind)))),
-    el('hr'),
-    el('div', { className: 'stack' }, item('Quit to the start screen', () => attempt(station.control('quit')), { className: 'danger' })),
-    isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot can change the run.'));
+      item('Resume', () => { resumes = isPilot; leave(); }),
+      item('Close, and stay paused', () => leave(null, true)),
+      item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted'))),
+      item('Keys', () => leave(keys), { forAll: true, hint: '?' })),
+    el('hr'), saveForm(station, isPilot, leave),
+    el('hr'), colours(),
+    el('hr'), el('div', { className: 'stack' },
+      item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), { className: 'danger' })));
+  dialog.querySelector('.stack button:not(:disabled)')?.focus();
+  dialog.addEventListener('close', () => { if (resumes) attempt(station.control('resume')); }, { once: true });
+}
+
+function saveForm(station, isPilot, leave) {
+  const name = el('input', {
+    type: 'text', id: 'save-name', value: station.description?.scenario ?? 'session', autocomplete: 'off', spellcheck: false,
+  });
+  const save = async (event) => {
+    event.preventDefault();
+    leave();
+    const answer = await attempt(station.control('save', { name: name.value.trim() }));
+    if (answer) toast(answer.message || 'Saved');
+  };
+  return el('form', { className: 'row', onsubmit: save },
+    el('label', { htmlFor: 'save-name' }, 'Save as'), name, el('button', { type: 'submit', disabled: !isPilot }, 'Save'));
+}
+
+function colours() {
+  const choose = (event) => {
+    setTheme(event.target.textContent);
+    for (const other of event.target.parentElement.children) other.setAttribute('aria-pressed', String(other === event.target));
+  };
+  return el('div', { className: 'row apart' }, el('span', {}, 'Colours'),
+    el('div', { className: 'row', role: 'group', 'aria-label': 'Colours' },
+      ...THEMES.map((kind) => el('button', { type: 'button', 'aria-pressed': String(theme() === kind), onclick: choose }, kind))));
 }

@@ -1,7 +1,8 @@
-// Keys and gamepads become efforts: sent at once when they change, five times a second while held, zero when let go.
+// Keys, gamepads and fingers become efforts: sent at once when they change, five times a second while held, zero when let go.
 import { AXES } from './bindings.js';
 import { Gamepads } from './gamepad.js';
 import { Keys } from './keys.js';
+import { Touch } from './touch.js';
 
 const PERIOD_MS = 200;
 const LEAST_MS = 40; // between two commands of a moving stick
@@ -28,6 +29,7 @@ export class Pilot extends EventTarget {
       changed: () => this.#read(),
       allowed: () => this.mayAct,
     });
+    this.touch = new Touch({ changed: () => this.#read(), allowed: () => this.mayAct });
     this.gamepads = new Gamepads((action, isPressed) => this.mayAct && act(action, isPressed));
     addEventListener('blur', () => this.letGo());
     addEventListener('pagehide', () => this.letGo());
@@ -60,6 +62,7 @@ export class Pilot extends EventTarget {
   letGo() {
     this.keys.drop();
     this.gamepads.axes = {};
+    this.touch.drop();
     this.efforts = none();
     clearTimeout(this.#timer);
     this.#timer = 0;
@@ -82,6 +85,7 @@ export class Pilot extends EventTarget {
     const axes = none();
     this.keys.addTo(axes);
     this.gamepads.addTo(axes);
+    this.touch.addTo(axes);
     for (const axis of AXES) axes[axis] = this.gain * Math.max(-1, Math.min(1, axes[axis]));
     this.efforts = axes;
     this.dispatchEvent(new Event('efforts'));

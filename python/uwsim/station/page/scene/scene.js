@@ -6,15 +6,13 @@ import {
 import { el, write } from '../dom.js';
 import { Marks, Vessel } from './actors.js';
 import { FrameGate } from './frame_gate.js';
+import { Quality } from './quality.js';
 import { makeSurface, makeTerrain } from './terrain.js';
 import { VoxelPoints } from './voxel_points.js';
 import { VoxelStore } from './voxel_store.js';
 
 const SMALL_MS = 1000; // between two frames while the view is small
 const IDLE_MS = 250; // while it is large and nothing turns it
-const SLOW_MS = 140;
-const FAST_MS = 45;
-const PATIENCE = 4; // frames that must be slow, or fast, before the level changes
 const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
 
 export class SceneView {
@@ -24,13 +22,13 @@ export class SceneView {
   voxels = new VoxelPoints(this.store);
   vessels = new Map(); // name: Vessel
   marks = new Marks();
+  quality = new Quality();
   isOrbiting = false;
   #isLarge = false;
   #layers = { terrain: true, map: true, track: true, fan: true };
   #follows = true;
   #isDue = true;
   #drawnMs = -Infinity;
-  #pace = 0;
   #scenery = [];
   #terrain = null;
   #followed = '';
@@ -161,7 +159,6 @@ export class SceneView {
       write(this.note, 'This browser has no WebGL 2: no 3D view');
       return;
     }
-    this.renderer.setPixelRatio(1);
     this.gate = new FrameGate(this.renderer.getContext());
     this.scene = new Scene();
     this.scene.background = new Color(0x0a1720);
@@ -224,32 +221,28 @@ export class SceneView {
     this.#draw();
   }
 
+  #fit(width, height) {
+    const { ratio } = this.quality;
+    if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio)) return;
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
   #draw() {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (width === 0 || height === 0) return;
-    if (this.canvas.width !== width || this.canvas.height !== height) {
-      this.renderer.setSize(width, height, false);
-      this.camera.aspect = width / height;
-      this.camera.updateProjectionMatrix();
-    }
-    this.#adapt();
-    this.#isDue = this.voxels.update(this.camera, height);
+    if (this.#isLarge) this.quality.adapt(this.gate.frame_ms);
+    this.#fit(width, height);
+    this.voxels.bias = this.quality.bias;
+    this.#isDue = this.voxels.update(this.camera, this.canvas.height);
     this.gate.begin();
     this.renderer.render(this.scene, this.camera);
     this.gate.end();
     this.#drawnMs = performance.now();
     write(this.note, `${this.store.count.toLocaleString('en')} voxels · ${this.voxels.pointCount.toLocaleString('en')} drawn · `
       + `${Math.round(this.gate.frame_ms)} ms`);
-  }
-
-  // Coarser when frames are slow, finer when there is time: several frames must agree.
-  #adapt() {
-    if (!this.#isLarge) return;
-    const { frame_ms: ms } = this.gate;
-    this.#pace = ms > SLOW_MS ? Math.max(this.#pace, 0) + 1 : ms && ms < FAST_MS ? Math.min(this.#pace, 0) - 1 : 0;
-    if (Math.abs(this.#pace) < PATIENCE) return;
-    this.voxels.bias = Math.max(0, Math.min(3, this.voxels.bias + Math.sign(this.#pace)));
-    this.#pace = 0;
   }
 }
 

@@ -27,7 +27,7 @@ void main() { shown = vec4(colour, 1.0); }`;
 
 export class VoxelPoints {
   group = new Group();
-  bias = 0; // levels that are left out everywhere, chosen from the frame time
+  bias = 0; // levels that are left out everywhere
   #chunks = new Map(); // 'x,y,z': { at, blocks: Set, level, wanted, isDirty, points }
   #shared = { pointScale: { value: 1 }, low: { value: -40 }, high: { value: -10 }, ramp: { value: RAMP.map((text) => new Color(text).convertLinearToSRGB()) } };
   #centre = new Vector3();
