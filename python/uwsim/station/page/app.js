@@ -13,6 +13,7 @@ import { SceneView } from './scene/scene.js';
 import { StartScreen } from './start.js';
 import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
+import { FanView } from './views/fan.js';
 import { Views } from './views/layout.js';
 import { bridgeUrl, Station } from './wire/station.js';
 
@@ -24,7 +25,8 @@ const station = new Station(bridgeUrl(location), `Pilot ${Math.floor(Math.random
 const telemetry = new Telemetry(station);
 const bindings = new Bindings();
 const scene = new SceneView();
-const views = new Views(station, telemetry, byId('views'), scene);
+const fan = new FanView();
+const views = new Views(station, telemetry, byId('views'), [fan, scene]);
 const pilot = new Pilot(station, bindings, act);
 byId('station').append(pilot.touch.element);
 const topbar = new TopBar(station, telemetry, pilot, views);
@@ -71,8 +73,9 @@ function begin() {
   telemetry.watch(vehicle.telemetry);
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
-  views.fill(description.views.filter((view) => !view.vehicle || view.vehicle === vehicle.name));
-  scene.begin(load, description.vehicles).catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
+  fan.clear();
+  views.fill(description.views.filter((view) => view.kind !== 'fan' && (!view.vehicle || view.vehicle === vehicle.name)));
+  scene.begin(load, description.vehicles, description.scene).catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   panel.showMap(scene.store);
 }
@@ -83,7 +86,10 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
     tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
     scene.takeTelemetry(name, message);
   }, { throttle_rate: 150 })];
-  if (scan) found.push(station.bridge.subscribe(scan, 'sensor_msgs/LaserScan', (message) => scene.takeScan(name, message, tilt_rad), SCAN));
+  if (scan) found.push(station.bridge.subscribe(scan, 'sensor_msgs/LaserScan', (message) => {
+    scene.takeScan(name, message, tilt_rad);
+    if (name === vehicle.name) fan.take(message);
+  }, SCAN));
   if (map && name === vehicle.name) {
     found.push(station.bridge.subscribe(map, 'uwsim_msgs/MapChanges', (changes) => {
       scene.takeMap(changes);
@@ -135,7 +141,7 @@ function openMenu() { showMenu(station, { keys: openKeys }); }
 
 function showBanner() {
   const { connected, state } = station;
-  const text = !connected ? 'The connection is lost; trying again. The vehicle stops by itself.'
+  const text = !connected ? `Not connected to ${new URL(station.bridge.url, location.href).host}; trying again.${station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.'}`
     : state.error ? `The simulation stopped: ${state.error}` : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';

@@ -29,8 +29,9 @@ export class Recorder {
   async snapshot() {
     const { large } = this.views;
     const stem = this.#stem(large);
-    if (large === 'scene') {
-      this.views.scene.picture((canvas) => canvas.toBlob((blob) => save(blob, `${stem}.png`)));
+    const own = this.views.drawn.find(({ name }) => name === large);
+    if (own) {
+      taken(own, (canvas) => canvas.toBlob((blob) => save(blob, `${stem}.png`)));
       save(new Blob([JSON.stringify(plain(this.telemetry.message), null, 2)], { type: 'application/json' }), `${stem}.json`);
       return;
     }
@@ -87,8 +88,9 @@ export class Recorder {
     const context = target.getContext('2d');
     context.fillStyle = '#05080a';
     context.fillRect(0, 0, target.width, target.height);
-    if (this.views.large === 'scene') {
-      this.views.scene.picture((canvas) => paste(context, canvas));
+    const own = this.views.drawn.find(({ name }) => name === this.views.large);
+    if (own) {
+      taken(own, (drawn) => paste(context, drawn));
       return;
     }
     for (const canvas of this.views.largeView?.element.querySelectorAll('canvas') ?? []) {
@@ -103,6 +105,12 @@ export class Recorder {
   }
 
   #stem(what) { return `${this.station.description?.scenario ?? 'uwsim'}-${what}-${Math.round(this.telemetry.stamp_s || 0)}s`; }
+}
+
+// Give the canvas of a view that this page draws, while it holds its picture.
+function taken(view, take) {
+  if (view.picture) view.picture(take);
+  else take(view.canvas);
 }
 
 // As large as it fits, in the middle.

@@ -133,7 +133,7 @@ export class TopBar {
       ...Object.entries(QUALITIES).map(([value, { title }]) => el('option', { value, selected: value === 'normal' }, title)));
     select.addEventListener('change', () => {
       const { rate_hz, width, quality } = QUALITIES[select.value];
-      attempt(this.station.bridge.call('/station/set_view', { name: this.views.large, rate_hz, width, quality }));
+      attempt(this.station.setView({ name: this.views.large, rate_hz, width, quality }));
       select.blur();
     });
     this.views.setTools(select);

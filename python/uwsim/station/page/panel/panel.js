@@ -73,7 +73,8 @@ export class Panel {
 
   begin(vehicle, description) {
     this.thrusters.name(vehicle.thrusters);
-    this.truthAllowed = description.truth_allowed;
+    this.thrusters.element.parentElement.hidden = vehicle.thrusters.length === 0;
+    this.downloads.hidden = description.downloads === false;
     this.downloads.replaceChildren(...['bt', 'ply', 'pcd', 'tif'].map((kind) => el('a', {
       href: this.station.href(`/map/${vehicle.name}.${kind}`), download: `${description.scenario}-${vehicle.name}.${kind}`,
       'aria-label': `Download the map as .${kind}`,

@@ -17,6 +17,7 @@ const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
 
 export class SceneView {
   name = 'scene';
+  kind = 'scene';
   title = '3D map';
   store = new VoxelStore();
   voxels = new VoxelPoints(this.store);
@@ -52,15 +53,16 @@ export class SceneView {
     this.canvas.tabIndex = isLarge ? 0 : -1;
   }
 
-  // Show another simulator's lake. load(path): fetches from it.
-  async begin(load, vehicles) {
+  // Show another simulator's lake. load(path): fetches from it; url: of its scene.json, '' if nobody says what is there.
+  async begin(load, vehicles, url) {
     this.clear();
     for (const part of this.#scenery) this.scene?.remove(part);
     this.#scenery = [];
     if (!this.scene) return;
     for (const { name } of vehicles) this.#addVessel(name);
     this.#followed = vehicles[0]?.name ?? '';
-    const found = await (await load('/scene/scene.json')).json();
+    if (!url) return;
+    const found = await (await load(url)).json();
     const heights = new Float32Array(await (await load(found.terrain.url)).arrayBuffer());
     this.#terrain = makeTerrain(heights, found.terrain, 0.5);
     this.voxels.setRange(this.#terrain.low_m, this.#terrain.high_m);

@@ -13,10 +13,10 @@ export class Views extends EventTarget {
   #large = '';
   #tools = el('div', { className: 'picture-tools' });
 
-  // scene: the 3D view, { element, name, title, setLarge(isLarge) }.
-  constructor(station, telemetry, container, scene) {
+  // drawn: the views that this page draws itself, each { name, title, kind, element, setLarge(isLarge) }.
+  constructor(station, telemetry, container, drawn) {
     super();
-    [this.station, this.telemetry, this.container, this.scene] = [station, telemetry, container, scene];
+    [this.station, this.telemetry, this.container, this.drawn] = [station, telemetry, container, drawn];
     telemetry.addEventListener('change', () => this.#drawHud());
     document.addEventListener('visibilitychange', () => this.#choosePictures());
     new ResizeObserver(() => this.#drawHud()).observe(container);
@@ -34,12 +34,12 @@ export class Views extends EventTarget {
 
   picture(name) { return this.#views.get(name)?.picture; }
 
-  // Show these views (of describe.views), and the scene among them.
+  // Show these views (of describe.views), then those that are drawn here.
   fill(views) {
     for (const { picture } of this.#views.values()) picture?.show('');
     this.#views.clear();
     for (const view of views) this.#views.set(view.name, this.#pictureView(view));
-    this.#views.set('scene', this.#sceneView());
+    for (const own of this.drawn) this.#views.set(own.name, this.#drawnView(own));
     [...this.#views.values()].forEach(({ element, number, swap, title }, k) => {
       write(number, String(k + 1));
       swap.setAttribute('aria-label', `Make ${title} the large view (key ${k + 1})`);
@@ -54,9 +54,9 @@ export class Views extends EventTarget {
     if (!this.#views.has(name)) return;
     this.#large = name;
     for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
-    this.scene.setLarge(name === 'scene');
-    if (name === 'scene') this.#tools.remove();
-    else this.#views.get(name).element.append(this.#tools);
+    for (const own of this.drawn) own.setLarge(name === own.name);
+    if (this.largeView.picture) this.largeView.element.append(this.#tools);
+    else this.#tools.remove();
     this.#choosePictures();
     this.#drawHud();
     this.dispatchEvent(new Event('swap'));
@@ -83,12 +83,11 @@ export class Views extends EventTarget {
     return { ...frame, view, picture: new Picture(this.station.bridge, canvas), hud: hasHud ? new Hud(hudCanvas) : null };
   }
 
-  #sceneView() {
-    const { element: contents, title } = this.scene;
-    const frame = this.#frame(title, ...contents);
-    frame.swap.addEventListener('click', () => this.enlarge('scene'));
-    frame.element.dataset.view = 'scene';
-    return { ...frame, view: { name: 'scene', kind: 'scene', title } };
+  #drawnView({ name, kind, title, element }) {
+    const frame = this.#frame(title, ...element);
+    frame.swap.addEventListener('click', () => this.enlarge(name));
+    frame.element.dataset.view = name;
+    return { ...frame, view: { name, kind, title } };
   }
 
   // Pictures of a hidden tab are not even rendered.

@@ -1,5 +1,7 @@
-// The station as the page knows it: what docs/station-wire.md says, as calls and events.
+// The station as the page knows it: its state, who this page is, and what can be asked.
+import { PlainBackend } from './plain_backend.js';
 import { Rosbridge } from './rosbridge.js';
+import { StationBackend } from './station_backend.js';
 
 // Where the rosbridge is: this page's own server, or the one that the address bar names (?rosbridge=ws://HOST:PORT).
 export function bridgeUrl(location) {
@@ -11,22 +13,25 @@ export function bridgeUrl(location) {
   return `${scheme}://${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ''}`;
 }
 
-// Events: 'open', 'close', 'state' (station/state has changed), 'session' (another simulator, or the same one anew).
+// Events: 'open', 'close', 'state', 'session' (another simulator, or the same one anew), 'trouble' (detail: a sentence).
 export class Station extends EventTarget {
   state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [] };
   description = null;
   id = '';
+  #backend;
+  #isAsking = false;
 
   constructor(url, name) {
     super();
     this.name = name;
     this.bridge = new Rosbridge(url);
+    this.#backend = new StationBackend(this.bridge, (state) => this.#learn(state));
     this.bridge.addEventListener('open', () => this.#joined());
     this.bridge.addEventListener('close', () => {
       this.id = '';
       this.dispatchEvent(new Event('close'));
     });
-    this.bridge.subscribe('/station/state', 'uwsim_msgs/StationState', (state) => this.#learn(state));
+    this.bridge.addEventListener('refused', (event) => this.#complain(event.detail));
   }
 
   get connected() { return this.bridge.connected; }
@@ -34,6 +39,9 @@ export class Station extends EventTarget {
   get isPilot() { return this.connected && this.id !== '' && this.state.pilot === this.id; }
 
   get isRunning() { return this.state.phase === 'running'; }
+
+  // Whether this is a rosbridge without a station: see PlainBackend.
+  get isPlain() { return this.#backend.isPlain; }
 
   // The name of a member, for people.
   nameOf(id) {
@@ -51,13 +59,14 @@ export class Station extends EventTarget {
 
   handOver(to) { return this.bridge.call('/station/hand_over', { to }); }
 
-  drive(vehicle, efforts, stampMs) {
-    return this.bridge.call('/station/drive', { vehicle, ...efforts, stamp_ms: stampMs });
-  }
+  // stampMs: performance.now() when the controls were read.
+  drive(vehicle, efforts, stampMs) { return this.#backend.drive(vehicle, efforts, stampMs); }
 
-  command(name, vehicle, args = {}) { return this.bridge.call('/station/command', { name, vehicle, args }); }
+  command(name, vehicle, args = {}) { return this.#backend.command(name, vehicle, args); }
 
-  control(action, args = {}) { return this.bridge.call('/station/control', { action, ...args }); }
+  control(action, args = {}) { return this.#backend.control(action, args); }
+
+  setView(options) { return this.#backend.setView(options); }
 
   // A path on the server that this page's simulator runs on, such as '/map/rov.bt'.
   href(path) {
@@ -70,27 +79,40 @@ export class Station extends EventTarget {
   async #joined() {
     this.dispatchEvent(new Event('open'));
     try {
-      this.id = (await this.bridge.call('/station/join', { name: this.name })).id;
-      this.dispatchEvent(new Event('state'));
+      this.id = (await this.#backend.join(this.name)).id;
     } catch (error) {
-      this.dispatchEvent(new CustomEvent('trouble', { detail: error.message }));
+      if (this.isPlain || !/nobody offers/.test(error.message)) {
+        this.#complain(error.message);
+        return;
+      }
+      this.#backend = new PlainBackend(this.bridge, (state) => this.#learn(state));
+      this.id = (await this.#backend.join()).id;
     }
+    this.dispatchEvent(new Event('state'));
   }
+
+  #complain(sentence) { this.dispatchEvent(new CustomEvent('trouble', { detail: sentence })); }
 
   async #learn(state) {
     this.state = state;
-    const isNew = state.phase === 'running' && this.description?.session !== state.session;
-    if (isNew) {
-      try {
-        const description = await this.bridge.call('/station/describe');
-        if (description.success === false) return;
-        if (this.description?.session === description.session) return; // another state came meanwhile
+    if (state.phase === 'running' && this.description?.session !== state.session) await this.#describe();
+    if (state.phase !== 'running') this.description = null;
+    this.dispatchEvent(new Event('state'));
+  }
+
+  async #describe() {
+    if (this.#isAsking) return;
+    this.#isAsking = true;
+    try {
+      const description = await this.#backend.describe();
+      if (description.success) {
         this.description = description;
         this.dispatchEvent(new Event('session'));
-      } catch (error) {
-        this.dispatchEvent(new CustomEvent('trouble', { detail: error.message }));
       }
+    } catch (error) {
+      this.#complain(error.message);
+    } finally {
+      this.#isAsking = false;
     }
-    this.dispatchEvent(new Event('state'));
   }
 }

@@ -1,0 +1,88 @@
+// A rosbridge without a station, such as `uwsim serve lake`: the same questions, answered by ROS topics and services.
+// Nobody has a lease there, and no server zeroes the efforts of a page that is gone: the page says so.
+
+const PACE_MS = 500;
+const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
+const CAMERA = /^\/(?:(\w+)\/)?camera\/(\w+)\/image_raw\/compressed$/;
+const TILT = { min_rad: -Math.PI / 2, max_rad: Math.PI / 2, rate_rad_s: (5 * Math.PI) / 180 }; // of the published wire
+const FIXED = { // where a page without a station has to leave a thing to others
+  truth_allowed: true, warnings: { proximity_m: 10 }, scene: '', downloads: false, commands: ['undock', 'dock', 'set_lamp', 'aim'],
+};
+
+export class PlainBackend {
+  isPlain = true;
+  #bridge;
+  #learn;
+  #session = 1;
+  #time_s = 0;
+
+  // learn(state): takes what /station/state would say.
+  constructor(bridge, learn) { [this.#bridge, this.#learn] = [bridge, learn]; }
+
+  async join() {
+    clearInterval(this.timer);
+    this.timer = setInterval(() => this.#ask(), PACE_MS);
+    this.#bridge.subscribe('/clock', 'rosgraph_msgs/Clock', ({ clock }) => {
+      this.#time_s = (clock.sec ?? clock.secs) + 1e-9 * (clock.nanosec ?? clock.nsecs);
+    }, { throttle_rate: 200 });
+    await this.#ask();
+    return { id: 'me' };
+  }
+
+  async describe() {
+    const [{ topics }, { services }] = await Promise.all([this.#bridge.call('/rosapi/topics'), this.#bridge.call('/rosapi/services')]);
+    const prefixes = topics.filter((name) => /^\/(\w+\/)?telemetry$/.test(name)).map((name) => name.slice(1, -'telemetry'.length));
+    if (prefixes.length === 0) throw new Error('this rosbridge has no vehicle of uwsim: no topic telemetry');
+    const has = (name) => (topics.includes(name) ? name : '');
+    const vehicles = prefixes.map((prefix) => ({
+      name: prefix.slice(0, -1) || 'vehicle', prefix, telemetry: `/${prefix}telemetry`, scan: has(`/${prefix}scan`),
+      map_changes: has(`/${prefix}map_changes`), thrusters: [], efforts: AXES, tilt: has(`/${prefix}cmd_tilt`) ? TILT : null,
+      lamps: services.filter((name) => name.startsWith(`/${prefix}lights/`)).map((name) => name.split('/').at(-1)),
+    }));
+    const views = topics.map((topic) => CAMERA.exec(topic)).filter(Boolean).map(([topic, vehicle, name]) => ({
+      name: vehicle ? `${vehicle}/${name}` : name, title: name.replace(/^./, (letter) => letter.toUpperCase()), kind: 'camera',
+      topic, small_topic: topic, vehicle: vehicle ?? '',
+    }));
+    return { success: true, ...FIXED, session: this.#session, scenario: new URL(this.#bridge.url).host, vehicles, views };
+  }
+
+  // The published wire's key, whose sway and yaw are to starboard.
+  async drive(vehicle, { surge, sway, heave, roll, pitch, yaw }) {
+    const prefix = vehicle === 'vehicle' ? '' : `${vehicle}/`;
+    this.#bridge.publish(`/${prefix}key`, { position: { x: surge, y: -sway, z: heave }, orientation: { x: pitch, y: roll, z: -yaw, w: 0 } });
+    return { success: true };
+  }
+
+  command(name, vehicle, { lamp, on, elevation_rad }) {
+    const prefix = vehicle === 'vehicle' ? '/' : `/${vehicle}/`;
+    if (name === 'set_lamp') return this.#bridge.call(`${prefix}lights/${lamp}`, { data: on });
+    if (name !== 'aim') return this.#bridge.call(`${prefix}${name}`);
+    this.#bridge.publish(`${prefix}cmd_tilt`, { data: -elevation_rad }); // positive is nose down there
+    return Promise.resolve({ success: true });
+  }
+
+  async control(action, { steps, speed, name } = {}) {
+    if (action === 'quit') {
+      location.search = '';
+      return { success: true };
+    }
+    const service = { step: 'step', speed: 'set_speed', restart: 'reset' }[action] ?? action;
+    const answer = action === 'save' ? await this.#bridge.call('/save_map', { name: `${name}.bt` })
+      : await this.#bridge.call(`/simulation/${service}`, { steps, speed });
+    if (action === 'restart') this.#session += 1;
+    await this.#ask();
+    return answer;
+  }
+
+  setView() { return Promise.resolve({ success: false, message: 'This rosbridge has no station that sets pictures.' }); }
+
+  async #ask() {
+    try {
+      const { speed, factor, lateness_s, paused, error } = await this.#bridge.call('/simulation/pace');
+      this.#learn({
+        phase: 'running', session: this.#session, scenario: '', error, time: this.#time_s, paused, speed, factor, lateness: lateness_s,
+        pilot: 'me', member_ids: ['me'], member_names: ['You'], asking: [], recording: '',
+      });
+    } catch { /* not connected: the banner says so */ }
+  }
+}
