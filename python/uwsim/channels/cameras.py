@@ -87,11 +87,16 @@ def _on_vehicle(source: Source, name: str) -> CameraOf:
 
 def jpeg_message(picture: Picture, frame_id: str) -> Any:
     """Return a picture as a CompressedImage."""
+    return compressed_image(picture.jpeg, picture.frame.time_ns, frame_id)
+
+
+def compressed_image(jpeg: bytes, time_ns: int, frame_id: str) -> Any:
+    """Return a JPEG as a CompressedImage."""
     return build.message(
         "sensor_msgs/msg/CompressedImage",
-        header=build.header(picture.frame.time_ns, frame_id),
+        header=build.header(time_ns, frame_id),
         format="rgb8; jpeg compressed bgr8",
-        data=np.frombuffer(picture.jpeg, np.uint8),
+        data=np.frombuffer(jpeg, np.uint8),
     )
 
 

@@ -53,8 +53,13 @@ class Node(Protocol):
 class Guest(Protocol):
     """What takes part in a graph under a name."""
 
-    name: str
-    services: Sequence[GuestService]
+    @property
+    def name(self) -> str:
+        """Its name in the graph, "/station"."""
+
+    @property
+    def services(self) -> Sequence[GuestService]:
+        """What it offers."""
 
     def connect(self, node: Node) -> None:
         """Take its node, once."""

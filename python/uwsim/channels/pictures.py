@@ -6,7 +6,7 @@ import io
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uwsim.cameras import Camera, Frame
 from uwsim.simulator import Simulator
 
+T = TypeVar("T")
 RATE_HZ = 10.0
 WIDTHS = (16, 4096)
 
@@ -105,6 +106,10 @@ class Pictures:
         self._jobs[name] = jobs
         is_ready = _is_of_last_period if waits else _is_just_done
         return next((job.picture.result() for job in jobs if is_ready(job, slot)), None)
+
+    def submit(self, function: Callable[[], T]) -> Future[T]:
+        """Render something else on the pictures' thread, in turn."""
+        return self._worker.submit(function)
 
 
 def _is_of_last_period(job: _Job, slot: int) -> bool:

@@ -24,6 +24,7 @@ from uwsim.cli.run_typer import PASS_ON, run_typer
 from uwsim.cli.scenario import scenario
 from uwsim.cli.serve import serve
 from uwsim.cli.sonar import sonar
+from uwsim.cli.station import station
 from uwsim.cli.survey import survey
 from uwsim.cli.validate import validate
 
@@ -35,6 +36,7 @@ app = typer.Typer(
 )
 app.command()(survey)
 app.command()(serve)
+app.command()(station)
 app.command()(connect)
 app.command()(nodes)
 app.command()(scenario)

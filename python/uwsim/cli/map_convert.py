@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from uwsim.georeference import georeference
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import CLOUD_FORMATS, write_cloud
-from uwsim.mapping.files.geotiff import Georeference, write_depth_tiff
+from uwsim.mapping.files.geotiff import write_depth_tiff
 from uwsim.mapping.files.map_files import MAP_SUFFIXES, ZERO, Origin, open_map, open_points
-from uwsim.scenario import Scenario, load
-from uwsim.scenario.build.terrain_raster import raster_place
-from uwsim.scenario.spec.terrain import RasterTerrain
+from uwsim.scenario import load
 
 TIFF_SUFFIXES = (".tif", ".tiff")
 
@@ -49,15 +48,7 @@ def convert(
     width_m = resolution_m if cell_m is None else cell_m
     if width_m is None:
         raise ValueError("cell: missing: a cloud has no voxels to take the width of the grid's cells from")
-    place = _georeference(load(scenario) if scenario is not None else None)
+    place = georeference(load(scenario) if scenario is not None else None)
     grid = depth_grid(points, width_m)
     write_depth_tiff(target, grid, place)
     return f"{grid.depth_m.shape[1]} x {grid.depth_m.shape[0]} cells of {width_m:g} m"
-
-
-def _georeference(scenario: Scenario | None) -> Georeference:
-    """Return the place on Earth of a scenario whose terrain is an elevation raster; local metres for all others."""
-    if scenario is None or not isinstance(scenario.terrain, RasterTerrain):
-        return Georeference()
-    place = raster_place(scenario.terrain)
-    return Georeference(place.crs, place.origin, place.units_per_m)

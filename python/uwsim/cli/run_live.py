@@ -17,11 +17,7 @@ SWITCH_S = 0.0005
 
 def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
     """Print the greeting; return at Ctrl-C or SIGTERM. Meanwhile say on stderr when the simulation slips, or fails."""
-    # A thread that computes in Python keeps the others waiting for 5 ms by default, which is a whole step.
-    sys.setswitchinterval(SWITCH_S)
-    interrupted = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: interrupted.set())
+    interrupted = _interrupt()
     typer.echo(f"{greeting}: {_how_it_runs(live)}; Ctrl-C ends it")
     slipped_s, error = live.slipped_s, None
     while not interrupted.wait(LOOK_S):
@@ -35,6 +31,23 @@ def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
                 err=True,
             )
         slipped_s = live.slipped_s
+
+
+def wait_for_interrupt(greeting: str) -> None:
+    """Print the greeting; return at Ctrl-C or SIGTERM."""
+    interrupted = _interrupt()
+    typer.echo(greeting)
+    interrupted.wait()
+
+
+def _interrupt() -> threading.Event:
+    """Return what is set at Ctrl-C or SIGTERM."""
+    # A thread that computes in Python keeps the others waiting for 5 ms by default, which is a whole step.
+    sys.setswitchinterval(SWITCH_S)
+    interrupted = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: interrupted.set())
+    return interrupted
 
 
 def _how_it_runs(live: LiveSimulator) -> str:

@@ -43,6 +43,7 @@ def serve(
         typer.Option(help="Web page that may connect besides this machine's own, such as https://station.example."),
     ] = None,
     paused: Paused = False,
+    station: Annotated[bool, typer.Option("--station", help="Also serve the operator's page.")] = False,
     ros2: Annotated[bool, typer.Option("--ros2", help="Also be a node of ROS 2; see docs/ros2.md.")] = False,
     ros_distro: RosDistro = None,
     ros_domain_id: RosDomain = None,
@@ -73,8 +74,14 @@ def serve(
         raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
+        hub = None
+        if station:
+            from uwsim.bridges.rosbridge.admission import has_token
+            from uwsim.station import Site, Station
+
+            hub = Station(is_fixed=True, wire=wire, origin=origin)  # type: ignore[arg-type]
         server = RosbridgeServer(
-            live,
+            None if hub else live,
             host=host,
             port=port,
             ros=ros,  # type: ignore[arg-type]  # checked there
@@ -84,13 +91,24 @@ def serve(
             token=token,
             certfile=certfile,
             keyfile=keyfile,
+            guests=[hub] if hub else [],
+            site=Site(hub, lambda request: token is None or has_token(request, token)) if hub else None,
         )
         feed = Feed(live)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
+        if hub is not None:
+            sinks.enter_context(hub.serving(server.show))
+            hub.run(lambda: live)
+            greeting.append(f"the station's page at {page_url(server.url, token)}")
         if joined is not None:
             node = Ros2Node(live, server.channels, server.services, joined, feed=feed)
             greeting.append(f"ROS 2 {sinks.enter_context(node).settings}")
         run_until_interrupted(live, ", ".join(greeting))
+
+
+def page_url(server_url: str, token: str | None) -> str:
+    """Return the page's address."""
+    return server_url.replace("ws", "http", 1) + (f"/?token={token}" if token else "/")
 
 
 def parsed_speed(text: str) -> float | Literal["max"]:

@@ -24,10 +24,11 @@ from uwsim.bridges.rosbridge.rosapi import offer_rosapi
 from uwsim.bridges.rosbridge.session import Session
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.bridges.rosbridge.tf_republisher import offer_tf
-from uwsim.channels import Channel, Service, channels, diagnostics_channel, services
+from uwsim.channels import Channel, Service, services
 from uwsim.channels.guest import Guest
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import Ros, typestore
+from uwsim.channels.served import served_channels
 from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 
@@ -87,12 +88,7 @@ class RosbridgeServer:
         self.channels: list[Channel] = []  # what clients see of the simulator; others may be put here before start
         self.services: list[Service] = []
         if live is not None:
-            if wire == "published":  # clients are told to use simulated time: /clock is there with any wire
-                self.channels = [channel for channel in channels(live.simulator) if channel.name == "clock"]
-            may_wait = lambda: live.speed == "max"  # noqa: E731  # on the wall clock the pace comes first
-            self.channels += channels(live.simulator, wire=wire, origin=origin, may_wait=may_wait)
-            if wire != "published":
-                self.channels.append(diagnostics_channel(live))
+            self.channels = served_channels(live, wire=wire, origin=origin)
             self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
         self._numbers = itertools.count(1)

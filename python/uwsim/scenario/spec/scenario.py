@@ -17,6 +17,7 @@ from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
+from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import Water
 
@@ -91,8 +92,12 @@ class Scenario(Model):
         mission_time_s: float | None = None,
         sonar_model: int | str | Path | None = None,
         sonar_frequency_khz: float | None = None,
+        vehicle_model: VehicleModel | None = None,
     ) -> Scenario:
-        """Return a checked copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError."""
+        """Return a checked copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError.
+
+        vehicle_model: of the first vehicle.
+        """
         data: dict[str, Any] = {key: getattr(self, key) for key in type(self).model_fields}
         if seed is not None:
             data["seed"] = seed
@@ -105,4 +110,7 @@ class Scenario(Model):
             data["vehicles"] = [
                 {**dict(vehicle), "sonar": {**dict(vehicle.sonar), **changes}} for vehicle in self.vehicles
             ]
+        if vehicle_model is not None:
+            first, *others = data["vehicles"]
+            data["vehicles"] = [{**dict(first), "model": vehicle_model}, *others]
         return validated(Scenario, data).read_from(self._source_file)

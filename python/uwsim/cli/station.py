@@ -1,0 +1,72 @@
+"""`uwsim station`: the operator's station, a web page to choose, fly and map by."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.options import Threads
+from uwsim.cli.serve import Origin, Wire, page_url
+
+Truth = Annotated[
+    bool, typer.Option("--truth/--no-truth", help="Whether pilots see the true position, or what instruments tell.")
+]
+
+
+def station(
+    scenario: Annotated[str, typer.Argument(help="What the start screen begins with: a name or a YAML file.")] = "lake",
+    port: Annotated[int, typer.Option(help="Where to listen; 0 chooses a free port.")] = 9090,
+    host: Annotated[str, typer.Option(help="Address to listen on. Others than this machine's own are warned of.")] = (
+        "127.0.0.1"
+    ),
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
+    truth: Truth = True,
+    wire: Wire = "both",
+    origin: Origin = "world",
+    token: Annotated[str | None, typer.Option(help="Pages must know it: http://HOST:PORT/?token=TOKEN.")] = None,
+    certfile: Annotated[Path | None, typer.Option(help="Certificate in PEM, for https and wss.")] = None,
+    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.")] = None,
+    page: Annotated[
+        list[str] | None,
+        typer.Option(help="Web page that may connect besides this one, such as https://station.example."),
+    ] = None,
+    threads: Threads = None,
+) -> None:
+    """Serve the operator's station, a web page, and open it.
+
+    It works offline and over a forwarded port. The same port is a rosbridge server. Ctrl-C ends it.
+    """
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.rosbridge.admission import has_token
+    from uwsim.cli.run_live import wait_for_interrupt
+    from uwsim.scenario import load
+    from uwsim.station import Site, Station
+
+    load(scenario)  # a mistake is said here, not on the page
+    hub = Station(offered=scenario, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
+    server = RosbridgeServer(
+        None,
+        host=host,
+        port=port,
+        origins=page or (),
+        token=token,
+        certfile=certfile,
+        keyfile=keyfile,
+        guests=[hub],
+        site=Site(hub, lambda request: token is None or has_token(request, token)),
+    )
+    with server, hub.serving(server.show):
+        url = page_url(server.url, token)
+        if browser and _has_display():
+            webbrowser.open(url)
+        wait_for_interrupt(f"the station is at {url}; Ctrl-C ends it")
+
+
+def _has_display() -> bool:
+    """Whether a browser would open a window, rather than take this terminal."""
+    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

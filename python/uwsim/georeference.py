@@ -1,0 +1,17 @@
+"""Where a scenario's world lies on Earth."""
+
+from __future__ import annotations
+
+from uwsim.mapping.files.geotiff import Georeference
+from uwsim.scenario import Scenario
+from uwsim.scenario.spec.terrain import RasterTerrain
+
+
+def georeference(scenario: Scenario | None) -> Georeference:
+    """Return the place of a scenario whose terrain is an elevation raster; local metres for all others."""
+    if scenario is None or not isinstance(scenario.terrain, RasterTerrain):
+        return Georeference()
+    from uwsim.scenario.build.terrain_raster import raster_place  # rasterio takes half a second
+
+    place = raster_place(scenario.terrain)
+    return Georeference(place.crs, place.origin, place.units_per_m)

@@ -1,0 +1,147 @@
+"""What is chosen on the start screen: checked field by field, then made into a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from uwsim.channels.guest import Values
+from uwsim.live.pace import Speed, checked_speed
+from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load, load_vehicle, packaged_scenarios
+from uwsim.scenario.read.assets import packaged_names
+from uwsim.scenario.spec.sonar import WIRE_NUMBERS, load_sonar
+
+FIELDS = ("scenario", "vehicle", "sonar", "mission_time_s", "seed", "speed", "link")
+LINKS = {"none": "a tether: commands and readings at once, none lost"}
+SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
+
+
+class ChoiceError(ValueError):
+    """What is wrong with a choice, by field."""
+
+    def __init__(self, errors: dict[str, str]) -> None:
+        super().__init__("; ".join(errors.values()))
+        self.errors = errors
+
+
+def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
+    """Return the scenario and the speed of a choice. Raises ChoiceError.
+
+    offered: a scenario that may be chosen besides the packaged ones. Names alone are accepted: who sits at the page
+    need not be allowed to read this machine's files.
+    """
+    errors: dict[str, str] = {name: "unknown field" for name in choice if name not in FIELDS}
+    values = {name: choice.get(name) for name in FIELDS}
+    scenario = _try(errors, "scenario", lambda: load(_name(values["scenario"] or offered, scenarios(offered))))
+    speed = _try(errors, "speed", lambda: _speed(values["speed"]))
+    _try(errors, "link", lambda: _link(values["link"]))
+    if scenario is not None:
+        changes: dict[str, Any] = {
+            "vehicle_model": lambda: _vehicle(values["vehicle"]),
+            "sonar_model": lambda: _sonar(values["sonar"]),
+            "mission_time_s": lambda: values["mission_time_s"],
+            "seed": lambda: _whole(values["seed"], "seed"),
+        }
+        names = {"vehicle_model": "vehicle", "sonar_model": "sonar"}
+        for argument, read in changes.items():
+            field = names.get(argument, argument)
+            scenario = _try(errors, field, lambda: scenario.with_changes(**{argument: read()})) or scenario  # noqa: B023
+    if errors or scenario is None or speed is None:
+        raise ChoiceError(errors)
+    return scenario, speed
+
+
+def scenarios(offered: str) -> list[str]:
+    """Return the names that may be chosen."""
+    names = packaged_scenarios()
+    return names if offered in names else [offered, *names]
+
+
+def catalog(offered: str = "lake") -> Values:
+    """Return what can be chosen, and the choice to begin with: that of the scenario `offered`."""
+    return {
+        "scenarios": [_described(name) for name in scenarios(offered)],
+        "vehicles": [
+            {"name": name, "description": load_vehicle(name).description} for name in packaged_names("vehicles")
+        ],
+        "sonars": _sonars(),
+        "links": [{"name": name, "description": description} for name, description in LINKS.items()],
+        "speeds": list(SPEEDS),
+        "defaults": {
+            "scenario": offered, "vehicle": None, "sonar": None, "mission_time_s": None, "seed": None, "speed": 1.0,
+            "link": "none",
+        },
+    }  # fmt: skip
+
+
+def _described(name: str) -> Values:
+    scenario = load(name)
+    first = scenario.vehicles[0]
+    return {
+        "name": name,
+        "description": " ".join(scenario.description.split()),
+        "seed": scenario.seed,
+        "mission_time_s": scenario.mission_time_s,
+        "vehicles": [{"name": entry.name, "model": entry.model.name} for entry in scenario.vehicles],
+        "sonar": first.sonar.title if first.model.sonar else None,
+    }
+
+
+def _sonars() -> list[Values]:
+    """Return the wire's four models by their numbers, and the instruments by their names."""
+    found = []
+    for name in packaged_names("sonars"):
+        model = load_sonar(name)
+        is_wire = model.wire_number is not None
+        kind = "published" if is_wire else "instrument"
+        chosen_by: int | str = model.wire_number if model.wire_number is not None else name
+        title = f"Model {model.wire_number}" if is_wire else name
+        found.append({"name": chosen_by, "title": title, "description": model.description, "kind": kind})
+    return sorted(found, key=lambda sonar: (sonar["kind"] != "published", str(sonar["name"])))
+
+
+def _try(errors: dict[str, str], field: str, make: Callable[[], Any]) -> Any:
+    try:
+        return make()
+    except (ScenarioError, ValueError, OSError) as error:
+        errors[field] = " ".join(str(error).split())
+        return None
+
+
+def _name(value: Any, known: Sequence[str]) -> str:
+    if value not in known:
+        raise ValueError(f"{str(value)[:40]!r}: must be one of {', '.join(known)}")
+    return str(value)
+
+
+def _vehicle(value: Any) -> VehicleModel | None:
+    return None if value is None else load_vehicle(_name(value, packaged_names("vehicles")))
+
+
+def _whole(value: Any, field: str) -> int | None:
+    if value is None or (isinstance(value, int) and not isinstance(value, bool)):
+        return value
+    if isinstance(value, float) and value.is_integer():
+        return int(value)
+    raise ValueError(f"{field} = {str(value)[:40]}: must be a whole number")
+
+
+def _sonar(value: Any) -> int | str | None:
+    if isinstance(value, str) and value.isascii() and value.isdigit():
+        value = int(value)
+    if isinstance(value, float):
+        value = _whole(value, "sonar")
+    if isinstance(value, int) and not WIRE_NUMBERS[0] <= value <= WIRE_NUMBERS[1]:
+        raise ValueError(f"sonar = {value}: must be in {list(WIRE_NUMBERS)}, or a name")
+    if value is None or (isinstance(value, int) and not isinstance(value, bool)):
+        return value
+    return _name(value, packaged_names("sonars"))
+
+
+def _speed(value: Any) -> Speed:
+    return "max" if value == 0 and not isinstance(value, bool) else checked_speed(1.0 if value is None else value)
+
+
+def _link(value: Any) -> None:
+    if value is not None and value not in LINKS:
+        raise ValueError(f"link = {str(value)[:40]!r}: must be one of {', '.join(LINKS)}")

@@ -1,0 +1,93 @@
+"""What a pilot does with the simulation itself, by name: pause, resume, step, speed, restart, quit, save."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import TYPE_CHECKING, Any
+
+from uwsim.channels.guest import Values
+
+if TYPE_CHECKING:
+    from uwsim.station.hub import Station
+
+STEPS_MAX = 100_000
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+
+
+def _pause(station: Station, request: Values) -> None:
+    station.present().live.pause()
+
+
+def _resume(station: Station, request: Values) -> None:
+    station.present().live.resume()
+
+
+def _step(station: Station, request: Values) -> None:
+    steps = request.get("steps", 1)
+    if isinstance(steps, bool) or not isinstance(steps, int | float) or not 1 <= steps <= STEPS_MAX or steps % 1:
+        raise ValueError(f"steps = {str(steps)[:40]}: must be a whole number in [1, {STEPS_MAX}]")
+    station.present().live.step(int(steps))
+
+
+def _speed(station: Station, request: Values) -> None:
+    speed = request.get("speed")
+    if isinstance(speed, bool) or not isinstance(speed, int | float):
+        raise ValueError(f"speed = {str(speed)[:40]}: must be a number; 0 for as fast as possible")
+    station.present().live.speed = speed or "max"
+
+
+def _restart(station: Station, request: Values) -> None:
+    station.present().live.reset()
+    station.begin_anew()
+
+
+def _quit(station: Station, request: Values) -> None:
+    station.quit()
+
+
+def _save(station: Station, request: Values) -> str:
+    """Write a folder: each vehicle's map, the state to go on from, and what was commanded, by tick."""
+    running, name = station.present(), request.get("name", "session")
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        raise ValueError(f"name = {str(name)[:40]!r}: must have 1 to 64 of A-Z a-z 0-9 _ . -")
+    target = station.folder / name
+    if target.exists():
+        raise ValueError(f"'{name}' is there already: choose another name")
+    live = running.live
+    state, tick, log = live.read(lambda sim: (sim.save_state(), sim.tick, list(live.log))).result()
+    folder = Path(mkdtemp(prefix=f".{name}.", dir=station.folder))
+    try:
+        for vehicle, ping_map in running.maps.items():
+            ping_map.write(folder / ("map.bt" if len(running.maps) == 1 else f"{vehicle}.bt"))
+        (folder / "state").write_bytes(state)
+        commands = {"tick": tick, "commands": [_plain(entry) for entry in log]}
+        (folder / "commands.json").write_text(json.dumps(commands, indent=1))
+        scenario = live.simulator.scenario
+        (folder / "scenario.json").write_text(scenario.model_dump_json(indent=1))
+        folder.chmod(0o755)
+        folder.rename(target)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return f"saved in {target}"
+
+
+def _plain(entry: Any) -> Values:
+    arguments = {key: v for key, v in entry.arguments.items() if not isinstance(v, bytes) and not callable(v)}
+    return {"tick": entry.tick, "name": entry.name, "arguments": arguments}
+
+
+CONTROLS: dict[str, Callable[[Station, Values], str | None]] = {
+    "pause": _pause,
+    "resume": _resume,
+    "step": _step,
+    "speed": _speed,
+    "restart": _restart,
+    "quit": _quit,
+    "save": _save,
+}

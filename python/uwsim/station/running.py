@@ -1,0 +1,110 @@
+"""One simulator that the station runs: its channels, views and map, and what the page must know about it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from uwsim.channels import services
+from uwsim.channels.guest import Node, Values
+from uwsim.channels.served import served_channels
+from uwsim.channels.source import Source
+from uwsim.channels.table import Wire, table_of
+from uwsim.live import COMMANDS, LiveSimulator
+from uwsim.station.helm import Helm
+from uwsim.station.scene import Scene
+from uwsim.station.views import Views
+from uwsim.vehicle import AXES
+
+STEERING = {"place", "set_effort", "set_wrench", "set_thrusters", "set_fins"}  # the pilot's hands do that: `drive`
+PILOTED = sorted(set(COMMANDS) - STEERING)
+
+
+class Running:
+    """A live simulator, which is started here and ended by `stop`.
+
+    Its map grows from the start, so that who comes late sees all of it. truth: whether the true position may be seen.
+    """
+
+    def __init__(
+        self, live: LiveSimulator, node: Node, *, wire: Wire, origin: str | Sequence[float], truth: bool
+    ) -> None:
+        sim = live.simulator
+        self.live = live
+        self.truth = truth
+        self.channels = served_channels(live, wire=wire, origin=origin, truth=truth)
+        self.services = services(sim)
+        self.table = table_of(sim)
+        self.maps = self.table.maps
+        self.helm = Helm(live, self.table.steering)
+        self.scene = Scene(sim, self.table.sources)
+        self.views = Views(live, self.table, node)
+        self.snapshots: dict[str, Values] = {}  # what the panel said at the last snapshot of a view
+
+    def start(self) -> None:
+        """Step, and let the map grow."""
+        if not self.live.running:
+            self.live.start()
+        for name, ping_map in self.maps.items():
+            rate_hz = self.table.pings[name].rate_hz
+            self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
+
+    def stop(self) -> None:
+        """Stop stepping."""
+        self.live.stop()
+
+    def describe(self) -> Values:
+        """Return what `/station/describe` says, but the session."""
+        sim = self.live.simulator
+        scenario, optional = sim.scenario, {channel.name for channel in self.channels}
+        return {
+            "scenario": scenario.name,
+            "description": " ".join(scenario.description.split()),
+            "step_s": sim.step_s,
+            "mission_time_s": scenario.mission_time_s,
+            "seed": sim.seed,
+            "truth_allowed": self.truth,
+            "warnings": {"range_m": scenario.warnings.range_m, "proximity_m": scenario.warnings.proximity_m},
+            "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
+            "views": [view.described() for view in self.views.views.values()],
+            "scene": "/scene/scene.json",
+            "commands": PILOTED,
+        }
+
+    def _vehicle(self, source: Source, optional: set[str]) -> Values:
+        vehicle = source.of(self.live.simulator)
+
+        def topic(name: str) -> str | None:
+            return f"/{source.topic(name)}" if source.topic(name) in optional else None
+
+        has_map = source.name in self.maps
+        tilt = sonar = None
+        if vehicle.sonars:
+            model = vehicle.sonar.model
+            rate_rad_s = model.tilt_rate_rad_s
+            tilt = {"min_rad": -0.5 * math.pi, "max_rad": 0.5 * math.pi, "rate_rad_s": rate_rad_s}
+            sonar = {
+                "name": model.name, "title": source.entry.sonar.title, "range_m": model.range_max_m,
+                "beams": model.beams, "fov_rad": model.field_of_view_rad,
+            }  # fmt: skip
+        motors = [
+            {"camera": name, "pan_deg": list(motor.pan_limits_deg), "tilt_deg": list(motor.tilt_limits_deg)}
+            for name, camera in vehicle.cameras.items()
+            if (motor := camera.mount.pan_tilt) is not None
+        ]
+        return {
+            "name": source.name,
+            "model": source.entry.model.name,
+            "prefix": source.prefix,
+            "telemetry": topic("telemetry"),
+            "scan": topic("scan"),
+            "map": f"/map/{source.name}" if has_map else None,
+            "map_changes": topic("map_changes"),
+            "pings_per_s": self.table.pings[source.name].rate_hz if has_map else 0.0,
+            "thrusters": list(vehicle.thrusters),
+            "lamps": list(vehicle.lamps),
+            "efforts": [axis for axis in AXES if axis in vehicle.controllable],
+            "tilt": tilt,
+            "sonar": sonar,
+            "motors": motors,
+        }

@@ -1,0 +1,177 @@
+"""The pictures that the page shows: rendered at the wall clock's pace, and only while somebody looks."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from uwsim.cameras import Camera, Frame
+from uwsim.channels.cameras import compressed_image
+from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.pictures import WIDTHS
+from uwsim.channels.table import Table
+from uwsim.live import LiveSimulator, NotRunningError
+from uwsim.simulator import Simulator
+
+RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
+SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
+UNAWAITED_PERIOD_S = 0.5  # of pictures that nobody takes, and of those in which nothing can have changed
+JPEG = "sensor_msgs/msg/CompressedImage"
+THREADS = max(1, (os.cpu_count() or 2) - 1)  # the steps keep a core
+
+
+@dataclass(frozen=True)
+class Size:
+    """How a view is rendered, and how often. width 0: the camera's own."""
+
+    rate_hz: float = RATE_HZ
+    width: int = 0
+    quality: int = 80
+
+
+@dataclass(eq=False)
+class Stream:
+    """One topic with pictures of a camera."""
+
+    topic: str
+    camera: Camera
+    size: Size
+    frame_id: str
+    due_s: float = 0.0
+    rendered: int = -1  # the simulator's version in the last picture
+    job: Future[Any] | None = None
+
+
+@dataclass(eq=False)
+class View:
+    """A camera as the page knows it. kind: "camera", "station" or "chase". vehicle: "" for the station's."""
+
+    name: str
+    title: str
+    kind: str
+    vehicle: str
+    camera: Camera
+    frame_id: str
+    large: Stream = field(init=False)
+    small: Stream = field(init=False)
+
+    def __post_init__(self) -> None:
+        width = self.camera.mount.width
+        self.large = Stream(f"station/view/{self.name}", self.camera.resized(width), Size(), self.frame_id)
+        small = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
+        self.small = Stream(f"station/small/{self.name}", self.camera.resized(SMALL_WIDTH), small, self.frame_id)
+
+    def described(self) -> Values:
+        """Return what `describe` says."""
+        mount = self.camera.mount
+        return {
+            "name": self.name, "title": self.title, "kind": self.kind, "vehicle": self.vehicle,
+            "frame_id": self.frame_id, "width": mount.width, "height": mount.height,
+            "topic": f"/{self.large.topic}", "small_topic": f"/{self.small.topic}",
+        }  # fmt: skip
+
+
+class Views:
+    """The views of one simulator. `beat` must be called at the pictures' pace; it does not wait."""
+
+    def __init__(self, live: LiveSimulator, table: Table, node: Node) -> None:
+        self._live, self._node = live, node
+        self._pictures = table.pictures
+        self.views = {view.name: view for view in _views(live.simulator, table)}
+
+    def topics(self) -> list[GuestTopic]:
+        """Return the topics of all views."""
+        return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
+
+    def beat(self) -> None:
+        """Begin the pictures that are due."""
+        now_s = time.monotonic()
+        for stream in self._streams():
+            is_free = stream.job is None or stream.job.done()
+            if is_free and now_s >= stream.due_s and self._node.is_wanted(stream.topic):
+                version = self._live.simulator.version
+                is_fresh = version != stream.rendered and self._node.is_awaited(stream.topic)
+                if is_fresh or now_s >= stream.due_s + UNAWAITED_PERIOD_S:
+                    stream.rendered = version
+                    period_s = 1.0 / stream.size.rate_hz
+                    stream.due_s = max(stream.due_s + period_s, now_s - period_s)
+                    self._begin(stream)
+
+    def set_size(self, request: Values) -> None:
+        """Change a view's large stream. Raises ValueError."""
+        view = self.view(request.get("name"))
+        given = {name: request[name] for name in ("rate_hz", "width", "quality") if name in request}
+        size = replace(view.large.size, **given)
+        _require(_is_within(size.rate_hz, 0.1, RATE_MAX_HZ), "rate_hz", size.rate_hz, f"in [0.1, {RATE_MAX_HZ:g}]")
+        widths = f"0 or in {list(WIDTHS)}"
+        _require(size.width == 0 or _is_within(size.width, *WIDTHS, whole=True), "width", size.width, widths)
+        _require(_is_within(size.quality, 1, 100, whole=True), "quality", size.quality, "in [1, 100]")
+        camera = view.camera.resized(int(size.width) or view.camera.mount.width)
+        view.large.size, view.large.camera = size, camera
+
+    def view(self, name: object) -> View:
+        """Return a view by its name. Raises ValueError."""
+        if not isinstance(name, str) or name not in self.views:
+            raise ValueError(f"view = {str(name)[:40]!r}: must be one of {', '.join(self.views)}")
+        return self.views[name]
+
+    def capture(self, view: View, also: Callable[[Simulator], Any]) -> tuple[Frame, Any]:
+        """Return a picture in the camera's own size, and what `also` reads at the same moment. Waits."""
+        snapshot, read = self._live.read(lambda sim: (view.camera.snapshot(), also(sim))).result()
+        camera = view.camera.resized(view.camera.mount.width)
+        return self._pictures.submit(lambda: camera.capture(at=snapshot, threads=THREADS)).result(), read
+
+    def _streams(self) -> Iterable[Stream]:
+        return [stream for view in self.views.values() for stream in (view.large, view.small)]
+
+    def _begin(self, stream: Stream) -> None:
+        camera, quality = stream.camera, int(stream.size.quality)
+
+        def render(snapshot: Future[Any]) -> None:
+            if snapshot.exception() is None:
+                stream.job = self._pictures.submit(lambda: self._publish(stream, camera, snapshot.result(), quality))
+
+        try:
+            stream.job = self._live.read(lambda sim: camera.snapshot())
+            stream.job.add_done_callback(render)
+        except NotRunningError:
+            stream.due_s += 1.0
+
+    def _publish(self, stream: Stream, camera: Camera, snapshot: Any, quality: int) -> None:
+        frame = camera.capture(at=snapshot, threads=THREADS)
+        message = compressed_image(frame.jpeg(quality), frame.time_ns, stream.frame_id)
+        self._node.publish(stream.topic, message, frame.time_ns)
+
+
+def _views(sim: Simulator, table: Table) -> Iterable[View]:
+    """Return the vehicles' cameras before those that look on, and the station's."""
+    found = []
+    for source in table.sources:
+        for name, camera in source.of(sim).cameras.items():
+            kind = "chase" if camera.mount.follows == "heading" else "camera"
+            own, frame_id = source.topic(name), source.frame(f"{name}_optical")
+            found.append(View(own, _title(own), kind, source.name, camera, frame_id))
+    taken = {view.name for view in found}
+    for name, camera in sim.cameras.items():
+        own = name if name not in taken else f"station/{name}"
+        found.append(View(own, _title(own), "station", "", camera, f"{name}_optical"))
+    return sorted(found, key=lambda view: ["camera", "chase", "station"].index(view.kind))
+
+
+def _title(name: str) -> str:
+    return " ".join(name.replace("_", " ").split("/")).capitalize()
+
+
+def _is_within(value: object, low: float, high: float, *, whole: bool = False) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return low <= value <= high and (not whole or float(value).is_integer())
+
+
+def _require(holds: bool, name: str, value: object, rule: str) -> None:
+    if not holds:
+        raise ValueError(f"{name} = {str(value)[:40]}: must be {rule}")
