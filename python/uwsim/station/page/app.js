@@ -9,7 +9,7 @@ import { Lease } from './drive/lease.js';
 import { Pilot } from './drive/pilot.js';
 import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
-import { SceneView } from './scene/scene.js';
+import { SceneView } from './map3d/scene.js';
 import { StartScreen } from './start.js';
 import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';

@@ -57,12 +57,13 @@ export class Panel {
     this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the map' });
     this.efforts.name(EFFORTS);
     this.charge = el('small');
+    this.driveTitle = el('span', {}, 'Thrusters');
     this.timed = el('div', {},
       this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
       this.#section('Position', this.kind, this.#list(POSITION, 'big-values small')),
       this.#section('Around', null, this.#list(AROUND)),
       this.#section('Battery', this.charge, this.meter),
-      this.#section('Thrusters', el('small', {}, '%'), this.thrusters.element));
+      this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element));
     container.append(this.alarms.element, this.timed,
       this.#section('Controls', el('small', {}, '%'), this.efforts.element),
       this.#section('Map', this.mapNote, this.downloads));
@@ -72,8 +73,9 @@ export class Panel {
   }
 
   begin(vehicle, description) {
-    this.thrusters.name(vehicle.thrusters);
-    this.thrusters.element.parentElement.hidden = vehicle.thrusters.length === 0;
+    this.hasThrusters = vehicle.thrusters.length > 0; // else forces along and about the axes drive it
+    this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
+    write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
     this.downloads.hidden = description.downloads === false;
     this.downloads.replaceChildren(...['bt', 'ply', 'pcd', 'tif'].map((kind) => el('a', {
       href: this.station.href(`/map/${vehicle.name}.${kind}`), download: `${description.scenario}-${vehicle.name}.${kind}`,
@@ -93,7 +95,7 @@ export class Panel {
     if (!message) return;
     for (const [element, read] of this.#values) write(element, read(message));
     write(this.kind, message.is_truth ? 'truth' : 'estimate');
-    this.thrusters.show(message.thrusters);
+    this.thrusters.show(this.hasThrusters ? message.thrusters : message.efforts);
     const percent = Math.max(0, Math.min(100, message.battery));
     this.battery.style.width = `${percent}%`;
     this.meter.dataset.level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';
