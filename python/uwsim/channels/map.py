@@ -98,11 +98,13 @@ class PingMap:
         return None if said is None else self._message(*said)
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Insert the newest ping; return what had changed at the last reading, four times a second, else None."""
+        """Insert the newest ping; return what had changed at the last reading, four times a second, if anything."""
         self._insert_newest(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
         said = self._news.said
-        return None if said is None else self._changes_message(said[0], (said[1], None))[0]
+        if said is None or not len(said[1].cells):
+            return None
+        return self._changes_message(said[0], (said[1], None))[0]
 
     def points(self) -> tuple[NDArray[np.float64], float]:
         """Return the centres of the occupied voxels, (n, 3), odom, and their edge [m]. Raises ValueError."""
