@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 from uwsim.channels.guest import Values
@@ -57,8 +58,9 @@ def scenarios(offered: str) -> list[str]:
     return names if offered in names else [offered, *names]
 
 
+@cache
 def catalog(offered: str = "lake") -> Values:
-    """Return what can be chosen, and the choice to begin with: that of the scenario `offered`."""
+    """Return what can be chosen, and the choice to begin with: that of the scenario `offered`. Made once."""
     return {
         "scenarios": [_described(name) for name in scenarios(offered)],
         "vehicles": [

@@ -94,6 +94,8 @@ class Station:
     def __enter__(self) -> Self:
         self._beating = threading.Thread(target=self._beat, name="uwsim-station", daemon=True)
         self._beating.start()
+        if not self.is_fixed:  # reading all files takes half a second, which the first page should not wait for
+            threading.Thread(target=catalog, args=(self._offered,), name="uwsim-catalog", daemon=True).start()
         return self
 
     def __exit__(self, *_: object) -> None:
