@@ -2,7 +2,8 @@
 
 It advertises what it says and the services that it offers, subscribes to what it hears, and does so again whenever the
 connection comes back. Every topic is read at its rate as long as the connection stands: rosbridge does not tell who
-listens. The simulator's thread never waits: readings pass through a bounded queue, whose oldest give way.
+listens. The simulator's thread never waits: readings pass through a bounded queue, whose oldest give way. Where the
+server closes the connection since a message was too large for it, messages of that size are left out from then on.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ FIRST_WAIT_S = 0.25
 LONGEST_WAIT_S = 10.0
 WAITING = 200
 STOP_S = 5.0
+TOO_LARGE = 1009  # RFC 6455: the code of a connection that was closed by a message of that kind
 
 
 class RosbridgeClient:
@@ -68,6 +70,9 @@ class RosbridgeClient:
         self.connected = threading.Event()
         self.connections = 0
         self.sent = 0
+        self._largest_sent = 0  # bytes, in this connection
+        self._refused_bytes: int | None = None  # the size from which on messages are left out
+        self._left_out: set[str] = set()
 
     def start(self) -> Self:
         """Begin to connect; return itself."""
@@ -120,6 +125,8 @@ class RosbridgeClient:
                 LOGGER.warning("%s: the connection has ended", self.url)
             except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI) as error:
                 LOGGER.warning("%s: %s; next attempt in %g s", self.url, error or type(error).__name__, wait_s)
+                if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
+                    self._refused_bytes = self._largest_sent
             await asyncio.sleep(wait_s)
             wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
 
@@ -128,6 +135,7 @@ class RosbridgeClient:
             await connection.send(to_json(operation))
         readings = self._read_channels()
         self.connections += 1
+        self._largest_sent = 0
         self.connected.set()
         LOGGER.info("%s: connected", self.url)
         writer = asyncio.create_task(self._write(connection))
@@ -184,11 +192,22 @@ class RosbridgeClient:
         while True:
             while self._waiting:
                 name, message = self._waiting.popleft()
-                await connection.send(Sample(message).frame(f"/{name}", self._ros, "none"))
-                self.sent += 1
+                await self._send(name, message, connection)
             self._wakes.clear()
             if not self._waiting:
                 await self._wakes.wait()
+
+    async def _send(self, name: str, message: Any, connection: ClientConnection) -> None:
+        frame = Sample(message).frame(f"/{name}", self._ros, "none")
+        size = len(frame)
+        if self._refused_bytes is not None and size >= self._refused_bytes:
+            if name not in self._left_out:
+                self._left_out.add(name)
+                LOGGER.warning("%s: topic '%s': messages of %d bytes are too large, left out", self.url, name, size)
+            return
+        self._largest_sent = max(self._largest_sent, size)
+        await connection.send(frame)
+        self.sent += 1
 
     def _receive(self, frame: str | bytes, connection: ClientConnection) -> None:
         """Apply what the server sends. What is wrong is logged."""

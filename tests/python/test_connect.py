@@ -1,0 +1,126 @@
+"""`uwsim connect` from the shell: it waits for its server, joins it, and comes back when the server was away."""
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from websockets.sync.client import connect as websocket
+
+from uwsim.bridges import RosbridgeClient, RosbridgeServer
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.channels import Channel
+from uwsim.channels.messages import default_message
+from uwsim.live import LiveSimulator
+
+PATIENCE_S = 60.0
+UWSIM = Path(sys.executable).with_name("uwsim")
+
+
+def send(client, op, **fields):
+    client.send(json.dumps({"op": op, **fields}))
+
+
+def receive(client, **wanted):
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        operation = json.loads(client.recv(PATIENCE_S))
+        if wanted.items() <= operation.items():
+            return operation
+    raise TimeoutError(wanted)
+
+
+def answer(client, service, **args):
+    """Call a service, again until somebody offers it."""
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        send(client, "call_service", service=service, id=service, args=args)
+        response = receive(client, op="service_response", id=service)
+        if response["result"]:
+            return response["values"]
+        time.sleep(0.05)
+    raise TimeoutError(service)
+
+
+@pytest.fixture
+def port():
+    with RosbridgeServer(None) as server:
+        return server.port
+
+
+def test_it_joins_a_server_that_comes_later_and_again_one_that_was_killed(port):
+    url = f"ws://127.0.0.1:{port}"
+    command = [UWSIM, "connect", url, "pool", "--speed", "2"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        watchdog = threading.Timer(2 * PATIENCE_S, process.kill)
+        watchdog.start()
+        try:
+            assert url in process.stdout.readline()
+            assert "next attempt in 0.25 s" in process.stderr.readline()  # nobody listens yet
+            for turn in range(2):
+                with RosbridgeServer(None, port=port) as server, websocket(server.url) as peer:
+                    assert answer(peer, "/simulation/pace")["speed"] == 2.0
+                    send(peer, "subscribe", topic="/modelTrigger", type="std_msgs/String")  # latched
+                    assert receive(peer, op="publish", topic="/modelTrigger")["msg"]["data"] == "2"
+                    send(peer, "subscribe", topic="/propPos", type="geometry_msgs/Pose")
+                    start = receive(peer, op="publish", topic="/propPos")["msg"]["position"]
+                    if turn == 0:
+                        assert answer(peer, "/release")["success"]
+                    way = 1.0 - 2.0 * turn
+                    send(peer, "publish", topic="/key", msg={"position": {"x": way}})
+                    while (
+                        receive(peer, op="publish", topic="/propPos")["msg"]["position"]["x"] - start["x"]
+                    ) * way < 0.1:
+                        pass
+            process.send_signal(signal.SIGINT)
+            said = process.communicate(timeout=PATIENCE_S)[1]
+            assert process.returncode == 0
+            assert said.count(": connected") == 2
+            assert "Traceback" not in said
+        finally:
+            watchdog.cancel()
+            process.kill()
+
+
+def test_messages_that_a_server_finds_too_large_are_left_out_and_said_once(caplog):
+    def said(name, size):
+        message = default_message("std_msgs/msg/String")
+        message.data = size * "x"
+        return Channel(name, "std_msgs/msg/String", "out", "", rate_hz=20.0, read=lambda sim: message)
+
+    told = [said("small", 100), said("large", 5000), said("huge", 9000)]
+    limits = Limits(frame_bytes=3000)
+    with (
+        LiveSimulator("pool") as live,
+        RosbridgeServer(None, limits=limits) as server,
+        websocket(server.url) as peer,
+        RosbridgeClient(live, server.url, channels=told),
+    ):
+        send(peer, "subscribe", topic="/small", type="std_msgs/String")
+        deadline = time.monotonic() + PATIENCE_S
+        while caplog.text.count("too large, left out") < 2 or not live.running:
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        for _ in range(20):
+            receive(peer, op="publish", topic="/small")
+    assert caplog.text.count("topic 'large': messages of") == 1
+    assert caplog.text.count("topic 'huge': messages of") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["localhost:9090"], "url = 'localhost:9090': must begin with ws://"),
+        (["ws://localhost:9090", "pool", "--ros", "3"], "--ros = 3: must be 1 or 2"),
+        (["ws://localhost:9090", "pool", "--wire", "copper"], "wire = 'copper': must be"),
+    ],
+)
+def test_mistakes_are_one_line(arguments, complaint):
+    done = subprocess.run([UWSIM, "connect", *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert complaint in done.stderr
