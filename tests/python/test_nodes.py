@@ -12,6 +12,7 @@ import pytest
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.nodes.chain import INSERTED, decode, to_cloud, to_scan, to_transform
 from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import channels
 from uwsim.channels.messages import default_message
 from uwsim.cli.nodes import nodes
@@ -20,7 +21,8 @@ from uwsim.simulator import Simulator
 
 PATIENCE_S = 60.0
 UWSIM = Path(sys.executable).with_name("uwsim")
-PINGS = 6
+PINGS = 120  # a survey in miniature: 9 s of lanes and turns
+LANE = 30
 
 
 def until(condition, process):
@@ -36,14 +38,22 @@ def interval_steps(sim):
     return round(1.0 / rate_hz / sim.step_s)
 
 
+def effort(ping):
+    """Return the efforts of the flight: lanes ahead, down at first, with a half turn after each."""
+    turning = ping % LANE >= LANE - 14
+    return {"surge": 0.2 if turning else 1.0, "yaw": 1.0 if turning else 0.0, "heave": -0.5 if ping < LANE else 0.0}
+
+
 def chain_in_process(path):
     """Fly as the test does, and pass what the channels say through the nodes' functions."""
     sim, builder = Simulator("lake"), MapBuilder()
     table = {channel.name: channel for channel in channels(sim, wire="published")}
+    flown = []
     for ping in range(PINGS):
+        flown.append(sim.rov.pose.position_world_m)
         if ping == 1:
-            sim.rov.release()
-            sim.rov.set_effort(surge=1.0, heave=-0.5, yaw=0.5)
+            sim.rov.undock()
+        sim.rov.set_effort(**effort(ping))
         sim.step(0 if ping == 0 else interval_steps(sim))
         stamp = default_message("builtin_interfaces/msg/Time")
         stamp.sec, stamp.nanosec = divmod(sim.time_ns, 10**9)
@@ -54,11 +64,12 @@ def chain_in_process(path):
         builder.insert_ready()
     assert builder.inserted == PINGS
     builder.write(path)
+    return np.array(flown)
 
 
 def test_five_processes_make_the_map_of_one(tmp_path):
-    heard = []
-    with LiveSimulator("lake", paused=True) as live, RosbridgeServer(live, wire="published") as server:
+    heard, limits = [], Limits(work_share=1.0)
+    with LiveSimulator("lake", paused=True) as live, RosbridgeServer(live, wire="published", limits=limits) as server:
         arguments = [UWSIM, "nodes", "--url", server.url, "--out", tmp_path / "nodes.bt"]
         process = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
         try:
@@ -69,8 +80,8 @@ def test_five_processes_make_the_map_of_one(tmp_path):
             assert "octomap" in process.stdout.readline()
             for ping in range(PINGS):
                 if ping == 1:
-                    live.command("release", vehicle="rov").result()
-                    live.command("set_effort", vehicle="rov", surge=1.0, heave=-0.5, yaw=0.5).result()
+                    live.rov.undock()
+                live.rov.set_effort(**effort(ping))
                 live.step(0 if ping == 0 else interval_steps(live.simulator))
                 until(lambda ping=ping: heard[-1:] == [ping + 1], process)
             process.send_signal(signal.SIGINT)
@@ -78,9 +89,10 @@ def test_five_processes_make_the_map_of_one(tmp_path):
         finally:
             process.kill()
             process.wait()
-    chain_in_process(tmp_path / "chain.bt")
+    flown = chain_in_process(tmp_path / "chain.bt")
+    assert np.ptp(flown, axis=0)[:2].min() > 3.0
     assert (tmp_path / "nodes.bt").read_bytes() == (tmp_path / "chain.bt").read_bytes()
-    assert len((tmp_path / "chain.bt").read_bytes()) > 1000
+    assert len((tmp_path / "chain.bt").read_bytes()) > 20_000
 
 
 def test_clouds_wait_for_the_transforms_of_their_time():

@@ -23,13 +23,15 @@ class Node:
     """A client of a rosbridge server that speaks ROS 1's spelling, as every rosbridge understands it.
 
     Messages come in CBOR and leave in JSON, which all servers take: there a range without echo, infinite, becomes null
-    and is NaN for whoever reads it, which is no echo as well. Raises OSError if the server cannot be reached.
+    and is NaN for whoever reads it, which is no echo as well. finish: what is to be done at the end. Raises OSError if
+    the server cannot be reached.
     """
 
     def __init__(self, url: str) -> None:
         if not url.startswith(("ws://", "wss://")):
             raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
         self._connection = connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=1)
+        self.finish: Callable[[], None] = lambda: None
         self._settled = False
         self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import threading
 from collections.abc import Callable
 from multiprocessing.synchronize import Event
 from pathlib import Path
@@ -15,12 +16,16 @@ LOOK_S = 0.5
 
 
 def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> None:
-    """Run a node until the server ends the connection. Raises OSError if there is no server."""
+    """Run a node until the server ends the connection, or a signal comes. Raises OSError if there is no server."""
     node = connect_patiently(url, patience_s)
+    stopping = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stopping.set())
     NODES[name](node, out)
     node.settle()
     ready()
-    node.spin()
+    node.spin(stopping.is_set)
+    node.finish()
 
 
 def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> bool:
@@ -56,5 +61,5 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -
 
 def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_DFL)
+        signal.signal(number, signal.SIG_DFL)  # until run_one sets its own
     run_one(name, url, out, patience_s, is_set_up.set)
