@@ -11,12 +11,14 @@ from uwsim.channels.served import served_channels
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire, table_of
 from uwsim.live import COMMANDS, LiveSimulator
+from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 from uwsim.station.helm import Helm
 from uwsim.station.scene import Scene
-from uwsim.station.views import Views
+from uwsim.station.views import Views, title
 from uwsim.vehicle import AXES
 
 STEERING = {"place", "set_effort", "set_wrench", "set_thrusters", "set_fins"}  # the pilot's hands do that: `drive`
+SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
 PILOTED = sorted(set(COMMANDS) - STEERING)
 
 
@@ -66,10 +68,23 @@ class Running:
             "truth_allowed": self.truth,
             "warnings": {"range_m": scenario.warnings.range_m, "proximity_m": scenario.warnings.proximity_m},
             "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
-            "views": [view.described() for view in self.views.views.values()],
+            "views": [view.described() for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
             "commands": PILOTED,
         }
+
+    def _sonar_views(self) -> list[Values]:
+        """Return the pictures of imaging sonars: channels like any other, at the pace of simulated time."""
+        return [
+            {
+                "name": source.topic(name), "title": title(source.topic(name)), "kind": SONAR_KINDS[type(sonar.model)],
+                "vehicle": source.name, "frame_id": source.frame(f"{name}_link"), "width": 0, "height": 0,
+                "topic": f"/{source.topic(name)}/picture/compressed",
+                "small_topic": f"/{source.topic(name)}/picture/compressed",
+            }
+            for source in self.table.sources
+            for name, sonar in source.of(self.live.simulator).imaging_sonars.items()
+        ]  # fmt: skip
 
     def _vehicle(self, source: Source, optional: set[str]) -> Values:
         vehicle = source.of(self.live.simulator)

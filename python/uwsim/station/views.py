@@ -154,15 +154,16 @@ def _views(sim: Simulator, table: Table) -> Iterable[View]:
         for name, camera in source.of(sim).cameras.items():
             kind = "chase" if camera.mount.follows == "heading" else "camera"
             own, frame_id = source.topic(name), source.frame(f"{name}_optical")
-            found.append(View(own, _title(own), kind, source.name, camera, frame_id))
+            found.append(View(own, title(own), kind, source.name, camera, frame_id))
     taken = {view.name for view in found}
     for name, camera in sim.cameras.items():
         own = name if name not in taken else f"station/{name}"
-        found.append(View(own, _title(own), "station", "", camera, f"{name}_optical"))
+        found.append(View(own, title(own), "station", "", camera, f"{name}_optical"))
     return sorted(found, key=lambda view: ["camera", "chase", "station"].index(view.kind))
 
 
-def _title(name: str) -> str:
+def title(name: str) -> str:
+    """Return a name as a page shows it."""
     return " ".join(name.replace("_", " ").split("/")).capitalize()
 
 

@@ -1,0 +1,250 @@
+"""The operator's station without a browser: what the server costs, what it sends, and how soon a key takes effect.
+
+The lake in real time, flown by a pilot of this benchmark, who is another process. Cases: nobody; a page that shows
+map and panel; the same with one view of 640 x 360 at 10 Hz; three pages of which one never reads. The server's CPU is
+that of this process, simulator and map included. Latencies are by one clock for both processes: a key's until the
+server's answer that it took effect, a picture's from the moment that it shows to the decoded message.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import cbor2
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+from websockets.asyncio.client import connect
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
+from uwsim.station import Site, Station
+
+console = Console()
+SWITCH_S = 0.0005  # as `uwsim station` sets it
+VIEW = "/station/view/front"
+PANEL = {
+    "/station/state": {},
+    "/telemetry": {"throttle_rate": 150},
+    "/map_changes": {"throttle_rate": 250},
+    "/scan": {"throttle_rate": 200},
+}
+GOALS = {
+    "server without pictures [cores]": ("<=", 0.05),
+    "map [kB/s]": ("<=", 10.0),
+    "telemetry [kB/s]": ("<=", 5.0),
+    "pictures [kB/s]": ("<=", 350.0),
+    "pictures delivered": (">=", 0.9),
+    "picture p50 [ms]": ("<=", 40.0),
+    "picture p95 [ms]": ("<=", 200.0),
+    "key to server p50 [ms]": ("<=", 20.0),
+    "pace with three pages, one stalled": (">=", 0.95),
+}
+
+
+def main(
+    seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
+    scenario: Annotated[str, typer.Option(help="What is flown.")] = "lake",
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+) -> None:
+    """Measure all cases in turn and print them beside their goals."""
+    sys.setswitchinterval(SWITCH_S)
+    cases = {}
+    for name, pages in {
+        "nobody": [],
+        "a page": ["pilot"],
+        "with a view": ["pilot view"],
+        "three, one stalled": ["pilot view", "view", "stalled view"],
+    }.items():
+        with console.status(name):
+            cases[name] = measure(scenario, pages, seconds)
+    console.print(case_table(cases))
+    figures = against_goals(cases)
+    console.print(goal_table(figures))
+    if json_file is not None:
+        json_file.write_text(json.dumps({"cases": cases, "figures": figures}, indent=2) + "\n", encoding="utf-8")
+
+
+def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
+    """Run a station with pages, each a process of its own; return what it cost and what they got."""
+    station = Station()
+    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
+        station.run(lambda: LiveSimulator(Simulator(scenario)))
+        assert station.running is not None
+        live = station.running.live
+        live.rov.undock()
+        crowd = [child(server.url, kind, seconds) for kind in pages]
+        wait_for(lambda: len(server.sessions) == len(pages))
+        time.sleep(1.0)
+        began_s = time.monotonic() - live.simulator.time_s  # when simulated time was 0, if the pace holds
+        slipped_s = live.slipped_s
+        live.forget_delays()
+        for process in crowd:
+            assert process.stdin is not None
+            process.stdin.write(f"{began_s}\n")
+            process.stdin.flush()
+        cpu_s, wall_s, time_s = time.process_time(), time.perf_counter(), live.simulator.time_s
+        time.sleep(seconds)
+        cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
+        pace = (live.simulator.time_s - time_s) / wall_s
+        found = [result(process) for process, kind in zip(crowd, pages, strict=True) if not kind.startswith("stalled")]
+        for process in crowd:
+            process.kill()
+        return {
+            "cores": cpu_s / wall_s,
+            "pace": pace,
+            "late_ms": 1e3 * live.lateness,
+            "slipped_s": live.slipped_s - slipped_s,
+            "pages": found,
+        }
+
+
+def child(url: str, kind: str, seconds: float) -> subprocess.Popen[str]:
+    """Start a page in a process of its own."""
+    arguments = [sys.executable, __file__, url, kind, str(seconds)]
+    return subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def result(process: subprocess.Popen[str]) -> dict[str, Any]:
+    """Return what a page found."""
+    output, _ = process.communicate(timeout=120)
+    found: dict[str, Any] = json.loads(output)
+    return found
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    """Wait until a condition holds, for a minute at most."""
+    deadline_s = time.monotonic() + 60.0
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise TimeoutError("the pages did not come")
+        time.sleep(0.01)
+
+
+async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
+    """Be a page: subscribe, draw at once, and drive if it is the pilot."""
+    sizes: dict[str, list[int]] = defaultdict(list)
+    keys_ms: list[float] = []
+    late_ms: list[float] = []
+    answers: dict[str, float] = {}
+    is_stalled = "stalled" in kind
+    async with connect(url, compression=None, max_size=None, max_queue=1 if is_stalled else 64) as socket:
+        topics = PANEL | ({VIEW: {"credit": 2}} if "view" in kind else {})
+        for topic, options in topics.items():
+            await socket.send(json.dumps({"op": "subscribe", "topic": topic, "compression": "cbor", **options}))
+        began_s = float(await asyncio.to_thread(sys.stdin.readline))
+        if is_stalled:
+            await asyncio.sleep(3600)
+        deadline_s = time.monotonic() + seconds
+
+        async def call(service: str, **arguments: Any) -> None:
+            answers[name := f"{service} {time.monotonic()}"] = time.monotonic()
+            call = {"op": "call_service", "service": f"/station/{service}", "args": arguments, "id": name}
+            await socket.send(json.dumps(call))
+
+        async def drive() -> None:
+            await call("join", name="pilot")
+            await call("take_control")
+            while True:
+                await call("drive", vehicle="rov", surge=0.8, yaw=0.02, stamp_ms=1e3 * time.monotonic())
+                await asyncio.sleep(0.2)
+
+        driving = asyncio.create_task(drive()) if "pilot" in kind else None
+        while (left_s := deadline_s - time.monotonic()) > 0:
+            try:
+                frame = await asyncio.wait_for(socket.recv(), left_s)
+            except TimeoutError:
+                break
+            if isinstance(frame, str):
+                name = json.loads(frame).get("id")
+                if name in answers and name.startswith("drive"):
+                    keys_ms.append(1e3 * (time.monotonic() - answers.pop(name)))
+                continue
+            operation = cbor2.loads(frame)
+            sizes[operation["topic"]].append(len(frame))
+            if operation["topic"] == VIEW:
+                stamp = operation["msg"]["header"]["stamp"]
+                late_ms.append(1e3 * (time.monotonic() - began_s - stamp["secs"] - 1e-9 * stamp["nsecs"]))
+                await socket.send(json.dumps({"op": "ack", "topic": VIEW}))
+        if driving is not None:
+            driving.cancel()
+    return {
+        "kb_per_s": {topic: 1e-3 * sum(lengths) / seconds for topic, lengths in sizes.items()},
+        "per_s": {topic: len(lengths) / seconds for topic, lengths in sizes.items()},
+        "largest_map_kb": 1e-3 * max(sizes.get("/map_changes", [0])),
+        "key_ms": percentiles(keys_ms),
+        "picture_ms": percentiles(late_ms),
+    }
+
+
+def percentiles(values: list[float]) -> dict[str, float]:
+    """Return the median and the 95th percentile; nan without values."""
+    return {f"p{p}": float(np.percentile(values, p)) if values else float("nan") for p in (50, 95)}
+
+
+def against_goals(cases: dict[str, Any]) -> dict[str, float]:
+    """Return the figures that have goals."""
+    page, view = cases["a page"]["pages"][0], cases["with a view"]["pages"][0]
+    return {
+        "server without pictures [cores]": cases["a page"]["cores"],
+        "map [kB/s]": page["kb_per_s"].get("/map_changes", 0.0),
+        "telemetry [kB/s]": page["kb_per_s"].get("/telemetry", 0.0),
+        "pictures [kB/s]": view["kb_per_s"].get(VIEW, 0.0),
+        "pictures delivered": view["per_s"].get(VIEW, 0.0) / 10.0,
+        "picture p50 [ms]": view["picture_ms"]["p50"],
+        "picture p95 [ms]": view["picture_ms"]["p95"],
+        "key to server p50 [ms]": page["key_ms"]["p50"],
+        "pace with three pages, one stalled": cases["three, one stalled"]["pace"],
+    }
+
+
+def case_table(cases: dict[str, Any]) -> Table:
+    """Return the table of cases."""
+    table = Table(title="the station in real time: CPU of simulator, map, server and pictures together")
+    for column in (
+        "pages",
+        "cores",
+        "pace",
+        "late [ms]",
+        "slipped [s]",
+        "key p50, p95 [ms]",
+        "pictures/s",
+        "p50, p95 [ms]",
+    ):
+        table.add_column(column, justify="right")
+    for name, case in cases.items():
+        keys = [f"{p['key_ms']['p50']:.1f}, {p['key_ms']['p95']:.1f}" for p in case["pages"] if p["key_ms"]["p50"] > 0]
+        shown = [p for p in case["pages"] if VIEW in p["per_s"]]
+        table.add_row(
+            name, f"{case['cores']:.3f}", f"{case['pace']:.3f}", f"{case['late_ms']:.1f}", f"{case['slipped_s']:.2f}",
+            ", ".join(keys), ", ".join(f"{p['per_s'][VIEW]:.1f}" for p in shown),
+            "; ".join(f"{p['picture_ms']['p50']:.0f}, {p['picture_ms']['p95']:.0f}" for p in shown),
+        )  # fmt: skip
+    return table
+
+
+def goal_table(figures: dict[str, float]) -> Table:
+    """Return the table of figures and goals."""
+    table = Table(title="against the goals")
+    for column in ("", "measured", "goal", ""):
+        table.add_column(column, justify="right")
+    for name, value in figures.items():
+        relation, goal = GOALS[name]
+        is_met = value <= goal if relation == "<=" else value >= goal
+        table.add_row(name, f"{value:.3g}", f"{relation} {goal:g}", "" if is_met else "missed")
+    return table
+
+
+if __name__ == "__main__":
+    url, kind, seconds = sys.argv[1:]
+    print(json.dumps(asyncio.run(be_page(url, kind, float(seconds)))))
