@@ -9,8 +9,8 @@ export function showKeys(bindings, viewNames) {
 
   const line = (action) => {
     const keys = bindings.keysOf(action);
-    const button = el('button', { type: 'button', 'aria-pressed': 'false', 'aria-label': `${ACTIONS[action]}: ${keys.map(keyName).join(' or ') || 'no key'}; change` },
-      ...(keys.length ? keys.map((code) => el('kbd', {}, keyName(code))) : [el('span', {}, 'none')]));
+    const button = el('button', { type: 'button', 'aria-pressed': 'false', 'aria-label': `${ACTIONS[action]}: ${keys.map(keyName).join(' ') || 'none'}; change` },
+      ...(keys.length ? keys.flatMap((code, k) => [k ? ' ' : null, el('kbd', {}, keyName(code))]) : [el('span', {}, 'none')]));
     button.addEventListener('click', () => listen(action, button));
     return el('div', { className: 'key-line' }, el('span', {}, ACTIONS[action]), button);
   };

@@ -1,0 +1,91 @@
+"""A station with a browser that looks at it, for tests: Debian's headless Chromium, drawing WebGL in software."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.station import Site, Station
+from uwsim.vehicle import AXES
+
+CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # of tools/apt-packages-dev.txt; Playwright's own is not to be had
+SOFTWARE_GL = "--enable-unsafe-swiftshader"
+WAIT_S = 60.0  # for anything: a loaded machine is slow
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    assert CHROMIUM.exists(), "run tools/setup --dev"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=[SOFTWARE_GL])
+        yield browser
+        browser.close()
+
+
+class Desk:
+    """A station on a port of its own, and pages that look at it. complaints: what their consoles said."""
+
+    def __init__(self, browser: Browser, station: Station, server: RosbridgeServer) -> None:
+        self.browser = browser
+        self.station = station
+        self.url = server.url.replace("ws", "http", 1)
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+
+    def open(self, path: str = "/", **options: object) -> Page:
+        """Open the page as another user would: nothing is shared with other pages."""
+        context = self.browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **options})  # type: ignore[arg-type]
+        context.set_default_timeout(1000 * WAIT_S)
+        page = context.new_page()
+        page.on("console", lambda message: message.type == "error" and self.complaints.append(message.text))
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.on("websocket", lambda socket: self.requests.append(socket.url))
+        page.goto(self.url + path)
+        return page
+
+    def fly(self, **options: object) -> Page:
+        """Open the page of a running simulator, whose controls it gets if nobody has them."""
+        page = self.open(**options)
+        page.wait_for_selector("#station:not([hidden])")
+        when(page, "station.telemetry.message && station.station.state.pilot")
+        return page
+
+    @property
+    def rov(self):
+        return self.station.present().live.simulator.rov
+
+    def effort(self, axis: str) -> float:
+        """Return what the simulator's vehicle was told last."""
+        return float(self.rov.effort[AXES.index(axis)])
+
+
+@contextmanager
+def desk(browser: Browser, folder: Path, scenario: str = "") -> Iterator[Desk]:
+    """Serve a station; scenario: that it runs, at the dock; without one it shows the start screen."""
+    station = Station(offered=scenario or "pool", folder=folder)
+    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
+        if scenario:
+            station.start({"scenario": scenario, "seed": 7})
+        here = Desk(browser, station, server)
+        yield here
+        for context in list(browser.contexts):
+            context.close()
+
+
+def until(condition: Callable[[], object], what: str) -> None:
+    """Wait for a condition. Raises AssertionError."""
+    end = time.monotonic() + WAIT_S
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.02)
+
+
+def when(page: Page, expression: str) -> None:
+    """Wait until an expression holds in a page. (Playwright's own wait needs eval, which the page forbids.)"""
+    until(lambda: page.evaluate(f"Boolean({expression})"), expression)
