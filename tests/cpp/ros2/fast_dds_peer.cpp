@@ -20,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include <fastcdr/exceptions/Exception.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <zlib.h>
@@ -87,7 +88,7 @@ class Subscription : public fd::DataReaderListener {
     while (reader->take_next_sample(&payload, &info) == ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
       const auto sum = crc32(0, payload.data(), static_cast<unsigned>(payload.size()));
-      const std::string content = decoded(type_, payload);
+      const std::string content = content_of(payload);
       timespec now{};
       clock_gettime(CLOCK_MONOTONIC, &now);
       const std::lock_guard lock(output);
@@ -102,6 +103,14 @@ class Subscription : public fd::DataReaderListener {
   }
 
  private:
+  std::string content_of(const Payload& payload) const {
+    try {
+      return decoded(type_, payload);
+    } catch (const eprosima::fastcdr::exception::Exception& error) {
+      return "\"broken\":" + in_quotes(error.what());
+    }
+  }
+
   std::string topic_, type_;
 };
 
@@ -168,7 +177,7 @@ int main(int argc, char** argv) {
           words[at + 3] == "reliable" ? fd::RELIABLE_RELIABILITY_QOS : fd::BEST_EFFORT_RELIABILITY_QOS;
       qos.durability().kind =
           words[at + 4] == "latched" ? fd::TRANSIENT_LOCAL_DURABILITY_QOS : fd::VOLATILE_DURABILITY_QOS;
-      qos.history().depth = 10;
+      qos.history().depth = 100;  // Fast DDS 2.9 fails an assertion when fragments meet a full history
       qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
       if (!subscriber->create_datareader(topic(words[at + 1], words[at + 2]), qos, subscriptions.back().get()))
         return 1;

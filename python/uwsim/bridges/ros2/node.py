@@ -18,7 +18,7 @@ from uwsim.bridges.ros2.graph import (
     entities_info,
 )
 from uwsim.bridges.ros2.outgoing import Line, Outgoing
-from uwsim.bridges.ros2.qos import DEPTH, depth_of, reader_qos, writer_qos
+from uwsim.bridges.ros2.qos import DEPTH, queue_of, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import ServiceTopics
 from uwsim.bridges.ros2.settings import Ros2Settings
@@ -111,7 +111,7 @@ class Ros2Node:
 
     def _join(self, channel: Channel) -> None:
         if channel.direction == "out":
-            line = self._line(channel.name, channel.type, depth_of(channel.type, channel.latched), channel.latched)
+            line = self._line(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
             self._lines[line.writer] = channel, line
             self._events.attach(line.writer)
         else:
@@ -122,7 +122,7 @@ class Ros2Node:
 
     def _line(self, name: str, type_name: str, depth: int, latched: bool) -> Line:
         qos = writer_qos(depth, latched=latched, user_data=self._data(type_name))
-        return Line(name, self._participant.writer(dds_name(name), type_name, qos), depth)
+        return Line(name, self._participant.writer(dds_name(name), type_name, qos), queue_of(type_name))
 
     def _data(self, type_name: str) -> bytes:
         return endpoint_data(type_name, self.settings.distro)

@@ -15,12 +15,15 @@ Encode = Callable[[], memoryview]
 
 
 class Line:
-    """One topic's queue. written, dropped: how many messages left, and how many gave way to newer ones."""
+    """One topic's queue. length: how many messages may wait.
 
-    def __init__(self, name: str, writer: RawWriter, depth: int) -> None:
+    written, dropped: how many messages left, and how many gave way to newer ones.
+    """
+
+    def __init__(self, name: str, writer: RawWriter, length: int) -> None:
         self.name = name
         self.writer = writer
-        self.depth = depth
+        self.length = length
         self.waiting: deque[Encode] = deque()
         self.written = 0
         self.dropped = 0
@@ -32,6 +35,7 @@ class Outgoing:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._turns: SimpleQueue[Line | None] = SimpleQueue()
+        self._is_closed = False
         self._thread = threading.Thread(target=self._run, name="uwsim-ros2-write", daemon=True)
         self._thread.start()
 
@@ -39,7 +43,7 @@ class Outgoing:
         """Queue a message, from any thread; it is encoded when it is its turn. The oldest of a full queue gives way."""
         with self._lock:
             line.waiting.append(encode)
-            if len(line.waiting) > line.depth:
+            if len(line.waiting) > line.length:
                 line.waiting.popleft()
                 line.dropped += 1
                 return  # the turn of the one that gave way is this one's
@@ -47,12 +51,9 @@ class Outgoing:
 
     def close(self) -> None:
         """End after the message that is being written."""
-        with self._lock:
-            self._turns.put(None)
-            self._is_closed = True
+        self._is_closed = True
+        self._turns.put(None)
         self._thread.join(5.0)
-
-    _is_closed = False
 
     def _run(self) -> None:
         while True:
