@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.channels.messages import default_message
+from uwsim.channels.message_out import default_message, default_value
+from uwsim.channels.message_types import fields as fields_of
+from uwsim.channels.message_types import typestore
 
 IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
 # Frames of instruments in that of their mount (x ahead, y left, z up):
@@ -24,11 +28,21 @@ FAN_XYZW = (
 
 def message(name: str, /, **fields: Any) -> Any:
     """Return a message of a type, "sensor_msgs/msg/Imu"; fields that are not given have ROS's defaults."""
-    made = default_message(name)
-    for field, value in fields.items():
-        getattr(made, field)  # a wrong name is an AttributeError
-        setattr(made, field, value)
-    return made
+    cls, defaults = _plan(name)
+    if not fields.keys() <= defaults.keys():
+        raise AttributeError(f"{name}: has no field {min(fields.keys() - defaults.keys())!r}")
+    return cls(**{field: fields[field] if field in fields else make() for field, make in defaults.items()})
+
+
+@cache
+def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
+    """Return a type's class and what makes the default of each field: only those that are not given are made."""
+    if not fields_of(name, 2):
+        return (lambda: default_message(name)), {}
+    made: dict[str, Callable[[], Any]] = {
+        field.attribute: partial(default_value, field.kind) for field in fields_of(name, 2) if field.attribute
+    }
+    return typestore().types[name], made
 
 
 def time(stamp_ns: int) -> Any:

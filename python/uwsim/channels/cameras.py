@@ -143,7 +143,7 @@ def _channels(
 
         return Channel(
             f"{prefix}camera/{name}/{topic}", f"sensor_msgs/msg/{kind}", "out", description, rate_hz=RATE_HZ,
-            frame_id=frame_id, over_link=over_link, read=read,
+            frame_id=frame_id, over_link=over_link, late=True, read=read,
         )  # fmt: skip
 
     return [

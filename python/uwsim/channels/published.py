@@ -139,7 +139,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
             Channel(
                 source.topic("images/compressed"), PICTURE, "out",
                 "the vehicle's cameras in turn, told apart by frame_id", rate_hz=RATE_HZ * len(cameras),
-                over_link=True, read=lambda sim: _next_picture(source, pictures, cameras, sim),
+                over_link=True, late=True, read=lambda sim: _next_picture(source, pictures, cameras, sim),
             )
         )  # fmt: skip
     return found
@@ -158,7 +158,14 @@ def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
 
     return [
         Channel(
-            "image/compressed", PICTURE, "out", "the station's camera", rate_hz=RATE_HZ, frame_id=frame_id, read=read
+            "image/compressed",
+            PICTURE,
+            "out",
+            "the station's camera",
+            rate_hz=RATE_HZ,
+            frame_id=frame_id,
+            late=True,
+            read=read,
         )
     ]
 

@@ -20,6 +20,7 @@ from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
+from uwsim.cli.replay import replay
 from uwsim.cli.run_typer import PASS_ON, run_typer
 from uwsim.cli.scenario import scenario
 from uwsim.cli.serve import serve
@@ -39,6 +40,7 @@ app.command()(serve)
 app.command()(station)
 app.command()(connect)
 app.command()(nodes)
+app.command()(replay)
 app.command()(scenario)
 app.command()(sonar)
 app.command()(validate)

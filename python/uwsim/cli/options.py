@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -33,6 +34,13 @@ Pose = Annotated[
     ),
 ]
 MissionTime = Annotated[float | None, typer.Option(help="Replaces the scenario's battery time [s].")]
+Record = Annotated[
+    Path | None, typer.Option(help="Record the run into a new file: FILE.mcap, or FILE.bag for ROS 1 (no replay).")
+]
+RecordTopics = Annotated[
+    list[str] | None,
+    typer.Option("--record-topic", help="Channels to record, such as scan or 'camera/*'. Default: all."),
+]
 Threads = Annotated[
     int | None, typer.Option(help="Number of threads; the result does not depend on it. Default: one per core.")
 ]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from uwsim.cli.options import RosDistro, RosDomain, RosPeers, RosReach, Seed, SonarModel, Threads
+from uwsim.cli.options import Record, RecordTopics, RosDistro, RosDomain, RosPeers, RosReach, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
@@ -49,6 +49,8 @@ def serve(
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
+    record: Record = None,
+    record_topic: RecordTopics = None,
     threads: Threads = None,
 ) -> None:
     """Run a scenario in real time for rosbridge clients.
@@ -72,6 +74,8 @@ def serve(
         )
     elif any(option is not None for option in (ros_distro, ros_domain_id, ros_reach, ros_peer)):
         raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
+    if record_topic and record is None:
+        raise ValueError("--record-topic needs --record")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         hub = None
@@ -94,6 +98,11 @@ def serve(
             guests=[hub] if hub else [],
             site=Site(hub, lambda request: token is None or has_token(request, token)) if hub else None,
         )
+        if record is not None:
+            from uwsim.recording import Recorder
+
+            topics = record_topic or ("*",)
+            sinks.enter_context(Recorder(live, record, topics=topics, shared=server.channels, origin=origin))
         feed = Feed(live)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
         if hub is not None:

@@ -1,0 +1,64 @@
+"""`uwsim replay`: repeat a recorded run and compare it, or play its messages to rosbridge clients."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.options import Threads
+
+
+def replay(
+    recording: Annotated[Path, typer.Argument(help="A recording, FILE.mcap.", metavar="FILE.mcap")],
+    from_s: Annotated[float, typer.Option("--from", help="Simulated time to begin at [s].")] = 0.0,
+    until_s: Annotated[float | None, typer.Option("--until", help="Simulated time to end at [s].")] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(help="Simulated seconds per wall second, or max. Default: max; 1 with --as-topics."),
+    ] = None,
+    as_topics: Annotated[
+        bool, typer.Option("--as-topics", help="Do not simulate: play the recorded messages to rosbridge clients.")
+    ] = False,
+    port: Annotated[int, typer.Option(help="With --as-topics: where to listen; 0 chooses a free port.")] = 9090,
+    host: Annotated[str, typer.Option(help="With --as-topics: address to listen on.")] = "127.0.0.1",
+    wait: Annotated[bool, typer.Option("--wait", help="With --as-topics: begin when the first client comes.")] = False,
+    threads: Threads = None,
+) -> None:
+    """Repeat a recorded run with its scenario, seed and commands, and compare every message, byte for byte.
+
+    Exits with 1 at the first difference, which it names.
+    """
+    from uwsim.cli.serve import parsed_speed
+    from uwsim.recording.pacer import Pacer
+    from uwsim.recording.reader import Recording
+
+    if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # false for nan, too
+        raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
+    pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
+    opened = Recording(recording)
+    if as_topics:
+        from uwsim.bridges.playback import play
+
+        play(
+            opened, pacer, host=host, port=port, from_s=from_s, until_s=until_s, wait=wait,
+            say=typer.echo,
+        )  # fmt: skip
+        return
+    from uwsim.recording.replay import replay as repeat
+
+    result = repeat(opened, from_s=from_s, until_s=until_s, threads=threads, on_time=pacer.wait)
+    if not opened.complete:
+        typer.echo(f"{recording}: was cut off; its messages up to there are compared", err=True)
+    for topic, count in sorted(result.left_out.items()):
+        typer.echo(f"/{topic}: {count} messages are not in the recording", err=True)
+    if result.difference is not None:
+        typer.echo(f"not the same: {result.difference}")
+        raise typer.Exit(FAILED)
+    state = " and the state at the end" if result.state_compared else ""
+    typer.echo(
+        f"the same bytes: {result.messages.total():,} messages of {len(result.messages)} channels{state}, "
+        f"{result.commands:,} commands, until {result.sim.time_s:g} s"
+    )

@@ -1,0 +1,15 @@
+"""Recordings: what a run said and was told, in one file, from which it can be repeated, compared and drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.recording.reader import Command, Recorded, Recording
+from uwsim.recording.recorder import Recorder
+
+__all__ = ["Command", "Recorded", "Recorder", "Recording", "open"]
+
+
+def open(path: str | Path) -> Recording:  # noqa: A001  # recording.open("run.mcap")
+    """Open a recording, also one of a run that was killed. Raises ValueError, OSError."""
+    return Recording(path)

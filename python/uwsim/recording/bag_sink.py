@@ -1,0 +1,58 @@
+"""A recording as a bag of ROS 1, for Debian's rosbag: messages in ROS 1's bytes, written by `rosbags`."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag1 import Writer
+
+from uwsim.channels import Channel
+from uwsim.channels.message_types import ros1_typestore
+from uwsim.channels.messages import to_bytes
+
+
+class BagSink:
+    """One .bag file. It has neither attachments nor an index before it is closed: `rosbag reindex` mends that."""
+
+    def __init__(self, path: Path) -> None:
+        """Create the file. Raises OSError if it exists or cannot be written."""
+        if path.exists():
+            raise FileExistsError(17, "File exists")
+        self._writer = Writer(path)
+        self._writer.set_compression(Writer.CompressionFormat.BZ2)  # Debian's rosbag refuses the LZ4 of rosbags
+        self._writer.open()
+        self._connections: dict[str, Connection] = {}
+
+    def encode(self, message: Any) -> bytes:
+        """Return a message in ROS 1's bytes."""
+        return to_bytes(message, ros=1)
+
+    def add_channel(self, channel: Channel) -> None:
+        """Announce a channel, before its first message."""
+        self._connections[channel.name] = self._writer.add_connection(
+            "/" + channel.name,
+            channel.type,
+            typestore=ros1_typestore(),
+            callerid="/uwsim",
+            latching=int(channel.latched),
+        )
+
+    def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
+        """Append a message. ROS 1 takes a time of 0 for none, so the start is a nanosecond later."""
+        self._writer.write(self._connections[topic], max(time_ns, 1), data)
+
+    def flush(self) -> None:
+        """Do nothing: chunks are written when they are full."""
+
+    def close(self, end: Mapping[str, str]) -> None:
+        """Write the index, and close. Raises OSError."""
+        try:
+            self._writer.close()
+        except BaseException:
+            with contextlib.suppress(Exception):
+                self._writer.abort()
+            raise

@@ -1,0 +1,76 @@
+"""A scenario with every file that it names, as JSON and attachments of a recording, and back again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uwsim.scenario import Scenario
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.validation_errors import validated
+
+SCENARIO = "scenario.json"
+FILE = "$file"
+
+
+def pack(scenario: Scenario) -> dict[str, bytes]:
+    """Return a scenario as named contents: SCENARIO, and each file that it names. Raises OSError."""
+    found = set(_paths(scenario.model_dump()))
+    names = {path: f"files/{k}/{path.name}" for k, path in enumerate(sorted(found))}
+    files = {name: path.read_bytes() for path, name in names.items()}
+    plain = _plain(scenario.model_dump(), names)
+    return {SCENARIO: json.dumps(plain).encode(), **files}
+
+
+def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
+    """Return the scenario that `pack` took apart.
+
+    Files are those where the scenario had them if they are unchanged, so that textures beside meshes are found;
+    otherwise they are written into the folder. Raises ValueError, OSError.
+    """
+    plain = json.loads(contents[SCENARIO])
+    return validated(Scenario, _with_files(plain, contents, folder))
+
+
+def fingerprint(scenario: Scenario) -> str:
+    """Return the digest by which two scenarios are the same, their files included."""
+    return scenario_fingerprint(scenario)
+
+
+def _paths(value: Any) -> list[Path]:
+    if isinstance(value, Path):
+        return [value]
+    items = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple | set) else ()
+    return [path for item in items for path in _paths(item)]
+
+
+def _plain(value: Any, names: Mapping[Path, str]) -> Any:
+    if isinstance(value, Path):
+        return {FILE: names[value], "path": str(value)}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, names) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, list | tuple | set | frozenset):
+        return [_plain(item, names) for item in value]
+    return value
+
+
+def _with_files(value: Any, contents: Mapping[str, bytes], folder: Path) -> Any:
+    if isinstance(value, dict):
+        if FILE in value:
+            return _file(contents[value[FILE]], Path(value["path"]), folder / value[FILE])
+        return {key: _with_files(item, contents, folder) for key, item in value.items()}
+    return [_with_files(item, contents, folder) for item in value] if isinstance(value, list) else value
+
+
+def _file(content: bytes, original: Path, copy: Path) -> Path:
+    if original.is_file() and original.read_bytes() == content:
+        return original
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    copy.write_bytes(content)
+    return copy

@@ -1,0 +1,55 @@
+"""The pings of a multibeam with the exact poses at which they were taken: what maps are made from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.channels import Channel, build
+from uwsim.channels.pings import Pings
+from uwsim.simulator import Simulator
+
+TYPE = "uwsim_msgs/msg/SonarPing"
+NAME = "sonar_ping"
+
+
+def ping_channel(pings: Pings) -> Channel:
+    """Return the channel of a vehicle's pings, in odom. It is recorded, but not sent."""
+    source = pings.source
+    frame_id = source.frame("odom")
+
+    def read(sim: Simulator) -> Any:
+        taken = pings.newest(sim)
+        panel = source.of(sim).telemetry()
+        return ping_message(taken.ping, panel, frame_id, taken.odom_from_body, taken.odom_from_sonar)
+
+    return Channel(
+        source.topic(NAME), TYPE, "out", "each ping as taken, with the poses of body and sonar",
+        rate_hz=pings.rate_hz, frame_id=frame_id, read=read,
+    )  # fmt: skip
+
+
+def ping_message(
+    ping: _core.Ping,
+    panel: _core.Telemetry,
+    frame_id: str,
+    frame_from_body: NDArray[np.float64],
+    frame_from_sonar: NDArray[np.float64],
+) -> Any:
+    """Return a ping as a message; poses are (4, 4)."""
+    return build.message(
+        TYPE,
+        header=build.header(ping.time_ns, frame_id),
+        ranges=ping.ranges_m,
+        angles=np.asarray(ping.angles_rad, np.float32),
+        valid=np.asarray(ping.valid, bool),
+        labels=np.asarray(ping.labels, np.int32),
+        frame_from_body=np.asarray(frame_from_body, np.float64).ravel(),
+        frame_from_sonar=np.asarray(frame_from_sonar, np.float64).ravel(),
+        range_warning=bool(panel.range_warning),
+        proximity_warning=bool(panel.proximity_warning),
+        collision_warning=bool(panel.collision_warning),
+    )

@@ -1,0 +1,100 @@
+"""The way from the simulator's thread to the file: a bounded queue and the thread that empties it."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Mapping
+
+from uwsim.recording.sink import Sink
+
+WAITING_BYTES = 64 << 20
+"""Bytes that may wait to be written; beyond that messages are left out, or, flat out, the steps wait."""
+MESSAGE_BYTES = 200  # that an entry of the queue takes besides its data
+FLUSH_S = 1.0
+"""Wall time after which what was written is handed to the operating system: a kill loses at most this."""
+GATHER_S = 0.1
+
+logger = logging.getLogger("uwsim.recording")
+
+Item = tuple[str, int, int, bytes | memoryview]  # topic, time_ns, sequence, data
+
+
+class WritingQueue:
+    """Messages on their way to a sink, which one thread writes.
+
+    error: why nothing more can be written, such as a full disk; the simulation goes on.
+    """
+
+    def __init__(self, sink: Sink, limit_bytes: int = WAITING_BYTES) -> None:
+        self.error: OSError | None = None
+        self._sink = sink
+        self._limit_bytes = limit_bytes
+        self._items: deque[Item] = deque()
+        self._bytes = 0
+        self._changed = threading.Condition()
+        self._ends = False
+        self._thread = threading.Thread(target=self._write_all, name="uwsim-recording", daemon=True)
+        self._thread.start()
+
+    def put(self, item: Item, *, waits: bool, needed: bool = False) -> bool:
+        """Queue a message; return whether it will be written.
+
+        waits: whether to wait for room. needed: whether to queue it even if there is none.
+        """
+        size = len(item[3]) + MESSAGE_BYTES
+        with self._changed:
+            while self._bytes + size > self._limit_bytes and self._items and not needed:
+                if not waits or self.error is not None:
+                    return False
+                self._changed.wait()
+            if self.error is not None:
+                return False
+            self._items.append(item)
+            self._bytes += size
+            if self._bytes > self._limit_bytes // 2:
+                self._changed.notify_all()
+        return True
+
+    def close(self, end: Mapping[str, str]) -> None:
+        """Write what waits, and close the sink. Raises OSError, also for an earlier error."""
+        with self._changed:
+            self._ends = True
+            self._changed.notify_all()
+        self._thread.join()
+        if self.error is None:
+            self._sink.close(end)
+            return
+        try:
+            self._sink.close(end)
+        except Exception as second:  # of a sink that is broken already
+            logger.debug("closing a broken recording: %s", second)
+        raise self.error
+
+    def _write_all(self) -> None:
+        flush_at_s = time.monotonic() + FLUSH_S
+        while True:
+            with self._changed:
+                if not self._ends and self._bytes <= self._limit_bytes // 2:
+                    self._changed.wait(GATHER_S)  # a thread that wakes for each message would disturb the steps
+                items, self._items = self._items, deque()
+                self._bytes = 0
+                self._changed.notify_all()
+                ends = self._ends and not items
+            try:
+                for item in items:
+                    self._sink.write(*item)
+                if ends or time.monotonic() >= flush_at_s:
+                    self._sink.flush()
+                    flush_at_s = time.monotonic() + FLUSH_S
+            except OSError as error:
+                logger.error("the recording ends: %s", error.strerror or error)
+                with self._changed:
+                    self.error = error
+                    self._items.clear()
+                    self._changed.notify_all()
+                return
+            if ends:
+                return

@@ -1,0 +1,232 @@
+"""Recorder: writes what a simulator says and is told into a file, from which the run can be repeated."""
+
+from __future__ import annotations
+
+import base64
+import fnmatch
+import hashlib
+import json
+import logging
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from uwsim.channels import Channel, build, channels
+from uwsim.channels.table import table_of
+from uwsim.live import LiveSimulator
+from uwsim.live.commands import plain
+from uwsim.recording.bag_sink import BagSink
+from uwsim.recording.capsule import fingerprint, pack
+from uwsim.recording.mcap_sink import McapSink
+from uwsim.recording.ping_channel import ping_channel
+from uwsim.recording.queue import WAITING_BYTES, WritingQueue
+from uwsim.recording.sink import Sink
+from uwsim.recording.watch import Watch
+from uwsim.scenario.fingerprint import build_fingerprint
+from uwsim.simulator import Simulator
+
+COMMANDS = "uwsim/commands"
+STATE = "start.state"
+LIVE, SURVEY = "live", "survey"
+
+logger = logging.getLogger("uwsim.recording")
+
+
+class Recorder:
+    """Records a simulator from `start` to `close`: every channel in simulated time, every command, seed and scenario.
+
+        with LiveSimulator("lake") as live, Recorder(live, "run.mcap"):
+            ...
+
+    path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
+    are recorded, and that are not, such as "camera/*". shared: the channels of a server, so that pings and pictures are
+    made once for both; by default the simulator's own. origin: where the world's origin is in odom, see uwsim.channels.
+
+    Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait: what
+    does not fit into the queue (queue_bytes) is left out, counted in `dropped` and said. Flat out the steps wait
+    instead, and nothing is lost. After a kill, everything but the last second remains. Raises ValueError, OSError.
+    """
+
+    def __init__(
+        self,
+        simulator: Simulator | LiveSimulator,
+        path: str | Path,
+        *,
+        topics: Sequence[str] = ("*",),
+        without: Sequence[str] = (),
+        shared: Iterable[Channel] | None = None,
+        origin: str | Sequence[float] = "world",
+        kind: str = LIVE,
+        notes: Mapping[str, Any] | None = None,
+        queue_bytes: int = WAITING_BYTES,
+    ) -> None:
+        self._live = simulator if isinstance(simulator, LiveSimulator) else None
+        self._sim = simulator.simulator if isinstance(simulator, LiveSimulator) else simulator
+        self.path = Path(path)
+        if self.path.suffix not in (".mcap", ".bag"):
+            raise ValueError(f"recording '{path}': must end in .mcap, or in .bag for ROS 1")
+        self._origin = origin
+        self._kind = kind
+        self._queue_bytes = queue_bytes
+        self._notes = dict(notes or {})
+        self.dropped: Counter[str] = Counter()
+        self._sequences: Counter[str] = Counter()
+        self._channels = self._chosen(shared, topics, without)
+        self._watch: Watch | None = None
+        self._queue: WritingQueue | None = None
+        self._sink: Sink | None = None
+        self._commands = Channel(COMMANDS, "std_msgs/msg/String", "out", "each command with its tick, as JSON")
+
+    def _chosen(self, shared: Iterable[Channel] | None, topics: Sequence[str], without: Sequence[str]) -> list[Channel]:
+        may_wait = self._may_wait
+        given = channels(self._sim, origin=self._origin, may_wait=may_wait) if shared is None else list(shared)
+        said = [channel for channel in given if channel.direction == "out"]
+        said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
+        names = [channel.name for channel in said]
+        for pattern in (*topics, *without):
+            if not fnmatch.filter(names, pattern.removeprefix("/")):
+                raise ValueError(
+                    f"recording: topic '{pattern}': no channel has that name; there are {', '.join(names)}"
+                )
+        return [channel for channel in said if _matches(channel, topics) and not _matches(channel, without)]
+
+    def _may_wait(self) -> bool:
+        """Whether the steps may wait for the recording: always, except on the wall clock."""
+        return self._live is None or self._live.speed == "max"
+
+    def start(self) -> Self:
+        """Create the file and record from now on; return itself. Raises OSError, ValueError."""
+        if self._queue is not None:
+            raise RuntimeError("the recorder has been started already")
+        self._on_simulator(self._begin)
+        return self
+
+    def close(self) -> None:
+        """Record no more, and finish the file. Raises OSError if something could not be written."""
+        queue, self._queue = self._queue, None
+        if queue is None:
+            return
+        end = self._on_simulator(self._end)
+        try:
+            queue.close(end)
+        except OSError as error:
+            raise OSError(f"recording '{self.path}': ends early: {error.strerror or error}") from error
+        if self.dropped:
+            logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Finish the file."""
+        self.close()
+
+    def write(self, channel: Channel, message: Any) -> None:
+        """Record a message of the present that no channel says by itself. On the simulator's thread."""
+        self._take(channel, message)
+
+    def note(self, **notes: Any) -> None:
+        """Put plain values into the metadata at the end."""
+        self._notes |= notes
+
+    def _on_simulator(self, function: Callable[[Simulator], Any]) -> Any:
+        """Call a function where no step is under way."""
+        if self._live is not None and self._live.running:
+            return self._live.read(function).result()
+        return function(self._sim)
+
+    def _begin(self, sim: Simulator) -> None:
+        self._sink = self._new_sink(sim)
+        for channel in (self._commands, *self._channels):
+            self._sink.add_channel(channel)
+        self._queue = WritingQueue(self._sink, self._queue_bytes)
+        self._watch = Watch(sim, self._channels, self._take, self._take_command)
+        self._watch.start()
+
+    def _end(self, sim: Simulator) -> dict[str, str]:
+        assert self._watch is not None
+        self._watch.stop()
+        return {
+            "tick": str(sim.tick),
+            "state": state_digest(sim),
+            "dropped": json.dumps(self.dropped),
+            "notes": json.dumps(self._notes),
+        }
+
+    def _new_sink(self, sim: Simulator) -> Sink:
+        try:
+            if self.path.suffix == ".bag":
+                return BagSink(self.path)
+            contents = pack(sim.scenario)
+            contents[STATE] = sim.save_state()
+            return McapSink(self.path, self._start_metadata(sim), contents)
+        except FileExistsError:
+            raise FileExistsError(
+                f"recording '{self.path}': exists already: remove it, or choose another name"
+            ) from None
+        except OSError as error:
+            raise OSError(f"recording '{self.path}': cannot be written: {error.strerror or error}") from None
+
+    def _start_metadata(self, sim: Simulator) -> dict[str, str]:
+        return {
+            "kind": self._kind,
+            "scenario": sim.scenario.name,
+            "seed": str(sim.seed),
+            "step_s": repr(sim.step_s),
+            "tick": str(sim.tick),
+            "origin": json.dumps(plain(self._origin, "origin")),
+            "on_wall_clock": json.dumps(not self._may_wait()),
+            "fingerprint": fingerprint(sim.scenario),
+            "build": build_fingerprint(),
+            "begun": datetime.now(UTC).isoformat(timespec="seconds"),
+        }
+
+    def _take(self, channel: Channel, message: Any) -> None:
+        self._put(channel.name, message, needed=False)
+
+    def _take_command(self, name: str, arguments: dict[str, Any]) -> None:
+        entry = {"tick": self._sim.tick, "name": name, "arguments": json_values(plain(arguments, name))}
+        self._put(COMMANDS, build.text(json.dumps(entry)), needed=True)
+
+    def _put(self, topic: str, message: Any, *, needed: bool) -> None:
+        queue, sink = self._queue, self._sink
+        if queue is None or sink is None:
+            return
+        item = (topic, self._sim.time_ns, self._sequences[topic], sink.encode(message))
+        self._sequences[topic] += 1
+        if not queue.put(item, waits=self._may_wait(), needed=needed):
+            if not self.dropped:
+                logger.warning("%s: messages are left out: writing is too slow", self.path)
+            self.dropped[topic] += 1
+
+
+def _matches(channel: Channel, patterns: Sequence[str]) -> bool:
+    return any(fnmatch.fnmatchcase(channel.name, pattern.removeprefix("/")) for pattern in patterns)
+
+
+def state_digest(sim: Simulator) -> str:
+    """Return what two simulators in the same state to the last bit have in common."""
+    return hashlib.blake2b(sim.save_state(), digest_size=16).hexdigest()
+
+
+def json_values(value: Any) -> Any:
+    """Return plain values with bytes as {"$bytes": base64}."""
+    if isinstance(value, bytes):
+        return {"$bytes": base64.b64encode(value).decode()}
+    if isinstance(value, dict):
+        return {key: json_values(item) for key, item in value.items()}
+    return [json_values(item) for item in value] if isinstance(value, list) else value
+
+
+def from_json_values(value: Any) -> Any:
+    """Return what json_values was given."""
+    if isinstance(value, dict):
+        if set(value) == {"$bytes"}:
+            return base64.b64decode(value["$bytes"])
+        return {key: from_json_values(item) for key, item in value.items()}
+    return [from_json_values(item) for item in value] if isinstance(value, list) else value

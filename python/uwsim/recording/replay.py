@@ -1,0 +1,208 @@
+"""Replay: build a recording's scenario anew, give its commands again, and compare what is said, byte for byte."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+import warnings
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from uwsim.channels import Channel, channels
+from uwsim.channels.cdr import encode
+from uwsim.channels.table import table_of
+from uwsim.live.commands import bound_command
+from uwsim.recording.capsule import unpack
+from uwsim.recording.difference import differences
+from uwsim.recording.ping_channel import ping_channel
+from uwsim.recording.reader import Command, Recorded, Recording, command_of
+from uwsim.recording.recorder import COMMANDS, STATE, SURVEY, state_digest
+from uwsim.recording.watch import JUMPS, Watch
+from uwsim.scenario.fingerprint import build_fingerprint
+from uwsim.simulator import Simulator
+
+LATE_KEPT = 256  # pictures of a channel that are remembered for comparison
+
+OnTime = Callable[[int], None]
+"""Called with the simulated time before each recorded message is compared: may wait, to keep a pace."""
+
+
+class BuildWarning(UserWarning):
+    """The recording was made by another build: bytes may differ."""
+
+
+@dataclass
+class ReplayResult:
+    """What a replay found. sim: at the end. messages: compared, by channel. commands: given.
+
+    difference: the first one, None if all is the same to the last bit. state_compared: whether the state at the end
+    was: only if the recording ended in order and was replayed to its end. left_out: messages that the recording lacks
+    because writing was too slow, or pictures too late.
+    """
+
+    sim: Simulator
+    messages: Counter[str] = field(default_factory=Counter)
+    left_out: Counter[str] = field(default_factory=Counter)
+    commands: int = 0
+    difference: str | None = None
+    state_compared: bool = False
+
+
+def new_simulator(recording: Recording, threads: int | None = None) -> Simulator:
+    """Return a simulator of the recording's scenario in the state in which it began.
+
+    Raises ValueError if that is not possible with this build.
+    """
+    with tempfile.TemporaryDirectory(prefix="uwsim-replay-") as folder:
+        sim = Simulator(unpack(recording.attachments, Path(folder)), threads=threads)
+        same_build = recording.start["build"] == build_fingerprint()
+        if same_build:
+            sim.restore_state(recording.attachments[STATE])
+    if not same_build:
+        if int(recording.start["tick"]):
+            raise ValueError(
+                f"recording '{recording.path}': began at tick {recording.start['tick']} of a run of another build "
+                f"({recording.start['build']}, this is {build_fingerprint()}): its state cannot be restored"
+            )
+        warnings.warn(
+            f"recording '{recording.path}' is of another build ({recording.start['build']}, this is "
+            f"{build_fingerprint()}): bytes may differ",
+            BuildWarning,
+            stacklevel=2,
+        )
+    return sim
+
+
+def replay(
+    recording: Recording | str | Path,
+    *,
+    from_s: float = 0.0,
+    until_s: float | None = None,
+    threads: int | None = None,
+    on_time: OnTime | None = None,
+) -> ReplayResult:
+    """Repeat a recorded run and compare it with what was recorded; ends at the first difference.
+
+    from_s, until_s: simulated times between which messages are compared. Raises ValueError, OSError.
+    """
+    recording = recording if isinstance(recording, Recording) else Recording(recording)
+    if until_s is not None and not from_s <= until_s:
+        raise ValueError(f"until = {until_s} s: must be at least from = {from_s} s")
+    return _Replay(recording, threads, round(from_s * 1e9), on_time).run(
+        None if until_s is None else round(until_s * 1e9)
+    )
+
+
+class _Replay:
+    """A replay under way. What the replay says waits in _said until the recording's message comes, and vice versa."""
+
+    def __init__(self, recording: Recording, threads: int | None, from_ns: int, on_time: OnTime | None) -> None:
+        self._recording = recording
+        self._from_ns = from_ns
+        self._on_time = on_time
+        self._sim = sim = new_simulator(recording, threads)
+        self.result = ReplayResult(sim)
+        self._epoch = 0  # jumps of time so far
+        self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
+        self._late_said: dict[str, deque[bytes]] = defaultdict(lambda: deque(maxlen=LATE_KEPT))
+        is_survey = recording.start["kind"] == SURVEY
+        on_wall_clock = json.loads(recording.start["on_wall_clock"])
+        known = channels(sim, origin=json.loads(recording.start["origin"]))
+        if not is_survey:  # a survey pings by a clock of its own, which is not repeated
+            known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
+        chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
+        self._compared = {channel.name for channel in chosen}
+        self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
+        self._may_lack = bool(recording.dropped) or not recording.complete
+        self._watch = Watch(sim, chosen, self._take, self._jumped)
+
+    def run(self, until_ns: int | None) -> ReplayResult:
+        self._watch.start()
+        try:
+            ended = self._repeat(until_ns)
+        finally:
+            self._watch.stop()
+        end = self._recording.end
+        if ended and end and self.result.difference is None:
+            self._count_what_is_left()
+            self._advance(int(end["tick"]))
+            self.result.state_compared = True
+            if self.result.difference is None and state_digest(self._sim) != end["state"]:
+                self.result.difference = f"tick {end['tick']}: the simulator's state at the end is another"
+        return self.result
+
+    def _count_what_is_left(self) -> None:
+        """Count what the replay said after the last recorded message of a channel."""
+        for topic, said in self._said.items():
+            if said and not self._may_lack:
+                tick = said[0][1] // self._recording.step_ns
+                self.result.difference = f"tick {tick}, /{topic}: the replay says what was not recorded"
+                return
+            self.result.left_out[topic] += len(said)
+        self.result.left_out = +self.result.left_out
+
+    def _repeat(self, until_ns: int | None) -> bool:
+        """Go through the recording; return whether its end was reached."""
+        for recorded in self._recording.messages():
+            if until_ns is not None and recorded.time_ns > until_ns:
+                return False
+            if self._on_time is not None:
+                self._on_time(recorded.time_ns)
+            if recorded.topic == COMMANDS:
+                self._give(command_of(recorded))
+            elif recorded.topic in self._compared:
+                self._advance(recorded.time_ns // self._recording.step_ns)
+                if recorded.time_ns >= self._from_ns:
+                    self._compare(recorded)
+            if self.result.difference is not None:
+                return False
+        return True
+
+    def _give(self, command: Command) -> None:
+        self._advance(command.tick)
+        self.result.commands += 1
+        if command.name in JUMPS:
+            getattr(self._sim, command.name)(**command.arguments)
+        else:
+            bound_command(command.name, command.arguments)(self._sim)
+
+    def _advance(self, tick: int) -> None:
+        if tick > self._sim.tick:
+            self._sim.step(tick - self._sim.tick)
+
+    def _jumped(self, name: str, arguments: dict[str, Any]) -> None:
+        self._epoch += name in JUMPS
+
+    def _take(self, channel: Channel, message: Any) -> None:
+        data = bytes(encode(message))
+        if channel.name in self._late:
+            self._late_said[channel.name].append(hashlib.blake2b(data).digest())
+        elif self._sim.time_ns >= self._from_ns:
+            self._said[channel.name].append((self._epoch, self._sim.time_ns, data))
+
+    def _compare(self, recorded: Recorded) -> None:
+        topic, now = recorded.topic, (self._epoch, recorded.time_ns)
+        where = f"tick {recorded.time_ns // self._recording.step_ns}, /{topic}"
+        if topic in self._late:
+            if hashlib.blake2b(recorded.data).digest() not in self._late_said[topic]:
+                self.result.difference = f"{where}: no picture of the replay is the recorded one"
+            self.result.messages[topic] += 1
+            return
+        said = self._said[topic]
+        while said and said[0][:2] < now:
+            said.popleft()
+            self.result.left_out[topic] += 1
+            if not self._may_lack:
+                self.result.difference = f"{where}: the replay says something at a time at which nothing was recorded"
+                return
+        if not said or said[0][:2] != now:
+            self.result.difference = f"{where}: the replay says nothing"
+            return
+        _, _, data = said.popleft()
+        self.result.messages[topic] += 1
+        if data != recorded.data:
+            self.result.difference = f"{where}: recorded, replayed: {differences(recorded.type, recorded.data, data)}"

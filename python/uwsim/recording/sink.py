@@ -1,0 +1,27 @@
+"""What a recording is written to: one interface for the formats."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from uwsim.channels import Channel
+
+
+class Sink(Protocol):
+    """A file that takes messages. All calls but `encode` come from one thread at a time."""
+
+    def encode(self, message: Any) -> bytes | memoryview:
+        """Return a message in the format's bytes."""
+
+    def add_channel(self, channel: Channel) -> None:
+        """Announce a channel, before its first message."""
+
+    def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
+        """Append a message, in simulated time. Raises OSError."""
+
+    def flush(self) -> None:
+        """Hand what was written so far to the operating system, so that it survives this process. Raises OSError."""
+
+    def close(self, end: Mapping[str, str]) -> None:
+        """Write what belongs at the end, and close. Raises OSError."""

@@ -1,0 +1,257 @@
+"""A recording holds what a run said and was told, for others to read and to be repeated, however the run ends."""
+
+import json
+import logging
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from rosbags.rosbag2 import Reader
+
+from channel_tools import stamp_ns
+from command_line import error_line, files_limited_to, uwsim
+from uwsim import Simulator, recording
+from uwsim.channels import channels
+from uwsim.live import LiveSimulator
+from uwsim.recording import Recorder
+from uwsim.recording.capsule import pack, unpack
+from uwsim.recording.mcap_sink import McapSink
+from uwsim.recording.replay import replay
+from uwsim.scenario import load
+from uwsim.scenario.fingerprint import scenario_fingerprint
+
+NO_PICTURES = ("camera/*", "image*")
+
+
+def fly(sim: Simulator) -> None:
+    sim.rov.undock()
+    sim.rov.set_effort(surge=0.6, yaw=0.1)
+    sim.advance(1.0)
+    sim.rov.sonar.aim(-0.6)
+    sim.rov.lamps["front"].on = True
+    sim.advance(1.5)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("recording") / "run.mcap"
+    sim = Simulator("lake", seed=3)
+    with Recorder(sim, path, without=NO_PICTURES):
+        fly(sim)
+    return path
+
+
+def test_every_channel_is_in_it_at_its_rate_in_simulated_time(run: Path) -> None:
+    opened = recording.open(run)
+    sim = Simulator("lake", seed=3)
+    said = {c.name for c in channels(sim) if c.direction == "out" and not c.late}
+    assert set(opened.channels) == said | {"uwsim/commands", "sonar_ping"}
+    times = [recorded.time_ns for recorded in opened.messages("odom")]
+    assert times == list(range(0, 2_500_000_001, 20_000_000))
+    odometry = next(opened.messages("/odom")).message
+    assert stamp_ns(odometry) == 0 and odometry.child_frame_id == "base_footprint"
+    assert [(c.tick, c.name) for c in opened.commands()] == [
+        (0, "undock"),
+        (0, "set_effort"),
+        (200, "aim"),
+        (200, "set_lamp"),
+    ]
+    assert opened.complete and not opened.dropped
+
+
+def test_mcap_and_rosbags_read_it_with_schemas_hashes_and_qos(run: Path) -> None:
+    counts = Counter(recorded.topic for recorded in recording.open(run).messages())
+    with run.open("rb") as file:
+        summary = make_reader(file, validate_crcs=True).get_summary()
+        assert summary is not None and summary.statistics is not None
+        assert summary.statistics.message_count == counts.total()
+        assert {index.compression for index in summary.chunk_indexes} == {"lz4"}
+        assert {index.name for index in summary.metadata_indexes} >= {"rosbag2"}
+        scan = next(c for c in summary.channels.values() if c.topic == "/scan")
+        assert (
+            scan.metadata["topic_type_hash"].startswith("RIHS01_")
+            and "reliable" in scan.metadata["offered_qos_profiles"]
+        )
+    with Reader(run) as reader:
+        assert {c.topic.removeprefix("/"): c.msgcount for c in reader.connections if c.msgcount} == dict(counts)
+        (static,) = (c for c in reader.connections if c.topic == "/tf_static")
+        assert static.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
+        assert sum(1 for _ in reader.messages()) == counts.total()
+
+
+def test_a_replay_says_the_same_bytes_and_ends_in_the_same_state(run: Path) -> None:
+    result = replay(run)
+    assert result.difference is None and result.state_compared and result.commands == 4
+    assert result.messages.total() == sum(info.message_count for info in recording.open(run).channels.values()) - 4
+
+
+def test_a_changed_byte_is_found_and_said_by_how_much(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from uwsim.recording import replay as module
+
+    give = module._Replay._give
+
+    def weaker(self: object, command: recording.Command) -> None:
+        give(
+            self,
+            command._replace(arguments={**command.arguments, "surge": 0.59})
+            if "surge" in command.arguments
+            else command,
+        )
+
+    monkeypatch.setattr(module._Replay, "_give", weaker)
+    result = replay(run)
+    assert result.difference is not None and result.difference.startswith("tick ")
+    assert " and " in result.difference
+
+
+def test_a_run_of_another_thread_s_commands_with_resets_replays(tmp_path: Path) -> None:
+    path = tmp_path / "live.mcap"
+    with LiveSimulator("lake", speed="max", paused=True) as live:
+        state = live.read(lambda sim: sim.save_state()).result()
+        live.step(30)  # a recording may begin at any time
+        with Recorder(live, path, without=NO_PICTURES):
+            live.rov.undock()
+            live.rov.set_effort(heave=-0.5)
+            live.step(101)
+            live.call(lambda sim: sim.rov.sonar.aim(0.2)).result()
+            live.step(33)
+            live.reset(state)
+            live.rov.release()
+            live.step(50)
+            live.call(lambda sim: sim.reset(seed=11)).result()
+            live.step(40)
+    result = replay(path)
+    assert result.difference is None and result.state_compared
+    assert result.sim.seed == 11 and result.sim.tick == 40
+
+
+def test_on_the_wall_clock_a_slow_disk_costs_messages_and_never_a_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    stuck = threading.Event()
+    write = McapSink.write
+    monkeypatch.setattr(McapSink, "write", lambda *arguments: stuck.wait(20) and write(*arguments))
+    path = tmp_path / "slow.mcap"
+    with LiveSimulator("lake", speed=2.0) as live, caplog.at_level(logging.WARNING):
+        recorder = Recorder(live, path, without=NO_PICTURES, queue_bytes=20_000).start()
+        tick = live.simulator.tick
+        live.rov.undock()
+        live.clock.wait(1.0)
+        assert live.simulator.tick >= tick + 200
+        stuck.set()
+        recorder.close()
+    assert recorder.dropped.total() > 0 and "left out" in caplog.text
+    opened = recording.open(path)
+    assert opened.dropped == dict(recorder.dropped)
+    assert [command.name for command in opened.commands()] == ["undock"]  # never left out
+    result = replay(path)
+    assert result.difference is None and result.left_out.total() > 0
+
+
+CHILD = """
+import sys
+from uwsim import Simulator
+from uwsim.recording import Recorder
+sim = Simulator("lake", seed=3)
+with Recorder(sim, sys.argv[1], topics=["odom", "scan", "imu"]):
+    sim.rov.undock()
+    sim.rov.set_effort(surge=0.4)
+    while True:
+        sim.advance(0.5)
+        print(sim.time_ns, flush=True)
+"""
+
+
+def test_after_a_kill_all_but_the_last_second_reads_and_replays(tmp_path: Path) -> None:
+    path = tmp_path / "killed.mcap"
+    process = subprocess.Popen([sys.executable, "-c", CHILD, str(path)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    process.stdout.readline()
+    time.sleep(1.5)  # one flush at least
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    opened = recording.open(path)
+    assert not opened.complete and opened.channels["odom"].message_count > 10
+    times = [recorded.time_ns for recorded in opened.messages("odom")]
+    assert times == list(range(0, times[-1] + 1, 20_000_000))
+    result = replay(opened)
+    assert result.difference is None and not result.state_compared
+    whole = path.read_bytes()
+    last = -1
+    for size in range(len(whole) // 2, len(whole), len(whole) // 7):
+        cut = tmp_path / f"{size}.mcap"
+        cut.write_bytes(whole[:size])
+        counted = recording.open(cut).channels["odom"].message_count
+        assert counted >= last
+        last = counted
+
+
+@pytest.mark.parametrize("name", ["lake", "pair"])
+def test_a_scenario_comes_back_from_a_recording_alone(name: str, tmp_path: Path) -> None:
+    scenario = load(name)
+    contents = pack(scenario)
+    plain = json.loads(contents["scenario.json"])
+    for mesh in (plain["station"]["mesh"], *(vehicle["model"]["mesh"] for vehicle in plain["vehicles"])):
+        mesh["path"] = "/nowhere/mesh.obj"
+    contents["scenario.json"] = json.dumps(plain).encode()
+    assert scenario_fingerprint(unpack(contents, tmp_path)) == scenario_fingerprint(scenario)
+
+
+def test_debian_s_rosbag_reads_a_bag_of_ros_1(tmp_path: Path) -> None:
+    path = tmp_path / "run.bag"
+    sim = Simulator("lake", seed=3)
+    with Recorder(sim, path, topics=["odom", "scan", "tf*"]):
+        fly(sim)
+    script = (
+        "import rosbag, sys\n"
+        "with rosbag.Bag(sys.argv[1]) as bag:\n"
+        "    found = [(topic, m) for topic, m, _ in bag.read_messages()]\n"
+        "scans = [m for topic, m in found if topic == '/scan']\n"
+        "print(sum(topic == '/odom' for topic, _ in found), len(scans[-1].ranges))\n"
+    )
+    python = "/usr/bin/python3"
+    if subprocess.run([python, "-c", "import rosbag"], capture_output=True, check=False).returncode:
+        pytest.skip("Debian's python3-rosbag is not installed")
+    done = subprocess.run([python, "-c", script, str(path)], capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["126", "513"], done.stderr
+
+
+def test_mistakes_are_met_at_the_door(tmp_path: Path) -> None:
+    sim = Simulator("lake")
+    taken = tmp_path / "taken.mcap"
+    taken.write_bytes(b"mine")
+    with pytest.raises(FileExistsError, match=r"taken.mcap': exists already"):
+        Recorder(sim, taken).start()
+    assert taken.read_bytes() == b"mine"
+    with pytest.raises(OSError, match=r"nowhere.*cannot be written: No such file"):
+        Recorder(sim, tmp_path / "nowhere" / "run.mcap").start()
+    with pytest.raises(ValueError, match=r"must end in \.mcap, or in \.bag"):
+        Recorder(sim, tmp_path / "run.txt")
+    with pytest.raises(ValueError, match="topic 'scam': no channel has that name; there are"):
+        Recorder(sim, tmp_path / "run.mcap", topics=["scam"])
+    with pytest.raises(ValueError, match="was not written by uwsim"):
+        recording.open(taken)
+    assert list(tmp_path.iterdir()) == [taken]
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_run(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", CHILD.replace("while True", "for _ in range(6)"), str(tmp_path / "run.mcap")],
+        capture_output=True, text=True, check=False, preexec_fn=files_limited_to(200_000),
+    )  # fmt: skip
+    assert done.stdout.split()[-1] == str(3_000_000_000)
+    assert "OSError" in done.stderr and "run.mcap" in done.stderr.splitlines()[-1]
+    assert not recording.open(tmp_path / "run.mcap").complete
+
+
+def test_uwsim_replay_says_what_it_found(run: Path, tmp_path: Path) -> None:
+    done = uwsim("replay", str(run), "--until", "1.0")
+    assert done.returncode == 0 and done.stdout.startswith("the same bytes: "), done.stderr
+    assert "must be 0 or more" in error_line(uwsim("replay", str(run), "--from", "2", "--until", "1"))
+    assert "No such file" in error_line(uwsim("replay", str(tmp_path / "none.mcap")))
