@@ -13,9 +13,10 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
+from websockets.sync.client import connect
 
 from channel_tools import stamp_ns
-from command_line import error_line, files_limited_to, uwsim
+from command_line import UWSIM, error_line, files_limited_to, uwsim
 from uwsim import Simulator, recording
 from uwsim.channels import channels
 from uwsim.live import LiveSimulator
@@ -255,3 +256,20 @@ def test_uwsim_replay_says_what_it_found(run: Path, tmp_path: Path) -> None:
     assert done.returncode == 0 and done.stdout.startswith("the same bytes: "), done.stderr
     assert "must be 0 or more" in error_line(uwsim("replay", str(run), "--from", "2", "--until", "1"))
     assert "No such file" in error_line(uwsim("replay", str(tmp_path / "none.mcap")))
+
+
+def test_a_recording_plays_to_rosbridge_clients(run: Path) -> None:
+    heard: list[dict[str, object]] = []
+    command = [*UWSIM, "replay", str(run), "--as-topics", "--port", "0", "--wait", "--speed", "2", "--from", "0.5"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    url = process.stdout.readline().split()[-1]
+    with connect(url) as client:
+        for topic in ("/tf_static", "/odom"):
+            client.send(json.dumps({"op": "subscribe", "topic": topic}))
+        for _ in range(40):
+            heard.append(json.loads(client.recv(timeout=20)))
+        output, _ = process.communicate(timeout=60)
+    topics = Counter(str(message["topic"]) for message in heard)
+    assert topics["/tf_static"] == 1 and topics["/odom"] == 39  # what is latched comes even from before --from
+    assert "messages of" in output and process.returncode == 0

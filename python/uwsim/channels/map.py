@@ -17,12 +17,16 @@ from uwsim.channels.channel import Channel
 from uwsim.channels.map_changes import MapChanges
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pings import Pings, TakenPing
-from uwsim.channels.scans import scan_of
+from uwsim.channels.scans import Head, scan_of
 from uwsim.channels.source import Source
 from uwsim.mapping import OccupancyMap
+from uwsim.scenario import Scenario
 from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.simulator import Simulator
 
+Box = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""Its low and high corners, (3,) each."""
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
 HULL_MARGIN_M = 0.05
 WAITING_MAX = 64  # pings that may wait for the map; more make the steps wait
@@ -70,8 +74,7 @@ class PingMap:
         self._waiting: deque[Future[None]] = deque()
         self._whole, self._news = _Late(PUBLISH_NS), _Late(CHANGES_NS)
         self.changes = MapChanges()
-        vertices, _ = vehicle_hull(source.entry.model)
-        self._low_m, self._high_m = vertices.min(axis=0) - HULL_MARGIN_M, vertices.max(axis=0) + HULL_MARGIN_M
+        self._hull = hull_box_m(source.entry.model)
 
     def channels(self) -> list[Channel]:
         """Return the channels."""
@@ -130,14 +133,10 @@ class PingMap:
     def _insert(self, sim: Simulator, taken: TakenPing) -> None:
         """Pass a ping through the chain towards the map: a new one if time has gone back."""
         if self._map is None or taken.ping.time_ns < self._newest_ns:
-            survey = sim.scenario.survey
-            self._map = OccupancyMap(survey.voxel_m if survey else 0.2, on_outside="count")
+            self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
         self._newest_ns = taken.ping.time_ns
-        body_from_sonar = np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar
-        points = ranging.transform_points(ranging.to_point_cloud(scan_of(self._pings, taken)), body_from_sonar)
-        others = ranging.remove_box(points, self._low_m, self._high_m)
-        points_odom = ranging.transform_points(others, taken.odom_from_body)
+        points_odom = mapped_points(self._pings, taken, self._hull)
         origin_m, reach_m = taken.odom_from_sonar[:3, 3], self._pings.model.range_max_m
         assert self._map is not None
         self._waiting.append(self._worker.submit(self._map.insert_scan, points_odom, origin_m, reach_m))
@@ -176,6 +175,24 @@ class PingMap:
         if self._map is None:
             raise ValueError(f"there is no map yet: subscribe to '{self._source.topic('octomap_binary')}' first")
         return self._map
+
+
+def empty_map(scenario: Scenario) -> OccupancyMap:
+    """Return a new map with the voxels of the scenario's survey, or of 0.2 m."""
+    return OccupancyMap(scenario.survey.voxel_m if scenario.survey else 0.2, on_outside="count")
+
+
+def hull_box_m(model: VehicleModel) -> Box:
+    """Return the corners (3,) of a box about a vehicle's hull, in its body frame."""
+    vertices, _ = vehicle_hull(model)
+    return vertices.min(axis=0) - HULL_MARGIN_M, vertices.max(axis=0) + HULL_MARGIN_M
+
+
+def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
+    """Pass a ping through the chain: scan, cloud, body without its own hull, odom. Returns (n, 3)."""
+    body_from_sonar = np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar
+    points = ranging.transform_points(ranging.to_point_cloud(scan_of(head, taken)), body_from_sonar)
+    return ranging.transform_points(ranging.remove_box(points, *hull), taken.odom_from_body)
 
 
 def _binary(occupancy: OccupancyMap | None) -> bytes:

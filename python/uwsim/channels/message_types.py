@@ -59,12 +59,6 @@ ADDED = {
         "uint32 DTYPE_FLOAT32=8\nuint32 DTYPE_FLOAT64=9\n"
         "uint32 dtype\nuint32 beam_count\nuint8[] data\n"
     ),
-    # Our own, in recordings: a ping and the exact poses, rows of (4, 4), at which it was taken
-    "uwsim_msgs/msg/SonarPing": (
-        "std_msgs/Header header\nfloat32[] ranges\nfloat32[] angles\nbool[] valid\nint32[] labels\n"
-        "float64[16] frame_from_body\nfloat64[16] frame_from_sonar\n"
-        "bool range_warning\nbool proximity_warning\nbool collision_warning\n"
-    ),
     "marine_acoustic_msgs/msg/ProjectedSonarImage": (
         "std_msgs/Header header\nmarine_acoustic_msgs/PingInfo ping_info\ngeometry_msgs/Vector3[] beam_directions\n"
         "float32[] ranges\nmarine_acoustic_msgs/SonarImageData image\n"

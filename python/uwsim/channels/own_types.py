@@ -3,6 +3,7 @@
 TELEMETRY = "uwsim_msgs/msg/Telemetry"
 MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
 STATION_STATE = "uwsim_msgs/msg/StationState"
+SONAR_PING = "uwsim_msgs/msg/SonarPing"
 
 OWN_TYPES = {
     TELEMETRY: """\
@@ -40,6 +41,18 @@ float64 resolution             # m, edge of a voxel
 int16[] blocks                 # 3 n: x, y, z of each block of 16 x 16 x 16 voxels, from the origin of header.frame_id
 uint16[] counts                # n: how many cells follow for each
 uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block; bit 15: occupied now, or no longer
+""",
+    SONAR_PING: """\
+std_msgs/Header header         # in recordings alone: what maps are made from, to the last bit
+float32[] ranges               # m, of each beam; inf: no echo
+float32[] angles               # rad, positive to port
+bool[] valid
+int32[] labels                 # of what each beam met
+float64[16] frame_from_body    # rows of (4, 4), in header.frame_id
+float64[16] frame_from_sonar
+bool range_warning
+bool proximity_warning
+bool collision_warning
 """,
     STATION_STATE: """\
 string phase                   # idle, starting, running

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import ranging
+from uwsim import _core, ranging
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.pings import Pings, TakenPing
@@ -18,10 +18,22 @@ SCAN_HZ = 50.0
 FLOAT32 = 7  # PointField.FLOAT32
 
 
-def scan_of(pings: Pings, taken: TakenPing) -> ranging.LaserScan:
+class Head(Protocol):
+    """What a scan says about the multibeam: its model, and the time from ping to ping [s]."""
+
+    @property
+    def model(self) -> _core.MultibeamModel:
+        """The model."""
+
+    @property
+    def interval_s(self) -> float:
+        """The interval."""
+
+
+def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
     """Return a ping as a LaserScan: ranges beyond the model's limit are infinite, as the published decoder has it."""
-    ranges = np.where(taken.ping.ranges_m > pings.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
-    return ranging.to_laser_scan(ranges, pings.model, 1e-9 * taken.ping.time_ns, ping_interval_s=pings.interval_s)
+    ranges = np.where(taken.ping.ranges_m > head.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
+    return ranging.to_laser_scan(ranges, head.model, 1e-9 * taken.ping.time_ns, ping_interval_s=head.interval_s)
 
 
 def scan_channels(source: Source, pings: Pings) -> list[Channel]:

@@ -17,6 +17,7 @@ from uwsim.cli.bench import bench
 from uwsim.cli.camera import camera
 from uwsim.cli.connect import connect
 from uwsim.cli.decompose import decompose
+from uwsim.cli.diff import diff
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
@@ -41,6 +42,7 @@ app.command()(station)
 app.command()(connect)
 app.command()(nodes)
 app.command()(replay)
+app.command()(diff)
 app.command()(scenario)
 app.command()(sonar)
 app.command()(validate)
@@ -53,7 +55,7 @@ app.command(context_settings=PASS_ON)(bench)
 def map_commands(context: typer.Context) -> None:
     """Inspect, convert, score, draw and compare maps.
 
-    Its commands: info, convert, merge, score, render, diff, slice.
+    Its commands: info, convert, from, merge, score, render, diff, slice.
     """
     from uwsim.cli.map import app as map_app
 

@@ -53,6 +53,39 @@ def convert(
     typer.echo(f"{target}: {what}")
 
 
+@app.command("from")
+def from_recording(
+    source: Annotated[Path, typer.Argument(help="A recording, FILE.mcap, of a survey or a live run.")],
+    out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")] = Path("map.bt"),
+    report: Annotated[
+        Path | None, typer.Option(help="Also write the survey's report into this folder (of a survey only).")
+    ] = None,
+    vehicle: Annotated[str | None, typer.Option(help="Whose pings. Default: the first that has some.")] = None,
+) -> None:
+    """Make the map from a recording alone: the bytes that the run itself wrote."""
+    from uwsim.mapping.files.map_files import MAP_SUFFIXES
+    from uwsim.recording.reader import Recording
+    from uwsim.recording.recorder import SURVEY
+
+    if out.suffix not in MAP_SUFFIXES:
+        raise ValueError(f"--out {out}: must end in {' or '.join(MAP_SUFFIXES)}")
+    recording = Recording(source)
+    if recording.start["kind"] == SURVEY:
+        if vehicle is not None:
+            raise ValueError("--vehicle: a survey has one vehicle")
+        from uwsim.survey.from_recording import survey_from
+
+        count = survey_from(recording, out, report)
+    else:
+        if report is not None:
+            raise ValueError(f"--report: '{source}' is no recording of a survey")
+        from uwsim.recording.live_map import live_map
+
+        occupancy, count = live_map(recording, vehicle)
+        occupancy.write(out)
+    typer.echo(f"{out}: {count:,} pings" + ("" if recording.complete else "; the recording was cut off"))
+
+
 @app.command()
 def merge(
     sources: Annotated[list[Path], typer.Argument(help="Two or more maps with the same resolution.")],

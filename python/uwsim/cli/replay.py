@@ -37,6 +37,8 @@ def replay(
 
     if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # false for nan, too
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
+    if as_topics and speed == "max":
+        raise ValueError("--speed max: with --as-topics it must be a factor: clients could not follow")
     pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
     opened = Recording(recording)
     if as_topics:

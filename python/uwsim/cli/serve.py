@@ -101,8 +101,9 @@ def serve(
         if record is not None:
             from uwsim.recording import Recorder
 
-            topics = record_topic or ("*",)
-            sinks.enter_context(Recorder(live, record, topics=topics, shared=server.channels, origin=origin))
+            sinks.enter_context(
+                Recorder(live, record, topics=record_topic or None, shared=server.channels, origin=origin)
+            )
         feed = Feed(live)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
         if hub is not None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Frequency, MissionTime, Seed, SonarModel, Threads
+from uwsim.cli.options import Frequency, MissionTime, Record, RecordTopics, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -52,6 +52,8 @@ def survey(
             "Default: 95 for a survey that ended early, 0 for one that flew all its lanes."
         ),
     ] = None,
+    record: Record = None,
+    record_topic: RecordTopics = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the survey last saved in --out.")] = False,
 ) -> None:
     """Fly the scenario's survey, map what the sonar sees, and report.
@@ -75,13 +77,19 @@ def survey(
         "engine": engine,
         "outlier_filter": outlier_filter,
     }
+    if resume and record is not None:
+        raise ValueError("--record: a survey that is resumed cannot be recorded from its start")
+    if record_topic and record is None:
+        raise ValueError("--record-topic needs --record")
+    if record is not None and record.suffix != ".mcap":
+        raise ValueError(f"--record {record}: must end in .mcap for a survey")
     if resume:
         arguments |= {"scenario": scenario, "verify_map": verify_map or None}
-        record = resume_survey(
+        flown = resume_survey(
             out, threads=threads, autosave_s=autosave, map_memory_mb=map_memory, report=report, **arguments
         )
     else:
-        record = run_survey(
+        flown = run_survey(
             scenario or "lake",
             out,
             threads=threads,
@@ -89,14 +97,16 @@ def survey(
             map_memory_mb=map_memory,
             report=report,
             verify_map=verify_map,
+            record=record,
+            record_topics=tuple(record_topic) if record_topic else None,
             **arguments,
         )
-    if record.interrupted:
+    if flown.interrupted:
         raise typer.Exit(INTERRUPTED)
-    if record.verified is False:
+    if flown.verified is False:
         raise typer.Exit(FAILED)
-    if record.stopped_because.startswith(("stuck", "capsized")):
+    if flown.stopped_because.startswith(("stuck", "capsized")):
         raise typer.Exit(STUCK)
-    if (shortfall := coverage_shortfall(record, min_coverage)) is not None:
+    if (shortfall := coverage_shortfall(flown, min_coverage)) is not None:
         typer.echo(f"uwsim: {shortfall}", err=True)
         raise typer.Exit(INCOMPLETE)

@@ -60,7 +60,8 @@ def _gaps(kind: str, first: Any, second: Any) -> Iterator[float]:
     for _, a, b in _parts(kind, first, second, ""):
         if isinstance(a, np.ndarray) and len(a) == len(b) and len(a):
             one, other = np.asarray(a, np.float64), np.asarray(b, np.float64)
-            gap = np.where((one == other) | (np.isnan(one) & np.isnan(other)), 0.0, np.abs(one - other))
+            with np.errstate(invalid="ignore"):  # inf - inf
+                gap = np.where((one == other) | (np.isnan(one) & np.isnan(other)), 0.0, np.abs(one - other))
             yield float(np.nan_to_num(gap, nan=np.inf).max())
         elif isinstance(a, int | float) and not isinstance(a, bool):
             yield 0.0 if a == b or (_is_nan(a) and _is_nan(b)) else float(abs(a - b))

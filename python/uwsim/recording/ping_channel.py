@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.channels import Channel, build
+from uwsim.channels.own_types import SONAR_PING
 from uwsim.channels.pings import Pings
 from uwsim.simulator import Simulator
 
-TYPE = "uwsim_msgs/msg/SonarPing"
 NAME = "sonar_ping"
 
 
@@ -27,7 +27,7 @@ def ping_channel(pings: Pings) -> Channel:
         return ping_message(taken.ping, panel, frame_id, taken.odom_from_body, taken.odom_from_sonar)
 
     return Channel(
-        source.topic(NAME), TYPE, "out", "each ping as taken, with the poses of body and sonar",
+        source.topic(NAME), SONAR_PING, "out", "each ping as taken, with the poses of body and sonar",
         rate_hz=pings.rate_hz, frame_id=frame_id, read=read,
     )  # fmt: skip
 
@@ -41,7 +41,7 @@ def ping_message(
 ) -> Any:
     """Return a ping as a message; poses are (4, 4)."""
     return build.message(
-        TYPE,
+        SONAR_PING,
         header=build.header(ping.time_ns, frame_id),
         ranges=ping.ranges_m,
         angles=np.asarray(ping.angles_rad, np.float32),

@@ -7,15 +7,21 @@ import struct
 from collections.abc import Collection, Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Chunk, Footer, Message, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from uwsim.channels.messages import from_bytes
+from uwsim.recording import tables
 from uwsim.recording.mcap_sink import END, START
 from uwsim.recording.recorder import COMMANDS, from_json_values
+
+if TYPE_CHECKING:
+    import pandas
+    import pyarrow
+    import xarray
 
 DAMAGED = (McapError, CRCValidationError, struct.error, RuntimeError, UnicodeDecodeError, EOFError)
 """What reading a file that ends in the middle of a record raises; RuntimeError is lz4's."""
@@ -105,8 +111,8 @@ class Recording:
 
     @property
     def notes(self) -> dict[str, Any]:
-        """Values that belong to the whole run."""
-        return dict(json.loads(self.end.get("notes", "{}")))
+        """Values that belong to the whole run; those that are known at its end are missing if it was cut off."""
+        return dict(json.loads(self.end.get("notes", self.start.get("notes", "{}"))))
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
         """Yield the messages in the order in which they were recorded; of these topics, by default of all.
@@ -126,6 +132,22 @@ class Recording:
         """Yield the commands in the order in which they took effect."""
         for recorded in self.messages(COMMANDS):
             yield command_of(recorded)
+
+    def arrow(self, topic: str) -> pyarrow.Table:
+        """Return a channel as an Arrow table; see uwsim.recording.tables."""
+        return tables.arrow(self, self._named(topic))
+
+    def pandas(self, topic: str) -> pandas.DataFrame:
+        """Return a channel as a pandas DataFrame by simulated seconds; see uwsim.recording.tables."""
+        return tables.pandas_frame(self, self._named(topic))
+
+    def xarray(self, topic: str) -> xarray.Dataset:
+        """Return a channel as an xarray Dataset, with arrays as arrays; see uwsim.recording.tables."""
+        return tables.dataset(self, self._named(topic))
+
+    def _named(self, topic: str) -> str:
+        self._numbers((topic,))
+        return topic.removeprefix("/")
 
     def _recorded(self, record: Message) -> Recorded:
         channel = self._channels[record.channel_id]

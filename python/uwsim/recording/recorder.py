@@ -31,6 +31,7 @@ from uwsim.simulator import Simulator
 COMMANDS = "uwsim/commands"
 STATE = "start.state"
 LIVE, SURVEY = "live", "survey"
+MAP_TYPE = "octomap_msgs/msg/Octomap"
 
 logger = logging.getLogger("uwsim.recording")
 
@@ -42,8 +43,10 @@ class Recorder:
             ...
 
     path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
-    are recorded, and that are not, such as "camera/*". shared: the channels of a server, so that pings and pictures are
-    made once for both; by default the simulator's own. origin: where the world's origin is in odom, see uwsim.channels.
+    are recorded (by default all; of a survey all but pictures and map), and that are not, such as "camera/*".
+    shared: the channels of a server, so that pings and pictures are made once for both; by default the simulator's own.
+    origin: where the world's origin is in odom, see uwsim.channels. kind: LIVE or SURVEY. written: channels that only
+    `write` gives messages to. notes: plain values for the metadata.
 
     Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait: what
     does not fit into the queue (queue_bytes) is left out, counted in `dropped` and said. Flat out the steps wait
@@ -55,11 +58,12 @@ class Recorder:
         simulator: Simulator | LiveSimulator,
         path: str | Path,
         *,
-        topics: Sequence[str] = ("*",),
+        topics: Sequence[str] | None = None,
         without: Sequence[str] = (),
         shared: Iterable[Channel] | None = None,
         origin: str | Sequence[float] = "world",
         kind: str = LIVE,
+        written: Sequence[Channel] = (),
         notes: Mapping[str, Any] | None = None,
         queue_bytes: int = WAITING_BYTES,
     ) -> None:
@@ -74,24 +78,31 @@ class Recorder:
         self._notes = dict(notes or {})
         self.dropped: Counter[str] = Counter()
         self._sequences: Counter[str] = Counter()
+        self._written = list(written)
         self._channels = self._chosen(shared, topics, without)
         self._watch: Watch | None = None
         self._queue: WritingQueue | None = None
         self._sink: Sink | None = None
         self._commands = Channel(COMMANDS, "std_msgs/msg/String", "out", "each command with its tick, as JSON")
 
-    def _chosen(self, shared: Iterable[Channel] | None, topics: Sequence[str], without: Sequence[str]) -> list[Channel]:
+    def _chosen(
+        self, shared: Iterable[Channel] | None, topics: Sequence[str] | None, without: Sequence[str]
+    ) -> list[Channel]:
         may_wait = self._may_wait
         given = channels(self._sim, origin=self._origin, may_wait=may_wait) if shared is None else list(shared)
         said = [channel for channel in given if channel.direction == "out"]
-        said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
+        if self._kind == LIVE:
+            said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
+        elif topics is None:
+            said = [channel for channel in said if not channel.late and channel.type != MAP_TYPE]
         names = [channel.name for channel in said]
-        for pattern in (*topics, *without):
+        for pattern in (*(topics or ()), *without):
             if not fnmatch.filter(names, pattern.removeprefix("/")):
                 raise ValueError(
                     f"recording: topic '{pattern}': no channel has that name; there are {', '.join(names)}"
                 )
-        return [channel for channel in said if _matches(channel, topics) and not _matches(channel, without)]
+        chosen = [channel for channel in said if topics is None or _matches(channel, topics)]
+        return [channel for channel in chosen if not _matches(channel, without)]
 
     def _may_wait(self) -> bool:
         """Whether the steps may wait for the recording: always, except on the wall clock."""
@@ -142,7 +153,7 @@ class Recorder:
 
     def _begin(self, sim: Simulator) -> None:
         self._sink = self._new_sink(sim)
-        for channel in (self._commands, *self._channels):
+        for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
         self._watch = Watch(sim, self._channels, self._take, self._take_command)
@@ -183,6 +194,7 @@ class Recorder:
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),
             "build": build_fingerprint(),
+            "notes": json.dumps(self._notes),
             "begun": datetime.now(UTC).isoformat(timespec="seconds"),
         }
 

@@ -21,7 +21,7 @@ from uwsim.survey.flight_state import FlightState
 from uwsim.survey.flyable_lanes import SurveyAreaWarning, flyable_plan
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import HullBox, PingToMap
-from uwsim.survey.pinging_clock import PingingClock
+from uwsim.survey.pinging_clock import PingingClock, TakePing
 from uwsim.survey.record import INTERRUPTED, SurveyRecord
 from uwsim.survey.wall_time import AUTOSAVE, WallTimer
 
@@ -53,6 +53,7 @@ def fly_survey(
     supervisor: FlightSupervisor | None = None,
     resume: FlightState | None = None,
     outlier_filter: bool | None = None,
+    on_ping_taken: TakePing | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end or to Ctrl-C; returns the map and the record in both cases.
 
@@ -61,7 +62,7 @@ def fly_survey(
     decoder; receives each depth string and returns the string that arrives. reference: a second map, which gets every
     scan one by one. supervisor: may save or stop the flight whenever the mission waits. resume: a saved flight to
     continue; `occupancy` and `reference` must be the maps that were saved with it.
-    outlier_filter: see filters_outliers.
+    outlier_filter: see filters_outliers. on_ping_taken: called with each ping, the panel and the body's pose.
     Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown, ValueError when the
     flight cannot be resumed. Fewer such lanes are left out, with a SurveyAreaWarning.
     """
@@ -69,11 +70,11 @@ def fly_survey(
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
     filters = filters_outliers(sim, outlier_filter)
-    flight = _Flight(sim, occupancy, reference, supervisor, resume)
+    flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken)
     with PingToMap(
         occupancy,
         sim.rov.sonar.model,
-        _hull_box(sim.scenario),
+        hull_box(sim.scenario),
         threads=sim.threads,
         timer=flight.timer,
         transmit=transmit,
@@ -94,7 +95,9 @@ class _Flight:
         reference: OccupancyMap | None,
         supervisor: FlightSupervisor | None,
         resume: FlightState | None,
+        on_ping_taken: TakePing | None = None,
     ) -> None:
+        self._on_ping_taken = on_ping_taken
         self._sim, self._occupancy, self._reference = sim, occupancy, reference
         self._supervisor, self._resume = supervisor, resume
         self._wall_start_s = time.perf_counter()
@@ -119,6 +122,7 @@ class _Flight:
             _ping_interval_s(self._sim, survey),
             lambda: on_progress(self._mission.progress),
             self._on_pause,
+            self._on_ping_taken,
         )
         plan, self._left_out = flyable_plan(self._sim, survey_plan(survey))
         if self._left_out is not None:
@@ -230,6 +234,7 @@ def _warning_limits_m(scenario: Scenario) -> dict[str, float]:
     return {"range": scenario.warnings.range_m, "proximity": scenario.warnings.proximity_m}
 
 
-def _hull_box(scenario: Scenario) -> HullBox:
+def hull_box(scenario: Scenario) -> HullBox:
+    """Return the box about the surveying vehicle's hull."""
     vertices, _ = vehicle_hull(scenario.vehicles[0].model)
     return HullBox(vertices.min(axis=0) - HULL_MARGIN_M, vertices.max(axis=0) + HULL_MARGIN_M)

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
 from uwsim.simulator import Simulator
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import PingToMap
+
+TakePing = Callable[[_core.Ping, _core.Telemetry, NDArray[np.float64]], object]
 
 
 class PingingClock:
     """Pings at a fixed rate and passes each ping through the chain to the map.
 
     on_ping: called after each ping. on_pause: called at the end of each wait, before the mission continues; at that
-    moment everything that the mission will do depends only on its saved state.
+    moment everything that the mission will do depends only on its saved state. on_taken: called with each ping, the
+    panel and world_from_body (4, 4).
     """
 
     def __init__(
@@ -24,6 +31,7 @@ class PingingClock:
         ping_interval_s: float,
         on_ping: Callable[[], None],
         on_pause: Callable[[], None],
+        on_taken: TakePing | None = None,
     ) -> None:
         self._sim = sim
         self._chain = chain
@@ -32,6 +40,7 @@ class PingingClock:
         self.steps_to_ping = self._steps_between_pings
         self._on_ping = on_ping
         self._on_pause = on_pause
+        self._on_taken = on_taken
 
     @property
     def time_s(self) -> float:
@@ -56,6 +65,9 @@ class PingingClock:
         rov = self._sim.rov
         with self._chain.timer.measure("rays"):
             ping = rov.sonar.ping()
-        points = self._chain.insert(ping.ranges_m, rov.pose.world_from_body, ping.world_from_sonar, self._sim.time_s)
-        self._log.add(ping, points, rov.telemetry())
+        body, panel = rov.pose.world_from_body, rov.telemetry()
+        points = self._chain.insert(ping.ranges_m, body, ping.world_from_sonar, self._sim.time_s)
+        self._log.add(ping, points, panel)
+        if self._on_taken is not None:
+            self._on_taken(ping, panel, body)
         self._on_ping()

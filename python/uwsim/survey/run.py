@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import tempfile
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.recording.recorder import Recorder
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scoring.survey_track import TRACK
@@ -17,6 +19,7 @@ from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
 from uwsim.survey.flyable_lanes import flyable_plan
+from uwsim.survey.from_recording import note_record, record_ping, survey_recorder
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, write_results
@@ -41,6 +44,8 @@ def run_survey(
     map_memory_mb: float | None = None,
     report: str = "full",
     outlier_filter: bool | None = None,
+    record: Path | None = None,
+    record_topics: tuple[str, ...] | None = None,
 ) -> SurveyRecord:
     """Fly a scenario's survey and write map.bt, report.html and figures into `out`; returns the survey's record.
 
@@ -49,6 +54,7 @@ def run_survey(
     which `resume_survey` continues; 0 for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the
     bytes of map.bt do not depend on it. report: "full"; "json" for map.bt and summary.json without report and figures;
     "none" for map.bt alone, without a score. outlier_filter: replaces the scenario's.
+    record: a new recording, from which `uwsim map from` makes map and report again; record_topics: see Recorder.
     Raises ScenarioError or ValueError for an error in the scenario or the arguments, OSError for `out`. However the
     flight ends, the map of everything seen until then is written.
     """
@@ -86,7 +92,8 @@ def run_survey(
     checkpoint.remove_leftovers()
     if (earlier := checkpoint.set_aside()) is not None:
         terminal.message(f"an unfinished survey was in {out}; it is kept in {earlier}")
-    return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind).run()
+    recorder = None if record is None else survey_recorder(sim, record, request, record_topics).start()
+    return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder).run()
 
 
 def resume_survey(
@@ -161,6 +168,7 @@ class _SurveyRun:
     autosave_s: float
     terminal: Terminal
     report: Report
+    recorder: Recorder | None = None
 
     def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
@@ -173,6 +181,7 @@ class _SurveyRun:
         except BaseException as error:
             try:
                 self._write_map()
+                self._close_recording(None)
             except OSError as second:
                 raise OSError(f"{error}; and {second}") from error
             raise
@@ -184,6 +193,7 @@ class _SurveyRun:
             terminal.message(f"interrupted; {seen}{hint} (Ctrl-C again skips the report)")
         if self.reference is not None:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
+        self._close_recording(record)
         try:
             coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report)
         except OSError as error:
@@ -207,7 +217,16 @@ class _SurveyRun:
                 supervisor=autosave,
                 resume=saved.state if saved is not None else None,
                 outlier_filter=self.request.outlier_filter,
+                on_ping_taken=None if self.recorder is None else partial(record_ping, self.recorder),
             )[1]
+
+    def _close_recording(self, record: SurveyRecord | None) -> None:
+        """Finish the recording, with the flight's figures if there are some. Raises OSError."""
+        if self.recorder is None:
+            return
+        if record is not None:
+            note_record(self.recorder, record)
+        self.recorder.close()
 
     def _write_map(self) -> None:
         """Write map.bt; if that fails, into a temporary folder. Raises OSError that names what was tried."""

@@ -16,7 +16,6 @@ from websockets.http11 import Request, Response
 
 from uwsim.bridges.rosbridge import admission
 from uwsim.bridges.rosbridge.connection import Allowance, converse
-from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.guest_node import GuestNode
 from uwsim.bridges.rosbridge.limits import Limits
@@ -38,7 +37,6 @@ Site = Callable[[Request], Awaitable[Response]]
 
 STOP_S = 5.0
 HANDSHAKE_S = 60.0  # within which an answer to a request must be made
-OWNER = "/uwsim"  # of topics that are published by this process
 WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
 
 
@@ -137,25 +135,6 @@ class RosbridgeServer:
         loop.call_soon_threadsafe(self._stopping.set)
         thread.join(STOP_S)
         self._thread = None
-
-    def advertise(self, channel: Channel) -> None:
-        """Offer a topic of one's own, for `publish`, on a server that runs. On any thread. Raises ValueError."""
-        self._on_graph(lambda: self.graph.advertise(OWNER, channel.name, channel.type, channel.latched))
-
-    def publish(self, topic: str, message: Any, time_ns: int, *, latched: bool = False) -> None:
-        """Send a message to the topic's subscribers, and if it is latched to those who come later. On any thread."""
-        sample = Sample(message, time_ns)
-        self._on_graph(lambda: self.graph.publish(self.graph.topics[topic], sample, latched))
-
-    def _on_graph(self, function: Callable[[], object]) -> None:
-        """Call a function on the thread that the graph belongs to, and wait for it."""
-
-        async def call() -> None:
-            function()
-
-        if self._loop is None:
-            raise RuntimeError("the server has not been started")
-        asyncio.run_coroutine_threadsafe(call(), self._loop).result()
 
     def __enter__(self) -> Self:
         return self.start()

@@ -1,0 +1,32 @@
+"""Draws how far two runs differ over time, channel by channel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from uwsim.figures.style import add_legend, label_axes, new_figure, save_figure
+
+CURVES_MAX = 8
+
+
+def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]], title: str) -> None:
+    """Draw the largest absolute difference of any number in each message, in its own unit, over simulated time.
+
+    gaps: by channel, in the order in which they are drawn, (time [s], difference); at most CURVES_MAX. Raises OSError.
+    """
+    figure = new_figure(9.6, 4.4)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, title, "simulated time [s]", "largest difference of a number in the message, its unit")
+    axes.set_yscale("log")
+    for name, points in list(gaps.items())[:CURVES_MAX]:
+        times_s, values = np.array(points, np.float64).reshape(-1, 2).T
+        shown = np.isfinite(values) & (values > 0.0)
+        axes.plot(
+            times_s[shown], values[shown], linewidth=1.2, marker="." if shown.sum() < 40 else None, label=f"/{name}"
+        )
+    if axes.get_lines():
+        add_legend(axes, 2)
+    save_figure(figure, path)

@@ -1,0 +1,66 @@
+"""The pings of a recording, as those who map take them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.channels.pings import TakenPing
+from uwsim.recording.ping_channel import NAME
+from uwsim.recording.reader import Recording
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedPing:
+    """A ping with the names of _core.Ping: ranges_m, angles_rad, valid, labels (beams,); world_from_sonar (4, 4)."""
+
+    time_ns: int
+    ranges_m: NDArray[np.float32]
+    angles_rad: NDArray[np.float32]
+    valid: NDArray[np.bool_]
+    labels: NDArray[np.int32]
+    world_from_sonar: NDArray[np.float64]
+
+
+class Panel(NamedTuple):
+    """The warnings of the vehicle's panel at a ping."""
+
+    range_warning: bool
+    proximity_warning: bool
+    collision_warning: bool
+
+
+def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
+    """Return the channel of a vehicle's pings, by default of the first that has some. Raises ValueError."""
+    topics = [name for name in recording.channels if name == NAME or name.endswith("/" + NAME)]
+    if not topics:
+        raise ValueError(f"recording '{recording.path}': holds no pings ({NAME})")
+    if vehicle is None:
+        return topics[0]
+    wanted = f"{vehicle}/{NAME}"
+    if wanted in topics:
+        return wanted
+    raise ValueError(f"vehicle = {vehicle!r}: recording '{recording.path}' has {', '.join(topics)}")
+
+
+def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing, Panel]]:
+    """Yield the pings of a channel in their order, each with the poses at which it was taken."""
+    for recorded in recording.messages(topic):
+        message: Any = recorded.message
+        body, sonar = message.frame_from_body.reshape(4, 4), message.frame_from_sonar.reshape(4, 4)
+        stamp = message.header.stamp
+        ping = RecordedPing(
+            stamp.sec * 1_000_000_000 + stamp.nanosec,
+            message.ranges,
+            message.angles,
+            np.asarray(message.valid, bool),
+            message.labels,
+            sonar,
+        )
+        panel = Panel(message.range_warning, message.proximity_warning, message.collision_warning)
+        yield TakenPing(cast(_core.Ping, ping), body, sonar), panel

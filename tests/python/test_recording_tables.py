@@ -1,0 +1,163 @@
+"""A recording as tables and arrays, its map and report from the file alone, and where two recordings part."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from command_line import uwsim
+from uwsim import Simulator, recording
+from uwsim.channels.table import table_of
+from uwsim.cli.diff import diff as diff_command
+from uwsim.cli.map import from_recording
+from uwsim.live import LiveSimulator
+from uwsim.mapping import OccupancyMap
+from uwsim.recording import Recorder
+from uwsim.recording.diff import diff
+from uwsim.recording.live_map import live_map
+from uwsim.recording.replay import replay
+
+NO_PICTURES = ("camera/*", "image*")
+
+
+def record(path: Path, surge: float) -> recording.Recording:
+    sim = Simulator("lake", seed=3)
+    with Recorder(sim, path, without=NO_PICTURES):
+        sim.rov.undock()
+        sim.rov.sonar.aim(-0.6)
+        sim.advance(1.0)
+        sim.rov.set_effort(surge=surge)
+        sim.advance(1.0)
+    return recording.open(path)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("recordings")
+    record(folder / "a.mcap", 0.5)
+    record(folder / "b.mcap", 0.52)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(folder: Path) -> recording.Recording:
+    return recording.open(folder / "a.mcap")
+
+
+def test_a_table_has_one_row_a_message_and_a_column_a_field(run: recording.Recording) -> None:
+    odom = run.pandas("odom")
+    assert len(odom) == 101 and odom.index.name == "time_s" and odom.index[-1] == 2.0
+    assert (odom["header.stamp_ns"] == np.round(odom.index * 1e9)).all()
+    sim = replay(run).sim
+    assert tuple(odom.iloc[-1][[f"pose.pose.position.{axis}" for axis in "xyz"]]) == tuple(
+        sim.rov.pose.position_world_m
+    )
+    static = run.arrow("/tf_static")
+    assert static.num_rows == 1 and static["transforms"][0][0].as_py()["header"]["frame_id"] == "world"
+    with pytest.raises(ValueError, match="topic 'odometry': must be one of"):
+        run.arrow("odometry")
+
+
+def test_arrays_are_arrays_with_time_and_beam(run: recording.Recording) -> None:
+    scan = run.xarray("scan")
+    assert scan["ranges"].dims == ("time", "beam") and scan["ranges"].shape == (101, 513)
+    assert scan["angle_rad"].values[-1] == pytest.approx(-scan["angle_rad"].values[0], abs=1e-5)
+    cloud = run.xarray("points")
+    assert {"x", "y", "z", "intensity"} <= set(cloud) and cloud["x"].dims == ("time", "point")
+    first = next(run.messages("points")).message
+    assert np.isfinite(cloud["x"].values[0]).sum() == first.width
+    for topic in run.channels:  # every channel becomes tables
+        assert run.arrow(topic).num_rows == run.channels[topic].message_count
+        assert run.xarray(topic).sizes["time"] == run.channels[topic].message_count
+
+
+def test_pictures_are_recorded_replayed_and_read_as_arrays(tmp_path: Path) -> None:
+    path, sim = tmp_path / "pictures.mcap", Simulator("lake", seed=3)
+    with Recorder(sim, path, topics=["camera/front/*"]):
+        sim.rov.undock()
+        sim.advance(0.3)
+    run = recording.open(path)
+    rgb = run.xarray("camera/front/image_raw/compressed")["rgb"]
+    assert rgb.dims == ("time", "row", "column", "channel") and rgb.sizes["channel"] == 3 and rgb.dtype == np.uint8
+    assert np.isfinite(run.xarray("camera/front/depth/image_raw")["image"].values).any()
+    assert replay(run).difference is None
+
+
+def test_a_live_run_s_map_comes_from_its_recording_with_the_same_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "live.mcap"
+    with LiveSimulator("lake", speed="max", paused=True) as live:
+        with Recorder(live, path, topics=["octomap_binary", "sonar_ping"]):
+            live.rov.undock()
+            live.rov.sonar.aim(-0.6)
+            live.rov.set_effort(surge=0.7, yaw=0.2)
+            live.step(500)
+        table_of(live.simulator).maps["rov"].write(tmp_path / "run.bt")
+    occupancy, count = live_map(recording.open(path))
+    assert count > 10 and occupancy.to_bytes("bt") == (tmp_path / "run.bt").read_bytes()
+
+
+SURVEY = """
+name: small
+seed: 2
+terrain: {source: noise, size_m: [160, 160], spacing_m: 1, bed_depth_m: 18, hill_height_m: 2, hill_wavelength_m: 60}
+station: {position_m: [-30, -10, 0]}
+vehicles: [{name: rov, model: rov, start: station, sonar: {model: 2, tilt_deg: 30}}]
+survey: {area_m: [[-8, -6], [8, -6], [8, 6], [-8, 6]], altitude_m: 8, line_spacing_m: 12, speed_m_s: 1.0, voxel_m: 0.4}
+"""
+
+
+def test_a_survey_s_map_and_report_come_from_its_recording_and_it_replays(tmp_path: Path) -> None:
+    (tmp_path / "small.yaml").write_text(SURVEY)
+    run = tmp_path / "run.mcap"
+    done = uwsim(
+        "survey", str(tmp_path / "small.yaml"), "--out", str(tmp_path / "out"), "--report", "json",
+        "--record", str(run), "--record-topic", "odom", "--record-topic", "imu",
+    )  # fmt: skip
+    assert (tmp_path / "out" / "map.bt").exists(), done.stderr
+    again = uwsim("map", "from", str(run), "--out", str(tmp_path / "again.bt"), "--report", str(tmp_path / "report"))
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / "again.bt").read_bytes() == (tmp_path / "out" / "map.bt").read_bytes()
+    assert "pings" in (tmp_path / "report" / "report.html").read_text()
+    assert OccupancyMap.read(tmp_path / "again.bt").statistics().occupied_voxels > 100
+    result = replay(run)
+    assert result.difference is None and result.state_compared and result.commands > 100
+
+
+def test_a_diff_names_tick_channel_and_amount_and_draws(folder: Path, tmp_path: Path) -> None:
+    a, b = recording.open(folder / "a.mcap"), recording.open(folder / "b.mcap")
+    assert diff(a, a).same
+    found = diff(a, b)
+    assert found.partings[0].topic == "uwsim/commands" and found.partings[0].tick == 200
+    odom = next(parting for parting in found.partings if parting.topic == "odom")
+    assert 200 < odom.tick < 240 and odom.gaps[-1][1] > odom.gaps[0][1]
+    done = uwsim("diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"))
+    assert done.returncode == 1 and done.stdout.startswith("tick 200, /uwsim/commands: ")
+    assert (tmp_path / "d.png").stat().st_size > 10_000
+    same = uwsim("diff", str(a.path), str(a.path))
+    assert same.returncode == 0 and same.stdout.startswith("the same: ")
+
+
+def test_what_only_one_recording_has_is_a_difference(folder: Path, tmp_path: Path) -> None:
+    whole, fewer = recording.open(folder / "a.mcap"), tmp_path / "fewer.mcap"
+    sim = Simulator("lake", seed=3)
+    with Recorder(sim, fewer, topics=["odom"]):
+        sim.rov.undock()
+    found = diff(whole, recording.open(fewer))
+    assert "odom" not in [parting.topic for parting in found.partings if "only" not in parting.text]
+    assert all("only" in parting.text and "a.mcap has it" in parting.text for parting in found.partings)
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.path.read_bytes()[:-20_000])
+    assert diff(whole, recording.open(cut)).notes == [f"{cut}: was cut off"]
+
+
+def test_mistakes_of_map_from_and_diff_are_one_line(folder: Path, tmp_path: Path) -> None:
+    run = folder / "a.mcap"
+    with pytest.raises(ValueError, match=r"must end in [.]bt or [.]ot"):
+        from_recording(run, Path("map.png"))
+    with pytest.raises(ValueError, match="no recording of a survey"):
+        from_recording(run, tmp_path / "map.bt", tmp_path)
+    with pytest.raises(ValueError, match="vehicle = 'auv'"):
+        from_recording(run, tmp_path / "map.bt", None, "auv")
+    with pytest.raises(ValueError, match=r"must end in [.]png"):
+        diff_command(run, run, Path("x.jpg"))
+    assert not list(tmp_path.iterdir())
