@@ -18,6 +18,7 @@ from websockets.sync.client import connect
 from channel_tools import stamp_ns
 from command_line import UWSIM, error_line, files_limited_to, uwsim
 from uwsim import Simulator, recording
+from uwsim.bridges import RosbridgeServer
 from uwsim.channels import channels
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
@@ -27,7 +28,8 @@ from uwsim.recording.replay import replay
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import scenario_fingerprint
 
-NO_PICTURES = ("camera/*", "image*")
+NO_PICTURES = ("camera/*", "image*", "*/picture/*", "*/image")
+QUICK = ("odom", "scan", "imu", "sonar_ping", "octomap_binary", "tf_static")
 
 
 def fly(sim: Simulator) -> None:
@@ -116,7 +118,7 @@ def test_a_run_of_another_thread_s_commands_with_resets_replays(tmp_path: Path) 
     with LiveSimulator("lake", speed="max", paused=True) as live:
         state = live.read(lambda sim: sim.save_state()).result()
         live.step(30)  # a recording may begin at any time
-        with Recorder(live, path, without=NO_PICTURES):
+        with Recorder(live, path, topics=QUICK):
             live.rov.undock()
             live.rov.set_effort(heave=-0.5)
             live.step(101)
@@ -140,7 +142,7 @@ def test_on_the_wall_clock_a_slow_disk_costs_messages_and_never_a_step(
     monkeypatch.setattr(McapSink, "write", lambda *arguments: stuck.wait(20) and write(*arguments))
     path = tmp_path / "slow.mcap"
     with LiveSimulator("lake", speed=2.0) as live, caplog.at_level(logging.WARNING):
-        recorder = Recorder(live, path, without=NO_PICTURES, queue_bytes=20_000).start()
+        recorder = Recorder(live, path, topics=QUICK, queue_bytes=20_000).start()
         tick = live.simulator.tick
         live.rov.undock()
         live.clock.wait(1.0)
@@ -273,3 +275,32 @@ def test_a_recording_plays_to_rosbridge_clients(run: Path) -> None:
     topics = Counter(str(message["topic"]) for message in heard)
     assert topics["/tf_static"] == 1 and topics["/odom"] == 39  # what is latched comes even from before --from
     assert "messages of" in output and process.returncode == 0
+
+
+def test_a_run_flown_over_rosbridge_replays_to_the_same_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "flown.mcap"
+    with LiveSimulator("lake", speed=2.0) as live:
+        server = RosbridgeServer(live)
+        recorder = Recorder(live, path, topics=[*QUICK, "diagnostics"], shared=server.channels)
+        with recorder, server, connect(server.url) as client:
+
+            def send(**operation: object) -> None:
+                client.send(json.dumps(operation))
+
+            send(op="subscribe", topic="/scan")  # somebody else reads the same pings
+            send(op="call_service", service="/undock")
+            send(op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.1}})
+            live.clock.wait(1.0)
+            send(op="publish", topic="/cmd_tilt", msg={"data": 0.4})
+            send(op="call_service", service="/lights/front", args={"data": True})
+            live.clock.wait(1.0)
+            send(op="call_service", service="/simulation/reset")
+            while not any(entry.name == "reset" for entry in live.log):
+                time.sleep(0.02)
+            time.sleep(0.2)
+    opened = recording.open(path)
+    names = Counter(command.name for command in opened.commands())
+    assert names["undock"] == names["aim"] == names["set_lamp"] == names["restore_state"] == 1
+    assert names["set_effort"] >= 20  # the control loop of /cmd_vel
+    result = replay(opened)
+    assert result.difference is None and result.state_compared and result.not_compared == ["diagnostics"]

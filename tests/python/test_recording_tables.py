@@ -17,12 +17,12 @@ from uwsim.recording.diff import diff
 from uwsim.recording.live_map import live_map
 from uwsim.recording.replay import replay
 
-NO_PICTURES = ("camera/*", "image*")
+TOPICS = ("odom", "scan", "points", "imu", "dvl", "tf*", "stateData", "octomap_binary", "sonar_ping")
 
 
 def record(path: Path, surge: float) -> recording.Recording:
     sim = Simulator("lake", seed=3)
-    with Recorder(sim, path, without=NO_PICTURES):
+    with Recorder(sim, path, topics=TOPICS):
         sim.rov.undock()
         sim.rov.sonar.aim(-0.6)
         sim.advance(1.0)

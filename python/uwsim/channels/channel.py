@@ -25,7 +25,8 @@ class Channel:
     name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
     simulated time; None: one reading when somebody begins to listen. latched: whoever comes later gets the newest
     message at once. over_link: whether it goes over the acoustic link. late: whether on the wall clock it comes when it
-    is ready, or not at all, as pictures do; so when, but not what, depends on the machine.
+    is ready, or not at all, as pictures do; so when, but not what, depends on the machine. pieced: whether a late
+    picture is pieced together from those before, so that there what it shows depends on the machine, too.
     catch_up: of a channel whose messages build on each other: returns one message with all since a cursor (None: since
     the beginning), and the next cursor; called on any thread.
     read: for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time,
@@ -43,6 +44,7 @@ class Channel:
     over_link: bool = False
     catch_up: Callable[[Any], tuple[Any, Any]] | None = None
     late: bool = False
+    pieced: bool = False
     read: Callable[[Simulator], Any] = _says_nothing
     apply: Callable[[LiveSimulator, Any], object] = _hears_nothing
 

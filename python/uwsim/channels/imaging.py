@@ -145,12 +145,12 @@ def imaging_channels(source: Source, sim: Simulator, pictures: Pictures) -> list
             Channel(
                 f"{topic}/image", "marine_acoustic_msgs/msg/ProjectedSonarImage", "out",
                 "levels [dB re 1 uPa] by beam and range", rate_hz=view.rate_hz, frame_id=frame_id, over_link=True,
-                read=_said(look, frame_id, _levels(sonar)),
+                late=True, read=_said(look, frame_id, _levels(sonar)),
             ),
             Channel(
                 f"{topic}/picture/compressed", "sensor_msgs/msg/CompressedImage", "out",
                 "a picture of its echoes as JPEG", rate_hz=view.rate_hz, frame_id=frame_id, over_link=True,
-                read=_said(look, frame_id, _picture),
+                late=True, pieced=not isinstance(sonar.model, ForwardLooking), read=_said(look, frame_id, _picture),
             ),
         ]  # fmt: skip
     return found

@@ -42,7 +42,8 @@ class Table:
         *,
         truth: bool = True,
     ) -> None:
-        self._truth = truth
+        self.truth = truth
+        self.origin_m = origin_m
         alone = len(sim.scenario.vehicles) == 1
         self.sources = [Source(entry, "" if alone else f"{entry.name}/", origin_m) for entry in sim.scenario.vehicles]
         self.pictures = Pictures(may_wait)
@@ -65,7 +66,7 @@ class Table:
         found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
         for source in self.sources:
             found += frames.vehicle_channels(source)
-            found.append(telemetry_channel(source, truth=self._truth))
+            found.append(telemetry_channel(source, truth=self.truth))
             found += sensor_channels(source, sim)
             found += vehicle_cameras(source, sim, self.pictures)
             found += imaging_channels(source, sim, self.pictures)

@@ -59,6 +59,8 @@ def replay(
     if result.difference is not None:
         typer.echo(f"not the same: {result.difference}")
         raise typer.Exit(FAILED)
+    if result.not_compared:
+        typer.echo(f"not compared: {', '.join(result.not_compared)}", err=True)
     state = " and the state at the end" if result.state_compared else ""
     typer.echo(
         f"the same bytes: {result.messages.total():,} messages of {len(result.messages)} channels{state}, "

@@ -101,9 +101,7 @@ def serve(
         if record is not None:
             from uwsim.recording import Recorder
 
-            sinks.enter_context(
-                Recorder(live, record, topics=record_topic or None, shared=server.channels, origin=origin)
-            )
+            sinks.enter_context(Recorder(live, record, topics=record_topic or None, shared=server.channels))
         feed = Feed(live)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
         if hub is not None:

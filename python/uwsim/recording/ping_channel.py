@@ -32,6 +32,13 @@ def ping_channel(pings: Pings) -> Channel:
     )  # fmt: skip
 
 
+def survey_ping(sim: Simulator) -> Any:
+    """Return a ping of the first vehicle as a survey takes it, now, in the world."""
+    rov = sim.rov
+    ping = rov.sonar.ping()
+    return ping_message(ping, rov.telemetry(), "world", rov.pose.world_from_body, ping.world_from_sonar)
+
+
 def ping_message(
     ping: _core.Ping,
     panel: _core.Telemetry,

@@ -44,8 +44,8 @@ class Recorder:
 
     path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
     are recorded (by default all; of a survey all but pictures and map), and that are not, such as "camera/*".
-    shared: the channels of a server, so that pings and pictures are made once for both; by default the simulator's own.
-    origin: where the world's origin is in odom, see uwsim.channels. kind: LIVE or SURVEY. written: channels that only
+    shared: what the simulator's last `uwsim.channels.channels` gave to a server, so that pings and pictures are made
+    once for both; by default channels of its own. kind: LIVE or SURVEY. written: channels that only
     `write` gives messages to. notes: plain values for the metadata.
 
     Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait: what
@@ -61,7 +61,6 @@ class Recorder:
         topics: Sequence[str] | None = None,
         without: Sequence[str] = (),
         shared: Iterable[Channel] | None = None,
-        origin: str | Sequence[float] = "world",
         kind: str = LIVE,
         written: Sequence[Channel] = (),
         notes: Mapping[str, Any] | None = None,
@@ -72,7 +71,6 @@ class Recorder:
         self.path = Path(path)
         if self.path.suffix not in (".mcap", ".bag"):
             raise ValueError(f"recording '{path}': must end in .mcap, or in .bag for ROS 1")
-        self._origin = origin
         self._kind = kind
         self._queue_bytes = queue_bytes
         self._notes = dict(notes or {})
@@ -89,7 +87,7 @@ class Recorder:
         self, shared: Iterable[Channel] | None, topics: Sequence[str] | None, without: Sequence[str]
     ) -> list[Channel]:
         may_wait = self._may_wait
-        given = channels(self._sim, origin=self._origin, may_wait=may_wait) if shared is None else list(shared)
+        given = channels(self._sim, may_wait=may_wait) if shared is None else list(shared)
         said = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
             said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
@@ -117,10 +115,10 @@ class Recorder:
 
     def close(self) -> None:
         """Record no more, and finish the file. Raises OSError if something could not be written."""
-        queue, self._queue = self._queue, None
-        if queue is None:
+        if self._queue is None:
             return
-        end = self._on_simulator(self._end)
+        end = self._on_simulator(self._end)  # between two steps: no tick is recorded in part
+        queue, self._queue = self._queue, None
         try:
             queue.close(end)
         except OSError as error:
@@ -190,7 +188,8 @@ class Recorder:
             "seed": str(sim.seed),
             "step_s": repr(sim.step_s),
             "tick": str(sim.tick),
-            "origin": json.dumps(plain(self._origin, "origin")),
+            "origin": json.dumps(table_of(sim).origin_m.tolist()),
+            "truth": json.dumps(table_of(sim).truth),
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),
             "build": build_fingerprint(),

@@ -18,7 +18,7 @@ from uwsim.channels.table import table_of
 from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
 from uwsim.recording.difference import differences
-from uwsim.recording.ping_channel import ping_channel
+from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Command, Recorded, Recording, command_of
 from uwsim.recording.recorder import COMMANDS, STATE, SURVEY, state_digest
 from uwsim.recording.watch import JUMPS, Watch
@@ -41,7 +41,8 @@ class ReplayResult:
 
     difference: the first one, None if all is the same to the last bit. state_compared: whether the state at the end
     was: only if the recording ended in order and was replayed to its end. left_out: messages that the recording lacks
-    because writing was too slow, or pictures too late.
+    because writing was too slow, or pictures too late. not_compared: channels that are no simulator's alone, such as
+    the pace on the wall clock.
     """
 
     sim: Simulator
@@ -50,6 +51,7 @@ class ReplayResult:
     commands: int = 0
     difference: str | None = None
     state_compared: bool = False
+    not_compared: list[str] = field(default_factory=list)
 
 
 def new_simulator(recording: Recording, threads: int | None = None) -> Simulator:
@@ -109,13 +111,16 @@ class _Replay:
         self._epoch = 0  # jumps of time so far
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._late_said: dict[str, deque[bytes]] = defaultdict(lambda: deque(maxlen=LATE_KEPT))
-        is_survey = recording.start["kind"] == SURVEY
+        self._is_survey = recording.start["kind"] == SURVEY
         on_wall_clock = json.loads(recording.start["on_wall_clock"])
-        known = channels(sim, origin=json.loads(recording.start["origin"]))
-        if not is_survey:  # a survey pings by a clock of its own, which is not repeated
+        known = channels(sim, origin=json.loads(recording.start["origin"]), truth=json.loads(recording.start["truth"]))
+        if not self._is_survey:  # a survey pings by a clock of its own: its pings are made anew when they were recorded
             known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
+        chosen = [channel for channel in chosen if not (channel.pieced and on_wall_clock)]
         self._compared = {channel.name for channel in chosen}
+        own = {COMMANDS, NAME} if self._is_survey else {COMMANDS}
+        self.result.not_compared = sorted(recording.channels.keys() - self._compared - own)
         self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
         self._may_lack = bool(recording.dropped) or not recording.complete
         self._watch = Watch(sim, chosen, self._take, self._jumped)
@@ -158,6 +163,9 @@ class _Replay:
                 self._advance(recorded.time_ns // self._recording.step_ns)
                 if recorded.time_ns >= self._from_ns:
                     self._compare(recorded)
+            elif recorded.topic == NAME and self._is_survey:
+                self._advance(recorded.time_ns // self._recording.step_ns)
+                self._compare_data(recorded, bytes(encode(survey_ping(self._sim))))
             if self.result.difference is not None:
                 return False
         return True
@@ -202,7 +210,10 @@ class _Replay:
         if not said or said[0][:2] != now:
             self.result.difference = f"{where}: the replay says nothing"
             return
-        _, _, data = said.popleft()
-        self.result.messages[topic] += 1
+        self._compare_data(recorded, said.popleft()[2])
+
+    def _compare_data(self, recorded: Recorded, data: bytes) -> None:
+        self.result.messages[recorded.topic] += 1
         if data != recorded.data:
+            where = f"tick {recorded.time_ns // self._recording.step_ns}, /{recorded.topic}"
             self.result.difference = f"{where}: recorded, replayed: {differences(recorded.type, recorded.data, data)}"

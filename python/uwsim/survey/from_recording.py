@@ -11,8 +11,8 @@ from pydantic import TypeAdapter
 
 from uwsim import _core
 from uwsim.channels import Channel
-from uwsim.mapping import OccupancyMap
 from uwsim.channels.own_types import SONAR_PING
+from uwsim.mapping import OccupancyMap
 from uwsim.recording.ping_channel import NAME, ping_message
 from uwsim.recording.pings import recorded_pings
 from uwsim.recording.reader import Recording

@@ -1,0 +1,162 @@
+"""The cost of a recording on the wall clock: scans at 50 Hz and pictures (JPEG) at 10 Hz, with and without it.
+
+The simulator runs in real time on the lake with one true ping of 513 beams and one true picture, so that the
+recording is measured and not the sonar. Cases alternate; each line is the median of the rounds. CPU is the whole
+process's; lateness is the worst delay of a step, which a recording must not change. Also: the simulator's thread's own
+time for a message, and every channel without pictures flat out, where the steps wait for the file.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import recording
+from uwsim.channels import Channel, channels
+from uwsim.live import LiveSimulator
+from uwsim.recording import Recorder
+from uwsim.recording.watch import Watch
+from uwsim.simulator import Simulator
+
+console = Console()
+SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
+SWITCH_S = 0.0005  # as uwsim serve sets it
+GOALS = {"cpu_share": 0.05, "lateness_ratio": 1.5}
+
+
+def main(
+    seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 4.0,
+    rounds: Annotated[int, typer.Option(min=1, help="Measurements of each case.")] = 3,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+) -> None:
+    """Measure both cases in turn and print them."""
+    sys.setswitchinterval(SWITCH_S)
+    sim = Simulator("lake")
+    load = true_channels(sim)
+    figures: dict[str, Any] = {"without": [], "with": []}
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(rounds):
+            for name in figures:
+                with console.status(f"{name} a recording, round {number + 1}"):
+                    path = Path(folder) / f"{number}.mcap" if name == "with" else None
+                    figures[name].append(real_time(sim, load, path, seconds))
+        medians = {name: median(cases) for name, cases in figures.items()}
+        medians["message_us"] = message_cost_us(sim, load, Path(folder))
+        medians["flat_out"] = flat_out(Path(folder))
+    console.print(table(medians))
+    console.print(
+        f"the simulator's thread: {medians['message_us']['scan']:.0f} us for a scan, "
+        f"{medians['message_us']['picture']:.0f} us for a picture; "
+        f"flat out, every channel without pictures: {medians['flat_out']['with']:.2f} s of wall time for 10 s, "
+        f"{medians['flat_out']['read']:.2f} s to read the channels alone"
+    )
+    if json_file is not None:
+        json_file.write_text(json.dumps(medians, indent=2) + "\n", encoding="utf-8")
+
+
+def true_channels(sim: Simulator) -> list[Channel]:
+    """Return two channels that say one true scan and one true picture, again and again."""
+    known = {channel.name: channel for channel in channels(sim)}
+    camera = known["camera/front/image_raw/compressed"]
+    scan, picture = known["scan"].read(sim), None
+    while picture is None:
+        picture = camera.read(sim)
+        sim.advance(0.1)
+    return [
+        Channel("scan", SCAN, "out", "", rate_hz=50.0, read=lambda sim: scan),
+        Channel("picture", PICTURE, "out", "", rate_hz=10.0, read=lambda sim: picture),
+    ]
+
+
+def real_time(sim: Simulator, load: list[Channel], path: Path | None, seconds: float) -> dict[str, float]:
+    """Run in real time; return share of a core, lateness and what was lost."""
+    with LiveSimulator(sim, speed=1.0) as live:
+        if path is None:
+            watch = Watch(sim, load, lambda channel, message: None)
+            live.read(lambda sim: watch.start()).result()
+        else:
+            recorder = Recorder(live, path, shared=load, topics=["scan", "picture"]).start()
+        live.clock.wait(0.5)
+        live.forget_delays()
+        cpu_s, wall_s = time.process_time(), time.perf_counter()
+        live.clock.wait(seconds)
+        cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
+        found = {"cpu_share": cpu_s / wall_s, "lateness_ms": 1e3 * live.lateness, "factor": live.factor}
+        if path is None:
+            live.read(lambda sim: watch.stop()).result()
+            return {**found, "dropped": 0.0, "mb_per_s": 0.0}
+        recorder.close()
+        return {
+            **found,
+            "dropped": float(recorder.dropped.total()),
+            "mb_per_s": 1e-6 * path.stat().st_size / (seconds + 0.5),
+        }
+
+
+def median(cases: list[dict[str, float]]) -> dict[str, float]:
+    """Return the median of each figure."""
+    return {name: statistics.median(case[name] for case in cases) for name in cases[0]}
+
+
+def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[str, float]:
+    """Return the time that the simulator's thread takes to hand over one message."""
+    costs = {}
+    with Recorder(sim, folder / "cost.mcap", shared=load, topics=["scan", "picture"]) as recorder:
+        for channel in load:
+            message, times_s = channel.read(sim), []
+            for _ in range(300):
+                began_s = time.perf_counter()
+                recorder.write(channel, message)
+                times_s.append(time.perf_counter() - began_s)
+            costs[channel.name] = 1e6 * statistics.median(times_s)
+    return costs
+
+
+def flat_out(folder: Path) -> dict[str, float]:
+    """Return wall seconds for ten simulated ones: recorded, and with the channels read alone."""
+    found = {}
+    for name in ("read", "with"):
+        sim = Simulator("lake")
+        sim.rov.undock()
+        chosen = [c for c in channels(sim) if c.direction == "out" and not c.late]
+        began_s = time.perf_counter()
+        if name == "read":
+            watch = Watch(sim, chosen, lambda channel, message: None)
+            watch.start()
+            sim.advance(10.0)
+            watch.stop()
+        else:
+            with Recorder(sim, folder / "flat.mcap", shared=chosen):
+                sim.advance(10.0)
+        found[name] = time.perf_counter() - began_s
+    assert recording.open(folder / "flat.mcap").complete
+    return found
+
+
+def table(medians: dict[str, Any]) -> Table:
+    """Return the table of both cases."""
+    shown = Table(
+        title=f"in real time: scans at 50 Hz, pictures at 10 Hz (goal: {100 * GOALS['cpu_share']:.0f} % of a core more)"
+    )
+    for column in ("recording", "cores", "latest step [ms]", "pace", "lost", "MB/s"):
+        shown.add_column(column, justify="right")
+    for name in ("without", "with"):
+        case = medians[name]
+        shown.add_row(
+            name,
+            f"{case['cpu_share']:.3f}",
+            f"{case['lateness_ms']:.2f}",
+            f"{case['factor']:.3f}",
+            f"{case['dropped']:.0f}",
+            f"{case['mb_per_s']:.2f}",
+        )
+    return shown
