@@ -45,7 +45,7 @@ addEventListener('keydown', (event) => {
   const isOpen = document.querySelector('dialog[open]');
   if (event.key === '?' && !isOpen) openKeys();
   else if (event.key === 'Escape' && !isOpen) openMenu();
-  else if (/^Digit[1-9]$/.test(event.code) && !event.shiftKey && !isOpen) views.enlargeNumber(Number(event.code.slice(5)));
+  else if (/^Digit\d$/.test(event.code) && !event.shiftKey && !isOpen) views.enlargeNumber(Number(event.code.slice(5)));
   else return;
   event.preventDefault();
 });

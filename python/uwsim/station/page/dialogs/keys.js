@@ -42,7 +42,7 @@ export function showKeys(bindings, viewNames) {
         ...Object.keys(PRESETS).map(choose), bindings.isChanged ? el('span', { className: 'caption' }, 'changed') : null), message),
       el('div', { className: 'key-columns' },
         block('Driving', DRIVING), block('Vehicle', VEHICLE), block('Simulation', SCREEN),
-        el('section', {}, el('h3', {}, 'Views'), ...viewNames.slice(0, 9).map((name, k) => fixedLine(String(k + 1), name)),
+        el('section', {}, el('h3', {}, 'Views'), ...viewNames.slice(0, 10).map((name, k) => fixedLine(String((k + 1) % 10), name)),
           fixedLine('?', 'These keys'), fixedLine('Esc', 'Menu')),
         el('section', {}, el('h3', {}, 'Gamepad'),
           fixedLine('left stick', 'Up, down, turn'), fixedLine('right stick', 'Ahead, sideways'), fixedLine('A', 'All stop'),

@@ -17,7 +17,7 @@ export class Hud {
   clear() { this.context.clearRect(0, 0, this.canvas.width, this.canvas.height); }
 
   // hasLadder: whether the picture looks ahead from the vehicle, so that a horizon makes sense.
-  draw(message, { isStale, hasLadder, proximity_m }) {
+  draw(message, { isStale, hasLadder, aspect, proximity_m }) {
     const { canvas, context: c } = this;
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -27,15 +27,17 @@ export class Hud {
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.clearRect(0, 0, width, height);
     if (!message || width < 240) return;
+    const top = Math.max(0, (height - width / aspect) / 2); // of the picture, which is shown whole
+    const left = Math.max(0, (width - height * aspect) / 2);
     const scale = Math.max(0.72, Math.min(1.15, height / 560));
     this.ink = isStale ? STALE : INK;
     this.soft = isStale ? STALE : SOFT;
     c.textBaseline = 'middle';
     const angles = attitude(message.orientation);
     if (hasLadder) this.#ladder(width / 2, height / 2, scale, angles);
-    this.#heading(width / 2, 10, Math.min(440, width * 0.46), scale, angles.heading_deg);
+    this.#heading(width / 2, top + 10, Math.min(440, width * 0.46), scale, angles.heading_deg);
     const tall = Math.min(300, height * 0.56);
-    const side = Math.max(12, width * 0.02);
+    const side = left + Math.max(12, width * 0.02);
     this.#tape(side, height / 2, tall, scale, { name: 'DEPTH', value: message.depth, side: 'left', down: true });
     const altitude = message.distance_to_seabed;
     this.#tape(width - side, height / 2, tall, scale, {
@@ -124,7 +126,8 @@ export class Hud {
       c.moveTo(edge, y);
       c.lineTo(edge + inward * (isNamed ? 9 : 5) * scale, y);
       c.stroke();
-      if (isNamed) c.fillText(String(tick), edge + inward * 13 * scale, y);
+      const isInside = Math.abs(y - middle) < tall / 2 - 8;
+      if (isNamed && isInside) c.fillText(String(tick), edge + inward * 13 * scale, y);
     }
     c.restore();
     const [w, h] = [66 * scale, 26 * scale];

@@ -5,8 +5,13 @@ import { Picture } from './picture.js';
 
 const LATE_MS = 2500;
 const LADDER = /front/; // cameras that look ahead
+const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
+const KEYS = 10;
+const ROW = 6; // small views that fit beside each other
 const SMALL = { throttle_rate: 400 };
 const LARGE = { credit: 2 };
+
+const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.length);
 
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
@@ -23,7 +28,7 @@ export class Views extends EventTarget {
     setInterval(() => this.#look(), 500);
   }
 
-  // Controls of the large picture, shown over it.
+  // Controls of the large camera's picture, shown over it.
   setTools(...tools) { this.#tools.append(...tools); }
 
   get large() { return this.#large; }
@@ -34,19 +39,22 @@ export class Views extends EventTarget {
 
   picture(name) { return this.#views.get(name)?.picture; }
 
-  // Show these views (of describe.views), then those that are drawn here.
+  // Show these views (of describe.views) and those that are drawn here, in the order of their kinds.
   fill(views) {
     for (const { picture } of this.#views.values()) picture?.show('');
     this.#views.clear();
-    for (const view of views) this.#views.set(view.name, this.#pictureView(view));
-    for (const own of this.drawn) this.#views.set(own.name, this.#drawnView(own));
-    [...this.#views.values()].forEach(({ element, number, swap, title }, k) => {
-      write(number, String(k + 1));
-      swap.setAttribute('aria-label', `Make ${title} the large view (key ${k + 1})`);
-      element.dataset.index = k;
+    const all = [...views.map((view) => this.#pictureView(view)), ...this.drawn.map((own) => this.#drawnView(own))];
+    for (const each of all.sort((a, b) => rank(a.view) - rank(b.view))) this.#views.set(each.view.name, each);
+    [...this.#views.values()].forEach(({ number, swap, title }, k) => {
+      const key = k < KEYS ? String((k + 1) % KEYS) : '';
+      write(number, key);
+      number.hidden = key === '';
+      swap.setAttribute('aria-label', `Make ${title} the large view${key && ` (key ${key})`}`);
     });
     this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
-    this.container.style.setProperty('--small-count', Math.max(this.#views.size - 1, 1));
+    const count = Math.max(this.#views.size - 1, 1);
+    this.container.style.setProperty('--small-count', count);
+    this.container.style.setProperty('--small-half', count > ROW ? Math.ceil(count / 2) : count);
     this.enlarge(this.#views.has(this.#large) ? this.#large : this.names[0]);
   }
 
@@ -55,14 +63,15 @@ export class Views extends EventTarget {
     this.#large = name;
     for (const [other, { element }] of this.#views) element.classList.toggle('is-large', other === name);
     for (const own of this.drawn) own.setLarge(name === own.name);
-    if (this.largeView.picture) this.largeView.element.append(this.#tools);
+    if (this.largeView.hud) this.largeView.element.append(this.#tools);
     else this.#tools.remove();
     this.#choosePictures();
     this.#drawHud();
     this.dispatchEvent(new Event('swap'));
   }
 
-  enlargeNumber(number) { this.enlarge(this.names[number - 1]); }
+  // number: of the key, 0 is the tenth.
+  enlargeNumber(number) { this.enlarge(this.names[(number + KEYS - 1) % KEYS]); }
 
   #frame(title, ...contents) {
     const number = el('b');
@@ -101,7 +110,7 @@ export class Views extends EventTarget {
   }
 
   #drawHud() {
-    for (const [name, { hud, view }] of this.#views) {
+    for (const [name, { hud, view, picture }] of this.#views) {
       if (!hud) continue;
       if (name !== this.#large) {
         hud.clear();
@@ -110,6 +119,7 @@ export class Views extends EventTarget {
       hud.draw(this.telemetry.message, {
         isStale: this.telemetry.isStale,
         hasLadder: view.kind === 'camera' && LADDER.test(name),
+        aspect: picture.canvas.width / picture.canvas.height,
         proximity_m: this.station.description?.warnings?.proximity_m ?? 0,
       });
     }
