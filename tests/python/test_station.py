@@ -1,10 +1,12 @@
 """The operator's station over its own server: start, fly, watch, take the map home."""
 
+import gc
 import http.client
 import io
 import json
 import time
 from contextlib import contextmanager
+from weakref import ref
 
 import cbor2
 import numpy as np
@@ -298,3 +300,20 @@ def test_pilots_may_be_kept_from_the_truth():
         assert ada.call("describe")["truth_allowed"] is False
         ada.subscribe("/telemetry")
         assert np.isnan(ada.message("/telemetry")["position"]).all()
+
+
+def test_a_simulator_that_has_ended_leaves_nothing_behind():
+    with serving() as (station, server), page(server) as ada:
+        for topic in ("/map_changes", "/station/view/front", "/scan", "/octomap_binary"):
+            ada.subscribe(topic)
+        gone = []
+        for _ in range(2):
+            station.start({"scenario": "pool"})
+            gone.append(ref(station.running.live.simulator))
+            ada.message("/scan")
+        station.quit()
+        deadline = time.monotonic() + PATIENCE_S
+        while any(simulator() is not None for simulator in gone):
+            assert time.monotonic() < deadline
+            gc.collect()
+            time.sleep(0.05)

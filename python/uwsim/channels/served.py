@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from weakref import ref
 
 from uwsim.channels.channel import Channel
 from uwsim.channels.diagnostics import diagnostics_channel
@@ -20,5 +21,10 @@ def served_channels(
     extra = [diagnostics_channel(live)]
     if wire == "published":
         extra = [channel for channel in channels(live.simulator) if channel.name == "clock"]
-    may_wait = lambda: live.speed == "max"  # noqa: E731
+    watched = ref(live)  # the table of a simulator lives as long as that: it must not keep it alive
+
+    def may_wait() -> bool:
+        live = watched()
+        return live is None or live.speed == "max"
+
     return [*extra, *channels(live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth)]
