@@ -51,16 +51,16 @@ class _Job:
     slot: int
     picture: Future[Any]
     is_first: bool
-    read_in: int | None = None  # the period in which it was read, if it may be late
+    read_in: int | None = None  # the period in which it was read
 
 
 class Pictures:
     """The last two pictures of each camera or imaging sonar, and how each is streamed.
 
     Simulated time is cut into periods of 1 / RATE_HZ. The first reading in a period begins the picture of that moment,
-    on a thread of its own. If the steps may wait, readings in the next period get it, and the first picture is waited
-    for: what is read does not depend on how long pictures take. If not, readings get it in the first period in which
-    it is ready, and no other is begun before: pictures that the machine is too slow for are left out.
+    on a thread of its own. If the steps may wait, the next readings in a later period get it, and the first picture is
+    waited for: what is read does not depend on how long pictures take. If not, readings get it in the first period in
+    which it is ready, and no other is begun before: pictures that the machine is too slow for are left out.
 
     may_wait: tells, at each reading, whether the steps may wait.
     """
@@ -102,22 +102,22 @@ class Pictures:
         is_first = not jobs or slot - jobs[-1].slot > 1 + RATE_HZ / stream.rate_hz
         is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
         if is_due and (waits or not jobs or jobs[-1].picture.done()):
-            jobs = [*jobs[-1:], _Job(slot, self._worker.submit(begin(stream)), is_first)]
+            before = [] if waits and is_first else jobs[-1:]
+            jobs = [*before, _Job(slot, self._worker.submit(begin(stream)), is_first)]
         self._jobs[name] = jobs
-        is_ready = _is_of_last_period if waits else _is_just_done
-        return next((job.picture.result() for job in jobs if is_ready(job, slot)), None)
+        ready = [job for job in jobs if _is_read(job, slot, waits)] if stream.enabled else []
+        return ready[0].picture.result() if ready else None
 
     def submit(self, function: Callable[[], T]) -> Future[T]:
         """Render something else on the pictures' thread, in turn."""
         return self._worker.submit(function)
 
 
-def _is_of_last_period(job: _Job, slot: int) -> bool:
-    return job.slot == slot - 1 or (job.slot == slot and job.is_first)
-
-
-def _is_just_done(job: _Job, slot: int) -> bool:
-    if job.read_in is None and job.slot < slot and job.picture.done():
+def _is_read(job: _Job, slot: int, waits: bool) -> bool:
+    """Whether readings in this period get the picture: the first period after its own that has some."""
+    if waits and job.is_first and job.slot == slot:
+        return True
+    if job.read_in is None and job.slot < slot and (waits or job.picture.done()):
         job.read_in = slot
     return job.read_in == slot
 
