@@ -55,6 +55,7 @@ GOALS = {
 def main(
     seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
     scenario: Annotated[str, typer.Option(help="What is flown.")] = "lake",
+    browser: Annotated[bool, typer.Option("--browser", help="Then measure in a browser, too: station_page.")] = False,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
 ) -> None:
     """Measure all cases in turn and print them beside their goals."""
@@ -73,6 +74,8 @@ def main(
     console.print(goal_table(figures))
     if json_file is not None:
         json_file.write_text(json.dumps({"cases": cases, "figures": figures}, indent=2) + "\n", encoding="utf-8")
+    if browser:
+        subprocess.run([sys.executable, str(Path(__file__).with_name("station_page.py"))], check=True)
 
 
 def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:

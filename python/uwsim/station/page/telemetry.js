@@ -1,4 +1,5 @@
 // The newest telemetry of the vehicle that is shown, and how old it is.
+import { seconds } from './wire/rosbridge.js';
 
 const LATE_MS = 1500;
 const LATE_SIM_S = 2; // behind the simulated time, such as by an acoustic link
@@ -24,10 +25,7 @@ export class Telemetry extends EventTarget {
     }, { throttle_rate: 150 });
   }
 
-  get stamp_s() {
-    const stamp = this.message?.header?.stamp;
-    return stamp ? (stamp.sec ?? stamp.secs ?? 0) + 1e-9 * (stamp.nanosec ?? stamp.nsecs ?? 0) : NaN;
-  }
+  get stamp_s() { return this.message ? seconds(this.message.header.stamp) : NaN; }
 
   // Seconds of simulated time that the values are behind the simulator.
   get lag_s() { return Math.max(0, this.station.state.time - this.stamp_s); }

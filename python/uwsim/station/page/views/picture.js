@@ -1,4 +1,5 @@
 // A stream of JPEG pictures on a canvas: only the newest, and each acknowledged when it has been drawn.
+import { seconds } from '../wire/rosbridge.js';
 
 export class Picture {
   #end = null;
@@ -8,7 +9,7 @@ export class Picture {
   #hasCredit = false;
   arrivedMs = -Infinity;
   drawn = 0;
-  delays_ms = []; // from arrival to canvas
+  shown = []; // of the last pictures: the moment that each shows [s, simulated], and when it was drawn [ms, wall clock]
 
   constructor(bridge, canvas) {
     this.bridge = bridge;
@@ -32,15 +33,15 @@ export class Picture {
   }
 
   async #take(topic, message) {
-    this.#waiting = { topic, message, atMs: performance.now() };
+    this.#waiting = { topic, message };
     if (this.#isDrawing) return;
     this.#isDrawing = true;
     while (this.#waiting) {
-      const { topic: from, message: { data, format }, atMs } = this.#waiting;
+      const { topic: from, message: { data, format, header } } = this.#waiting;
       this.#waiting = null;
       try {
         const bitmap = await createImageBitmap(new Blob([data], { type: `image/${/png/.test(format) ? 'png' : 'jpeg'}` }));
-        if (from === this.#topic) this.#draw(bitmap, atMs);
+        if (from === this.#topic) this.#draw(bitmap, header.stamp);
         bitmap.close();
       } catch { /* a picture that is damaged: the next one comes */ }
       if (this.#hasCredit && from === this.#topic) this.bridge.acknowledge(from);
@@ -48,7 +49,7 @@ export class Picture {
     this.#isDrawing = false;
   }
 
-  #draw(bitmap, atMs) {
+  #draw(bitmap, stamp) {
     const { canvas } = this;
     if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
       [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
@@ -56,6 +57,6 @@ export class Picture {
     this.context.drawImage(bitmap, 0, 0);
     this.arrivedMs = performance.now();
     this.drawn += 1;
-    this.delays_ms = [...this.delays_ms.slice(-199), this.arrivedMs - atMs];
+    this.shown = [...this.shown.slice(-499), [seconds(stamp), Date.now()]];
   }
 }

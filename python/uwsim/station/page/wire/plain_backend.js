@@ -1,5 +1,6 @@
 // A rosbridge without a station, such as `uwsim serve lake`: the same questions, answered by ROS topics and services.
 // Nobody has a lease there, and no server zeroes the efforts of a page that is gone: the page says so.
+import { seconds } from './rosbridge.js';
 
 const PACE_MS = 500;
 const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
@@ -23,7 +24,7 @@ export class PlainBackend {
     clearInterval(this.timer);
     this.timer = setInterval(() => this.#ask(), PACE_MS);
     this.#bridge.subscribe('/clock', 'rosgraph_msgs/Clock', ({ clock }) => {
-      this.#time_s = (clock.sec ?? clock.secs) + 1e-9 * (clock.nanosec ?? clock.nsecs);
+      this.#time_s = seconds(clock);
     }, { throttle_rate: 200 });
     await this.#ask();
     return { id: 'me' };

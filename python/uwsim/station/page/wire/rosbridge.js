@@ -5,6 +5,9 @@ const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
 const CALL_TIMEOUT_MS = 30000;
 
+// A stamp of either ROS in seconds.
+export const seconds = (stamp) => (stamp.sec ?? stamp.secs) + 1e-9 * (stamp.nanosec ?? stamp.nsecs);
+
 export class ServiceError extends Error {}
 
 export class Rosbridge extends EventTarget {

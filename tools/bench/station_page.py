@@ -1,0 +1,210 @@
+"""The operator's station in a browser: how soon it is there, how smoothly it draws, what it keeps in memory.
+
+Debian's headless Chromium draws WebGL in software, as a laptop without a GPU does, on the cores that the simulator runs
+on. Needs the development installation (tools/setup --dev). `uwsim bench station` measures the server without a browser.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from playwright.sync_api import CDPSession, Page, sync_playwright
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.mapping import OccupancyMap
+from uwsim.station import Site, Station
+from uwsim.survey.run import run_survey
+
+console = Console()
+SWITCH_S = 0.0005  # as `uwsim station` sets it
+CHROMIUM = "/usr/bin/chromium-headless-shell"
+SIZE = {"width": 1440, "height": 900}
+EDGE = 16  # voxels of a block along an axis
+OCCUPIED = 0x8000
+GOALS = {
+    "first paint [s]": ("<=", 0.3),
+    "live after Start [s]": ("<=", 1.0),
+    "orbiting the surveyed lake [frames/s]": (">=", 5.0),
+    "pictures delivered": (">=", 0.9),
+    "picture to canvas p50 [ms]": ("<=", 40.0),
+    "picture to canvas p95 [ms]": ("<=", 200.0),
+    "key to server and back p50 [ms]": ("<=", 20.0),
+    "heap growth [MB/h]": ("<=", 20.0),
+}
+
+
+def main(
+    seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
+    heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 5.0,
+    surveyed: Annotated[Path | None, typer.Option("--map", help="A .bt to orbit. Default: the lake's survey.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+) -> None:
+    """Measure in a browser and print the figures beside their goals."""
+    sys.setswitchinterval(SWITCH_S)
+    with tempfile.TemporaryDirectory() as folder:
+        if surveyed is None:
+            with console.status("surveying the lake"):
+                run_survey("lake", Path(folder) / "survey", report="none")
+            surveyed = Path(folder) / "survey" / "map.bt"
+        figures = measure(surveyed, seconds, heap_minutes)
+    console.print(goal_table(figures))
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def measure(surveyed: Path, seconds: float, heap_minutes: float) -> dict[str, float]:
+    """Start a lake from the start screen, fly it, and turn the map; return all figures."""
+    station = Station(offered="lake")
+    with (
+        RosbridgeServer(None, guests=[station], site=Site(station)) as server,
+        station.serving(server.show),
+        sync_playwright() as playwright,
+    ):
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--enable-unsafe-swiftshader"])
+        page = browser.new_page(viewport=SIZE)  # type: ignore[arg-type]
+        page.goto(server.url.replace("ws", "http", 1))
+        until(page, "document.querySelector('#field-scenario')")
+        figures = {"first paint [s]": 1e-3 * page.evaluate("performance.getEntriesByName('first-paint')[0].startTime")}
+        with console.status("starting"):
+            begun = time.perf_counter()
+            page.click("button[type=submit]")
+            until(page, "globalThis.station.views.picture('front')?.drawn > 0")
+            figures["live after Start [s]"] = time.perf_counter() - begun
+        until(page, "station.station.isPilot")
+        page.keyboard.press("r")
+        page.keyboard.down("w")
+        with console.status("flying"):
+            figures |= flying(page, station, seconds)
+            figures["heap growth [MB/h]"] = heap_growth(page, heap_minutes)
+        page.keyboard.up("w")
+        with console.status("orbiting"):
+            figures |= orbiting(page, surveyed, seconds)
+        browser.close()
+    return figures
+
+
+def flying(page: Page, station: Station, seconds: float) -> dict[str, float]:
+    """Watch the front camera while a key is held."""
+    live = station.present().live
+    time.sleep(2.0)
+    # When simulated time was 0, by the clock that the page stamps with; the earliest of many, for readings come late.
+    began_s = min(live.read(lambda sim: time.time() - sim.time_s).result() for _ in range(50))
+    drawn, taken = page.evaluate("station.views.picture('front').drawn"), page.evaluate("station.station.bridge.bytes")
+    begun = time.perf_counter()
+    time.sleep(seconds)
+    wall_s = time.perf_counter() - begun
+    drawn = page.evaluate("station.views.picture('front').drawn") - drawn
+    shown = np.array(page.evaluate("station.views.picture('front').shown"))[-drawn:]
+    late_ms = 1e3 * (1e-3 * shown[:, 1] - began_s - shown[:, 0])
+    return {
+        "pictures delivered": drawn / (10.0 * wall_s),
+        "picture to canvas p50 [ms]": float(np.percentile(late_ms, 50)),
+        "picture to canvas p95 [ms]": float(np.percentile(late_ms, 95)),
+        "key to server and back p50 [ms]": float(np.median(page.evaluate("station.pilot.answers_ms"))),
+        "whole page [kB/s]": 1e-3 * (page.evaluate("station.station.bridge.bytes") - taken) / wall_s,
+        "pace": live.factor,
+    }
+
+
+def orbiting(page: Page, surveyed: Path, seconds: float) -> dict[str, float]:
+    """Turn the camera about the whole map, in 3D, while pictures and telemetry come."""
+    changes = map_changes(surveyed)
+    page.evaluate(
+        """({resolution, blocks, counts, cells}) => {
+          const {views, scene} = globalThis.station;
+          views.enlarge('scene');
+          scene.takeMap({snapshot: true, sequence: 0, resolution, blocks: Int16Array.from(blocks),
+            counts: Uint16Array.from(counts), cells: Uint16Array.from(cells)});
+          scene.tools.querySelector('button:nth-child(5)').click(); // follow no longer
+          scene.controls.target.set(-24, -28, -30);
+          scene.camera.position.set(-24, -190, 70);
+        }""",
+        changes,
+    )
+    turn = """async (seconds) => {
+      const {scene} = globalThis.station;
+      const [end, frames, began] = [performance.now() + 1000 * seconds, scene.gate.frames, performance.now()];
+      scene.isOrbiting = true;
+      while (performance.now() < end) {
+        await new Promise((done) => requestAnimationFrame(done));
+        scene.camera.position.applyAxisAngle({x: 0, y: 0, z: 1}, 0.01);
+        scene.controls.update();
+      }
+      scene.isOrbiting = false;
+      return {fps: 1000 * (scene.gate.frames - frames) / (performance.now() - began), drawn: scene.voxels.pointCount,
+        known: scene.store.count, step: scene.quality.step};
+    }"""
+    page.evaluate(turn, 5.0)  # until the level of detail has settled
+    found = page.evaluate(turn, seconds)
+    return {
+        "orbiting the surveyed lake [frames/s]": found["fps"],
+        "voxels known": found["known"],
+        "points drawn": found["drawn"],
+        "step of quality (0: finest)": found["step"],
+    }
+
+
+def map_changes(path: Path) -> dict[str, Any]:
+    """Return a map as one uwsim_msgs/MapChanges."""
+    known = OccupancyMap.read(path)
+    voxels = np.unique(np.floor(known.occupied_voxels()[:, :3] / known.resolution_m).astype(np.int64), axis=0)
+    blocks, inverse, counts = np.unique(voxels // EDGE, axis=0, return_inverse=True, return_counts=True)
+    inside = voxels % EDGE
+    cells = OCCUPIED | inside[:, 0] | inside[:, 1] << 4 | inside[:, 2] << 8
+    return {
+        "resolution": known.resolution_m,
+        "blocks": blocks.ravel().tolist(),
+        "counts": counts.tolist(),
+        "cells": cells[np.argsort(inverse.ravel(), kind="stable")].tolist(),
+    }
+
+
+def heap_growth(page: Page, minutes: float) -> float:
+    """Return how fast the page's memory grows, garbage aside [MB/h]."""
+    session = page.context.new_cdp_session(page)
+    time.sleep(5.0)
+    first, begun = heap_mb(session), time.perf_counter()
+    time.sleep(60.0 * minutes)
+    return (heap_mb(session) - first) / (time.perf_counter() - begun) * 3600.0
+
+
+def heap_mb(session: CDPSession) -> float:
+    """Return what is alive in a page's heap."""
+    session.send("HeapProfiler.collectGarbage")
+    used: float = session.send("Runtime.getHeapUsage")["usedSize"]
+    return 1e-6 * used
+
+
+def until(page: Page, expression: str, limit_s: float = 120.0) -> None:
+    """Wait until an expression holds in the page."""
+    deadline_s = time.monotonic() + limit_s
+    while not page.evaluate(f"Boolean({expression})"):
+        if time.monotonic() > deadline_s:
+            raise TimeoutError(f"waited in vain for {expression}")
+        time.sleep(0.01)
+
+
+def goal_table(figures: dict[str, float]) -> Table:
+    """Return figures, goals, and whether they are met."""
+    table = Table("figure", "goal", "measured", "met", title="the station in a browser, software GL")
+    for name, value in figures.items():
+        sign, goal = GOALS.get(name, ("", float("nan")))
+        met = "" if not sign else "yes" if (value <= goal if sign == "<=" else value >= goal) else "no"
+        table.add_row(
+            escape(name), f"{sign} {goal:g}" if sign else "", f"{value:.3g}" if value < 1e4 else f"{value:.0f}", met
+        )
+    return table
+
+
+if __name__ == "__main__":
+    typer.run(main)
