@@ -22,6 +22,7 @@ from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.replay import replay
+from uwsim.cli.reproduce import reproduce
 from uwsim.cli.run_typer import PASS_ON, run_typer
 from uwsim.cli.scenario import scenario
 from uwsim.cli.serve import serve
@@ -46,6 +47,7 @@ app.command()(diff)
 app.command()(scenario)
 app.command()(sonar)
 app.command()(validate)
+app.command()(reproduce)
 app.command()(camera)
 app.command()(decompose)
 app.command(context_settings=PASS_ON)(bench)

@@ -1,0 +1,135 @@
+"""A running system: the simulator on a rosbridge, the paper's chain as nodes, and what a client sees of both."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from websockets.sync.client import ClientConnection, connect
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.nodes.chain import INSERTED, NODES
+from uwsim.live import LiveSimulator
+
+NODES_PROGRAM = "from uwsim.cli.main import main; main()"
+PATIENCE_S = 60.0
+LISTEN_S = 4.0  # simulated
+SIMULATOR = "/uwsim"
+OWN_TOPICS = {  # by which a client of a rosbridge, which has no name there, is known
+    "decodedDepth": "string_decoder", "scan": "scan_publisher", "laserPointCloud": "laser_to_cloud",
+    "tf": "tf_broadcaster", INSERTED: "octomap",
+}  # fmt: skip
+QUIET = ("clock", "rosout")
+
+
+@dataclass(frozen=True)
+class Link:
+    """A transform: its frames, and how often it is said in a simulated second; 0 for one that is said once."""
+
+    parent: str
+    child: str
+    rate_hz: float
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A topic that goes from one node to another."""
+
+    publisher: str
+    topic: str
+    subscriber: str
+
+
+class Client:
+    """A rosbridge client for a few questions."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self._connection = connection
+        self.heard: list[dict[str, Any]] = []
+
+    def say(self, op: str, **fields: Any) -> None:
+        """Send an operation."""
+        self._connection.send(json.dumps({"op": op, **fields}))
+
+    def ask(self, service: str, **args: Any) -> dict[str, Any]:
+        """Call a service; keep what is published meanwhile."""
+        self.say("call_service", service=service, args=args, id=service)
+        deadline_s = time.monotonic() + PATIENCE_S
+        while time.monotonic() < deadline_s:
+            operation: dict[str, Any] = json.loads(self._connection.recv(PATIENCE_S))
+            if operation["op"] == "service_response":
+                values: dict[str, Any] = operation["values"]
+                return values
+            self.heard.append(operation)
+        raise TimeoutError(f"service '{service}': no answer")
+
+
+@contextmanager
+def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
+    """Run `paper` and the five nodes; give a client of theirs and one of a server with the standard topics."""
+    with (
+        LiveSimulator("paper", paused=True) as live,
+        RosbridgeServer(live, wire="published", origin="published") as server,
+        RosbridgeServer(live, wire="standard") as standard,
+        connect(server.url) as first,
+        connect(standard.url) as second,
+    ):
+        command = [sys.executable, "-c", NODES_PROGRAM, "nodes", "--url", server.url, "--out", str(map_file)]
+        nodes = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        try:
+            assert nodes.stdout is not None and nodes.stderr is not None
+            if not nodes.stdout.readline():
+                raise OSError(f"the nodes did not start: {nodes.stderr.read().strip()}")
+            live.command("undock", vehicle="rov").result()
+            live.command("set_effort", vehicle="rov", surge=0.5, heave=-0.3).result()
+            yield Client(first), Client(second)
+        finally:
+            nodes.terminate()
+            nodes.communicate()
+
+
+def transforms(client: Client) -> list[Link]:
+    """Return the links that /tf and /tf_static tell while simulated time passes."""
+    client.heard.clear()
+    for topic in ("/tf", "/tf_static"):
+        client.say("subscribe", topic=topic, type="tf2_msgs/TFMessage", queue_length=1000)
+    steps = round(LISTEN_S / 0.005)
+    for _ in range(20):
+        client.ask("/simulation/step", steps=steps // 20)
+        time.sleep(0.02)  # the nodes are other processes
+    counts: Counter[tuple[str, str]] = Counter()
+    once: set[tuple[str, str]] = set()
+    for operation in client.heard:
+        for stamped in operation["msg"]["transforms"]:
+            link = stamped["header"]["frame_id"], stamped["child_frame_id"]
+            counts[link] += 1
+            if operation["topic"] == "/tf_static":
+                once.add(link)
+    return [Link(*link, 0.0 if link in once else round(count / LISTEN_S, 1)) for link, count in counts.items()]
+
+
+def connections(client: Client) -> list[Edge]:
+    """Return who hears whom, as rosapi tells it; clients by the names of the nodes whose topics they publish."""
+    details = {name: client.ask("/rosapi/node_details", node=name) for name in client.ask("/rosapi/nodes")["nodes"]}
+    names = {
+        node: next((OWN_TOPICS[t.strip("/")] for t in found["publishing"] if t.strip("/") in OWN_TOPICS), node)
+        for node, found in details.items()
+        if node != SIMULATOR
+    } | {SIMULATOR: "simulator"}
+    shown = {"simulator", *NODES}
+    return [
+        Edge(names[publisher], topic.strip("/"), names[subscriber])
+        for publisher, said in details.items()
+        for topic in said["publishing"]
+        for subscriber, heard in details.items()
+        if topic in heard["subscribing"] and topic.strip("/") not in QUIET
+        if names[publisher] in shown and names[subscriber] in shown and publisher != subscriber
+    ]
