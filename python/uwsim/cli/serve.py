@@ -49,6 +49,7 @@ def serve(
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
+    ros1: Annotated[bool, typer.Option("--ros1", help="Also be a node of ROS 1; see docs/ros1.md.")] = False,
     record: Record = None,
     record_topic: RecordTopics = None,
     threads: Threads = None,
@@ -65,6 +66,10 @@ def serve(
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
 
+    if ros1:
+        from uwsim.bridges.ros1 import load_rospy, require_master
+
+        load_rospy(), require_master()  # before the world is built
     joined = None
     if ros2:
         from uwsim.bridges.ros2 import Ros2Node, settings_from
@@ -108,6 +113,12 @@ def serve(
             sinks.enter_context(hub.serving(server.show))
             hub.run(lambda: live)
             greeting.append(f"the station's page at {page_url(server.url, token)}")
+        if ros1:
+            from uwsim.bridges.ros1 import Ros1Node
+
+            greeting.append(
+                f"ROS 1 at {sinks.enter_context(Ros1Node(live, server.channels, server.services, feed=feed)).master}"
+            )
         if joined is not None:
             node = Ros2Node(live, server.channels, server.services, joined, feed=feed)
             greeting.append(f"ROS 2 {sinks.enter_context(node).settings}")

@@ -1,0 +1,69 @@
+"""Classes that rospy takes for message types, whose content is bytes: our own encoder makes and reads those."""
+
+from __future__ import annotations
+
+import importlib
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from uwsim.channels.message_types import TIMES, fields, message_text, ros1_typestore, spelled
+from uwsim.channels.messages import from_plain
+
+
+@cache
+def raw_type(name: str) -> type:
+    """Return a class for a type, "sensor_msgs/msg/LaserScan", with rospy's name, checksum and definition of it.
+
+    An object of it carries `data`, the message in ROS 1's bytes. So types need not be installed on this side.
+    """
+    genpy = importlib.import_module("genpy")
+    _, checksum = ros1_typestore().generate_msgdef(name, ros_version=1)
+
+    class Raw(genpy.Message):  # type: ignore[misc, name-defined]
+        _type = spelled(name, 1)
+        _md5sum = checksum
+        _full_text = message_text(name, 1)
+        _has_header = False  # rospy would write a sequence number into it
+        __slots__ = ("data",)
+        _slot_types = ("uint8[]",)
+
+        def __init__(self, data: bytes = b"") -> None:
+            self.data = data
+
+        def serialize(self, buffer: Any) -> None:
+            buffer.write(self.data)
+
+        def deserialize(self, data: bytes) -> Any:
+            self.data = bytes(data)
+            return self
+
+    return Raw
+
+
+def read_message(data: bytes, name: str) -> Any:
+    """Return the message of a type that ROS 1's bytes hold. Raises ValueError."""
+    try:
+        received = ros1_typestore().deserialize_ros1(data, name)
+    except Exception as error:  # of the generated code: whatever damaged bytes make of it
+        raise ValueError(f"{name}: {len(data)} bytes that are not its serialisation ({error})") from None
+    return from_plain(name, _plain(received, name))
+
+
+def _plain(message: Any, name: str) -> dict[str, Any]:
+    """Return a message of rosbags' classes of ROS 1 as plain values."""
+    found: dict[str, Any] = {}
+    definitions = ros1_typestore().fielddefs[name][1]
+    kinds = {field.name.lower(): field.kind for field in fields(name, 1)}
+    for attribute, _ in definitions:
+        value = getattr(message, attribute)
+        kind = kinds.get(attribute.lower())
+        if name in TIMES:
+            found[attribute] = int(value)
+        elif kind is not None and kind.is_message:
+            one = kind.length is None
+            found[attribute] = _plain(value, kind.base) if one else [_plain(part, kind.base) for part in value]
+        else:
+            found[attribute] = value.tolist() if isinstance(value, np.ndarray) else value
+    return found

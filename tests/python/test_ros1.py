@@ -1,0 +1,203 @@
+"""The simulator as a node of ROS 1, as Debian's rospy, tf2 and laser_geometry see it."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from command_line import error_line, uwsim
+from ros1_tools import master, ros_is_installed, run_node, serving
+from uwsim.bridges.ros1.raw_types import read_message
+from uwsim.channels.build import message
+from uwsim.channels.message_types import ros1_typestore
+from uwsim.channels.messages import to_bytes
+
+pytestmark = pytest.mark.skipif(not ros_is_installed(), reason="Debian's packages of ROS 1 are not installed")
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+    with master(tmp_path_factory.mktemp("ros")) as environment, serving(environment, "lake", "--seed", "3"):
+        yield environment
+
+
+SEE = """
+import json, rospy, tf2_ros, sys
+from laser_geometry import LaserProjection
+from sensor_msgs import point_cloud2
+from sensor_msgs.msg import LaserScan, PointCloud2
+from std_msgs.msg import String
+from geometry_msgs.msg import Pose
+rospy.init_node("test", anonymous=True)
+found = {}
+buffer = tf2_ros.Buffer()
+listener = tf2_ros.TransformListener(buffer)
+found["types"] = dict(rospy.get_published_topics())
+found["depthArray"] = rospy.wait_for_message("/depthArray", String, 60).data
+found["modelTrigger"] = rospy.wait_for_message("/modelTrigger", String, 60).data
+found["propPos"] = rospy.wait_for_message("/propPos", Pose, 60).position.z
+scans, clouds = {}, {}
+def keep(kept):
+    return lambda m: kept.setdefault(m.header.stamp.to_nsec(), m)
+rospy.Subscriber("/scan", LaserScan, keep(scans)), rospy.Subscriber("/laserPointCloud", PointCloud2, keep(clouds))
+import time
+until = time.time() + 60
+while not set(scans) & set(clouds) and time.time() < until:
+    time.sleep(0.05)
+stamp = min(set(scans) & set(clouds))
+scan = scans[stamp]
+projected = LaserProjection().projectLaser(scan)
+found["frame"] = scan.header.frame_id
+found["theirs"] = [list(map(float, p)) for p in point_cloud2.read_points(projected, ("x", "y", "z"))]
+found["ours"] = [list(map(float, p)) for p in point_cloud2.read_points(clouds[stamp], ("x", "y", "z"))]
+tree = ("world", "odom", "base_footprint", "base_link", "base_scan")
+for parent, child in zip(tree, tree[1:]):
+    moved = buffer.lookup_transform(parent, child, rospy.Time(0), rospy.Duration(30)).transform
+    found[parent + ">" + child] = [moved.translation.x, moved.translation.y, moved.translation.z]
+print(json.dumps(found))
+"""
+
+
+def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str, str]) -> None:
+    found = json.loads(run_node(SEE, ros))
+    assert found["types"].items() >= {
+        "/scan": "sensor_msgs/LaserScan", "/tf": "tf2_msgs/TFMessage", "/octomap_binary": "octomap_msgs/Octomap"
+    }.items()  # fmt: skip
+    # The published decoder: every number is followed by the letter a, 513 or 1025 of them.
+    ranges = found["depthArray"].split("a")
+    assert ranges.pop() == "" and len(ranges) == 513 and all(0.0 < float(r) <= 55.0 for r in ranges)
+    assert found["modelTrigger"] == "2" and -5.1 < found["propPos"] < -4.9
+    # The paper's figure 10: odom -> base_footprint -> base_link -> base_scan.
+    assert found["base_footprint>base_link"] == [0.0, 0.0, 0.0] and found["odom>base_footprint"][2] == found["propPos"]
+    assert found["frame"] == "base_scan" and found["base_link>base_scan"][0] > 0.3
+    ours, theirs = np.array(found["ours"]), np.array(found["theirs"])
+    assert ours.shape == theirs.shape and len(ours) > 20
+    np.testing.assert_allclose(ours, theirs, atol=2e-5)
+
+
+FLY = """
+import json, math, rospy, time
+from geometry_msgs.msg import Pose, Twist
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float64
+from tf2_msgs.msg import TFMessage
+rospy.init_node("mower")
+seen = {}
+def look(m):
+    p, q = m.position, m.orientation
+    seen["pose"] = (p.x, p.y, p.z, math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)))
+rospy.Subscriber("/propPos", Pose, look)
+steer = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
+tilt = rospy.Publisher("/cmd_tilt", Float64, queue_size=1, latch=True)
+release = rospy.Publisher("/key", Pose, queue_size=1, latch=True)
+key = Pose()
+key.orientation.w = 1
+release.publish(key)
+while "pose" not in seen:
+    time.sleep(0.02)
+tilt.publish(0.5)
+def now():
+    return rospy.get_time()
+def fly(yaw, seconds, speed):
+    end = now() + seconds
+    while now() < end:
+        turn = (yaw - seen["pose"][3] + math.pi) % (2 * math.pi) - math.pi
+        command = Twist()
+        command.linear.x = speed if abs(turn) < 0.4 else 0.0
+        command.angular.z = max(-0.5, min(0.5, 1.5 * turn))
+        steer.publish(command)
+        rospy.sleep(0.1)
+while now() == 0.0:
+    time.sleep(0.02)
+heading = seen["pose"][3]
+start = seen["pose"]
+fly(heading, 9.0, 1.0)
+far = seen["pose"]
+fly(heading + math.pi / 2, 7.0, 0.8)
+side = seen["pose"]
+fly(heading + math.pi, 11.0, 1.0)
+back = seen["pose"]
+print(json.dumps({"start": start, "far": far, "side": side, "back": back, "heading": heading, "sim_time": now()}))
+"""
+
+
+def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path) -> None:
+    """It leaves the dock, flies a lane, steps aside and flies back, in simulated time, at five times the real."""
+    with master(tmp_path) as environment, serving(environment, "lake", "--speed", "5"):
+        found = json.loads(run_node(FLY, environment))
+    start, far, side, back = (np.array(found[name][:2]) for name in ("start", "far", "side", "back"))
+    ahead = np.array([np.cos(found["heading"]), np.sin(found["heading"])])
+    left = np.array([-ahead[1], ahead[0]])
+    assert (far - start) @ ahead > 3.0, found
+    assert (side - far) @ left > 1.0, found
+    assert (back - side) @ ahead < -2.0, found
+    assert found["sim_time"] > 27.0
+
+
+def test_services_are_std_srvs_and_others_take_json(ros: dict[str, str]) -> None:
+    script = """
+import genpy, io, json, rospy, struct, time
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import String
+from rospy.impl.tcpros_service import ServiceProxy
+rospy.init_node("caller", anonymous=True)
+class Empty(genpy.Message):
+    _type, _md5sum, _full_text, _has_header, __slots__, _slot_types = "std_srvs/TriggerRequest", "x", "", False, (), ()
+    def serialize(self, buff): pass
+    def deserialize(self, data): return self
+class Answer(genpy.Message):
+    _type, _md5sum, _full_text, _has_header = "std_srvs/TriggerResponse", "x", "", False
+    __slots__, _slot_types = ("success", "message"), ("bool", "string")
+    def __init__(self, *a, **k): self.success, self.message = False, ""
+    def serialize(self, buff): pass
+    def deserialize(self, data):
+        self.success, self.message = bool(data[0]), data[5:].decode()
+        return self
+class Trigger:
+    _type, _md5sum = "std_srvs/Trigger", "937c9679a518e3a18d831e57125ea522"
+    _request_class, _response_class = Empty, Answer
+rospy.wait_for_service("/undock", 60)
+first, second = rospy.ServiceProxy("/undock", Trigger)(), rospy.ServiceProxy("/undock", Trigger)()
+said = []
+rospy.Subscriber("/rosout", Log, lambda m: said.append(m.msg))
+call = rospy.Publisher("/simulation/pace", String, queue_size=1)
+until = time.time() + 60
+while not any("factor" in text for text in said) and time.time() < until:
+    call.publish("{}")
+    time.sleep(0.1)
+bad = rospy.Publisher("/cmd_vel", __import__("geometry_msgs.msg").msg.Twist, queue_size=1)
+twist = __import__("geometry_msgs.msg").msg.Twist()
+twist.linear.x = float("nan")
+while not any("cmd_vel" in text for text in said) and time.time() < until:
+    bad.publish(twist)
+    time.sleep(0.1)
+print(json.dumps([first.success, second.success, second.message, [t for t in said if "cmd_vel" in t][:1]]))
+"""
+    first, second, why, said = json.loads(run_node(script, ros))
+    assert first is True and second is False and "is not docked" in why
+    assert "must be finite" in said[0]
+
+
+def test_without_a_master_it_is_one_line(tmp_path: Path) -> None:
+    import os
+
+    environment = {**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:9"}
+    line = error_line(uwsim("serve", "lake", "--ros1", "--port", "0", env=environment))
+    assert "no master answers at http://127.0.0.1:9: start roscore" in line
+
+
+def test_bytes_of_ros_1_come_back_as_messages_and_damaged_ones_are_refused() -> None:
+    twist = message("geometry_msgs/msg/Twist", linear=message("geometry_msgs/msg/Vector3", x=1.5))
+    data = to_bytes(twist, ros=1)
+    assert read_message(data, "geometry_msgs/msg/Twist").linear.x == 1.5
+    values = message("std_msgs/msg/Float64MultiArray", data=np.array([0.5, -1.0]))
+    assert read_message(to_bytes(values, ros=1), "std_msgs/msg/Float64MultiArray").data.tolist() == [0.5, -1.0]
+    with pytest.raises(ValueError, match="bytes that are not its serialisation"):
+        read_message(data[:-3], "geometry_msgs/msg/Twist")
+    assert (
+        ros1_typestore().generate_msgdef("geometry_msgs/msg/Twist", ros_version=1)[1]
+        == "9f195f881246fdfa2798d1d3eebca84a"
+    )
