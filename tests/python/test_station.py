@@ -21,6 +21,7 @@ from uwsim.bridges.rosbridge.admission import has_token
 from uwsim.channels.messages import typed_array
 from uwsim.live import replay
 from uwsim.mapping import OccupancyMap
+from uwsim.recording.replay import replay as replay_recording
 from uwsim.station import Site, Station
 
 PATIENCE_S = 60.0
@@ -300,6 +301,23 @@ def test_pilots_may_be_kept_from_the_truth():
         assert ada.call("describe")["truth_allowed"] is False
         ada.subscribe("/telemetry")
         assert np.isnan(ada.message("/telemetry")["position"]).all()
+
+
+def test_a_flight_is_recorded_and_replays(tmp_path):
+    with serving(tmp_path) as (_, server), page(server) as ada:
+        ada.call("start", scenario="pool", speed=5)
+        ada.subscribe("/station/state")
+        ada.call("take_control")
+        assert "nothing is being recorded" in ada.call("control", action="stop_recording")["message"]
+        assert ada.call("control", action="record", name="dive")["success"]
+        assert ada.message("/station/state", lambda state: state["recording"])["recording"] == "dive.mcap"
+        ada.call("command", name="release", vehicle="rov")
+        ada.call("drive", vehicle="rov", surge=0.5, heave=-0.2)
+        time.sleep(0.8)
+        assert ada.call("control", action="stop_recording")["success"]
+    found = replay_recording(tmp_path / "dive.mcap")
+    assert found.difference is None and found.commands >= 3  # the last one is zero, after silence
+    assert found.messages["telemetry"] > 5
 
 
 def test_a_simulator_that_has_ended_leaves_nothing_behind():

@@ -56,5 +56,9 @@ class Pings:
             self._newest = last = TakenPing(ping, *poses)
         return last
 
+    def forget(self) -> None:
+        """Ping anew at the next reading: what is read from now on does not depend on what was read before."""
+        self._newest = None
+
     def _interval(self, time_ns: int) -> int:
         return time_ns // self._interval_ns

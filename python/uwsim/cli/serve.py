@@ -58,9 +58,11 @@ def serve(
 
     For roslibpy, roslibjs and others, without ROS. Ctrl-C ends it.
     """
+    from collections.abc import Sequence
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeServer
+    from uwsim.channels import Channel
     from uwsim.channels.feed import Feed
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
@@ -103,15 +105,20 @@ def serve(
             guests=[hub] if hub else [],
             site=Site(hub, lambda request: token is None or has_token(request, token)) if hub else None,
         )
-        if record is not None:
-            from uwsim.recording import Recorder
 
-            sinks.enter_context(Recorder(live, record, topics=record_topic or None, shared=server.channels))
+        def start_recording(channels: Sequence[Channel]) -> None:
+            if record is not None:
+                from uwsim.recording import Recorder
+
+                sinks.enter_context(Recorder(live, record, topics=record_topic or None, shared=channels))
+
         feed = Feed(live)
+        if hub is None:
+            start_recording(server.channels)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
         if hub is not None:
             sinks.enter_context(hub.serving(server.show))
-            hub.run(lambda: live)
+            hub.run(lambda: live, lambda running: start_recording(running.channels))
             greeting.append(f"the station's page at {page_url(server.url, token)}")
         if ros1:
             from uwsim.bridges.ros1 import Ros1Node

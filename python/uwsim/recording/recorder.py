@@ -154,6 +154,8 @@ class Recorder:
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
+        for pings in table_of(sim).pings.values():
+            pings.forget()  # a replay knows none from before
         self._watch = Watch(sim, self._channels, self._take, self._take_command)
         self._watch.start()
 

@@ -1,4 +1,4 @@
-"""What a pilot does with the simulation itself, by name: pause, resume, step, speed, restart, quit, save."""
+"""What a pilot does with the simulation itself, by name: pause, step, restart, save, record and the like."""
 
 from __future__ import annotations
 
@@ -52,13 +52,8 @@ def _quit(station: Station, request: Values) -> None:
 
 def _save(station: Station, request: Values) -> str:
     """Write a folder: each vehicle's map, the state to go on from, and what was commanded, by tick."""
-    running, name = station.present(), request.get("name", "session")
-    if not isinstance(name, str) or not NAME.fullmatch(name):
-        raise ValueError(f"name = {str(name)[:40]!r}: must have 1 to 64 of A-Z a-z 0-9 _ . -")
-    target = station.folder / name
-    if target.exists():
-        raise ValueError(f"'{name}' is there already: choose another name")
-    live = running.live
+    running, target = station.present(), _new_path(station, request, "session")
+    live, name = running.live, target.name
     state, tick, log = live.read(lambda sim: (sim.save_state(), sim.tick, list(live.log))).result()
     folder = Path(mkdtemp(prefix=f".{name}.", dir=station.folder))
     try:
@@ -77,6 +72,30 @@ def _save(station: Station, request: Values) -> str:
     return f"saved in {target}"
 
 
+def _record(station: Station, request: Values) -> str:
+    path = _new_path(station, request, "flight", ".mcap")
+    station.present().record(path)
+    return f"recording {path}"
+
+
+def _stop_recording(station: Station, request: Values) -> str:
+    path = station.present().stop_recording()
+    if path is None:
+        raise ValueError("nothing is being recorded")
+    return f"recorded in {path}; `uwsim replay {path.name}` flies it again"
+
+
+def _new_path(station: Station, request: Values, default: str, suffix: str = "") -> Path:
+    """Return a path in the station's folder where nothing is yet, of the name that is asked for. Raises ValueError."""
+    name = request.get("name", default)
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        raise ValueError(f"name = {str(name)[:40]!r}: must have 1 to 64 of A-Z a-z 0-9 _ . -")
+    path = station.folder / (name if name.endswith(suffix) else name + suffix)
+    if path.exists():
+        raise ValueError(f"'{path.name}' is there already: choose another name")
+    return path
+
+
 def _plain(entry: Any) -> Values:
     arguments = {key: v for key, v in entry.arguments.items() if not isinstance(v, bytes) and not callable(v)}
     return {"tick": entry.tick, "name": entry.name, "arguments": arguments}
@@ -90,4 +109,6 @@ CONTROLS: dict[str, Callable[[Station, Values], str | None]] = {
     "restart": _restart,
     "quit": _quit,
     "save": _save,
+    "record": _record,
+    "stop_recording": _stop_recording,
 }

@@ -123,8 +123,13 @@ class Station:
         except ScenarioError as error:
             raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
 
-    def run(self, make: Callable[[], LiveSimulator]) -> None:
-        """Run the simulator that `make` makes, instead of the present one, which runs on until then."""
+    def run(
+        self, make: Callable[[], LiveSimulator], prepare: Callable[[Running], object] = lambda running: None
+    ) -> None:
+        """Run the simulator that `make` makes, instead of the present one, which runs on until then.
+
+        prepare: what is to be done when its channels are there and before its map begins to grow.
+        """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
         before = self._phase
@@ -133,6 +138,7 @@ class Station:
             running = Running(make(), self._node, **self._options)
             self._leave_present()
             self._node.offer_topics(self._topics(running))
+            prepare(running)
             running.start()
             self._show(running.live, running.channels, running.services)
             self.running = running
@@ -210,7 +216,7 @@ class Station:
             "member_ids": list(self.lease.members),
             "member_names": list(self.lease.members.values()),
             "asking": list(self.lease.asking),
-            "recording": "",
+            "recording": "" if running is None or running.recorder is None else running.recorder.path.name,
         }
         if live is not None:
             state |= {
@@ -242,7 +248,11 @@ class Station:
             ("catalog", lambda caller, request: catalog(self._offered), "what can be chosen on the start screen"),
             ("check", self._check, "say what is wrong with a choice"),
             ("start", self._start, "run a simulator of a choice"),
-            ("control", self._control, "pause, resume, step, speed, restart, quit, save; by the pilot"),
+            (
+                "control",
+                self._control,
+                "pause, step, restart, save, record and the like; by the pilot",
+            ),
         )
         return [
             GuestService(f"station/{name}", f"uwsim_msgs/srv/Station{_camel(name)}", _said(call), text, brief)
@@ -251,7 +261,7 @@ class Station:
         ]
 
     def _describe(self, caller: str, request: Values) -> Values:
-        return {"success": True, "session": self._session, **self.present().describe()}
+        return {"success": True, "session": self._session, "is_fixed": self.is_fixed, **self.present().describe()}
 
     def _join(self, caller: str, request: Values) -> Values:
         self.lease.join(caller, request.get("name"))

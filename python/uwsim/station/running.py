@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 
 from uwsim.channels import services
 from uwsim.channels.guest import Node, Values
+from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.served import served_channels
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire, table_of
 from uwsim.live import COMMANDS, LiveSimulator
+from uwsim.recording import Recorder
+from uwsim.recording.recorder import MAP_TYPE
 from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 from uwsim.station.helm import Helm
 from uwsim.station.scene import Scene
@@ -41,6 +45,7 @@ class Running:
         self.helm = Helm(live, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
         self.views = Views(live, self.table, node)
+        self.recorder: Recorder | None = None
         self.snapshots: dict[str, Values] = {}  # what the panel said at the last snapshot of a view
 
     def start(self) -> None:
@@ -52,8 +57,31 @@ class Running:
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
 
     def stop(self) -> None:
-        """Stop stepping."""
+        """Finish the recording, and stop stepping."""
+        self.stop_recording()
         self.live.stop()
+
+    def record(self, path: Path) -> None:
+        """Record from now on: everything but pictures and maps, which would not be the same in a replay from here.
+
+        Raises ValueError, OSError.
+        """
+        if self.recorder is not None:
+            raise ValueError(f"{self.recorder.path.name} is being recorded already")
+        kept = [
+            channel.name
+            for channel in self.channels
+            if channel.direction == "out" and not channel.late and channel.type not in (MAP_TYPE, MAP_CHANGES)
+        ]
+        self.recorder = Recorder(self.live, path, topics=kept, shared=self.channels).start()
+
+    def stop_recording(self) -> Path | None:
+        """Finish the recording; return its path, or None if there is none. Raises OSError."""
+        recorder, self.recorder = self.recorder, None
+        if recorder is None:
+            return None
+        recorder.close()
+        return recorder.path
 
     def describe(self) -> Values:
         """Return what `/station/describe` says, but the session."""
