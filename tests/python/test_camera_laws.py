@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from uwsim import _core
+from uwsim.scenario.spec.optics import Optics
 from uwsim.validate import camera
 from uwsim.validate.check import Check
 
@@ -50,7 +51,8 @@ def test_a_coefficient_five_percent_off_fails_the_check(
     def off(light: camera.Light) -> _core.Optics:
         water = light.water
         names = ("diffuse_attenuation", "absorption", "scattering")
-        values = [np.asarray(getattr(water, name)) * (1.05 if name == coefficient else 1) for name in names]
+        factor = 0.95 if coefficient == "absorption" else 1.05  # absorption above Kd is refused
+        values = [np.asarray(getattr(water, name)) * (factor if name == coefficient else 1) for name in names]
         index = water.refractive_index * (1.05 if coefficient == "refractive_index" else 1)
         changed = _core.WaterOptics(*values, index)
         return _core.Optics(changed, float(np.radians(light.sun_deg)), 0.7, 0.0, 0.0, 0.0, 0.0)
@@ -74,3 +76,17 @@ def test_a_distortion_five_percent_off_fails_the_check(monkeypatch: pytest.Monke
 def test_daylight_is_attenuated_by_at_least_the_absorption(jerlov: str) -> None:
     water = _core.WaterOptics.jerlov(jerlov)
     assert np.all(np.asarray(water.diffuse_attenuation) >= np.asarray(water.absorption))
+
+
+def test_water_that_absorbs_more_than_it_attenuates_is_refused() -> None:
+    rule = r"must be at most diffuse_attenuation\[2\] = 0\.2 1/m"
+    with pytest.raises(ValueError, match=rf"coefficients\.absorption\[2\] = 0\.3 1/m: {rule}"):
+        Optics().with_changes(
+            {
+                "coefficients": {
+                    "diffuse_attenuation": [0.5, 0.2, 0.2],
+                    "absorption": [0.5, 0.1, 0.3],
+                    "scattering": [0.1, 0.1, 0.1],
+                }
+            }
+        )

@@ -38,6 +38,8 @@ void WaterOptics::check() const {
   require_positive("diffuse_attenuation", diffuse_attenuation);
   require_positive("absorption", absorption);
   require_positive("scattering", scattering);
+  require((absorption <= diffuse_attenuation).all(), "optics.absorption", absorption.transpose(),
+          "must be at most diffuse_attenuation in each band: light that goes down a metre has gone at least a metre");
   require(refractive_index >= 1 && refractive_index <= 2, "optics.refractive_index", refractive_index,
           "must be in [1, 2]");
 }

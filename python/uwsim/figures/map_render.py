@@ -13,7 +13,7 @@ from uwsim.figures.pinhole_view import view_of_box
 from uwsim.figures.render_3d import Subject, cast_at_cubes, render
 from uwsim.figures.style import HEIGHTS, INK, PIXELS_PER_INCH, height_range, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_centres_m, voxel_keys
+from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
 
 MAX_CUBES = 3_000_000
 """A map with more voxels is drawn in larger cubes."""
@@ -85,7 +85,7 @@ def _cubes(occupancy: OccupancyMap) -> tuple[NDArray[np.float64], float]:
     origin, edge_m = occupancy.origin_world_m, occupancy.resolution_m
     if len(centres) <= MAX_CUBES:
         return centres, edge_m
-    keys = np.unique(pack_keys(voxel_keys(centres - origin, edge_m)))
+    keys = sorted_unique(pack_keys(voxel_keys(centres - origin, edge_m)))
     while len(keys) > MAX_CUBES:
-        keys, edge_m = np.unique(pack_keys(unpack_keys(keys) >> 1)), 2.0 * edge_m
+        keys, edge_m = sorted_unique(pack_keys(unpack_keys(keys) >> 1)), 2.0 * edge_m
     return voxel_centres_m(unpack_keys(keys), edge_m) + origin, edge_m

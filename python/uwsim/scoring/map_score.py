@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.depth_grid import depth_grid
-from uwsim.mapping.voxel_keys import pack_keys, unpack_keys, voxel_centres_m, voxel_keys
+from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
 from uwsim.scoring.seabed_comparison import SeabedComparison, compare_seabed
 from uwsim.scoring.visible_voxels import visible_voxels
 
@@ -86,7 +86,7 @@ def score_map(
     more voxels than true_surface.MAX_VOXELS.
     """
     rays = rays or _core.RayScene(world)
-    occupied = np.unique(pack_keys(_grid_keys(occupied_centres_m, resolution_m)))
+    occupied = sorted_unique(pack_keys(_grid_keys(occupied_centres_m, resolution_m)))
     visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
     covered = _have_occupied_neighbour(visible, occupied)
     centres = np.ascontiguousarray(occupied_centres_m, np.float64)

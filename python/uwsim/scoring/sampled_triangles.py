@@ -50,7 +50,10 @@ class SampledTriangles:
 
     def touching(self, low_m: NDArray[np.float64], high_m: NDArray[np.float64]) -> Self:
         """Return the triangles whose bounding boxes meet the box."""
-        return self.at(np.flatnonzero(np.all((self.low <= high_m) & (self.high >= low_m), axis=1)))
+        touches = np.ones(len(self.a), bool)
+        for axis in range(3):  # one column at a time is faster than rows of three
+            touches &= (self.low[:, axis] <= high_m[axis]) & (self.high[:, axis] >= low_m[axis])
+        return self.at(np.flatnonzero(touches))
 
     def heights_within(
         self, low_m: NDArray[np.float64], high_m: NDArray[np.float64]
@@ -106,9 +109,12 @@ def sample_points(
             of, column = _ranges(first[met[rows]], last[met[rows]])
             of = met[rows][of]
             along = np.where(column == steps[of], np.minimum(column, 1), column * (1.0 / np.maximum(steps[of], 1)))
-            weights = np.stack([(1.0 - up[of]) * (1.0 - along), (1.0 - up[of]) * along, up[of]], axis=1)
-            corners = (triangles.a, triangles.b, triangles.c)
-            yield np.asarray(sum(weights[:, k, None] * corners[k][at[of]] for k in range(3)), np.float64)
+            up_of, corner = up[of], at[of]
+            to_a, to_b = ((1.0 - up_of) * (1.0 - along))[:, None], ((1.0 - up_of) * along)[:, None]
+            points = to_a * triangles.a[corner]
+            points += to_b * triangles.b[corner]
+            points += up_of[:, None] * triangles.c[corner]
+            yield points
 
 
 def _batches(counts: NDArray[np.int64], limit: int) -> list[NDArray[np.int64]]:

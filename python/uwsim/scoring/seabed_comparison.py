@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,7 +75,14 @@ def compare_seabed(
     centres = np.stack([grid.west_m + (columns + 0.5) * grid.cell_m, grid.south_m + (rows + 0.5) * grid.cell_m], axis=1)
     inside = inside_polygon(centres, area_world_m)
     rows, columns, centres = rows[inside], columns[inside], centres[inside]
-    height, blocked = _terrain_in_cells(world, rays, centres, grid.cell_m)
+    vertices, triangles, labels = world.surface_mesh()
+    may_be_blocked = _near(vertices[triangles[labels != TERRAIN_LABEL]], grid)[rows, columns]
+    height = np.empty(len(centres))
+    for batch, xy in _samples(centres, grid.cell_m):
+        height[batch] = world.height_at(xy).reshape(len(height[batch]), -1).mean(axis=1)
+    blocked = np.zeros(len(centres), bool)
+    top_m, bottom_m = float(vertices[:, 2].max(initial=0.0)), float(vertices[:, 2].min(initial=0.0))
+    blocked[may_be_blocked] = _blocked(rays, centres[may_be_blocked], grid.cell_m, top_m, bottom_m)
     error, true_depth = np.full(grid.depth_m.shape, np.nan), np.full(grid.depth_m.shape, np.nan)
     obstructed = np.zeros(grid.depth_m.shape, bool)
     true_depth[rows, columns] = -height
@@ -83,27 +91,38 @@ def compare_seabed(
     return SeabedComparison(grid, error, true_depth, obstructed)
 
 
-def _terrain_in_cells(
-    world: _core.World, rays: _core.RayScene, centres_m: NDArray[np.float64], cell_m: float
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return the terrain's mean height in each cell (n,), nan off the terrain, and whether an obstacle covers it."""
-    vertices, _, labels = world.surface_mesh()
-    top_m = float(vertices[:, 2].max(initial=0.0)) + MARGIN_M
-    reach_m = top_m - float(vertices[:, 2].min(initial=0.0)) + MARGIN_M
-    has_solids = bool((labels != TERRAIN_LABEL).any())
+def _near(triangles_m: NDArray[np.float64], grid: DepthGrid) -> NDArray[np.bool_]:
+    """Return the cells (rows, columns) in or next to the bounding box of a triangle (n, 3, 3): solids may be there."""
+    rows, columns = grid.depth_m.shape
+    at = (triangles_m[..., :2] - (grid.west_m, grid.south_m)) / grid.cell_m
+    low, high = np.floor(at.min(axis=1)).astype(np.int64) - 1, np.floor(at.max(axis=1)).astype(np.int64) + 2
+    (west, south), (east, north) = np.clip(low, 0, (columns, rows)).T, np.clip(high, 0, (columns, rows)).T
+    boxes = np.zeros((rows + 1, columns + 1), np.int64)  # summed over rows and columns: the number of boxes at a cell
+    for row, column, sign in ((south, west, 1), (north, east, 1), (south, east, -1), (north, west, -1)):
+        np.add.at(boxes, (row, column), sign)
+    return np.asarray(boxes.cumsum(axis=0).cumsum(axis=1)[:-1, :-1] > 0)
+
+
+def _samples(centres_m: NDArray[np.float64], cell_m: float) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+    """Yield batches of cells, and their sample points (n, 2), as many for each cell."""
     steps = int(np.ceil(cell_m / SAMPLE_SPACING_M - 1e-9)) + 1
     offset = (np.linspace(-0.5, 0.5, steps)) * cell_m
     offsets = np.stack(np.meshgrid(offset, offset), axis=-1).reshape(-1, 2)
-    height, blocked = np.empty(len(centres_m)), np.zeros(len(centres_m), bool)
     cells_at_once = max(SAMPLES_AT_ONCE // len(offsets), 1)
     for start in range(0, len(centres_m), cells_at_once):
-        batch = slice(start, start + cells_at_once)
-        xy = (centres_m[batch, None] + offsets).reshape(-1, 2)
-        height[batch] = world.height_at(xy).reshape(-1, len(offsets)).mean(axis=1)
-        if has_solids:
-            origins = np.column_stack([xy, np.full(len(xy), top_m)])
-            down = np.broadcast_to(np.array([0.0, 0.0, -1.0]), origins.shape).copy()
-            first = rays.cast(origins, down, reach_m)
-            obstacle = np.isfinite(first.ranges_m) & (first.labels != TERRAIN_LABEL)
-            blocked[batch] = obstacle.reshape(-1, len(offsets)).any(axis=1)
-    return height, blocked
+        batch = slice(start, min(start + cells_at_once, len(centres_m)))
+        yield batch, (centres_m[batch, None] + offsets).reshape(-1, 2)
+
+
+def _blocked(
+    rays: _core.RayScene, centres_m: NDArray[np.float64], cell_m: float, top_m: float, bottom_m: float
+) -> NDArray[np.bool_]:
+    """Return whether an obstacle is the first thing below a sample of each cell (n,). top_m, bottom_m: of the world."""
+    blocked = np.zeros(len(centres_m), bool)
+    for batch, xy in _samples(centres_m, cell_m):
+        origins = np.column_stack([xy, np.full(len(xy), top_m + MARGIN_M)])
+        down = np.broadcast_to([0.0, 0.0, -1.0], origins.shape)
+        first = rays.cast(origins, down, top_m - bottom_m + 2.0 * MARGIN_M)
+        obstacle = np.isfinite(first.ranges_m) & (first.labels != TERRAIN_LABEL)
+        blocked[batch] = obstacle.reshape(len(blocked[batch]), -1).any(axis=1)
+    return blocked

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,8 @@ from uwsim.scoring.sampled_triangles import ROWS_AT_ONCE, Box, SampledTriangles,
 
 TERRAIN_LABEL = 1
 MAX_VOXELS = 50_000_000
-TILE_VOXELS = 256
+TILE_VOXELS, TILE_BITS = 256, 9
+PLACE_BITS = 63 - 3 * TILE_BITS - 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,17 @@ def sample_surface(world: _core.World, resolution_m: float, area_world_m: NDArra
 def surface_tiles(
     world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64], within_m: Box | None = None
 ) -> Iterator[SurfaceSamples]:
+    """Return the samples of each of surface_tile_jobs that has any."""
+    tiles = (job() for job in surface_tile_jobs(world, resolution_m, area_world_m, within_m))
+    yield from (tile for tile in tiles if len(tile.points_world_m))
+
+
+def surface_tile_jobs(
+    world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64], within_m: Box | None = None
+) -> Iterator[Callable[[], SurfaceSamples]]:
     """Sample every triangle of terrain and solids, where it lies inside the polygon, at half a voxel or closer.
+
+    Yields functions that each sample a tile, on any thread.
 
     A voxel counts as surface when it holds a sample, so a voxel that the surface merely clips (by less than about a
     third of its width) may not count. At most one sample is kept for each octant of a voxel: more would see nothing
@@ -60,12 +72,15 @@ def surface_tiles(
     if within_m is not None:
         low, high = np.maximum(low, within_m[0]), np.minimum(high, within_m[1])
     is_terrain = labels == TERRAIN_LABEL
+    sides = np.zeros(len(vertices), np.uint8)
+    for side, outside in enumerate((*(vertices < low).T, *(vertices > high).T)):
+        sides |= outside.astype(np.uint8) << side
+    first, second, third = sides[triangles].T
+    beyond = (first & second & third) != 0  # all corners lie beyond one side of the box
     parts = []
     for kind in (is_terrain, ~is_terrain):
-        far = np.zeros(int(kind.sum()), bool)
-        for outside in (*(vertices < low).T, *(vertices > high).T):
-            far |= outside[triangles[kind]].all(axis=1)
-        parts.append(SampledTriangles.from_corners(vertices[triangles[kind][~far]], resolution_m / 2.0))
+        near = triangles[kind & ~beyond]
+        parts.append(SampledTriangles.from_corners(vertices[near], resolution_m / 2.0))
     if not any(len(part.a) for part in parts):
         return
     low = np.maximum(low, np.min([part.low.min(axis=0, initial=np.inf) for part in parts], axis=0))
@@ -73,9 +88,7 @@ def surface_tiles(
     _require_scorable(sum(_voxel_estimate(part, low, high, resolution_m) for part in parts), low, high, area_world_m)
     lowest, highest = voxel_keys(np.stack([low, high]), resolution_m)
     for first, last, near_parts in _tiles(parts, lowest - 1, highest + 2, resolution_m):  # one voxel more, for rounding
-        tile = _sample_tile(world, near_parts, first, last, resolution_m, area_world_m)
-        if len(tile.points_world_m):
-            yield tile
+        yield partial(_sample_tile, world, near_parts, first, last, resolution_m, area_world_m)
 
 
 def _voxel_estimate(
@@ -142,20 +155,43 @@ def _sample_tile(
     kept, kept_points = np.empty(0, np.int64), np.empty((0, 3))
     for is_solid, part in enumerate(parts):
         for points in sample_points(part, *_box_m(first, last, resolution_m)):
-            octants = voxel_keys(points, resolution_m / 2.0)
-            mine = np.all((octants >> 1 >= first) & (octants >> 1 < last), axis=1)
-            mine[mine] = inside_polygon(points[mine, :2], area_world_m)
-            if is_solid and mine.any():
+            octants = voxel_keys(points, resolution_m / 2.0) - 2 * first
+            within = np.ones(len(points), bool)
+            for axis in range(3):
+                within &= (octants[:, axis] >= 0) & (octants[:, axis] < 2 * (last - first)[axis])
+            mine = np.flatnonzero(within)
+            mine = mine[inside_polygon(points[mine, :2], area_world_m)]
+            if is_solid and len(mine):
                 with np.errstate(invalid="ignore"):
-                    mine[mine] = ~(world.height_at(points[mine, :2]) > points[mine, 2])
-            # Points kept so far come first, so that np.unique keeps them.
-            keys = np.concatenate([kept, pack_keys(octants[mine] - 2 * first)])
-            kept, index = np.unique(keys, return_index=True)
-            kept_points = np.concatenate([kept_points, points[mine]])[index]
-    voxels = pack_keys((unpack_keys(kept) >> 1) + first)
-    keys, voxel_of_sample = np.unique(voxels, return_inverse=True)
-    order = np.argsort(voxel_of_sample, kind="stable")
-    return SurfaceSamples(kept_points[order], voxel_of_sample[order], unpack_keys(keys))
+                    mine = mine[~(world.height_at(points[mine, :2]) > points[mine, 2])]
+            # Points kept so far come first and stay.
+            keys = np.concatenate([kept, _octant_keys(octants[mine])])
+            index = _first_of_each(keys)
+            kept, kept_points = keys[index], np.concatenate([kept_points, points[mine]])[index]
+    voxels = kept >> 3
+    is_first = np.concatenate([[True], voxels[1:] != voxels[:-1]]) if len(voxels) else np.empty(0, bool)
+    packed = voxels[is_first]
+    shifts = np.array([2 * TILE_BITS, TILE_BITS, 0])
+    found = ((packed[:, None] >> shifts) & ((1 << TILE_BITS) - 1)) + first
+    return SurfaceSamples(kept_points, np.cumsum(is_first) - 1, found)
+
+
+def _octant_keys(octants: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Pack the octants (n, 3) of a tile's voxels into integers (n,) that sort by voxel, then by octant."""
+    x, y, z = octants.T
+    voxels = ((x >> 1) << (2 * TILE_BITS)) | ((y >> 1) << TILE_BITS) | (z >> 1)
+    return np.asarray((voxels << 3) | ((x & 1) << 2) | ((y & 1) << 1) | (z & 1))
+
+
+def _first_of_each(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the index of the first of each of the keys (n,), in the order of the keys.
+
+    Sorting integers that hold key and index is ten times as fast as np.unique.
+    """
+    places = np.sort((keys << PLACE_BITS) | np.arange(len(keys)))
+    sorted_keys = places >> PLACE_BITS
+    is_first = np.concatenate([[True], sorted_keys[1:] != sorted_keys[:-1]]) if len(keys) else np.empty(0, bool)
+    return np.asarray(places[is_first] & ((1 << PLACE_BITS) - 1))
 
 
 def _box_m(first: NDArray[np.int64], last: NDArray[np.int64], resolution_m: float) -> Box:

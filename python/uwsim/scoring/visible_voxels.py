@@ -6,13 +6,17 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.voxel_keys import pack_keys
-from uwsim.scoring.true_surface import SurfaceSamples, surface_tiles
+from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 POSE_SPACING_M = 0.25
 VISIBILITY_TOLERANCE_M = 0.01
@@ -35,7 +39,10 @@ def visible_voxels(
         return np.empty(0, np.int64)
     box = poses.min(axis=0) - range_max_m, poses.max(axis=0) + range_max_m
 
-    def visible_in(tile: SurfaceSamples) -> NDArray[np.int64]:
+    def visible_in(sample: Callable[[], SurfaceSamples]) -> NDArray[np.int64]:
+        tile = sample()
+        if not len(tile.points_world_m):
+            return np.empty(0, np.int64)
         low, high = tile.points_world_m.min(axis=0), tile.points_world_m.max(axis=0)
         near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
         seen = rays.seen_groups(
@@ -48,19 +55,17 @@ def visible_voxels(
         )
         return pack_keys(tile.voxel_keys[seen])
 
-    visible = list(_in_parallel(visible_in, surface_tiles(world, resolution_m, area_world_m, box)))
+    visible = list(_in_parallel(visible_in, surface_tile_jobs(world, resolution_m, area_world_m, box)))
     return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))
 
 
-def _in_parallel(
-    work: Callable[[SurfaceSamples], NDArray[np.int64]], tiles: Iterable[SurfaceSamples]
-) -> Iterator[NDArray[np.int64]]:
-    """Return work(tile) for each tile, in order, with one thread per core; only a few tiles are held at a time."""
+def _in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+    """Return work(item) for each item, in order, with one thread per core; only a few are under way at a time."""
     threads = len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(threads, "score") as pool:
-        pending: deque[Future[NDArray[np.int64]]] = deque()
-        for tile in tiles:
-            pending.append(pool.submit(work, tile))
+        pending: deque[Future[Result]] = deque()
+        for item in items:
+            pending.append(pool.submit(work, item))
             if len(pending) > threads:
                 yield pending.popleft().result()
         while pending:

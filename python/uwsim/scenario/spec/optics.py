@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 
 from uwsim import _core
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, OneOf, broken
@@ -20,6 +20,17 @@ class WaterCoefficients(Model):
     diffuse_attenuation: PerBand
     absorption: PerBand
     scattering: PerBand
+
+    @model_validator(mode="after")
+    def _absorbs_at_most_what_is_lost(self) -> WaterCoefficients:
+        """Kd is never less than a: light that goes down a metre has gone at least a metre."""
+        for band, (a, kd) in enumerate(zip(self.absorption, self.diffuse_attenuation, strict=True)):
+            if a > kd:
+                rule = (
+                    f"must be at most diffuse_attenuation[{band}] = {kd:g} 1/m: light that goes down a metre has gone "
+                )
+                raise broken(rule + "at least a metre", at=("absorption", band), value=a, unit="1/m")
+        return self
 
 
 def _jerlov(value: object) -> object:
