@@ -34,7 +34,8 @@ ARRIVED_M = 0.5  # a point is reached within this distance
 SHALLOWEST_Z_M = -1.5  # the vehicle never climbs above this height
 PASSABLE_Z_M = SHALLOWEST_Z_M - 2.0  # what reaches higher is a shoal: the vehicle goes round it
 LOOK_AHEAD_M = 6.0  # a lane ends this far before a shoal
-SIDE_STEPS = 3.0  # line spacings: the vehicle faces the way to a lane that is farther away
+SIDE_STEPS = 3.0  # line spacings: a lane farther away is reached in a transit, facing the way
+TRANSIT_VIEW_S = 20.0  # time ahead at which the fan meets a flat bed in transits, so that a rise is seen in time
 STUCK_AFTER_S = 60.0
 TILT_TOLERANCE_RAD = np.radians(0.5)
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
@@ -59,6 +60,11 @@ class LawnMowerPlan:
         """Distance ahead at which the tilted fan meets a flat bed; lanes begin and end this far outside the polygon."""
         return float(np.clip(self.altitude_m / np.tan(np.radians(max(self.tilt_deg, 10.0))), 0.0, 20.0))
 
+    @property
+    def transit_view_m(self) -> float:
+        """Distance ahead at which the fan meets a flat bed on a long way to a lane."""
+        return TRANSIT_VIEW_S * self.speed_m_s
+
 
 class StoppedError(Exception):
     """The mission ended before its last lane; the message says why."""
@@ -67,8 +73,10 @@ class StoppedError(Exception):
 class AdaptiveLawnMower(Sealed):
     """Flies a plan with a vehicle and a clock, which need the names in uwsim.control.protocols.
 
-    The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for each lane. Everything that a leg
-    remembers from one control period to the next is in `state`, so that `save` and `restore` are possible at any time.
+    The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for each lane; before a lane that is
+    far away come a "transit" and another "tilt". On a long way to a lane the sonar looks farther ahead than on lanes.
+    Everything that a leg remembers from one control period to the next is in `state`, so that `save` and `restore` are
+    possible at any time.
     """
 
     vehicle: SurveyVehicle
@@ -90,7 +98,7 @@ class AdaptiveLawnMower(Sealed):
         self.plan = plan
         self.period_s = period_s
         self.autopilot = Autopilot(vehicle, period_s)
-        self.obstacles_ahead = ObstacleMemory()
+        self.obstacles_ahead = ObstacleMemory(ahead_m=max(20.0, 1.3 * plan.transit_view_m))
         self.shoals = ShoalChart(PASSABLE_Z_M)
         east_m, north_m, _ = self._position().tolist()
         self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
@@ -131,19 +139,20 @@ class AdaptiveLawnMower(Sealed):
         legs: dict[LegName, Callable[[LegStart], LegName]] = {
             "undock": self._undock,
             "approach": self._approach,
+            "transit": self._transit,
             "tilt": self._wait_for_tilt,
             "turn": self._turn,
             "abreast": self._side_step,
             "mow": self._mow,
         }
         state = self.state
-        self.vehicle.sonar.aim(self._elevation_rad)
         try:
             if not self.vehicle.released:
                 self.vehicle.release()
             while state.lane < len(self.lanes):
                 if state.leg_start is None:
                     state.leg_start = self._leg_start()
+                self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
                 state.leg = legs[state.leg](state.leg_start)
                 state.leg_start = None
         except StoppedError as stop:
@@ -158,9 +167,10 @@ class AdaptiveLawnMower(Sealed):
         near_m = np.array(self.state.lanes_near_m)
         return lawn_mower_lanes(self.plan.area_m, self.plan.line_spacing_m, self.plan.reach_m, near_m)
 
-    @property
-    def _elevation_rad(self) -> float:
-        return -math.radians(self.plan.tilt_deg)
+    def _look_farther_ahead(self) -> None:
+        """Tilt the sonar less than on the lanes, so that its fan meets a flat bed farther ahead."""
+        tilt_rad = math.atan2(self.plan.altitude_m, self.plan.transit_view_m)
+        self.vehicle.sonar.aim(-min(tilt_rad, math.radians(self.plan.tilt_deg)))
 
     def _back_to(self, start: LegStart) -> tuple[float, float]:
         """Velocity towards the position where the leg began."""
@@ -197,7 +207,7 @@ class AdaptiveLawnMower(Sealed):
 
     def _wait_for_tilt(self, start: LegStart) -> LegName:
         """Wait on the spot until the sonar's head has turned to its elevation, if the sonar reports one."""
-        target_rad = self._elevation_rad
+        target_rad = -math.radians(self.plan.tilt_deg)
         while abs(getattr(self.vehicle.sonar, "elevation_rad", target_rad) - target_rad) > TILT_TOLERANCE_RAD:
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
                 break  # a survey with another tilt is better than none
@@ -226,13 +236,24 @@ class AdaptiveLawnMower(Sealed):
 
     def _side_step(self, start: LegStart) -> LegName:
         """Side-step to the lane: to its start, or further along it if the last lane was cut short."""
+        point_m = self._nearest_on_lane(start)
+        if math.dist(point_m, start.position_world_m[:2]) > SIDE_STEPS * self.plan.line_spacing_m:
+            return "transit"
+        if not self._go_to(point_m, start, self.lanes[self.state.lane].heading_rad):
+            return self._skip_lane("turn")
+        return "mow"
+
+    def _transit(self, start: LegStart) -> LegName:
+        """Go to a lane that is far away, facing the way."""
+        if not self._go_to(self._nearest_on_lane(start), start, heading_rad=None):
+            return self._skip_lane("tilt")
+        return "tilt"
+
+    def _nearest_on_lane(self, start: LegStart) -> NDArray[np.float64]:
+        """The point of the lane that is nearest to where the leg began."""
         lane = self.lanes[self.state.lane]
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
-        point_m = lane.start_m + along_m * lane.direction
-        is_far = math.dist(point_m, start.position_world_m[:2]) > SIDE_STEPS * self.plan.line_spacing_m
-        if not self._go_to(point_m, start, None if is_far else lane.heading_rad):
-            return self._skip_lane("turn")
-        return "turn" if is_far else "mow"
+        return lane.start_m + along_m * lane.direction
 
     def _mow(self, start: LegStart) -> LegName:
         """Go forward along the lane while there is water ahead."""
@@ -264,12 +285,14 @@ class AdaptiveLawnMower(Sealed):
         return self.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> bool:
-        """Go to a point, round shoals; return whether there is a way.
+        """Go to a point, round shoals; return whether there is a way. On a long way the sonar looks farther ahead.
 
         The vehicle holds the heading, if one is given and the way is straight; else it faces where it goes.
         """
         to_x, to_y = point_m.tolist()
         total_m = math.dist((to_x, to_y), start.position_world_m[:2])
+        if heading_rad is None and total_m > self.plan.transit_view_m:
+            self._look_farther_ahead()
         allowed_s = STUCK_AFTER_S + 5.0 * total_m / self.plan.speed_m_s
         while True:
             x, y, _ = self._position().tolist()

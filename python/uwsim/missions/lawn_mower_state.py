@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge
 
-LegName = Literal["undock", "approach", "tilt", "turn", "abreast", "mow"]
+LegName = Literal["undock", "approach", "transit", "tilt", "turn", "abreast", "mow"]
 
 
 @dataclass(frozen=True)
