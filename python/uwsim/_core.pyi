@@ -85,6 +85,7 @@ __all__: list[str] = [
     "points_above",
     "refracted",
     "register_cloud",
+    "relative_transform",
     "remove_box",
     "remove_outliers",
     "scan_to_points",
@@ -1145,6 +1146,12 @@ class PhysicsPing:
     def detections(self) -> numpy.ndarray:
         """
         (beams,) uint8, values of Detection
+        """
+    @property
+    def deviation_m(self) -> numpy.ndarray:
+        """
+        (beams,) float32, standard deviation of the echo's place by the instrument's own figures, from its range's
+        error and the beam's width; inf = no detection
         """
     @property
     def incidence_rad(self) -> numpy.ndarray:
@@ -2454,6 +2461,13 @@ def register_cloud(
     pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Returns
     target_from_source (4, 4), the rms distance [m] of the points within max_distance_m, their share of all, the
     iterations and whether they converged. Raises ValueError. Releases the GIL.
+    """
+
+def relative_transform(
+    world_from_target: typing.Any, world_from_source: typing.Any
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+    """
+    target_from_source, (4, 4) float64, of rigid transforms. Raises ValueError.
     """
 
 def remove_box(

@@ -4,6 +4,7 @@
     ranges_m = decode_depth_string(text, model=2)           inf without echo
     scan = to_laser_scan(ranges_m, model=2, stamp_s=12.5)   sensor_msgs/LaserScan's fields
     scan = reject_outliers(scan)                            in physics mode: false detections
+                                                            (before the text: reject_uncertain)
     points_m = to_point_cloud(scan)                         in base_scan: x forward, y left, z up
     points_m = remove_box(transform_points(points_m, body_from_sonar), box_min_m, box_max_m)      self filter
     points_world_m = transform_points(points_m, world_from_body)
@@ -32,6 +33,9 @@ Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two r
 the wire sends for a beam without echo, and range_limit_m (94.9 or 54.9), above which the decoder reads a value as no
 echo, and which is the LaserScan's range_max.
 """
+
+CONFIDENCE = 1.96
+"""Standard deviations of a normal distribution within which 95 % of it lies."""
 
 REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
 """Settings of `reject_outliers`, assumed: in the valley's physics mode they keep 99.7 % of the echoes of a gate."""
@@ -118,6 +122,20 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
     return _core.scan_to_points(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
 
 
+def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
+    """Turn ranges into inf whose echoes' places are uncertain by more than max_uncertainty_m at 95 % confidence.
+
+    ranges_m, deviation_m: (beams,), as in a ping of physics mode; the uncertainty is CONFIDENCE deviations, as in
+    IHO S-44. A head does this before its ranges are sent, as instruments do by their quality factors.
+    """
+    if not max_uncertainty_m > 0.0:  # false for nan, too
+        raise ValueError(f"max_uncertainty_m = {max_uncertainty_m} m: must be positive")
+    ranges, deviations = np.asarray(ranges_m, np.float32), np.asarray(deviation_m)
+    if ranges.shape != deviations.shape:
+        raise ValueError(f"deviation_m.shape = {deviations.shape}: must be that of ranges_m, {ranges.shape}")
+    return np.where(CONFIDENCE * deviations <= max_uncertainty_m, ranges, np.float32(np.inf))
+
+
 def reject_outliers(scan: LaserScan) -> LaserScan:
     """Turn ranges with which too few neighbours agree, such as false detections, into inf: a gate along the swath.
 
@@ -144,6 +162,11 @@ def transform_points(points_source_m: ArrayLike, target_from_source: ArrayLike) 
     2 um at 50 m from zero and 0.2 mm at 4 km.
     """
     return _core.transform_points(points_source_m, target_from_source)
+
+
+def relative_transform(world_from_target: ArrayLike, world_from_source: ArrayLike) -> NDArray[np.float64]:
+    """Return target_from_source, (4, 4), of two rigid transforms: inverse(world_from_target) @ world_from_source."""
+    return _core.relative_transform(world_from_target, world_from_source)
 
 
 def filter_range(points_m: ArrayLike, min_m: float, max_m: float) -> NDArray[np.float32]:

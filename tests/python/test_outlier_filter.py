@@ -5,12 +5,21 @@ import pytest
 
 from uwsim import ranging
 from uwsim.mapping import OccupancyMap
-from uwsim.scenario import load
+from uwsim.scenario import Scenario, load
 from uwsim.simulator import Simulator
 from uwsim.survey.fly import fly_survey
 
 MODEL = ranging.MODELS[1]
 ANGLES = MODEL.angle_min_rad + MODEL.angle_increment_rad * np.arange(MODEL.beams)
+
+
+def in_physics_mode() -> Scenario:
+    """Return the pool with an em2040-07 at 300 kHz in physics mode."""
+    scenario = load("pool")
+    vehicle = scenario.vehicles[0]
+    changes = {"mode": "physics", "model": "em2040-07", "frequency_khz": 300}
+    sonar = vehicle.sonar.model_validate({**dict(vehicle.sonar), **changes})
+    return scenario.model_copy(update={"vehicles": (vehicle.model_copy(update={"sonar": sonar}),)})
 
 
 def filtered(ranges_m: np.ndarray) -> np.ndarray:
@@ -85,6 +94,37 @@ def test_a_survey_filters_by_default_in_physics_mode_alone(mode: str, by_default
     explicit, _ = flown(by_default)
     assert used is by_default
     assert occupancy.to_bytes("ot") == explicit.to_bytes("ot")
+
+
+def test_echoes_are_kept_up_to_their_own_uncertainty() -> None:
+    ranges = np.array([5.0, 6.0, np.inf, 7.0])
+    deviations = np.array([0.1, 0.1001, np.inf, 0.0])
+    kept = ranging.reject_uncertain(ranges, deviations, 0.196)
+    np.testing.assert_array_equal(kept, np.array([5.0, np.inf, np.inf, 7.0], np.float32))
+    for wrong in (0.0, -1.0, float("nan")):
+        with pytest.raises(ValueError, match=r"max_uncertainty_m = .* m: must be positive"):
+            ranging.reject_uncertain(ranges, deviations, wrong)
+
+
+def test_an_echo_is_at_least_as_uncertain_as_the_beam_is_wide() -> None:
+    sim = Simulator(in_physics_mode())
+    ping = sim.rov.sonar.ping()
+    found = ping.valid
+    width_rad = np.radians(0.933)
+    assert found.sum() > 50
+    assert (ping.deviation_m[found] >= ping.ranges_m[found] * width_rad / np.sqrt(12) - 1e-6).all()
+    assert (ping.deviation_m[found] < 1.0 + ping.ranges_m[found] * width_rad).all()
+    assert np.isinf(ping.deviation_m[~found]).all()
+
+
+def test_a_limit_of_what_is_not_known_or_not_filtered_is_refused() -> None:
+    survey = load("pool").survey
+    assert survey is not None
+    limited = load("pool").model_copy(update={"survey": survey.model_copy(update={"max_uncertainty_m": 0.1})})
+    with pytest.raises(ValueError, match=r"survey.max_uncertainty_m = 0.1 m: needs a sonar with `mode: physics`"):
+        fly_survey(Simulator(limited))
+    with pytest.raises(ValueError, match="is without effect where outlier_filter is false"):
+        survey.model_validate({**dict(survey), "max_uncertainty_m": 0.1, "outlier_filter": False})
 
 
 def test_the_scenario_and_the_caller_may_choose() -> None:

@@ -39,6 +39,15 @@ void bind_links(py::module_& m) {
       "pcl::transformPointCloud. points_source_m: (n, 3) float32. target_from_source: (4, 4) float64, rigid. Returns\n"
       "(n, 3) float32. Raises ValueError. Releases the GIL.");
   m.def(
+      "relative_transform",
+      [](const py::object& world_from_target, const py::object& world_from_source) {
+        const Eigen::Isometry3d target(as_transform(world_from_target, "world_from_target"));
+        const Eigen::Matrix4d source = as_transform(world_from_source, "world_from_source");
+        return Eigen::Matrix4d(target.inverse().matrix() * source);
+      },
+      py::arg("world_from_target"), py::arg("world_from_source"),
+      "target_from_source, (4, 4) float64, of rigid transforms. Raises ValueError.");
+  m.def(
       "filter_range",
       [](const py::object& points_m, double min_m, double max_m) {
         const FloatArray points = as_point_rows(points_m, "points_m");

@@ -40,6 +40,10 @@ void bind_ping(py::module_& m) {
       .def_readonly("snr_db", &PhysicsPing::snr_db,
                     "(beams,) float32, signal-to-noise ratio at the detector; -inf = no detection")
       .def_readonly("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf = no detection")
+      .def_readonly(
+          "deviation_m", &PhysicsPing::deviation_m,
+          "(beams,) float32, standard deviation of the echo's place by the instrument's own figures, from its "
+          "range's\nerror and the beam's width; inf = no detection")
       .def_readonly("labels", &PhysicsPing::labels,
                     "(beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one")
       .def_readonly("valid", &PhysicsPing::valid, "(beams,) bool: detected, false detections included")
@@ -120,6 +124,7 @@ PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const P
   out.intensity_db = read_only(move_out(std::move(ping.intensity_db)));
   out.snr_db = read_only(move_out(std::move(ping.snr_db)));
   out.travel_time_s = read_only(move_out(std::move(ping.travel_time_s)));
+  out.deviation_m = read_only(move_out(std::move(ping.deviation_m)));
   out.labels = read_only(move_out(std::move(ping.labels)));
   out.valid = read_only(move_out(std::move(ping.valid)).attr("view")("bool").cast<py::array_t<bool>>());
   out.detections = read_only(move_out(std::move(ping.detections)));

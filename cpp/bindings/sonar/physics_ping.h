@@ -14,8 +14,8 @@ struct PhysicsPing {
   int model = 0;
   std::uint64_t time_ns = 0;
   Eigen::Matrix4d world_from_sonar;
-  pybind11::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, snr_db, travel_time_s, labels,
-      valid, detections;
+  pybind11::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, snr_db, travel_time_s, deviation_m,
+      labels, valid, detections;
 };
 
 /// Moves the results of a ping into arrays.

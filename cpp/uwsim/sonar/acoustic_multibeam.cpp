@@ -33,8 +33,8 @@ AcousticPing empty_ping(std::size_t beams) {
   return {std::vector<float>(beams, kInfinity),  std::vector<float>(3 * beams, kNone),
           std::vector<float>(beams, kNone),      std::vector<float>(beams, -kInfinity),
           std::vector<float>(beams, -kInfinity), std::vector<float>(beams, kInfinity),
-          std::vector<Label>(beams, kNothing),   std::vector<std::uint8_t>(beams, 0),
-          std::vector<std::uint8_t>(beams, 0)};
+          std::vector<float>(beams, kInfinity),  std::vector<Label>(beams, kNothing),
+          std::vector<std::uint8_t>(beams, 0),   std::vector<std::uint8_t>(beams, 0)};
 }
 
 }  // namespace
@@ -277,6 +277,8 @@ void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const
   const double level_db = 10 * std::log10(found.intensity);
   ping.intensity_db[beam] = static_cast<float>(level_db - figure_db_);
   ping.snr_db[beam] = static_cast<float>(level_db);
+  const double across_m = found.range_m * spec_.figures.beam_width_along_rad / std::sqrt(12.0);
+  ping.deviation_m[beam] = static_cast<float>(std::hypot(found.deviation_m, across_m));
   ping.valid[beam] = 1;
   ping.detections[beam] = static_cast<std::uint8_t>(found.kind);
   if (found.kind == Detection::kFalse) return;

@@ -41,12 +41,16 @@ struct HeadMotion {
 /// One ping in physics mode, one value for each beam; names shared with MultibeamPing mean the same. In each array a
 /// beam without a detection has infinity, NaN, -infinity or 0, as stated.
 struct AcousticPing {
-  std::vector<float> ranges_m;           ///< sound speed at the head x half the travel time; infinity
-  std::vector<float> points_sonar_m;     ///< beams x 3: the range along the beam's axis at transmission; NaN
-  std::vector<float> incidence_rad;      ///< true value at the strongest ray; NaN, for false detections too
-  std::vector<float> intensity_db;       ///< received level less source level, with speckle; -infinity
-  std::vector<float> snr_db;             ///< at the detector, with noise; -infinity
-  std::vector<float> travel_time_s;      ///< two-way; infinity
+  std::vector<float> ranges_m;        ///< sound speed at the head x half the travel time; infinity
+  std::vector<float> points_sonar_m;  ///< beams x 3: the range along the beam's axis at transmission; NaN
+  std::vector<float> incidence_rad;   ///< true value at the strongest ray; NaN, for false detections too
+  std::vector<float> intensity_db;    ///< received level less source level, with speckle; -infinity
+  std::vector<float> snr_db;          ///< at the detector, with noise; -infinity
+  std::vector<float> travel_time_s;   ///< two-way; infinity
+  /// The standard deviation of the echo's place by the instrument's own figures: that of its range, and that of its
+  /// angle across the fan, which lies anywhere in the beam's width: range x width / sqrt(12), the deviation of a
+  /// uniform distribution (derived here; an error model of hydrography, such as Hare 1995's, has more terms). Infinity.
+  std::vector<float> deviation_m;
   std::vector<Label> labels;             ///< true value; kNothing, for false detections too
   std::vector<std::uint8_t> valid;       ///< 1 for a detection, false ones included
   std::vector<std::uint8_t> detections;  ///< Detection

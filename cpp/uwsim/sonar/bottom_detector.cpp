@@ -19,13 +19,13 @@ BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& bea
   if (!(echo.peak > 0)) return {};
   double extent_m = echo.extent_m(static_cast<float>(cell_m));
   double snr = system_ratio_ * echo.peak;
-  BottomDetection found{Detection::kAmplitude, echo.centre_range_m, 0};
+  BottomDetection found{Detection::kAmplitude, echo.centre_range_m, 0, 0};
   bool by_phase = false;
   if (averaged_looks(extent_m, cell_m) >= kPhaseLooks) {
     const double on_axis_m = axis_range_m(echo.rays, beam);
     if (on_axis_m > 0) {
       by_phase = true;
-      found = {Detection::kPhase, on_axis_m, 0};
+      found = {Detection::kPhase, on_axis_m, 0, 0};
       const AxisEcho on_axis = axis_echo(echo, beam, on_axis_m, static_cast<float>(cell_m));
       extent_m = on_axis.extent_m;
       snr = system_ratio_ * on_axis.level;
@@ -38,6 +38,7 @@ BottomDetection BottomDetector::bottom(const BeamEcho& echo, const BeamRays& bea
   if (range_noise_) {
     const RangeDeviation deviation =
         by_phase ? phase_range_deviation(extent_m, cell_m, snr) : amplitude_range_deviation(extent_m, cell_m, snr);
+    found.deviation_m = deviation.total_m();
     found.range_m += draws.speckle_range * deviation.speckle_m + draws.noise_range * deviation.noise_m;
   }
   return found;
@@ -48,7 +49,7 @@ double BottomDetector::false_alarm(double range_max_m, double cell_m) const {
 }
 
 BottomDetection BottomDetector::noise(double draw, double false_alarm, double range_m) const {
-  return {Detection::kFalse, range_m, threshold_.intensity(1) - std::log(draw / false_alarm)};
+  return {Detection::kFalse, range_m, threshold_.intensity(1) - std::log(draw / false_alarm), 0};
 }
 
 }  // namespace uwsim

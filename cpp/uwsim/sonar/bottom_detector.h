@@ -15,7 +15,8 @@ enum class Detection : std::uint8_t { kNone = 0, kAmplitude = 1, kPhase = 2, kFa
 struct BottomDetection {
   Detection kind = Detection::kNone;
   double range_m = 0;
-  double intensity = 0;  ///< over the noise's mean
+  double intensity = 0;    ///< over the noise's mean
+  double deviation_m = 0;  ///< the standard deviation of the range by the detector's own figures; 0 for noise
 };
 
 /// The random causes of one beam's errors, standard normal draws: of the bottom's speckle, which a ping from the same

@@ -80,6 +80,7 @@ def fly_survey(
         transmit=transmit,
         reference=reference,
         outlier_filter=filters,
+        max_uncertainty_m=_max_uncertainty_m(sim, occupancy) if filters else None,
     ) as chain:
         stopped_because = flight.fly(chain, mission, survey, on_progress)
     return occupancy, replace(flight.record(stopped_because), outlier_filter=filters)
@@ -207,10 +208,27 @@ def required_survey(scenario: Scenario) -> Survey:
 
 
 def filters_outliers(sim: Simulator, asked: bool | None) -> bool:
-    """Whether outliers are filtered: as asked, else as the scenario says, else in the sonar's physics mode."""
+    """Whether outliers are filtered: as asked, else as the scenario says, else in the sonar's physics mode.
+
+    Raises ScenarioError if the scenario limits uncertainties that the sonar does not know.
+    """
+    survey, in_physics = required_survey(sim.scenario), sim.rov.sonar.mode == "physics"
+    if survey.max_uncertainty_m is not None and not in_physics:
+        with sim.scenario.source_file.errors_at("survey", "max_uncertainty_m"):
+            raise ScenarioError(
+                f"survey.max_uncertainty_m = {survey.max_uncertainty_m:g} m: needs a sonar with `mode: physics`"
+            )
     if asked is None:
-        asked = required_survey(sim.scenario).outlier_filter
-    return sim.rov.sonar.mode == "physics" if asked is None else asked
+        asked = survey.outlier_filter
+    return in_physics if asked is None else asked
+
+
+def _max_uncertainty_m(sim: Simulator, occupancy: OccupancyMap) -> float | None:
+    """Return the limit of the echoes' uncertainty: the scenario's, else half a voxel; None where it is not known."""
+    if sim.rov.sonar.mode != "physics":
+        return None
+    asked_m = required_survey(sim.scenario).max_uncertainty_m
+    return occupancy.resolution_m / 2.0 if asked_m is None else asked_m
 
 
 def _ping_interval_s(sim: Simulator, survey: Survey) -> float:

@@ -43,7 +43,8 @@ class PingToMap(Sealed):
     With more than one thread the map is filled in parallel to the simulation. Scans are inserted in order, so the
     map's bytes do not depend on the number of threads. transmit: simulates the channel; receives each depth string and
     returns the string that arrives. reference: a second map, which gets every scan one by one, for comparison.
-    outlier_filter: whether ranging.reject_outliers is a link of the chain.
+    outlier_filter: whether ranging.reject_outliers is a link of the chain. max_uncertainty_m: the limit of
+    ranging.reject_uncertain; None if that is no link.
     """
 
     occupancy: OccupancyMap
@@ -64,6 +65,7 @@ class PingToMap(Sealed):
         transmit: Callable[[str], str] | None = None,
         reference: OccupancyMap | None = None,
         outlier_filter: bool = False,
+        max_uncertainty_m: float | None = None,
     ) -> None:
         self.occupancy = occupancy
         self.reference = reference
@@ -72,6 +74,7 @@ class PingToMap(Sealed):
         self.timer = timer or WallTimer()
         self._transmit = transmit
         self._outlier_filter = outlier_filter
+        self._max_uncertainty_m = max_uncertainty_m
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
         self._map_threads = max(1, threads - 1)  # one thread flies
         self._batch: list[Scan] = []
@@ -84,9 +87,15 @@ class PingToMap(Sealed):
         world_from_body: NDArray[np.float64],
         world_from_sonar: NDArray[np.float64],
         stamp_s: float,
+        deviation_m: NDArray[np.float32] | None = None,
     ) -> NDArray[np.float32]:
-        """Pass on one ping, ranges (beams,), taken at these poses (4, 4); returns its echoes in the world, (n, 3)."""
+        """Pass on one ping, ranges (beams,), taken at these poses (4, 4); returns its echoes in the world, (n, 3).
+
+        deviation_m: (beams,), of the echoes' places, where they are known: in physics mode.
+        """
         with self.timer.measure("codec"):
+            if deviation_m is not None and self._max_uncertainty_m is not None:
+                ranges_m = ranging.reject_uncertain(ranges_m, deviation_m, self._max_uncertainty_m)
             text = ranging.encode_depth_string(ranges_m, self.model)
             if self._transmit is not None:
                 text = self._transmit(text)
@@ -96,7 +105,7 @@ class PingToMap(Sealed):
             if self._outlier_filter:
                 scan = ranging.reject_outliers(scan)
             points_sonar = ranging.filter_range(ranging.to_point_cloud(scan), scan.range_min, scan.range_max)
-            body_from_sonar = np.linalg.inv(world_from_body) @ world_from_sonar
+            body_from_sonar = ranging.relative_transform(world_from_body, world_from_sonar)
             points_body = ranging.transform_points(points_sonar, body_from_sonar)
             others = ranging.remove_box(points_body, self.hull_box.low_body_m, self.hull_box.high_body_m)
             points_world = ranging.transform_points(others, world_from_body)

@@ -66,7 +66,8 @@ class PingingClock:
         with self._chain.timer.measure("rays"):
             ping = rov.sonar.ping()
         body, panel = rov.pose.world_from_body, rov.telemetry()
-        points = self._chain.insert(ping.ranges_m, body, ping.world_from_sonar, self._sim.time_s)
+        deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
+        points = self._chain.insert(ping.ranges_m, body, ping.world_from_sonar, self._sim.time_s, deviation_m)
         self._log.add(ping, points, panel)
         if self._on_taken is not None:
             self._on_taken(ping, panel, body)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Literal
 
@@ -41,9 +42,9 @@ def write_results(
         record.track.write(out / TRACK)
         terminal.result(f"{out / MAP}")
         return None
-    with terminal.status("scoring the map"):
+    with terminal.status("scoring the map"), ThreadPoolExecutor(1, "count") as counter:
         occupied = occupancy.occupied_voxels()
-        free_voxels = occupancy.statistics().free_voxels
+        statistics = counter.submit(occupancy.statistics)
         score = score_map(
             sim.world,
             occupied,
@@ -53,6 +54,7 @@ def write_results(
             record.range_max_m,
             rays=sim.scene,
         )
+        free_voxels = statistics.result().free_voxels
     terminal.result(summary_table(record, score, free_voxels))
     terminal.result(f"ended because {record.stopped_because}")
     record.track.write(out / TRACK)

@@ -18,7 +18,9 @@ class Survey(Model):
 
     area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of
     the lawn-mower's lanes. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
-    outlier_filter: whether ranging.reject_outliers is in the chain; by default in the sonar's physics mode.
+    outlier_filter: whether ranging.reject_uncertain and reject_outliers are in the chain; by default in the sonar's
+    physics mode. max_uncertainty_m: the limit of the former, at 95 % confidence; by default half a voxel, within which
+    most echoes come to lie in the voxels where they belong. Physics mode alone knows uncertainties.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]
@@ -29,6 +31,18 @@ class Survey(Model):
     ping_rate_hz: Annotated[float, InRange(0.1, 50, "Hz")] = 10.0
     voxel_m: Annotated[float, InRange(0.02, 10, "m")] = 0.5
     outlier_filter: bool | None = None
+    max_uncertainty_m: Annotated[float, InRange(0.001, 100, "m")] | None = None
+
+    @model_validator(mode="after")
+    def _limits_only_what_it_filters(self) -> Survey:
+        if self.max_uncertainty_m is not None and self.outlier_filter is False:
+            raise broken(
+                "is without effect where outlier_filter is false",
+                at=("max_uncertainty_m",),
+                value=self.max_uncertainty_m,
+                unit="m",
+            )
+        return self
 
     @model_validator(mode="after")
     def _is_a_polygon_of_some_size(self) -> Survey:
