@@ -1,7 +1,8 @@
 """Draws docs/cameras.jpg, the contact sheet in the README.
 
-The ROV's cameras and the station's in several waters, at noon and at dusk, with and without lamps. The layout is in
-figures/contact_sheet.py. Needs the built package.
+The ROV's front and down cameras in several waters, at noon without lamps and at dusk with them; then the front camera
+without any effect and with warm and cold water mixing before it, the ROV from its chase camera, and in its cage from
+the station's. The layout is in figures/contact_sheet.py. Needs the built package.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from uwsim.scenario import load
 OUT = Path(__file__).resolve().parents[2] / "docs" / "cameras.jpg"
 WATERS = ("I", "III", "5C", "9C")
 NOON_DEG, DUSK_DEG = 60.0, 1.0
+TURBULENT_K = 8.0  # far more than where warm and cold water mix, so that a small picture shows it
 THUMBNAIL = (240, 135)
 BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
 
@@ -32,10 +34,17 @@ def hover_beside_the_pipeline(sim: Simulator) -> None:
 
 
 def thumbnail(
-    sim: Simulator, camera: str, jerlov: str, sun_deg: float, *, lamps: bool, effects: str = "on"
+    sim: Simulator,
+    camera: str,
+    jerlov: str,
+    sun_deg: float,
+    *,
+    lamps: bool,
+    effects: str = "on",
+    turbulence_k: float = 0.5,
 ) -> np.ndarray:
     """Capture one picture and reduce it."""
-    sim.set_optics(jerlov=jerlov, sun_elevation_deg=sun_deg)
+    sim.set_optics(jerlov=jerlov, sun_elevation_deg=sun_deg, turbulence_k=turbulence_k)
     for lamp in sim.rov.lamps.values():
         lamp.on = lamps
     cameras = {**sim.cameras, **sim.rov.cameras}
@@ -48,6 +57,7 @@ def main() -> None:
     lake = load("lake")
     shallow = lake.terrain.model_copy(update={"bed_depth_m": 9.0, "hill_height_m": 3.0})  # so that noon reaches the bed
     sim = Simulator(lake.model_copy(update={"terrain": shallow}))
+    at_the_station = thumbnail(sim, "station", "IB", NOON_DEG, lamps=True)
     sim.rov.release()
     hover_beside_the_pipeline(sim)
     rows = []
@@ -57,9 +67,9 @@ def main() -> None:
     rows.append(
         [
             thumbnail(sim, "front", "III", NOON_DEG, lamps=False, effects="off"),
-            thumbnail(sim, "front", "III", DUSK_DEG, lamps=False),
-            thumbnail(sim, "deck", "III", NOON_DEG, lamps=False),
-            thumbnail(sim, "deck", "III", DUSK_DEG, lamps=False),
+            thumbnail(sim, "front", "III", NOON_DEG, lamps=False, turbulence_k=TURBULENT_K),
+            thumbnail(sim, "chase", "III", NOON_DEG, lamps=True),
+            at_the_station,
         ]
     )
     write_image(OUT, contact_sheet(rows))
