@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from channel_tools import table
-from uwsim.channels import build, services
+from uwsim.channels import build, keep_up, services
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 
@@ -129,6 +130,35 @@ def test_the_map_is_saved_where_the_simulator_runs_and_nowhere_else(
     found["rov/octomap_binary"].read(live.simulator)
     assert ask(live, "rov/save_map", name="here.bt") == {"success": True, "message": "here.bt"}
     assert len(OccupancyMap.read("here.bt").occupied_voxels()) > 0
-    for name in ("../there.bt", "/tmp/there.bt", "here.ot", ".bt", "", 5):
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "out").symlink_to(tmp_path.parent)
+    for name in ("maps/there.bt", str(tmp_path / "maps" / "again.bt")):
+        assert ask(live, "rov/save_map", name=name)["success"]
+    for name in ("../there.bt", "/tmp/there.bt", "here.ot", ".bt", "", 5, "none/here.bt", "out/here.bt", "a\0.bt"):
         assert "name = " in ask(live, "rov/save_map", name=name)["message"]
-    assert [path.name for path in tmp_path.iterdir()] == ["here.bt"]
+    written = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.bt") if "out" not in path.parts)
+    assert written == ["here.bt", "maps/again.bt", "maps/there.bt"]
+
+
+def test_the_map_holds_every_ping_since_the_start_though_nobody_reads(
+    live: LiveSimulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = table(live.simulator)
+    going_on = keep_up(live, found.values())
+    assert len(going_on) == 2, "a map for each vehicle"
+    live.step(10)
+    first = _saved(live, "first.bt")
+    live.vehicles["rov"].sonar.aim(-1.0)
+    live.step(1000)
+    turned = _saved(live, "turned.bt")
+    assert len(turned) > 1.2 * len(first) > 0
+    for subscription in going_on:
+        subscription.cancel()
+    live.step(1000)
+    assert len(_saved(live, "still.bt")) == len(turned)
+
+
+def _saved(live: LiveSimulator, name: str) -> NDArray[np.float64]:
+    assert ask(live, "rov/save_map", name=name)["success"]
+    return OccupancyMap.read(name).occupied_voxels()

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from uwsim.live import LiveSimulator
+from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator import Simulator
 
 
@@ -29,6 +29,8 @@ class Channel:
     picture is pieced together from those before, so that there what it shows depends on the machine, too.
     catch_up: of a channel whose messages build on each other: returns one message with all since a cursor (None: since
     the beginning), and the next cursor; called on any thread.
+    keep_up: called between two steps at rate_hz from when a server begins to offer the channel, whoever reads: what its
+    messages tell of goes on growing; see `keep_up`.
     read: for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time,
     of `messages.typestore()`, or None if there is nothing to say. apply: for "in", called on any thread; must not
     block; raises ValueError for what cannot be done.
@@ -45,6 +47,7 @@ class Channel:
     catch_up: Callable[[Any], tuple[Any, Any]] | None = None
     late: bool = False
     pieced: bool = False
+    keep_up: Callable[[Simulator], object] | None = None
     read: Callable[[Simulator], Any] = _says_nothing
     apply: Callable[[LiveSimulator, Any], object] = _hears_nothing
 
@@ -60,3 +63,19 @@ class Service:
     type: str
     call: Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]
     description: str = ""
+
+
+def keep_up(live: LiveSimulator, channels: Iterable[Channel]) -> list[Subscription]:
+    """Begin what channels do whether or not somebody reads them; servers call it once, and cancel it when they end."""
+    going_on = []
+    for channel in channels:
+        if channel.keep_up is not None and channel.rate_hz is not None:
+            try:
+                going_on.append(live.every(1.0 / channel.rate_hz, channel.keep_up, _ignored))
+            except NotRunningError:  # nothing goes on
+                return going_on
+    return going_on
+
+
+def _ignored(result: object) -> None:
+    pass

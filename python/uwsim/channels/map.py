@@ -1,4 +1,4 @@
-"""The map that the newest pings make: /octomap_binary whole, /map_changes as it grows."""
+"""The map that the pings make since a server began: /octomap_binary whole, /map_changes as it grows."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ class _Late:
 
 
 class PingMap:
-    """A map in the odom frame. Each reading at the rate of the pings inserts the newest: it grows while it is read.
+    """A map in the odom frame of every ping since a server began to offer it, whoever reads.
 
-    Inserting and writing happen in order on a thread of its own. A map that is said arrives one ping later, the first
-    at once.
+    Each ping costs the steps the cast of its rays and the chain; inserting and writing happen in order on a thread of
+    its own. A map that is said arrives one ping later, the first at once.
     """
 
     def __init__(self, source: Source, pings: Pings) -> None:
@@ -82,8 +82,8 @@ class PingMap:
         return [
             Channel(
                 self._source.topic("octomap_binary"), "octomap_msgs/msg/Octomap", "out",
-                "the map of the pings since somebody first listened, once a second", rate_hz=rate_hz,
-                latched=True, frame_id=frame_id, read=self.read,
+                "the map of all pings since the server began, once a second", rate_hz=rate_hz, latched=True,
+                frame_id=frame_id, read=self.read, keep_up=self.keep_up,
             ),
             Channel(
                 self._source.topic("map_changes"), MAP_CHANGES, "out",
@@ -95,14 +95,14 @@ class PingMap:
 
     def read(self, sim: Simulator) -> Any:
         """Insert the newest ping; return the map that was begun at the last reading, once a second, else None."""
-        self._insert_newest(sim)
+        self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(_binary, self._map))
         said = self._whole.said
         return None if said is None else self._message(*said)
 
     def read_changes(self, sim: Simulator) -> Any:
         """Insert the newest ping; return what had changed at the last reading, four times a second, if anything."""
-        self._insert_newest(sim)
+        self.keep_up(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
         said = self._news.said
         if said is None or not len(said[1].cells):
@@ -125,7 +125,8 @@ class PingMap:
     def _interval_ns(self) -> int:
         return round(self._pings.interval_s * 1e9)
 
-    def _insert_newest(self, sim: Simulator) -> None:
+    def keep_up(self, sim: Simulator) -> None:
+        """Insert the newest ping, if it is not in the map."""
         taken = self._pings.newest(sim)
         if taken.ping.time_ns != self._newest_ns:
             self._insert(sim, taken)
@@ -173,7 +174,9 @@ class PingMap:
 
     def _some_map(self) -> OccupancyMap:
         if self._map is None:
-            raise ValueError(f"there is no map yet: subscribe to '{self._source.topic('octomap_binary')}' first")
+            raise ValueError(
+                f"there is no map yet: no server has begun to offer '{self._source.topic('octomap_binary')}'"
+            )
         return self._map
 
 
@@ -190,7 +193,7 @@ def hull_box_m(model: VehicleModel) -> Box:
 
 def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
     """Pass a ping through the chain: scan, cloud, body without its own hull, odom. Returns (n, 3)."""
-    body_from_sonar = np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar
+    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
     points = ranging.transform_points(ranging.to_point_cloud(scan_of(head, taken)), body_from_sonar)
     return ranging.transform_points(ranging.remove_box(points, *hull), taken.odom_from_body)
 

@@ -56,7 +56,7 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
         found.append(
             Service(
                 source.topic("save_map"), "uwsim_msgs/srv/SaveMap", _done(_save_map(ping_map)),
-                "write the map to request.name, NAME.bt, in the folder where the simulator was started",
+                "write the map to request.name, a .bt file in the folder where the simulator was started or below",
             )
         )  # fmt: skip
     return found
@@ -120,12 +120,22 @@ def _pace(live: LiveSimulator, request: Request) -> Request:
 def _save_map(ping_map: PingMap) -> Callable[[LiveSimulator, Request], str]:
     def save(live: LiveSimulator, request: Request) -> str:
         name: str = _field(request, "name", str, "map.bt")
-        if Path(name).name != name or Path(name).suffix != ".bt" or name.startswith("."):
-            raise ValueError(f"name = {name!r}: must be the name of a .bt file, without a folder")
-        ping_map.write(Path(name))
+        ping_map.write(_checked_path(name))
         return name
 
     return save
+
+
+def _checked_path(name: str) -> Path:
+    """Return the path of a .bt file in the working folder or one below it that exists. Raises ValueError."""
+    folder = Path.cwd().resolve()
+    path = (folder / name).resolve() if "\0" not in name else folder  # links are followed before the check
+    hidden = any(part.startswith(".") for part in path.parts[len(folder.parts) :])
+    if path.suffix != ".bt" or not path.is_relative_to(folder) or hidden:
+        raise ValueError(f"name = {name!r}: must be a .bt file in '{folder}' or a folder in it, not hidden")
+    if not path.parent.is_dir():
+        raise ValueError(f"name = {name!r}: the folder '{path.parent}' does not exist")
+    return path
 
 
 def _set_stream(key: str, pictures: Pictures) -> Callable[[LiveSimulator, Request], None]:

@@ -22,7 +22,7 @@ from uwsim.bridges.ros2.qos import DEPTH, queue_of, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import ServiceTopics
 from uwsim.bridges.ros2.settings import Ros2Settings
-from uwsim.channels import Channel, Service
+from uwsim.channels import Channel, Service, keep_up
 from uwsim.channels.cdr import encode, is_as_in_jazzy
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.messages import from_bytes
@@ -73,6 +73,7 @@ class Ros2Node:
         self._log = self._line(LOG_TOPIC, LOG, LOG_DEPTH, latched=True)
         for channel in self.channels:
             self._join(channel)
+        self._going_on = keep_up(live, self.channels)
         self._tell_graph()
         self._thread = threading.Thread(target=self._listen, name="uwsim-ros2-read", daemon=True)
         self._thread.start()
@@ -94,6 +95,8 @@ class Ros2Node:
         self._stopping.set()
         for end in self._ends.values():
             end()
+        for subscription in self._going_on:
+            subscription.cancel()
         self._calls.close()
         self._events.wake()
         self._thread.join(5.0)

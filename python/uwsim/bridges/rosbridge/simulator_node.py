@@ -14,7 +14,7 @@ from typing import Any
 
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply
-from uwsim.channels import Channel, Service
+from uwsim.channels import Channel, Service, keep_up
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 
 NAME = "/uwsim"
@@ -41,6 +41,7 @@ class SimulatorNode:
         self._arrived: deque[tuple[str, Any]] = deque(maxlen=WAITING)
         self._drain_is_due = False
         self._is_closed = False
+        self._going_on = keep_up(live, self._channels.values())
         graph.nodes[NAME] = None
         graph.on_demand.append(self._demand)
         for channel in channels:
@@ -60,7 +61,7 @@ class SimulatorNode:
     def close(self) -> None:
         """Read nothing more, and leave the graph."""
         self._is_closed = True
-        for subscription in self._subscriptions.values():
+        for subscription in (*self._subscriptions.values(), *self._going_on):
             subscription.cancel()
         self._graph.on_demand.remove(self._demand)
         self._graph.leave(NAME)
