@@ -3,7 +3,8 @@
 The lake in real time, flown by a pilot of this benchmark, who is another process. Cases: nobody; a page that shows
 map and panel; the same with one view of 640 x 360 at 10 Hz; three pages of which one never reads. The server's CPU is
 that of this process, simulator and map included. Latencies are by one clock for both processes: a key's until the
-server's answer that it took effect, a picture's from the moment that it shows to the decoded message.
+server's answer that it took effect, a picture's from when it is ready to the decoded message, and from the moment
+that it shows.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Any
 
 import cbor2
@@ -45,8 +47,8 @@ GOALS = {
     "telemetry [kB/s]": ("<=", 5.0),
     "pictures [kB/s]": ("<=", 350.0),
     "pictures delivered": (">=", 0.9),
-    "picture p50 [ms]": ("<=", 40.0),
-    "picture p95 [ms]": ("<=", 200.0),
+    "picture, ready to page, p50 [ms]": ("<=", 40.0),
+    "picture, ready to page, p95 [ms]": ("<=", 200.0),
     "key to server p50 [ms]": ("<=", 20.0),
     "pace with three pages, one stalled": (">=", 0.95),
 }
@@ -85,6 +87,7 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
         station.run(lambda: LiveSimulator(Simulator(scenario)))
         assert station.running is not None
         live = station.running.live
+        ready_s = watch_pictures(station)
         live.rov.undock()
         crowd = [child(server.url, kind, seconds) for kind in pages]
         wait_for(lambda: len(server.sessions) == len(pages))
@@ -108,8 +111,32 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
             "pace": pace,
             "late_ms": 1e3 * live.lateness,
             "slipped_s": live.slipped_s - slipped_s,
-            "pages": found,
+            "pages": [judged(page, ready_s) for page in found],
         }
+
+
+def watch_pictures(station: Station) -> dict[int, float]:
+    """Return the times [s] at which pictures were ready, by stamp [ns], as they come."""
+    assert station.running is not None
+    views, ready_s = station.running.views, {}
+    publish = views._node.publish
+
+    def note(name: str, message: Any, time_ns: int = 0) -> None:
+        if f"/{name}" == VIEW:
+            ready_s[time_ns] = time.monotonic()
+        publish(name, message, time_ns)
+
+    views._node = SimpleNamespace(  # type: ignore[assignment]
+        publish=note, is_wanted=views._node.is_wanted, is_awaited=views._node.is_awaited
+    )
+    return ready_s
+
+
+def judged(page: dict[str, Any], ready_s: dict[int, float]) -> dict[str, Any]:
+    """Return what a page found, with the delays of pictures on their way."""
+    came = page.pop("pictures")
+    on_way_ms = [1e3 * (at_s - ready_s[stamp_ns]) for stamp_ns, at_s in came if stamp_ns in ready_s]
+    return {**page, "way_ms": percentiles(on_way_ms)}
 
 
 def child(url: str, kind: str, seconds: float) -> subprocess.Popen[str]:
@@ -139,6 +166,7 @@ async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
     sizes: dict[str, list[int]] = defaultdict(list)
     keys_ms: list[float] = []
     late_ms: list[float] = []
+    came: list[tuple[int, float]] = []
     answers: dict[str, float] = {}
     is_stalled = "stalled" in kind
     async with connect(url, compression=None, max_size=None, max_queue=1 if is_stalled else 64) as socket:
@@ -176,8 +204,9 @@ async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
             operation = cbor2.loads(frame)
             sizes[operation["topic"]].append(len(frame))
             if operation["topic"] == VIEW:
-                stamp = operation["msg"]["header"]["stamp"]
-                late_ms.append(1e3 * (time.monotonic() - began_s - stamp["secs"] - 1e-9 * stamp["nsecs"]))
+                stamp, now_s = operation["msg"]["header"]["stamp"], time.monotonic()
+                came.append((stamp["secs"] * 10**9 + stamp["nsecs"], now_s))
+                late_ms.append(1e3 * (now_s - began_s - stamp["secs"] - 1e-9 * stamp["nsecs"]))
                 await socket.send(json.dumps({"op": "ack", "topic": VIEW}))
         if driving is not None:
             driving.cancel()
@@ -187,6 +216,7 @@ async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
         "largest_map_kb": 1e-3 * max(sizes.get("/map_changes", [0])),
         "key_ms": percentiles(keys_ms),
         "picture_ms": percentiles(late_ms),
+        "pictures": came,
     }
 
 
@@ -204,8 +234,8 @@ def against_goals(cases: dict[str, Any]) -> dict[str, float]:
         "telemetry [kB/s]": page["kb_per_s"].get("/telemetry", 0.0),
         "pictures [kB/s]": view["kb_per_s"].get(VIEW, 0.0),
         "pictures delivered": view["per_s"].get(VIEW, 0.0) / 10.0,
-        "picture p50 [ms]": view["picture_ms"]["p50"],
-        "picture p95 [ms]": view["picture_ms"]["p95"],
+        "picture, ready to page, p50 [ms]": view["way_ms"]["p50"],
+        "picture, ready to page, p95 [ms]": view["way_ms"]["p95"],
         "key to server p50 [ms]": page["key_ms"]["p50"],
         "pace with three pages, one stalled": cases["three, one stalled"]["pace"],
     }

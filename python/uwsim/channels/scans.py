@@ -41,6 +41,7 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
     frame_id = source.frame("base_scan")
 
     def channel(name: str, kind: str, hz: float, description: str, make: Callable[[TakenPing], Any]) -> Channel:
+        make = _once_a_ping(make)
         return Channel(
             source.topic(name), f"sensor_msgs/msg/{kind}", "out", description, rate_hz=hz, frame_id=frame_id,
             over_link=True, read=lambda sim: make(pings.newest(sim)),
@@ -60,6 +61,19 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
             lambda p: cloud(_echoes(p), p.ping.time_ns, frame_id),
         ),
     ]  # fmt: skip
+
+
+def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]:
+    """Return a function that gives the same message for the same ping: several are said of each."""
+    last: tuple[TakenPing, Any] | None = None
+
+    def made(taken: TakenPing) -> Any:
+        nonlocal last
+        if last is None or last[0] is not taken:
+            last = taken, make(taken)
+        return last[1]
+
+    return made
 
 
 def _scan(pings: Pings, taken: TakenPing, frame_id: str) -> Any:

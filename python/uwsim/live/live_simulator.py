@@ -121,6 +121,16 @@ class LiveSimulator:
         return self._thread is not None and self._thread.is_alive()
 
     @property
+    def tick(self) -> int:
+        """The number of steps since the start, as of the last; unlike a simulator's own, it never waits for a step."""
+        return self._loop.tick
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start, nanoseconds; never waits for a step."""
+        return self.tick * round(self.simulator.step_s * 1e9)
+
+    @property
     def speed(self) -> Speed:
         """The pace that is asked for: simulated seconds per wall second, or "max". Raises ValueError when set so."""
         return self._pace.speed

@@ -49,6 +49,11 @@ class StepLoop:
         self._stepping = False
         self.holds: dict[object, int] = {}
 
+    @property
+    def tick(self) -> int:
+        """The simulator's tick after the last step or jump."""
+        return self._tick
+
     def open(self) -> None:
         """Accept requests, before `run`."""
         with self.lock:

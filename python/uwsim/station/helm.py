@@ -97,7 +97,7 @@ class Helm:
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
         if efforts == self._efforts[vehicle]:  # held anyway: the log need not repeat it
             done: Future[Values] = Future()
-            done.set_result({"success": True, "message": "", "tick": self._live.simulator.tick, **answer})
+            done.set_result({"success": True, "message": "", "tick": self._live.tick, **answer})
             return done
         future = self._steering[vehicle].give(self._live, "set_effort", **efforts)
         self._efforts[vehicle] = efforts
@@ -110,7 +110,7 @@ def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = N
 
     def say(done: Future[Any]) -> None:  # on the simulator's thread: the tick is that of the command
         error = None if done.cancelled() else done.exception()
-        found = {"success": error is None, "message": str(error or ""), "tick": live.simulator.tick}
+        found = {"success": error is None, "message": str(error or ""), "tick": live.tick}
         said.set_result({**found, **(answer or {})})
 
     future.add_done_callback(say)

@@ -222,7 +222,7 @@ class Station:
             state |= {
                 "scenario": live.simulator.scenario.name,
                 "error": str(live.error or ""),
-                "time": live.simulator.time_s,
+                "time": 1e-9 * live.time_ns,
                 "paused": live.paused,
                 "speed": 0.0 if live.speed == "max" else live.speed,
                 "factor": live.factor,
@@ -230,7 +230,7 @@ class Station:
             }
         if state != self._said:
             self._said = state
-            self._node.publish(STATE, message(STATION_STATE, **state), 0 if live is None else live.simulator.time_ns)
+            self._node.publish(STATE, message(STATION_STATE, **state), 0 if live is None else live.time_ns)
 
     # What is asked
 
@@ -316,7 +316,7 @@ class Station:
         live = self.present().live
         said = CONTROLS[action](self, request)
         self.changed.set()
-        return {"success": True, "message": said or "", "tick": live.simulator.tick}
+        return {"success": True, "message": said or "", "tick": live.tick}
 
 
 def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:

@@ -110,7 +110,7 @@ class SimulatorNode:
             name, message = self._arrived.popleft()
             topic, channel = self._graph.topics.get(name), self._channels[name]
             if topic is not None and (topic.sinks or channel.latched):
-                time_ns = self._live.simulator.time_ns
+                time_ns = self._live.time_ns
                 sample = Sample(message, time_ns) if channel.catch_up is None else Growing(channel.catch_up, time_ns)
                 self._graph.publish(topic, sample, channel.latched)
 
