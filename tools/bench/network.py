@@ -1,16 +1,19 @@
-"""The load that the rosbridge carries, and its cost: scans and pictures to many subscribers, and one flat out.
+"""The load that the rosbridge carries, and its cost: to many subscribers, to some that do not read, and flat out.
 
 The simulator runs in real time on the lake; its channels here are one true ping of 1,025 beams at 50 Hz and one true
 picture (JPEG) at 10 Hz, taken at the start, so that the network is measured and not the sonar. Subscribers are another
 process; latency is from the reading on the simulator's thread to the decoded message. The pace is the simulator's own
-(`lateness`: the worst delay of a step), with subscribers, and with as many that never read. Flat out, a bare WebSocket
-server that sends the same bytes without any protocol is measured in the same run.
+(`lateness`: the worst delay of a step) for a minute, with and without 50 clients that have stopped reading until their
+queues were full. Flat out, scans go from the server, and from one client to another, whose limits are raised for it; a
+bare WebSocket server that sends the same bytes without any protocol is measured in the same run.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
+import os
+import socket
 import subprocess
 import sys
 import time
@@ -18,9 +21,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
+from urllib.parse import urlsplit
 
 import cbor2
 import numpy as np
+import orjson
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -30,6 +35,7 @@ from websockets.exceptions import ConnectionClosed
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.encoding import Sample
+from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel, channels
 from uwsim.channels.messages import default_message, to_plain
 from uwsim.live import LiveSimulator
@@ -39,23 +45,31 @@ console = Console()
 SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
 GOALS = {"scans_per_s": 5000.0}
 SWITCH_S = 0.0005  # as uwsim serve sets it
+FILLED_S = 120.0  # within which the queues of clients that do not read must be full
+UNLIMITED = Limits(messages_per_s=1e9, bytes_per_s=1e12, work_share=1.0)
+JSON = orjson.OPT_SERIALIZE_NUMPY
 
 
 def main(
     seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 5.0,
+    stalled: Annotated[float, typer.Option(min=0.5, help="Length of those of the steps' lateness [s].")] = 60.0,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
 ) -> None:
     """Measure all cases in turn and print them."""
     sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake", sonar_model=4)
     scan, picture = true_messages(sim)
-    figures: dict[str, Any] = {"load": [], "flat_out": {}}
-    for subscribers, sleepers in ((0, 0), (1, 0), (10, 0), (50, 0), (10, 50)):
+    figures: dict[str, Any] = {"load": [], "flat_out": {}, "machine_load": os.getloadavg()}
+    cases = [(0, 0, seconds), (1, 0, seconds), (10, 0, seconds), (50, 0, seconds), (10, 0, stalled), (10, 50, stalled)]
+    for subscribers, sleepers, length in cases:
         with console.status(f"{subscribers} subscribers, {sleepers} that do not read"):
-            figures["load"].append(load(sim, scan, picture, subscribers, sleepers, seconds))
+            figures["load"].append(load(sim, scan, picture, subscribers, sleepers, length))
     for name in ("cbor", "cbor-raw", "none"):
         with console.status(f"flat out, {name}"):
             figures["flat_out"][name] = flat_out(scan, name, seconds)
+    for name in ("cbor", "none"):
+        with console.status(f"relayed, {name}"):
+            figures["flat_out"][f"relay {name}"] = relay(scan, name, seconds)
     with console.status("flat out, bare"):
         figures["flat_out"]["bare"] = asyncio.run(bare(scan, seconds))
     console.print(load_table(figures["load"]))
@@ -94,16 +108,17 @@ def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: in
             Channel("picture", PICTURE, "out", "", rate_hz=10.0, read=lambda sim: stamped(picture)),
         ]
         with server:
-            lazy = child(server.url, "cbor", sleepers, seconds + 60.0, "sleep") if sleepers else None
+            lazy = child(server.url, "cbor", sleepers, seconds + 3 * FILLED_S, "sleep") if sleepers else None
+            wait_for(lambda: full(server) == sleepers, FILLED_S)
             crowd = child(server.url, "cbor", subscribers, seconds, "read") if subscribers else None
             wait_for(lambda: len(server.sessions) == subscribers + sleepers)
             time.sleep(0.5)
+            before = full(server)
             live.forget_delays()
             cpu_s, wall_s = time.process_time(), time.perf_counter()
             found = result(crowd) if crowd else time.sleep(seconds) or {}
             cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - wall_s
             lost = sum(session.outbox.lost for session in server.sessions.values())
-            waiting = sum(len(b.samples) for s in server.sessions.values() for b in s.outbox._mailboxes.values())
             if lazy is not None:
                 lazy.kill()
                 lazy.communicate()
@@ -113,10 +128,33 @@ def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: in
                 "factor": live.factor,
                 "lateness_ms": 1e3 * live.lateness,
                 "cpu_share": cpu_s / wall_s,
+                "full": before,
+                "seconds": seconds,
                 "lost": lost,
-                "waiting": waiting,
                 **found,
             }
+
+
+def full(server: RosbridgeServer) -> int:
+    """Return the number of clients who have lost messages, since their queues were full."""
+    return sum(session.outbox.lost > 0 for session in list(server.sessions.values()))
+
+
+def relay(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
+    """Let one client publish scans to another as fast as the server relays them."""
+    with RosbridgeServer(None, limits=UNLIMITED) as server:
+        source = child(server.url, compression, 1, seconds + 10.0, "publish")
+        try:
+            wait_for(lambda: "scan" in server.graph.topics)
+            process = child(server.url, compression, 1, seconds, "count")
+            wait_for(lambda: server.graph.topics["scan"].sinks)
+            cpu_s, began_s = time.process_time(), time.perf_counter()
+            found = result(process)
+            cpu_s, wall_s = time.process_time() - cpu_s, time.perf_counter() - began_s
+        finally:
+            source.kill()
+            source.communicate()
+        return {**found, "cpu_us": 1e6 * cpu_s * (seconds / wall_s) / max(found["messages"], 1)}
 
 
 def flat_out(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
@@ -172,13 +210,38 @@ def result(process: subprocess.Popen[str]) -> dict[str, Any]:
     return found
 
 
-def wait_for(condition: Callable[[], object]) -> None:
+def wait_for(condition: Callable[[], object], patience_s: float = 60.0) -> None:
     """Wait until a condition holds, for a minute at most."""
-    deadline_s = time.monotonic() + 60.0
+    deadline_s = time.monotonic() + patience_s
     while not condition():
         if time.monotonic() > deadline_s:
-            raise TimeoutError("the subscribers did not come")
+            raise TimeoutError("the subscribers did not come, or their queues did not fill")
         time.sleep(0.01)
+
+
+async def publish(url: str, compression: str, seconds: float) -> dict[str, Any]:
+    """Publish a scan of 1,025 beams again and again; the connection says when the next may come."""
+    scan = default_message(SCAN)
+    scan.ranges = np.linspace(5.0, 50.0, 1025, dtype=np.float32)
+    form = "json" if compression == "none" else "cbor"
+    operation = {"op": "publish", "topic": "/scan", "msg": to_plain(scan, 1, form)}
+    frame = cbor2.dumps(operation) if form == "cbor" else orjson.dumps(operation, option=JSON).decode()
+    messages, deadline_s = 0, time.monotonic() + seconds
+    async with connect(url, compression=None, max_size=None) as connection:
+        await connection.send(json.dumps({"op": "advertise", "topic": "/scan", "type": SCAN.replace("/msg", "")}))
+        while time.monotonic() < deadline_s:
+            await connection.send(frame)
+            messages += 1
+    return {"messages": messages}
+
+
+def slow_socket(url: str) -> socket.socket:
+    """Return a connection whose own buffer is small: what is not read waits with the sender."""
+    place = urlsplit(url)
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    connection.connect((place.hostname, place.port))
+    return connection
 
 
 async def subscribe(url: str, compression: str, count: int, seconds: float, mode: str) -> dict[str, Any]:
@@ -188,7 +251,14 @@ async def subscribe(url: str, compression: str, count: int, seconds: float, mode
 
     async def one() -> None:
         nonlocal messages
-        async with connect(url, compression=None, max_size=None, max_queue=1 if mode == "sleep" else 16) as connection:
+        sleeps = mode == "sleep"
+        async with connect(
+            url,
+            compression=None,
+            max_size=None,
+            max_queue=1 if sleeps else 16,
+            sock=slow_socket(url) if sleeps else None,
+        ) as connection:
             for topic, kind in (("/scan", SCAN), ("/picture", PICTURE))[: 1 if mode == "count" else 2]:
                 operation = {"op": "subscribe", "topic": topic, "type": kind, "compression": compression}
                 await connection.send(json.dumps(operation | ({"queue_length": 100} if mode == "count" else {})))
@@ -216,7 +286,7 @@ async def subscribe(url: str, compression: str, count: int, seconds: float, mode
 def load_table(cases: list[dict[str, Any]]) -> Table:
     """Return the table of cases in real time."""
     table = Table(title="in real time, CBOR: scans at 50 Hz, pictures at 10 Hz; latency, CPU, the latest step")
-    for column in ("readers", "asleep", "msg/s", "p50 [ms]", "p99", "cores", "lost", "queued", "pace", "late [ms]"):
+    for column in ("readers", "asleep", "msg/s", "p50 [ms]", "p99", "cores", "lost", "full", "s", "pace", "late [ms]"):
         table.add_column(column, justify="right")
     for case in cases:
         latency = case.get("latency_ms")
@@ -227,7 +297,8 @@ def load_table(cases: list[dict[str, Any]]) -> Table:
             *([f"{latency[p]:.2f}" for p in ("p50", "p99")] if latency else ["-", "-"]),
             f"{case['cpu_share']:.2f}",
             str(case["lost"]),
-            str(case["waiting"]),
+            str(case["full"]),
+            f"{case['seconds']:g}",
             f"{case['factor']:.3f}",
             f"{case['lateness_ms']:.2f}",
         )
@@ -242,10 +313,13 @@ def flat_out_table(cases: dict[str, dict[str, Any]]) -> Table:
     for name, case in cases.items():
         share = case["messages_per_s"] / cases["bare"]["messages_per_s"]
         cost = f"{case['cpu_us']:.0f}" if "cpu_us" in case else "-"
-        table.add_row({"none": "json"}.get(name, name), f"{case['messages_per_s']:.0f}", cost, f"{share:.2f}")
+        table.add_row(name.replace("none", "json"), f"{case['messages_per_s']:.0f}", cost, f"{share:.2f}")
     return table
 
 
 if __name__ == "__main__":
     url, compression, count, seconds, mode = sys.argv[1:]
-    print(json.dumps(asyncio.run(subscribe(url, compression, int(count), float(seconds), mode))))
+    if mode == "publish":
+        print(json.dumps(asyncio.run(publish(url, compression, float(seconds)))))
+    else:
+        print(json.dumps(asyncio.run(subscribe(url, compression, int(count), float(seconds), mode))))
