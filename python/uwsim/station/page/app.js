@@ -15,13 +15,14 @@ import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
 import { FanView } from './views/fan.js';
 import { Views } from './views/layout.js';
+import { keptName } from './wire/name.js';
 import { bridgeUrl, Station } from './wire/station.js';
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 const MAP = { throttle_rate: 250, queue_length: 1 };
 const SCAN = { throttle_rate: 200 };
 
-const station = new Station(bridgeUrl(location), `Pilot ${Math.floor(Math.random() * 900 + 100)}`);
+const station = new Station(bridgeUrl(location), keptName());
 const telemetry = new Telemetry(station);
 const bindings = new Bindings();
 const scene = new SceneView();

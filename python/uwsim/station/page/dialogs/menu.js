@@ -1,6 +1,7 @@
 // The pause menu: time stands still while the pilot reads it.
 import { attempt, byId, el, toast } from '../dom.js';
 import { setTheme, theme, THEMES } from '../theme.js';
+import { keepName } from '../wire/name.js';
 import { openDialog } from './dialog.js';
 
 export function showMenu(station, { keys }) {
@@ -24,12 +25,22 @@ export function showMenu(station, { keys }) {
       item('Close, and stay paused', () => leave(null, true)),
       item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted'))),
       item('Keys', () => leave(keys), { forAll: true, hint: '?' })),
-    el('hr'), saveForm(station, isPilot, leave),
+    el('hr'), nameForm(station), saveForm(station, isPilot, leave),
     el('hr'), colours(),
     el('hr'), el('div', { className: 'stack' },
       item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), { className: 'danger' })));
   dialog.querySelector('.stack button:not(:disabled)')?.focus();
   dialog.addEventListener('close', () => { if (resumes) attempt(station.control('resume')); }, { once: true });
+}
+
+function nameForm(station) {
+  const name = el('input', { type: 'text', id: 'pilot-name', value: station.name, maxLength: 40, autocomplete: 'off', spellcheck: false });
+  const rename = async (event) => {
+    event.preventDefault();
+    if (await attempt(station.rename(name.value.trim()), 'You have another name now')) keepName(station.name);
+  };
+  return el('form', { className: 'row', onsubmit: rename },
+    el('label', { htmlFor: 'pilot-name' }, 'Your name'), name, el('button', { type: 'submit', disabled: station.isPlain }, 'Change'));
 }
 
 function saveForm(station, isPilot, leave) {

@@ -18,7 +18,7 @@ const BIG = [
 const MOTION = [
   ['Speed', 'm/s', (m) => fixed(m.speed, 2)],
   ['Turning', '°/s', (m) => fixed((m.angular_speed * 180) / Math.PI, 1)],
-  ['Roll', '°', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
+  ['Roll', '', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
   ['Pitch', '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
 ];
 const POSITION = [
@@ -35,10 +35,10 @@ const AROUND = [
   ['Collisions', '', (m) => String(m.collisions)],
 ];
 
-// "2.0 S": to starboard.
+// "2.0° S": to starboard.
 function sided(value, positive, negative) {
   const text = fixed(Math.abs(value), 1);
-  return Number(text) ? `${text} ${value > 0 ? positive : negative}` : text;
+  return Number(text) ? `${text}° ${value > 0 ? positive : negative}` : `${text}°`;
 }
 
 export class Panel {

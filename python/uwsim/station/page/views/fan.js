@@ -8,6 +8,7 @@ const ECHO = '#ffd166';
 const OLD = 'rgb(255 209 102 / .16)';
 const MEMORY = 12; // pings that stay as an afterglow
 const RINGS = 5;
+const REACHES = [3, 5, 10, 20, 30, 50, 100];
 
 export class FanView {
   name = 'fan';
@@ -53,14 +54,21 @@ export class FanView {
     c.fillStyle = '#07131a';
     c.fillRect(0, 0, width, height);
     if (!this.#scan) return;
-    const { angle_min: least, angle_max: most, range_max: reach } = this.#scan;
+    const { angle_min: least, angle_max: most } = this.#scan;
+    const reach = shownReach(this.#scan);
     const half = Math.min(Math.max(Math.abs(least), Math.abs(most)), Math.PI / 2);
     const margin = this.#isLarge ? 34 : 6;
     const scale = Math.min((height - 2 * margin) / reach, (width / 2 - margin) / (reach * Math.sin(half)));
     const at = (range, angle) => [width / 2 - range * scale * Math.sin(angle), height - margin - range * scale * Math.cos(angle)];
     this.#rings(c, at, scale, [width / 2, height - margin], half, reach);
+    c.save();
+    c.beginPath(); // older echoes may lie beyond what is shown
+    c.moveTo(width / 2, height - margin);
+    c.arc(width / 2, height - margin, reach * scale, -Math.PI / 2 - half, -Math.PI / 2 + half);
+    c.clip();
     for (const scan of this.#old) this.#echoes(c, at, scan, OLD, this.#isLarge ? 2 : 1);
     this.#water(c, at, this.#scan);
+    c.restore();
     this.#echoes(c, at, this.#scan, ECHO, this.#isLarge ? 3 : 1.6);
   }
 
@@ -70,7 +78,7 @@ export class FanView {
     c.lineWidth = 1;
     c.font = `11px ${getComputedStyle(document.body).fontFamily}`;
     c.textBaseline = 'middle';
-    const step = [5, 10, 20, 25, 50, 100].find((metres) => reach / metres <= RINGS + 1) ?? reach;
+    const step = [0.5, 1, 2, 5, 10, 20, 25, 50, 100].find((metres) => reach / metres <= RINGS + 1) ?? reach;
     for (const range of [...Array.from({ length: Math.floor(reach / step) }, (_, k) => (k + 1) * step), reach]) {
       c.beginPath();
       c.arc(x, y, range * scale, -Math.PI / 2 - half, -Math.PI / 2 + half);
@@ -93,10 +101,10 @@ export class FanView {
   }
 
   // What the ping has passed without an echo.
-  #water(c, at, { ranges, angle_min, angle_increment, range_max }) {
+  #water(c, at, { ranges, angle_min, angle_increment, range_max }) { // clipped to what is shown
     c.beginPath();
     c.moveTo(...at(0, 0));
-    ranges.forEach((range, k) => c.lineTo(...at(isEcho(range) ? range : range_max, angle_min + k * angle_increment)));
+    ranges.forEach((range, k) => c.lineTo(...at(isEcho(range) ? range : 2 * range_max, angle_min + k * angle_increment)));
     c.closePath();
     c.fillStyle = WATER;
     c.fill();
@@ -110,6 +118,13 @@ export class FanView {
       c.fillRect(x - size / 2, y - size / 2, size, size);
     });
   }
+}
+
+// The least of REACHES that shows all echoes, so that what is near is seen large.
+function shownReach({ ranges, range_max }) {
+  const farthest = ranges.reduce((most, range) => (isEcho(range) && range > most ? range : most), 0);
+  if (farthest === 0) return range_max;
+  return Math.min(range_max, REACHES.find((reach) => reach > 1.1 * farthest) ?? range_max);
 }
 
 const isEcho = (range) => Number.isFinite(range) && range > 0;

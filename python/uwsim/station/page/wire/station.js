@@ -49,6 +49,12 @@ export class Station extends EventTarget {
     return k < 0 ? id : this.state.member_names[k] || id;
   }
 
+  // Be known to the others by another name.
+  async rename(name) {
+    const { id } = await this.#backend.join(name);
+    [this.name, this.id] = [name, id];
+  }
+
   catalog() { return this.bridge.call('/station/catalog'); }
 
   check(choice) { return this.bridge.call('/station/check', choice); }
