@@ -60,7 +60,7 @@ class Feed:
             tap = self._taps.get(channel.name)
             if tap is None:
                 tap = self._taps[channel.name] = _Tap(self._live, channel)
-            newest = tap.newest if channel.latched else None
+            newest = tap.late()
             tap.sinks = (*tap.sinks, sink)
             if len(tap.sinks) == 1:
                 try:
@@ -71,6 +71,12 @@ class Feed:
         if newest is not None:
             sink(newest)
         return lambda: self._leave(tap, sink)
+
+    def newest(self, channel: Channel) -> Reading | None:
+        """Return what somebody needs who comes later to a latched channel: all so far, if its messages build up."""
+        with self._lock:
+            tap = self._taps.get(channel.name)
+            return None if tap is None else tap.late()
 
     def _leave(self, tap: _Tap, sink: Sink) -> None:
         with self._lock:
@@ -95,6 +101,13 @@ class _Tap:
             self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
         elif self.newest is None:
             self._live.read(self._read).add_done_callback(self._take_once)
+
+    def late(self) -> Reading | None:
+        """Return what those need who come later."""
+        newest, channel = self.newest, self._channel
+        if newest is None or channel.catch_up is None:
+            return newest
+        return Reading(channel, channel.catch_up(None)[0], newest.time_ns, newest.tick)
 
     def close(self) -> None:
         """Read no more."""

@@ -52,6 +52,10 @@ def serve(
     ros1: Annotated[bool, typer.Option("--ros1", help="Also be a node of ROS 1; see docs/ros1.md.")] = False,
     record: Record = None,
     record_topic: RecordTopics = None,
+    foxglove: Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")] = (
+        False
+    ),
+    foxglove_port: Annotated[int | None, typer.Option(help="Where Foxglove connects. Default: 8765.")] = None,
     threads: Threads = None,
 ) -> None:
     """Run a scenario in real time for rosbridge clients.
@@ -83,6 +87,10 @@ def serve(
         raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
     if record_topic and record is None:
         raise ValueError("--record-topic needs --record")
+    if foxglove:
+        from uwsim.bridges.foxglove import PORT, FoxgloveServer
+    elif foxglove_port is not None:
+        raise ValueError("--foxglove-port needs --foxglove")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         hub = None
@@ -129,6 +137,16 @@ def serve(
         if joined is not None:
             node = Ros2Node(live, server.channels, server.services, joined, feed=feed)
             greeting.append(f"ROS 2 {sinks.enter_context(node).settings}")
+        if foxglove:
+            app = FoxgloveServer(
+                live,
+                server.channels,
+                server.services,
+                host=host,
+                port=PORT if foxglove_port is None else foxglove_port,
+                feed=feed,
+            )
+            greeting.append(f"Foxglove at {sinks.enter_context(app).url}")
         run_until_interrupted(live, ", ".join(greeting))
 
 

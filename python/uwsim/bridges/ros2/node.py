@@ -17,8 +17,7 @@ from uwsim.bridges.ros2.graph import (
     endpoint_data,
     entities_info,
 )
-from uwsim.bridges.ros2.outgoing import Line, Outgoing
-from uwsim.bridges.ros2.qos import DEPTH, queue_of, reader_qos, writer_qos
+from uwsim.bridges.ros2.qos import DEPTH, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import ServiceTopics
 from uwsim.bridges.ros2.settings import Ros2Settings
@@ -26,6 +25,7 @@ from uwsim.channels import Channel, Service, keep_up
 from uwsim.channels.cdr import encode, is_as_in_jazzy
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.messages import from_bytes
+from uwsim.channels.outgoing import Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator, NotRunningError
 
 NAME = "uwsim"
@@ -68,9 +68,10 @@ class Ros2Node:
         for channel in self.channels:
             dds_name(channel.name)
         self._participant = Participant(self.settings, PARTICIPANT_DATA)
-        self._outgoing = Outgoing()
+        self._outgoing = Outgoing("uwsim-ros2-write")
         self._events = self._participant.wait_set()
-        self._log = self._line(LOG_TOPIC, LOG, LOG_DEPTH, latched=True)
+        self._log = self._writer(LOG_TOPIC, LOG, LOG_DEPTH, latched=True)
+        self._log_line = Line(LOG_TOPIC, LOG_DEPTH)
         for channel in self.channels:
             self._join(channel)
         self._going_on = keep_up(live, self.channels)
@@ -114,18 +115,18 @@ class Ros2Node:
 
     def _join(self, channel: Channel) -> None:
         if channel.direction == "out":
-            line = self._line(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
-            self._lines[line.writer] = channel, line
-            self._events.attach(line.writer)
+            writer = self._writer(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
+            self._lines[writer] = channel, Line(channel.name, queue_of(channel.type))
+            self._events.attach(writer)
         else:
             qos = reader_qos(DEPTH, reliable=channel in self._calls.channels, user_data=self._data(channel.type))
             reader = self._participant.reader(dds_name(channel.name), channel.type, qos)
             self._inputs[reader] = channel
             self._events.attach(reader)
 
-    def _line(self, name: str, type_name: str, depth: int, latched: bool) -> Line:
+    def _writer(self, name: str, type_name: str, depth: int, latched: bool) -> RawWriter:
         qos = writer_qos(depth, latched=latched, user_data=self._data(type_name))
-        return Line(name, self._participant.writer(dds_name(name), type_name, qos), queue_of(type_name))
+        return self._participant.writer(dds_name(name), type_name, qos)
 
     def _data(self, type_name: str) -> bytes:
         return endpoint_data(type_name, self.settings.distro)
@@ -136,7 +137,7 @@ class Ros2Node:
         qos = writer_qos(1, latched=True, user_data=self._data(ENTITIES))
         self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
         readers = [reader.guid for reader in self._inputs]
-        writers = [self._log.writer.guid, *(writer.guid for writer in self._lines)]
+        writers = [self._log.guid, *(writer.guid for writer in self._lines)]
         info = entities_info(distro, self._participant.guid, NAME, readers, writers)
         self._graph.write(encode(info, distro))
 
@@ -151,23 +152,29 @@ class Ros2Node:
             self._stopping.wait(PAUSE_S)
 
     def _demand(self, writer: RawWriter) -> None:
-        wanted = writer.readers() > 0
-        if wanted and writer not in self._ends:
-            channel, line = self._lines[writer]
+        """Begin or end to read a channel. What builds on earlier messages is said anew to whoever comes later."""
+        channel, _ = self._lines[writer]
+        count = writer.readers()
+        if count and writer not in self._ends:
             try:
-                self._ends[writer] = self._feed.listen(channel, lambda reading: self._send(line, reading))
+                self._ends[writer] = self._feed.listen(channel, lambda reading: self._send(writer, reading))
             except NotRunningError:
                 logger.warning("topic '%s': the simulator does not run", channel.name)
-        elif not wanted and writer in self._ends:
+        elif count and channel.catch_up is not None:
+            newest = self._feed.newest(channel)
+            if newest is not None:
+                self._send(writer, newest)
+        elif not count and writer in self._ends:
             self._ends.pop(writer)()
 
-    def _send(self, line: Line, reading: Reading) -> None:
+    def _send(self, writer: RawWriter, reading: Reading) -> None:
         """Queue a reading, on the simulator's thread."""
+        channel, line = self._lines[writer]
         distro = self.settings.distro
-        if is_as_in_jazzy(reading.channel.type, distro):
-            self._outgoing.offer(line, lambda: reading.cdr)
+        if is_as_in_jazzy(channel.type, distro):
+            self._outgoing.offer(line, lambda: writer.write(reading.cdr))
         else:
-            self._outgoing.offer(line, lambda: encode(reading.message, distro))
+            self._outgoing.offer(line, lambda: writer.write(encode(reading.message, distro)))
 
     def _receive(self, reader: RawReader) -> None:
         channel = self._inputs[reader]
@@ -185,4 +192,4 @@ class Ros2Node:
         """Say something on /rosout and in our own log."""
         logger.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
         message: Any = log_message(self._live.simulator.time_ns, NAME, level, text)
-        self._outgoing.offer(self._log, lambda: encode(message, self.settings.distro))
+        self._outgoing.offer(self._log_line, lambda: self._log.write(encode(message, self.settings.distro)))

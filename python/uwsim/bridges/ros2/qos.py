@@ -5,16 +5,8 @@ from __future__ import annotations
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
-from uwsim.channels.message_types import NEWEST_ONLY
-
 DEPTH = 10  # messages that a reader may be behind; ROS 2's default
-LARGE_QUEUE = 2
 BLOCKING = duration(milliseconds=50)  # that a write may wait for a slow reader
-
-
-def queue_of(type_name: str) -> int:
-    """Return how many messages of a topic may wait to be written: of large ones, few."""
-    return LARGE_QUEUE if type_name in NEWEST_ONLY else DEPTH
 
 
 def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:

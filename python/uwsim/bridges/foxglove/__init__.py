@@ -1,0 +1,9 @@
+"""Foxglove: its app shows a live simulator and steers it. Needs the extra: pip install 'uwsim[foxglove]'."""
+
+from uwsim.extras import need_extra
+
+need_extra("foxglove", "foxglove", "Foxglove")
+
+from uwsim.bridges.foxglove.server import PORT, FoxgloveServer  # noqa: E402
+
+__all__ = ["PORT", "FoxgloveServer"]

@@ -1,0 +1,133 @@
+"""What Foxglove's 3D panel shows beside the topics: the lake, the hulls, their tracks and the growing map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from foxglove.messages import Color, SceneEntity, SceneEntityDeletion, SceneEntityDeletionType, SceneUpdate
+from numpy.typing import NDArray
+
+from uwsim.bridges.foxglove.primitives import by_height, cubes, line, mesh
+from uwsim.channels.feed import Reading
+from uwsim.channels.map_changes import EDGE, OCCUPIED
+from uwsim.scenario import Scenario, vehicle_hull
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.station import station_mesh
+from uwsim.scenario.build.terrain import build_terrain
+from uwsim.simulator import Simulator
+
+GRID_MAX = 160  # heights along an edge of the bed that is shown
+STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
+HULL, PATH = Color(r=0.95, g=0.75, b=0.1, a=1.0), Color(r=0.95, g=0.4, b=0.1, a=1.0)
+SEGMENT = 200  # positions of one entity of a track: the last alone is sent again as it grows
+TRACK_STEP_M = 0.2
+Position = tuple[float, float, float]
+
+
+def lake(scenario: Scenario) -> SceneUpdate:
+    """Return the bed, coloured by height, with obstacles and station, in the world frame."""
+    terrain = build_terrain(scenario.terrain)
+    stride = max(1, -(-(max(terrain.heights_m.shape) - 1) // (GRID_MAX - 1)))
+    heights = terrain.heights_m[::stride, ::stride]
+    entities = [mesh("bed", "world", *_grid(heights, stride * terrain.spacing_m, terrain.origin_m))]
+    for obstacle in scenario.obstacles:
+        vertices, triangles, _ = obstacle_solid(obstacle, terrain)
+        entities.append(mesh(obstacle.name, "world", vertices, triangles, STONE))
+    if scenario.station.mesh is not None:
+        entities.append(mesh("station", "world", *station_mesh(scenario.station), STEEL))
+    return SceneUpdate(entities=entities)
+
+
+def _grid(
+    heights_m: NDArray[np.float32], spacing_m: float, origin_m: tuple[float, float]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return a grid of heights as vertices and triangles, two a cell as the world has them."""
+    rows, columns = heights_m.shape
+    y, x = np.mgrid[:rows, :columns] * spacing_m
+    vertices = np.column_stack([x.ravel() + origin_m[0], y.ravel() + origin_m[1], heights_m.ravel()])
+    k = np.arange(rows * columns).reshape(rows, columns)
+    west, east, north, far = k[:-1, :-1].ravel(), k[:-1, 1:].ravel(), k[1:, :-1].ravel(), k[1:, 1:].ravel()
+    return vertices, np.concatenate([np.column_stack([west, east, north]), np.column_stack([east, far, north])])
+
+
+def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
+    """Return the vehicles' hulls, each fixed in its body's frame. frames: by vehicle."""
+    return SceneUpdate(
+        entities=[
+            mesh(entry.name, frames[entry.name], *vehicle_hull(entry.model), HULL, frame_locked=True)
+            for entry in scenario.vehicles
+        ]
+    )
+
+
+class Tracks:
+    """Where vehicles have been since somebody first looked, in the world frame."""
+
+    def __init__(self) -> None:
+        self._positions: dict[str, list[Position]] = {}
+
+    def read(self, sim: Simulator) -> dict[str, Position]:
+        """Return where the vehicles are."""
+        return {name: tuple(vehicle.pose.position_world_m.tolist()) for name, vehicle in sim.vehicles.items()}
+
+    def grown(self, now: dict[str, Position], time_ns: int) -> SceneUpdate | None:
+        """Add positions; return the segments that changed."""
+        changed = []
+        for name, position in now.items():
+            track = self._positions.setdefault(name, [])
+            if not track or np.linalg.norm(np.subtract(position, track[-1])) >= TRACK_STEP_M:
+                track.append(position)
+                changed.append(self._segment(name, (len(track) - 1) // SEGMENT, time_ns))
+        return SceneUpdate(entities=changed) if changed else None
+
+    def whole(self, time_ns: int) -> SceneUpdate | None:
+        """Return all segments."""
+        segments = [
+            self._segment(name, number, time_ns)
+            for name, track in self._positions.items()
+            for number in range(-(-len(track) // SEGMENT))
+        ]
+        return SceneUpdate(entities=segments) if segments else None
+
+    def _segment(self, name: str, number: int, time_ns: int) -> SceneEntity:
+        begin = max(number * SEGMENT - 1, 0)  # joined to the one before
+        positions = self._positions[name][begin : (number + 1) * SEGMENT]
+        return line(f"{name} {number}", "world", positions, PATH, 2.0, time_ns)
+
+
+class MapBlocks:
+    """The map's occupied voxels as cubes: an entity a block of 16 x 16 x 16, sent again when it has changed."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[int, int, int], set[int]] = {}
+        self._sequence = -1
+
+    def changed(self, reading: Reading) -> SceneUpdate | None:
+        """Take a MapChanges message; return the blocks that changed, or None if it is older than what is known."""
+        message = reading.message
+        deletions = []
+        if message.snapshot:
+            self._cells.clear()
+            deletions.append(SceneEntityDeletion(type=SceneEntityDeletionType.All))
+        elif message.sequence <= self._sequence:
+            return None
+        self._sequence = message.sequence
+        touched = []
+        ends = np.cumsum(message.counts)
+        for (x, y, z), end, count in zip(message.blocks.reshape(-1, 3).tolist(), ends, message.counts, strict=True):
+            cells = self._cells.setdefault((x, y, z), set())
+            for cell in message.cells[end - count : end].tolist():
+                (cells.add if cell & OCCUPIED else cells.discard)(cell & (OCCUPIED - 1))
+            touched.append((x, y, z))
+        entities = [self._entity(block, message, reading.time_ns) for block in touched]
+        return SceneUpdate(deletions=deletions, entities=entities)
+
+    def _entity(self, block: tuple[int, int, int], message: Any, time_ns: int) -> SceneEntity:
+        cells = np.array(sorted(self._cells[block]), np.int64)
+        inside = np.column_stack([cells & 15, cells >> 4 & 15, cells >> 8 & 15])
+        centres_m = (EDGE * np.array(block) + inside + 0.5) * message.resolution
+        colors = by_height(centres_m[:, 2], bands_m=10.0) if len(cells) else []
+        return cubes(
+            "map {} {} {}".format(*block), message.header.frame_id, centres_m, colors, message.resolution, time_ns
+        )

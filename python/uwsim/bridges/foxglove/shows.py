@@ -1,0 +1,147 @@
+"""The topics /scene/*: when their scenes are made, and when they are sent again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import foxglove
+from foxglove.channels import SceneUpdateChannel
+from foxglove.messages import SceneUpdate
+
+from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, hulls, lake
+from uwsim.channels import Channel
+from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.outgoing import Line, Outgoing
+from uwsim.live import LiveSimulator, Subscription
+
+TRACK_S = 0.5
+WAITING = 64  # updates: each builds on those before, so that none may be lost to a newer one soon
+
+
+class Show:
+    """One topic of scenes. begin: somebody subscribes, first or later; end: nobody does any more."""
+
+    def __init__(self, topic: str, outgoing: Outgoing, context: foxglove.Context) -> None:
+        self.topic = topic
+        self._outgoing = outgoing
+        self._line = Line(topic, WAITING)
+        self._log = SceneUpdateChannel(f"/{topic}", context=context)
+
+    def begin(self) -> None:
+        """Send all there is, and go on with what changes."""
+
+    def end(self) -> None:
+        """Send nothing more."""
+
+    def _offer(self, make: Callable[[], SceneUpdate | None], time_ns: int) -> None:
+        """Make a scene and send it, on the network's thread."""
+
+        def write() -> bool:
+            update = make()
+            if update is not None:
+                self._log.log(update, log_time=time_ns)
+            return True
+
+        self._outgoing.offer(self._line, write)
+
+
+class StillShow(Show):
+    """A scene that does not change: made once, sent to each who comes."""
+
+    def __init__(
+        self,
+        topic: str,
+        outgoing: Outgoing,
+        context: foxglove.Context,
+        live: LiveSimulator,
+        make: Callable[[], SceneUpdate],
+    ) -> None:
+        super().__init__(topic, outgoing, context)
+        self._live = live
+        self._make = make
+        self._made: SceneUpdate | None = None
+
+    def begin(self) -> None:
+        """Send it."""
+        self._offer(self._scene, self._live.simulator.time_ns)
+
+    def _scene(self) -> SceneUpdate:
+        if self._made is None:
+            self._made = self._make()
+        return self._made
+
+
+class TrackShow(Show):
+    """The vehicles' tracks since somebody first looked."""
+
+    def __init__(self, outgoing: Outgoing, context: foxglove.Context, live: LiveSimulator) -> None:
+        super().__init__("scene/track", outgoing, context)
+        self._live = live
+        self._tracks = Tracks()
+        self._subscription: Subscription | None = None
+
+    def begin(self) -> None:
+        """Send all segments, then those that grow."""
+        time_ns = self._live.simulator.time_ns
+        self._offer(lambda: self._tracks.whole(time_ns), time_ns)
+        if self._subscription is None:
+            self._subscription = self._live.every(
+                TRACK_S, lambda sim: (self._tracks.read(sim), sim.time_ns), self._grow
+            )
+
+    def end(self) -> None:
+        """Note no more positions."""
+        if self._subscription is not None:
+            self._subscription.cancel()
+            self._subscription = None
+
+    def _grow(self, found: tuple[Any, int]) -> None:
+        now, time_ns = found
+        self._offer(lambda: self._tracks.grown(now, time_ns), time_ns)
+
+
+class MapShow(Show):
+    """The map of a vehicle, block by block."""
+
+    def __init__(self, topic: str, outgoing: Outgoing, context: foxglove.Context, feed: Feed, channel: Channel) -> None:
+        super().__init__(topic, outgoing, context)
+        self._feed = feed
+        self._channel = channel
+        self._blocks = MapBlocks()
+        self._leave: Callable[[], None] | None = None
+
+    def begin(self) -> None:
+        """Send all blocks, then those that change."""
+        if self._leave is None:
+            self._leave = self._feed.listen(self._channel, self._take)
+        elif (newest := self._feed.newest(self._channel)) is not None:
+            self._take(newest)
+
+    def end(self) -> None:
+        """Listen no more."""
+        if self._leave is not None:
+            self._leave()
+            self._leave = None
+
+    def _take(self, reading: Reading) -> None:
+        self._offer(lambda: self._blocks.changed(reading), reading.time_ns)
+
+
+def shows_of(
+    live: LiveSimulator, channels: Sequence[Channel], feed: Feed, outgoing: Outgoing, context: foxglove.Context
+) -> list[Show]:
+    """Return the shows of a simulator."""
+    scenario = live.simulator.scenario
+    alone = len(scenario.vehicles) == 1
+    frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
+    found: list[Show] = [
+        StillShow("scene/lake", outgoing, context, live, lambda: lake(scenario)),
+        StillShow("scene/vehicles", outgoing, context, live, lambda: hulls(scenario, frames)),
+        TrackShow(outgoing, context, live),
+    ]
+    for channel in channels:
+        if channel.name.rpartition("/")[2] == "map_changes":
+            prefix = channel.name.removesuffix("map_changes")
+            found.append(MapShow(f"scene/{prefix}map", outgoing, context, feed, channel))
+    return found

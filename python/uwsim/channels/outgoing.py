@@ -1,0 +1,80 @@
+"""Messages on their way from the simulator's thread to a network: bounded queues, and the thread that writes."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+from queue import SimpleQueue
+
+from uwsim.channels.message_types import NEWEST_ONLY
+
+QUEUE = 10  # messages of a topic that may wait to be written
+LARGE_QUEUE = 2
+CLOSE_S = 5.0
+
+logger = logging.getLogger("uwsim.channels")
+
+
+def queue_of(type_name: str) -> int:
+    """Return how many messages of a type may wait to be written: of large ones, few."""
+    return LARGE_QUEUE if type_name in NEWEST_ONLY else QUEUE
+
+
+class Line:
+    """One topic's queue of jobs. length: how many may wait.
+
+    A job encodes and writes a message, and returns whether it was taken. written, dropped: how many messages left, and
+    how many gave way to newer ones or were not taken.
+    """
+
+    def __init__(self, name: str, length: int) -> None:
+        self.name = name
+        self.length = length
+        self.waiting: deque[Callable[[], bool]] = deque()
+        self.written = 0
+        self.dropped = 0
+
+
+class Outgoing:
+    """Does jobs on a thread of its own, in the order in which they came. Whoever offers never waits."""
+
+    def __init__(self, thread_name: str) -> None:
+        self._lock = threading.Lock()
+        self._turns: SimpleQueue[Line | None] = SimpleQueue()
+        self._is_closed = False
+        self._thread = threading.Thread(target=self._run, name=thread_name, daemon=True)
+        self._thread.start()
+
+    def offer(self, line: Line, job: Callable[[], bool]) -> None:
+        """Queue a message, from any thread. The oldest of a full queue gives way."""
+        with self._lock:
+            line.waiting.append(job)
+            if len(line.waiting) > line.length:
+                line.waiting.popleft()
+                line.dropped += 1
+                return  # the turn of the one that gave way is this one's
+        self._turns.put(line)
+
+    def close(self) -> None:
+        """End after the message that is being written."""
+        self._is_closed = True
+        self._turns.put(None)
+        self._thread.join(CLOSE_S)
+
+    def _run(self) -> None:
+        while True:
+            line = self._turns.get()
+            if line is None or self._is_closed:
+                return
+            with self._lock:
+                job = line.waiting.popleft()
+            try:
+                if job():
+                    line.written += 1
+                else:
+                    line.dropped += 1
+            except Exception:
+                line.dropped += 1
+                logger.exception("topic '%s': a message could not be written", line.name)
