@@ -88,6 +88,7 @@ __all__: list[str] = [
     "relative_transform",
     "remove_box",
     "remove_outliers",
+    "saved_notes",
     "scan_to_points",
     "sea_water_density_kg_m3",
     "sensor_kind",
@@ -818,6 +819,13 @@ class ThrusterParameters:
     @diameter_m.setter
     def diameter_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def health(self) -> float:
+        """
+        share of the thrust that is left; the allocation does not know of it
+        """
+    @health.setter
+    def health(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
     def name(self) -> str: ...
     @property
     def position_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -1046,6 +1054,7 @@ class MultibeamModel:
         ping_rate_max_hz: typing.SupportsFloat | typing.SupportsIndex = 50.0,
         tilt_rate_rad_s: typing.SupportsFloat | typing.SupportsIndex = 0.0872665,
         receiver_tilt_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        gain_db: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
         Raises ValueError that names the field.
@@ -1062,6 +1071,11 @@ class MultibeamModel:
     def field_of_view_rad(self) -> float: ...
     @property
     def frequency_hz(self) -> float: ...
+    @property
+    def gain_db(self) -> float:
+        """
+        Of the receiver's display, added to every intensity.
+        """
     @property
     def name(self) -> str: ...
     @property
@@ -2030,6 +2044,11 @@ class Simulation:
         """
         Set the elevation to which the head turns as time passes; positive is up. Raises ValueError.
         """
+    def change(self, water: Water, spec: SimulationSpec, vehicles: collections.abc.Sequence[VehicleSpec]) -> None:
+        """
+        Gives everything other figures; it keeps its state. vehicles: one spec for each, in order; their starts are
+        ignored. Raises ValueError, changing nothing.
+        """
     def collisions(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> int:
         """
         How often the vehicle has begun to touch something.
@@ -2486,6 +2505,11 @@ def remove_outliers(
     """
     pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises ValueError. Releases the
     GIL.
+    """
+
+def saved_notes(state: bytes, scenario: str, build: str) -> str:
+    """
+    The notes in a saved state. Raises ValueError for a damaged state or other fingerprints.
     """
 
 def scan_to_points(

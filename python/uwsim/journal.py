@@ -37,7 +37,7 @@ class Journal:
         """Let it watch no more."""
         self.observers = tuple(other for other in self.observers if other is not observer)
 
-    def note(self, name: str, **arguments: Any) -> None:
+    def note(self, name: str, /, **arguments: Any) -> None:
         """Tell all observers of a command that has just taken effect."""
         for observer in self.observers:
             observer.commanded(name, arguments)

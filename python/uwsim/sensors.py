@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -31,8 +32,8 @@ class Sensor(Sealed):
 
     Repeated reads at one time return the same sample; neither reads nor other sensors change later samples.
 
-    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. Axes: x forward, y left, z up, unless
-    the vehicle's YAML file rotates the sensor.
+    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether it is powered; see
+    Simulator.parameters. Axes: x forward, y left, z up, unless the vehicle's YAML file rotates the sensor.
 
     - imu: angular_velocity_rad_s (3,), linear_acceleration_m_s2 (3,) (specific force), orientation_xyzw (4,)
     - velocity: linear_velocity_m_s (3,) over ground, angular_velocity_rad_s (3,)
@@ -50,8 +51,11 @@ class Sensor(Sealed):
     meaning: str
     rate_hz: float | None
     latency_s: float
+    on: bool
 
-    def __init__(self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SensorSpec) -> None:
+    def __init__(
+        self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SensorSpec, on: bool = True
+    ) -> None:
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
@@ -61,8 +65,11 @@ class Sensor(Sealed):
         self.name = spec.name
         self.kind = kind.name
         self.meaning = kind.meaning
-        self.rate_hz = spec.rate_hz or None
-        self.latency_s = spec.latency_s
+        self.change(spec, on)
+
+    def change(self, spec: _core.SensorSpec, on: bool) -> None:
+        """Go on with other errors and times. Simulator.parameters calls this."""
+        self.__dict__ |= {"rate_hz": spec.rate_hz or None, "latency_s": spec.latency_s, "on": on}
 
     @property
     def unit(self) -> str | dict[str, str]:
@@ -74,7 +81,7 @@ class Sensor(Sealed):
 
         Between samples this is the last one; if it was dropped, the last one that was not; before the first has
         arrived, the present. `sample` tells these apart. noise=False returns the present true value, without errors,
-        rate, latency and drop-outs.
+        rate, latency and drop-outs. A sensor that is off reads NaN.
         """
         return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise))
 
@@ -82,12 +89,15 @@ class Sensor(Sealed):
         """Return the value of `read` with its time and validity.
 
         Invalid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
-        sample was dropped, or none has arrived yet.
+        sample was dropped, none has arrived yet, or the sensor is off.
         """
         reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
-        return Sample(self._value(reading), reading.stamp_ns, reading.valid)
+        return Sample(self._value(reading), reading.stamp_ns, reading.valid and self.on)
 
     def _value(self, reading: _core.SensorReading) -> Value:
+        if not self.on:
+            nothing = {field: value * math.nan for field, value in reading.values.items()}
+            return math.nan if self._scalar is not None else SimpleNamespace(**nothing)
         if self._scalar is not None:
             return float(reading.values[self._scalar])
         return SimpleNamespace(**reading.values)

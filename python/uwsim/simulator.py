@@ -13,21 +13,23 @@ import numpy as np
 from uwsim import _core
 from uwsim.arguments import number
 from uwsim.cameras import Camera
-from uwsim.cameras.mounted import station_cameras, vehicle_cameras
+from uwsim.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
 from uwsim.journal import Journal
 from uwsim.named import Named
-from uwsim.scenario import Scenario, VehicleEntry, build_world, load, vehicle_hull
+from uwsim.parameters import Parameters
+from uwsim.scenario import Scenario, VehicleEntry, build_world, load
+from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
-from uwsim.scenario.build.world import fill_with_water
+from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario.spec.optics import Optics
 from uwsim.sealed import Sealed
-from uwsim.sonars.mounted import imaging_sonars
+from uwsim.sonars.mounted import imaging_models, imaging_sonars
 from uwsim.sonars.surroundings import Surroundings
 from uwsim.vehicle import Vehicle
 
@@ -56,6 +58,7 @@ class Simulator(Sealed):
     _changed_by = MappingProxyType(
         {
             "optics": "set_optics()",
+            "parameters": "parameters[name] = value or parameters.update()",
             "time_s": "step() or advance()",
             "time_ns": "step() or advance()",
             "seed": "reset(seed=...)",
@@ -88,19 +91,23 @@ class Simulator(Sealed):
         self._fixed_world = _core.FixedWorld(self._world)
         self.scene = _core.RayScene(self._world)
         self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
+        self._specs: list[_core.VehicleSpec] = []
         self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
-        dock = self._dock()
+        dock = self._dock = self._made_dock()
         vehicles: dict[str, Vehicle] = {}
         for index, entry in enumerate(self.scenario.vehicles):
             with vehicle_errors_at(self.scenario, index):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
         self.vehicles = Named(vehicles, "vehicles")
+        lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
+        self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps)
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
         spec = vehicle_spec(self.scenario, entry)
         self._core.add_vehicle(spec)
-        dock.hull_radii_m.append(float(np.linalg.norm(vehicle_hull(entry.model)[0], axis=1).max()))
+        self._specs.append(spec)
+        dock.hull_radii_m.append(hull_radius_m(entry.model))
         return Vehicle(
             self._core,
             index,
@@ -110,9 +117,10 @@ class Simulator(Sealed):
             lamps=self._shared_scene.lamps[index],
             imaging_sonars=imaging_sonars(self, entry),
             journal=self.journal,
+            sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
         )
 
-    def _dock(self) -> Dock:
+    def _made_dock(self) -> Dock:
         station = self.scenario.station
         return Dock(
             self._core, self.scene, dock_position(station), exit_position(station), float(np.radians(station.yaw_deg))
@@ -120,12 +128,17 @@ class Simulator(Sealed):
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario that runs; after `reset(seed)`, with that seed."""
+        """The scenario, without what `parameters` changed since; after `reset(seed)`, with that seed."""
         return self._scenario
 
     @property
+    def parameters(self) -> Parameters:
+        """The figures that may be changed while it runs, by name, such as "rov.drag.linear.surge"."""
+        return self._parameters
+
+    @property
     def world(self) -> _core.FixedWorld:
-        """Terrain, obstacles and water. It cannot be changed."""
+        """Terrain, obstacles and water, as they are now. It cannot be changed here."""
         return self._fixed_world
 
     @property
@@ -135,13 +148,12 @@ class Simulator(Sealed):
 
     @property
     def optics(self) -> Optics:
-        """The light, for cameras: the scenario's, or as last set by set_optics."""
-        return self._shared_scene.optics
+        """The light, for cameras: the scenario's, or as last set."""
+        return self.parameters.scenario.optics
 
     def set_optics(self, **changes: Any) -> None:
         """Change the light, such as jerlov="5C" or sun_elevation_deg=2, from now on. Raises ValueError."""
-        self._shared_scene.optics = self._shared_scene.optics.with_changes(changes)
-        self.journal.note("set_optics", **changes)
+        self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
 
     @property
     def strengths_db(self) -> Named[float]:
@@ -223,28 +235,30 @@ class Simulator(Sealed):
     def reset(self, seed: int | None = None) -> None:
         """Begin anew, as a Simulator of this scenario and a seed would that is made now; by default of the same seed.
 
-        Vehicles, sensors and sonars stay the same objects; vehicles are at their starts, lamps off, light and water as
+        Vehicles, sensors and sonars stay the same objects; vehicles are at their starts, lamps and parameters as
         the scenario has them. `version` goes on. Raises ValueError, changing nothing.
         """
         scenario = self.scenario.with_changes(seed=seed)
+        self.parameters.replace({})
         if scenario.seed != self.seed:
             fill_with_water(self._world, scenario)
             self._fixed_world = _core.FixedWorld(self._world)
         self._core.restart(self._world, simulation_spec(scenario))
         self._shared_scene.restart(scenario)
         self._scenario = scenario
+        self.parameters.restart(scenario)
         self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
         """Save everything that the future depends on, except scenario and seed.
 
-        This is motion, commands, clocks, sensors' memories, lamps, cameras' aims and the light of set_optics. A
-        Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
-        the last bit. The states of missions and maps are not included.
+        This is motion, commands, clocks, sensors' memories, lamps, cameras' aims and changed parameters. A Simulator of
+        the same scenario, seed and build that restores it gives the same poses, samples and pictures to the last bit.
+        The states of missions and maps are not included.
         """
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
         aims = {name: head.save() for name, head in self._shared_scene.heads.items()}
-        notes = json.dumps({"lamps": lit, "optics": self.optics.model_dump(mode="json"), "cameras": aims})
+        notes = json.dumps({"lamps": lit, "parameters": self.parameters.changes, "cameras": aims})
         return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
 
     def restore_state(self, state: bytes) -> None:
@@ -254,14 +268,45 @@ class Simulator(Sealed):
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
-        notes = json.loads(self._core.restore_state(state, scenario_fingerprint(self.scenario), build_fingerprint()))
+        origin = scenario_fingerprint(self.scenario), build_fingerprint()
+        notes, before = json.loads(_core.saved_notes(state, *origin)), self.parameters.changes
+        self.parameters.replace(notes["parameters"])
+        try:
+            self._core.restore_state(state, *origin)
+        except ValueError:
+            self.parameters.replace(before)
+            raise
         for name, lamps in notes["lamps"].items():
             for lamp, on in lamps.items():
                 self.vehicles[name].lamps[lamp].set_silently(on)
         for name, aim in notes["cameras"].items():
             self._shared_scene.heads[name].restore(aim)
-        self._shared_scene.optics = self._shared_scene.optics.with_changes(notes["optics"])
         self.journal.note("restore_state", state=state)
+
+    def _change(self, scenario: Scenario) -> None:
+        """Go on with this scenario, which differs in parameters alone. Raises ValueError, changing nothing."""
+        before = self.parameters.scenario
+        other_water = scenario.water != before.water
+        water = scenario_water(scenario, self._world) if other_water else self._world.water
+        specs = list(self._specs)
+        for index, (entry, old) in enumerate(zip(scenario.vehicles, before.vehicles, strict=True)):
+            if other_water or entry != old:
+                with vehicle_errors_at(scenario, index):
+                    specs[index] = vehicle_spec(scenario, entry)
+        sonars = [imaging_models(self, entry) for entry in scenario.vehicles]
+        if scenario.model_copy(update={"optics": before.optics}) != before:
+            self._core.change(water, simulation_spec(scenario), specs)
+        # Nothing fails from here on.
+        self._specs = specs
+        if other_water:
+            self._world.water = water
+            self._fixed_world = _core.FixedWorld(self._world)
+        self._shared_scene.change(scenario)
+        change_cameras(self.cameras, scenario.station.cameras)
+        for index, (entry, rov) in enumerate(zip(scenario.vehicles, self.vehicles.values(), strict=True)):
+            self._dock.hull_radii_m[index] = hull_radius_m(entry.model)
+            change_cameras(rov.cameras, camera_mounts(entry.model))
+            rov.change(entry, specs[index], sonars[index])
 
     def __enter__(self) -> Self:
         return self

@@ -21,8 +21,10 @@ from uwsim.docking import Dock, DockedWarning
 from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.scenario.build.vehicle import authority
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.sealed import Sealed
 from uwsim.sensors import Sensor
+from uwsim.sonars.imaging import Acoustics
 from uwsim.sonars.mounted import ImagingSonar
 from uwsim.sonars.multibeam import Sonar
 
@@ -98,11 +100,12 @@ class Vehicle(Sealed):
         lamps: Mapping[str, Lamp],
         imaging_sonars: Mapping[str, ImagingSonar],
         journal: Journal,
+        sensors_on: Mapping[str, bool],
     ) -> None:
         self._simulation = simulation
         self._index = index
         self.name = spec.name
-        sensors = {s.name: Sensor(simulation, index, k, s) for k, s in enumerate(spec.sensors)}
+        sensors = {s.name: Sensor(simulation, index, k, s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)}
         sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
         self.sensors = Named(sensors, f"{spec.name}.sensors")
         self.sonars = Named(sonars, f"{spec.name}.sonars")
@@ -118,6 +121,16 @@ class Vehicle(Sealed):
         self._craft: _core.Craft = spec.craft
         self._last_motion: tuple[int, Pose, Velocity] | None = None
         self._last_panel: tuple[int, _core.Telemetry] | None = None
+
+    def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
+        """Go on with other figures. Simulator.parameters calls this."""
+        self._craft = spec.craft
+        for sensor in spec.sensors:
+            self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name].on)
+        for sonar in spec.sonars:
+            self.sonars[sonar.name].change(sonar)
+        for name, model in imaging_models.items():
+            self.imaging_sonars[name].change(model)
 
     @property
     def sonar(self) -> Sonar:

@@ -145,7 +145,7 @@ def test_turbid_water_lowers_contrast_and_unknown_optics_are_refused(pool: Simul
     assert contrasts == sorted(contrasts, reverse=True)
     with pytest.raises(ValueError, match=r"jerlov.*must be one of I, IA"):
         pool.set_optics(jerlov="IV")
-    with pytest.raises(ValueError, match="unknown key"):
+    with pytest.raises(ValueError, match=r"did you mean 'optics\.jerlov'"):
         pool.set_optics(jerlow="III")
     assert pool.optics.jerlov == "9C"
 

@@ -66,13 +66,6 @@ PingArrays arrays_of(std::unique_ptr<PingMemory> memory, const std::vector<py::s
           view(shape, rows.labels, owner),        view(shape, reinterpret_cast<const bool*>(rows.valid), owner)};
 }
 
-py::array angles_of(const Multibeam& sonar) {
-  const std::vector<float>& angles = sonar.angles_rad();
-  py::array array(py::dtype::of<float>(), {static_cast<py::ssize_t>(angles.size())}, angles.data());
-  forbid_writing(array);
-  return array;
-}
-
 struct Ping : PingArrays {
   int model;
   std::uint64_t time_ns;
@@ -87,18 +80,19 @@ struct PingBatch : PingArrays {
 
 Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index) {
   Ping out;
-  const Multibeam* sonar = nullptr;
+  std::vector<float> angles_rad;
   std::unique_ptr<PingMemory> memory;
   owned.with([&](Simulation& sim) {
-    sonar = &sim.sonar(vehicle, index).multibeam();
-    memory = std::make_unique<PingMemory>(1, sonar->beams());
+    const Multibeam& sonar = sim.sonar(vehicle, index).multibeam();
+    angles_rad = sonar.angles_rad();
+    memory = std::make_unique<PingMemory>(1, sonar.beams());
     sim.ping(vehicle, index, memory->rows());
+    out.model = sonar.model().number;
     out.time_ns = sim.time_ns();
     out.world_from_sonar = sim.world_from_sonar(vehicle, index).matrix();
   });
-  out.model = sonar->model().number;
-  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {static_cast<py::ssize_t>(sonar->beams())});
-  out.angles_rad = angles_of(*sonar);
+  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {static_cast<py::ssize_t>(angles_rad.size())});
+  out.angles_rad = read_only(move_out(std::move(angles_rad)));
   return out;
 }
 
@@ -106,14 +100,14 @@ PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size
   AcousticPing ping;
   Pose world_from_sonar;
   std::uint64_t time_ns = 0;
-  const MultibeamModel* fan = nullptr;
+  MultibeamModel fan;
   owned.with([&](Simulation& sim) {
     ping = sim.acoustic_ping(vehicle, index, threads);
     world_from_sonar = sim.world_from_sonar(vehicle, index);
     time_ns = sim.time_ns();
-    fan = &sim.sonar(vehicle, index).multibeam().model();
+    fan = sim.sonar(vehicle, index).multibeam().model();
   });
-  return physics_ping(std::move(ping), *fan, world_from_sonar, time_ns);
+  return physics_ping(std::move(ping), fan, world_from_sonar, time_ns);
 }
 
 /// Rigid transforms (n, 4, 4). Throws InvalidValue for anything else.
@@ -148,12 +142,14 @@ PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t in
   const int threads = threads_or_all(requested_threads);
   const auto n = static_cast<py::ssize_t>(poses.size());
   std::vector<RowMajor4> heads(poses.size());
-  const Multibeam* sonar = nullptr;
+  PingBatch out;
+  std::vector<float> angles_rad;
   std::unique_ptr<PingMemory> memory;
   owned.with([&](Simulation& sim) {
     const SonarHead& head = sim.sonar(vehicle, index);
-    sonar = &head.multibeam();
-    const std::size_t beams = sonar->beams();
+    angles_rad = head.multibeam().angles_rad();
+    out.model = head.multibeam().model().number;
+    const std::size_t beams = angles_rad.size();
     memory = std::make_unique<PingMemory>(poses.size(), beams);
     const PingRows rows = memory->rows();
     const RayScene scene = sim.scene_around(vehicle);
@@ -169,12 +165,10 @@ PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t in
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
   });
-  PingBatch out;
-  out.model = sonar->model().number;
-  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {n, static_cast<py::ssize_t>(sonar->beams())});
+  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {n, static_cast<py::ssize_t>(angles_rad.size())});
   out.world_from_sonar = py::array_t<double>({n, py::ssize_t{4}, py::ssize_t{4}}, heads.data()->data());
   forbid_writing(out.world_from_sonar);
-  out.angles_rad = angles_of(*sonar);
+  out.angles_rad = read_only(move_out(std::move(angles_rad)));
   return out;
 }
 

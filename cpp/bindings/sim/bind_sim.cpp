@@ -110,6 +110,13 @@ void bind_results(py::module_& m) {
 void bind_sim(py::module_& m) {
   bind_specs(m);
   bind_results(m);
+  m.def(
+      "saved_notes",
+      [](const py::bytes& state, const std::string& scenario, const std::string& build) {
+        return saved_notes(state, {scenario, build});
+      },
+      py::arg("state"), py::arg("scenario"), py::arg("build"),
+      "The notes in a saved state. Raises ValueError for a damaged state or other fingerprints.");
   py::class_<OwnedSimulation> simulation(m, "Simulation",
                                          "A world with vehicles, which are given by index, advanced by fixed steps.");
   bind_commands(simulation);
@@ -128,6 +135,10 @@ void bind_sim(py::module_& m) {
            "Begins anew with the same vehicles at their starts. world: as before, but for its water. Raises "
            "ValueError,\n"
            "changing nothing.")
+      .def("change", &OwnedSimulation::change, py::arg("water"), py::arg("spec"), py::arg("vehicles"),
+           "Gives everything other figures; it keeps its state. vehicles: one spec for each, in order; their starts "
+           "are\n"
+           "ignored. Raises ValueError, changing nothing.")
       .def("step", &OwnedSimulation::step, py::arg("count") = 1,
            "Advances by fixed steps. Releases the GIL, answers Ctrl-C.")
       .def_property_readonly("time_ns",

@@ -51,6 +51,15 @@ class OwnedSimulation {
     });
   }
 
+  /// See Simulation::change.
+  void change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles) {
+    with([&](Simulation& sim) {
+      std::vector<VehicleSpec> kept = vehicles;
+      sim.change(water, spec, vehicles);
+      vehicles_ = std::move(kept);
+    });
+  }
+
   /// The simulation's version, which no restart repeats.
   std::uint64_t version() {
     return with([&](Simulation& sim) { return earlier_versions_ + sim.version(); });
@@ -74,7 +83,7 @@ class OwnedSimulation {
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
   std::unique_ptr<Simulation> simulation_;
-  std::unique_ptr<Simulation> previous_;  // a ping on another thread may still read its sonar's angles
+  std::unique_ptr<Simulation> previous_;  // a signal handler may restart it while it makes pings
   std::uint64_t earlier_versions_ = 0;
 };
 

@@ -15,7 +15,8 @@ namespace {
 
 MultibeamModel checked_model(std::string name, int beams, double field_of_view_rad, double range_max_m,
                              double frequency_hz, std::optional<double> range_limit_m, int number, bool dual_swath,
-                             double ping_rate_max_hz, double tilt_rate_rad_s, double receiver_tilt_rad) {
+                             double ping_rate_max_hz, double tilt_rate_rad_s, double receiver_tilt_rad,
+                             double gain_db) {
   MultibeamModel model{number,
                        std::move(name),
                        beams,
@@ -26,7 +27,8 @@ MultibeamModel checked_model(std::string name, int beams, double field_of_view_r
                        dual_swath,
                        ping_rate_max_hz,
                        tilt_rate_rad_s,
-                       receiver_tilt_rad};
+                       receiver_tilt_rad,
+                       gain_db};
   model.check();
   return model;
 }
@@ -40,7 +42,7 @@ void bind_multibeam(py::module_& m) {
            py::arg("range_max_m"), py::arg("frequency_hz"), py::arg("range_limit_m") = py::none(),
            py::arg("number") = 0, py::arg("dual_swath") = false, py::arg("ping_rate_max_hz") = 50.0,
            py::arg("tilt_rate_rad_s") = MultibeamModel{}.tilt_rate_rad_s, py::arg("receiver_tilt_rad") = 0.0,
-           "Raises ValueError that names the field.")
+           py::arg("gain_db") = 0.0, "Raises ValueError that names the field.")
       .def_readonly("number", &MultibeamModel::number, "1..4, as on the wire; 0: not on the wire")
       .def_readonly("name", &MultibeamModel::name)
       .def_readonly("beams", &MultibeamModel::beams)
@@ -54,6 +56,7 @@ void bind_multibeam(py::module_& m) {
       .def_readonly("tilt_rate_rad_s", &MultibeamModel::tilt_rate_rad_s)
       .def_readonly("receiver_tilt_rad", &MultibeamModel::receiver_tilt_rad,
                     "Of each of two receivers from straight ahead to its side; 0: one receiver.")
+      .def_readonly("gain_db", &MultibeamModel::gain_db, "Of the receiver's display, added to every intensity.")
       .def_property_readonly("angle_min_rad", [](const MultibeamModel& m) { return m.angles().first_rad; })
       .def_property_readonly("angle_increment_rad", [](const MultibeamModel& m) { return m.angles().spacing_rad; });
   m.def("multibeam_model", &em2040, py::arg("number"), py::return_value_policy::reference,

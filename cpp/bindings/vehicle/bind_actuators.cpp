@@ -43,6 +43,8 @@ void bind_actuators(py::module_& m) {
       .def_readwrite("bollard_coefficient", &ThrusterParameters::bollard_coefficient, "K_T at zero speed")
       .def_readwrite("zero_thrust_advance_ratio", &ThrusterParameters::zero_thrust_advance_ratio,
                      "inf: no loss of thrust with speed")
+      .def_readwrite("health", &ThrusterParameters::health,
+                     "share of the thrust that is left; the allocation does not know of it")
       .def_readwrite("torque_per_thrust_m", &ThrusterParameters::torque_per_thrust_m, "k_q [m]")
       .def_readwrite("spin", &ThrusterParameters::spin,
                      "1 right-handed, -1 left-handed about the axis when it thrusts ahead");

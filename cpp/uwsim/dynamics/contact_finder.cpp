@@ -55,6 +55,21 @@ struct Body {
   double radius_m = 0;
 };
 
+Body body_of(std::span<const ConvexPiece> pieces_body_m) {
+  Body body;
+  ConvexPiece all;
+  for (const ConvexPiece& points : pieces_body_m) {
+    ConvexShape shape(points);
+    const ConvexPiece& corners = shape.polytope_body().corners_m;
+    const BodyBox box = BodyBox::around(corners);
+    all.insert(all.end(), corners.begin(), corners.end());
+    body.pieces.push_back({std::move(shape), box});
+  }
+  body.box = BodyBox::around(all);
+  for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
+  return body;
+}
+
 }  // namespace
 
 struct ContactFinder::Impl {
@@ -155,18 +170,11 @@ ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 
 void ContactFinder::add_body(std::span<const ConvexPiece> pieces_body_m) {
-  Body body;
-  ConvexPiece all;
-  for (const ConvexPiece& points : pieces_body_m) {
-    ConvexShape shape(points);
-    const ConvexPiece& corners = shape.polytope_body().corners_m;
-    const BodyBox box = BodyBox::around(corners);
-    all.insert(all.end(), corners.begin(), corners.end());
-    body.pieces.push_back({std::move(shape), box});
-  }
-  body.box = BodyBox::around(all);
-  for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
-  impl_->bodies.push_back(std::move(body));
+  impl_->bodies.push_back(body_of(pieces_body_m));
+}
+
+void ContactFinder::set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m) {
+  impl_->bodies.at(body) = body_of(pieces_body_m);
 }
 
 double ContactFinder::radius_m(std::size_t body) const { return impl_->bodies.at(body).radius_m; }

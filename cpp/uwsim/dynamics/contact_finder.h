@@ -35,6 +35,7 @@ class ContactFinder {
   ContactFinder& operator=(ContactFinder&&) noexcept;
 
   void add_body(std::span<const ConvexPiece> pieces_body_m);
+  void set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m);
 
   /// Radius of a sphere about the body's origin that holds all its pieces [m].
   double radius_m(std::size_t body) const;

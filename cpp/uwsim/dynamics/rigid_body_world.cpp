@@ -17,6 +17,14 @@ constexpr double kReachPerMotion = 1.5;        // contacts are searched this muc
 constexpr double kLeastReach_m = 0.0015;       // more than kTouch_m
 constexpr std::size_t kContactsPerBody = 128;  // with more, a step allocates
 
+/// With the pieces of its shape. Throws InvalidValue.
+BodySpec checked(BodySpec spec) {
+  spec.check();
+  spec.collision_pieces_body_m =
+      collision_pieces(spec.craft->hull().mesh_body(), spec.shape, std::move(spec.collision_pieces_body_m));
+  return spec;
+}
+
 }  // namespace
 
 void BodySpec::check() const {
@@ -28,9 +36,7 @@ void BodySpec::check() const {
 RigidBodyWorld::RigidBodyWorld(const World& world, double step_s) : step_s_(step_s), finder_(world) {}
 
 std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
-  spec.check();
-  spec.collision_pieces_body_m =
-      collision_pieces(spec.craft->hull().mesh_body(), spec.shape, std::move(spec.collision_pieces_body_m));
+  spec = checked(std::move(spec));
   finder_.add_body(spec.collision_pieces_body_m);
   bodies_.push_back({.spec = std::move(spec), .state = state});
   next_states_.resize(bodies_.size());
@@ -39,6 +45,17 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   contacts_.reserve(kContactsPerBody * bodies_.size());
   solver_.reserve(kContactsPerBody * bodies_.size());
   return bodies_.size() - 1;
+}
+
+void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
+  require(specs.size() == bodies_.size(), "bodies", specs.size(), "must be one for each");
+  for (BodySpec& spec : specs) spec = checked(std::move(spec));
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (specs[k].collision_pieces_body_m != bodies_[k].spec.collision_pieces_body_m) {
+      finder_.set_body(k, specs[k].collision_pieces_body_m);
+    }
+    bodies_[k].spec = std::move(specs[k]);
+  }
 }
 
 void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {

@@ -38,6 +38,10 @@ class RigidBodyWorld {
 
   std::size_t add_body(BodySpec spec, const BodyState& state);
 
+  /// Gives the bodies other properties, one spec for each; they keep their states. Throws InvalidValue, changing
+  /// nothing.
+  void change_bodies(std::vector<BodySpec> specs);
+
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
   /// A held body neither moves nor collides, like a docked vehicle.

@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kMaxHeldSamples = 1e5;
 
+/// Whether a sample may be of another time than its reading.
+bool has_history(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
+  return !clock.every_step() || spec.latency_s > 0 || spec.drop_out > 0 || sensor.longest_travel_time_s() > 0;
+}
+
 /// Samples that may be in transit, the one that has arrived, and one more for rounding.
 std::size_t held_samples(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
   const double held = (spec.latency_s + sensor.longest_travel_time_s()) / clock.period_s() + 3;
@@ -29,12 +34,11 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
       clock_(spec.rate_hz, step_ns),
       noise_(*kind_, spec_, seed, stream_name(vehicle, spec.name), clock_.period_s()),
       drop_out_(seed, stream_name(vehicle, spec.name, "drop_out")),
+      records_(has_history(spec_, *sensor_, clock_)),
+      next_due_(records_ ? 0 : kNever),
       history_(held_samples(spec_, *sensor_, clock_), sensor_->reach_m() > 0 ? kind_->raw_width() : 0),
       raw_(kind_->raw_width()) {
   sample_.values.resize(kind_->reading_width());
-  const bool present_only =
-      clock_.every_step() && spec_.latency_s == 0 && spec_.drop_out == 0 && sensor_->longest_travel_time_s() == 0;
-  if (!present_only) next_due_ = 0;
 }
 
 void NoisySensor::record(const VehicleSnapshot& snapshot, const Surroundings& around) {
@@ -85,12 +89,13 @@ void NoisySensor::finish(const VehicleSnapshot& snapshot, bool with_noise) {
   measured_tick_ = kNever;
 }
 
-void NoisySensor::exchange_state(StateArchive& archive) {
+void NoisySensor::exchange_state(StateArchive& archive, std::uint64_t tick) {
   archive.same("sensor", spec_.name);
   archive.same("sensor kind", std::string(kind_->name));
-  archive(next_due_);
   history_.exchange_state(archive);
-  if (archive.restoring()) measured_tick_ = kNever;  // sample_ belongs to another time
+  if (!archive.restoring()) return;
+  measured_tick_ = kNever;  // sample_ belongs to another time
+  if (records_) next_due_ = clock_.samples_at(tick) ? tick : clock_.tick_of(clock_.sample_at(tick) + 1);
 }
 
 const Sample& NoisySensor::read_true(const VehicleSnapshot& now, const Surroundings& around) {

@@ -42,9 +42,8 @@ class NoisySensor {
   /// The present without errors, rate, latency and drop-outs.
   const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
-  /// Saves or restores the time of the next sample and the history; errors follow from seed, names and time. Throws
-  /// InvalidValue.
-  void exchange_state(StateArchive& archive);
+  /// Saves or restores the history, as of `tick`; errors follow from seed, names and time. Throws InvalidValue.
+  void exchange_state(StateArchive& archive, std::uint64_t tick);
 
  private:
   bool dropped(std::uint64_t tick) const;
@@ -60,7 +59,8 @@ class NoisySensor {
   SampleClock clock_;
   Noise noise_;
   RandomStream drop_out_;
-  std::uint64_t next_due_ = kNever;
+  bool records_;  ///< false for a sensor that only measures the present
+  std::uint64_t next_due_;
   SampleHistory history_;
   std::vector<double> raw_;
   Sample sample_;

@@ -54,16 +54,31 @@ class SampleHistory {
     if (evicted_) stop_at(last_evicted_);
   }
 
-  /// Saves or restores the entries. Throws InvalidValue.
+  /// Saves or restores the entries; a smaller history keeps the newest. Throws InvalidValue.
   void exchange_state(StateArchive& archive) {
-    archive.same("history", ring_.size());
-    archive(pushed_);
-    for (std::size_t k = 0; k < std::min<std::size_t>(pushed_, ring_.size()); ++k) exchange_entry(archive, ring_[k]);
+    std::uint64_t held = std::min<std::uint64_t>(pushed_, ring_.size());
+    archive(held);
     archive(evicted_);
     if (evicted_) exchange_entry(archive, last_evicted_);
+    if (archive.restoring()) {
+      restore_entries(archive, held);
+    } else {
+      for (std::uint64_t age = held; age > 0; --age) exchange_entry(archive, ring_[(pushed_ - age) % ring_.size()]);
+    }
   }
 
  private:
+  void restore_entries(StateArchive& archive, std::uint64_t count) {
+    pushed_ = 0;
+    Entry entry = last_evicted_;  // of the right size
+    for (std::uint64_t k = 0; k < count; ++k) {
+      exchange_entry(archive, entry);
+      Entry& kept = push(entry.snapshot, entry.dropped);
+      kept.observed = entry.observed;
+      kept.raw = entry.raw;
+    }
+  }
+
   static void exchange_entry(StateArchive& archive, Entry& entry) {
     archive(entry.snapshot.tick);
     archive(entry.snapshot.state);

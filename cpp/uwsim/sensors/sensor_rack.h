@@ -39,12 +39,12 @@ class SensorRack {
     }
   }
 
-  /// Saves or restores every sensor. Throws InvalidValue.
-  void exchange_state(StateArchive& archive) {
+  /// Saves or restores every sensor, as of `tick`. Throws InvalidValue.
+  void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive.same("sensors", sensors_.size());
     next_due_ = NoisySensor::kNever;
     for (NoisySensor& sensor : sensors_) {
-      sensor.exchange_state(archive);
+      sensor.exchange_state(archive, tick);
       next_due_ = std::min(next_due_, sensor.next_due());
     }
   }

@@ -34,22 +34,31 @@ std::string Simulation::restore_state(std::string_view bytes, const StateOrigin&
   return notes;
 }
 
+std::string saved_notes(std::string_view bytes, const StateOrigin& origin) {
+  StateArchive archive(unwrapped_state(bytes, origin));
+  std::string notes;
+  archive(notes);
+  return notes;
+}
+
 void Simulation::exchange_state(StateArchive& archive) {
   archive.same("step_ns", step_ns_);
   archive.same("seed", spec_.seed);
   archive(tick_);
   archive.same("vehicles", vehicles_.size());
-  for (Vehicle& vehicle : vehicles_) {
-    archive.same("vehicle", vehicle.name);
-    vehicle.battery.exchange_state(archive, tick_);
-    archive(vehicle.touching);
-    archive(vehicle.collisions);
-    vehicle.actuators.exchange_state(archive);
-    vehicle.sensors.exchange_state(archive);
-    archive.same("sonars", vehicle.sonars.size());
-    for (SonarHead& sonar : vehicle.sonars) sonar.exchange_state(archive);
-  }
+  for (Vehicle& vehicle : vehicles_) exchange_vehicle(archive, vehicle);
   bodies_.exchange_state(archive);
+}
+
+void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {
+  archive.same("vehicle", vehicle.name);
+  vehicle.battery.exchange_state(archive, tick_);
+  archive(vehicle.touching);
+  archive(vehicle.collisions);
+  vehicle.actuators.exchange_state(archive);
+  vehicle.sensors.exchange_state(archive, tick_);
+  archive.same("sonars", vehicle.sonars.size());
+  for (SonarHead& sonar : vehicle.sonars) sonar.exchange_state(archive);
 }
 
 }  // namespace uwsim

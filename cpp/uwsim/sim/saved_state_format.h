@@ -15,5 +15,7 @@ std::string wrapped_state(std::string_view state, const StateOrigin& origin);
 /// The bytes of the state in a saved state. Throws InvalidValue unless the state is complete, undamaged and of this
 /// origin.
 std::string_view unwrapped_state(std::string_view bytes, const StateOrigin& origin);
+/// The notes that were stored with a saved state. Throws as unwrapped_state.
+std::string saved_notes(std::string_view bytes, const StateOrigin& origin);
 
 }  // namespace uwsim

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -11,8 +10,6 @@
 
 namespace uwsim {
 namespace {
-
-constexpr auto kUnplaced = std::numeric_limits<std::uint64_t>::max();  // a version that never is
 
 /// items[index]. Throws std::out_of_range that names `what`.
 template <typename Items>
@@ -54,28 +51,33 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
 
 std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   for (const Vehicle& other : vehicles_) require(other.name != spec.name, "vehicles.name", spec.name, "must be unique");
-  require_unique_names(spec.sensors, "vehicle.sensors.name");
-  require_unique_names(spec.sonars, "vehicle.sonars.name");
   require_free("vehicle '" + spec.name + "' start", spec.start_world_from_body.position_m);
-  Vehicle vehicle;
-  vehicle.name = spec.name;
-  vehicle.craft = spec.craft;
-  vehicle.actuators = Actuators(spec.actuators);
-  vehicle.sensors = SensorRack(spec.sensors, spec_.seed, spec.name, step_ns_);
-  for (const SonarSpec& sonar : spec.sonars) {
-    vehicle.sonars.emplace_back(sonar, world_.water, RandomStream(spec_.seed, stream_name(spec.name, sonar.name)));
-  }
+  Vehicle vehicle = equipped(spec, spec_, world_.water);
   BodyState state;
   state.world_from_body = spec.start_world_from_body;
-  vehicle.body = bodies_.add_body(
-      {spec.name, spec.craft, spec.shape, spec.friction, spec.restitution, spec.collision_pieces_body_m}, state);
+  vehicle.body = bodies_.add_body(spec.body(), state);
   bodies_.hold(vehicle.body, spec.docked);
-  vehicle.battery = Battery(spec_.mission_time_s, step_ns_);
   if (!spec.docked) vehicle.battery.start_mission(tick_);
   hulls_->add(spec.craft->hull().mesh_body());
   hulls_version_ = kUnplaced;
   vehicles_.push_back(std::move(vehicle));
   return vehicles_.size() - 1;
+}
+
+/// A vehicle as it is before it has a body.
+Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec, const Water& water) const {
+  require_unique_names(from.sensors, "vehicle.sensors.name");
+  require_unique_names(from.sonars, "vehicle.sonars.name");
+  Vehicle vehicle;
+  vehicle.name = from.name;
+  vehicle.craft = from.craft;
+  vehicle.actuators = Actuators(from.actuators);
+  vehicle.sensors = SensorRack(from.sensors, spec.seed, from.name, step_ns_);
+  for (const SonarSpec& sonar : from.sonars) {
+    vehicle.sonars.emplace_back(sonar, water, RandomStream(spec.seed, stream_name(from.name, sonar.name)));
+  }
+  vehicle.battery = Battery(spec.mission_time_s, step_ns_);
+  return vehicle;
 }
 
 void Simulation::step(std::uint64_t count) {

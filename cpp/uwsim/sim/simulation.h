@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,6 +37,11 @@ class Simulation {
   /// Returns the vehicle's index. Throws InvalidValue when the spec is not valid or its start is under the ground or
   /// inside a closed solid.
   std::size_t add_vehicle(const VehicleSpec& spec);
+
+  /// Gives the water, the vehicles and the spec other figures, from the next step on. Everything keeps its state:
+  /// motion, commands, samples. `vehicles`: one for each, in order, with the same parts by the same names; where they
+  /// start is ignored. Throws InvalidValue, changing nothing, for a spec that is not valid or of another step or seed.
+  void change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles);
 
   /// Throws InvalidValue when the motion of a vehicle diverges.
   void step(std::uint64_t count = 1);
@@ -94,12 +100,16 @@ class Simulation {
 
  private:
   void exchange_state(StateArchive& archive);
+  void exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const;
+  Vehicle equipped(const VehicleSpec& vehicle, const SimulationSpec& spec, const Water& water) const;
   Vehicle& changeable(std::size_t index);
   VehicleSnapshot snapshot(const Vehicle& vehicle) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   RayScene scene_around(const Vehicle& vehicle) const;
   void step_once();
   void drive(Vehicle& vehicle);
+
+  static constexpr auto kUnplaced = std::numeric_limits<std::uint64_t>::max();  // a version that never is
 
   World world_;
   std::shared_ptr<const RayScene> scene_;

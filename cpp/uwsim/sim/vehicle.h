@@ -27,6 +27,8 @@ struct VehicleSpec {
   bool docked = false;  ///< held at its start until it is released
   std::vector<SensorSpec> sensors;
   std::vector<SonarSpec> sonars;
+
+  BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m}; }
 };
 
 /// A vehicle in a simulation: its equipment and its state, except for that of its body.

@@ -44,7 +44,7 @@ struct AcousticPing {
   std::vector<float> ranges_m;        ///< sound speed at the head x half the travel time; infinity
   std::vector<float> points_sonar_m;  ///< beams x 3: the range along the beam's axis at transmission; NaN
   std::vector<float> incidence_rad;   ///< true value at the strongest ray; NaN, for false detections too
-  std::vector<float> intensity_db;    ///< received level less source level, with speckle; -infinity
+  std::vector<float> intensity_db;    ///< received level less source level, plus gain, with speckle; -infinity
   std::vector<float> snr_db;          ///< at the detector, with noise; -infinity
   std::vector<float> travel_time_s;   ///< two-way; infinity
   /// The standard deviation of the echo's place by the instrument's own figures: that of its range, and that of its
@@ -109,7 +109,7 @@ class AcousticMultibeam {
   BeamFootprint footprint_;
   SoundSpeedProfile profile_;
   AbsorptionColumn absorption_;
-  double figure_db_;  ///< signal-to-noise ratio of an echo without any loss
+  double figure_db_;  ///< signal-to-noise ratio of an echo without any loss, less the model's gain
   BottomDetector detector_;
   SpeckleField speckle_;
   float share_sr_;                          ///< solid angle of one ray of an unsteered beam

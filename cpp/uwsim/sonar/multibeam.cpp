@@ -114,9 +114,9 @@ Multibeam::Multibeam(const MultibeamModel& model, std::span<const double> streng
     const double strength_db = strengths_db[label];
     require(strength_db >= -100 && strength_db <= 30, "sonar.strengths_db[" + std::to_string(label) + "]",
             with_unit(strength_db, "dB"), "must be in [-100, 30] dB");
-    strengths_db_.push_back(static_cast<float>(strength_db));
+    strengths_db_.push_back(static_cast<float>(strength_db + model_.gain_db));
   }
-  strengths_db_.push_back(kRockStrength_db);
+  strengths_db_.push_back(static_cast<float>(kRockStrength_db + model_.gain_db));
   const auto beams = static_cast<std::size_t>(model_.beams);
   const std::size_t lanes = (beams + kPacketRays - 1) / kPacketRays * kPacketRays;
   for (std::size_t k = 0; k < lanes; ++k) {

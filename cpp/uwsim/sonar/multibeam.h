@@ -17,7 +17,7 @@ struct PingRows {
   float* ranges_m;        ///< infinity without an echo
   float* points_sonar_m;  ///< beams x 3, row-major; NaN without an echo
   float* incidence_rad;   ///< between the beam and the surface's normal, 0..pi/2; NaN without an echo
-  float* intensity_db;    ///< received level less source level; -inf without an echo
+  float* intensity_db;    ///< received level less source level, plus the model's gain; -inf without an echo
   Label* labels;          ///< kNothing without an echo
   std::uint8_t* valid;    ///< 1 for an echo
 
@@ -63,7 +63,7 @@ class Multibeam {
  private:
   MultibeamModel model_;
   std::vector<float> angles_rad_;
-  std::vector<float> strengths_db_;      // by label; the last for all further labels
+  std::vector<float> strengths_db_;      // with the gain, by label; the last for all further labels
   std::vector<double> cosines_, sines_;  // of the beams' angles, padded to whole packets
 };
 

@@ -18,6 +18,7 @@ void MultibeamModel::check() const {
   in(frequency_hz, 1e3, 5e6, "sonar.frequency_hz", "must be in [1000, 5000000] Hz");
   in(ping_rate_max_hz, 0.01, 1000, "sonar.ping_rate_max_hz", "must be in [0.01, 1000] Hz");
   in(receiver_tilt_rad, 0, std::numbers::pi / 2, "sonar.receiver_tilt_rad", "must be in [0, pi/2] rad");
+  in(gain_db, -100, 100, "sonar.gain_db", "must be in [-100, 100] dB");
   in(tilt_rate_rad_s, 1e-4, 100, "sonar.tilt_rate_rad_s", "must be in [0.0001, 100] rad/s");
 }
 

@@ -21,6 +21,7 @@ struct MultibeamModel {
   double ping_rate_max_hz = 50;        ///< of the electronics (50: assumed); travel time may limit it further
   double tilt_rate_rad_s = 0.0872665;  ///< of the head: published 0.1 degree a frame, at 50 frames/s (assumed)
   double receiver_tilt_rad = 0;        ///< of each of two receivers from straight ahead to its side; 0: one
+  double gain_db = 0;                  ///< of the receiver's display, added to every intensity
 
   /// Throws InvalidValue that names sonar.<field>.
   void check() const;

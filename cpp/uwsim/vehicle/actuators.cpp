@@ -126,13 +126,25 @@ void Actuators::set_effort(const Vector6d& effort) {
             "must be in [-1, 1]");
   }
   effort_ = effort;
-  direct_wrench_ = effort.cwiseProduct(full_direct_wrench_);
-  if (!thrusters_.empty()) {
-    Vector6d wrench;
-    for (Eigen::Index axis = 0; axis < 6; ++axis) wrench(axis) = effort(axis) * full_[effort(axis) < 0](axis);
-    allocate(wrench);
-  }
+  allocate_effort();
   deflect(effort);
+}
+
+void Actuators::allocate_effort() {
+  direct_wrench_ = effort_.cwiseProduct(full_direct_wrench_);
+  if (thrusters_.empty()) return;
+  Vector6d wrench;
+  for (Eigen::Index axis = 0; axis < 6; ++axis) wrench(axis) = effort_(axis) * full_[effort_(axis) < 0](axis);
+  allocate(wrench);
+}
+
+void Actuators::renew_commands() {
+  if (!effort_.isZero(0)) allocate_effort();
+  direct_wrench_ = direct_wrench_.cwiseMin(full_direct_wrench_).cwiseMax(-full_direct_wrench_);
+  for (Fin& fin : fins_) {
+    const double limit_rad = fin.parameters().deflection_max_rad;
+    fin.set_command(std::clamp(fin.command_rad(), -limit_rad, limit_rad));
+  }
 }
 
 void Actuators::set_wrench(const Vector6d& wrench_body) {

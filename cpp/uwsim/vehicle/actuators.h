@@ -57,6 +57,10 @@ class Actuators {
   /// Deflections [rad] by name; fins that are not named get 0, thrusters keep their command. Throws InvalidValue.
   void set_fins(const Named& angles_rad);
 
+  /// Applies the held commands anew, after a restore from actuators with other figures: an effort is allocated again,
+  /// and direct wrenches and fins keep within their limits.
+  void renew_commands();
+
   /// Advances the state by one step. Without power, thrusters spin down and fins stay where they are.
   void advance(double step_s, bool powered);
   /// Mean force and torque over the last step (body frame, at the origin). Flow and surface of the water at the origin
@@ -68,6 +72,7 @@ class Actuators {
   void exchange_state(StateArchive& archive);
 
  private:
+  void allocate_effort();
   void allocate(const Vector6d& wrench_body);
   void deflect(const Vector6d& effort);
   void allocate_fins();

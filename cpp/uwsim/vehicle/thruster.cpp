@@ -22,6 +22,7 @@ void ThrusterParameters::check() const {
           "must be positive");
   require(std::isfinite(torque_per_thrust_m) && torque_per_thrust_m >= 0, path + ".torque_per_thrust_m",
           torque_per_thrust_m, "must be 0 m or more");
+  require(health >= 0 && health <= 1, path + ".health", health, "must be in [0, 1]");
   require(spin == 1 || spin == -1, path + ".spin", spin, "must be 1 (right-handed) or -1 (left-handed)");
 }
 
@@ -36,7 +37,7 @@ Thruster::Thruster(ThrusterParameters parameters) : parameters_(std::move(parame
 
 void Thruster::set_command(double command) {
   command_ = command;
-  target_n_ = parameters_.curve.thrust_n(command);
+  target_n_ = parameters_.health * parameters_.curve.thrust_n(command);
 }
 
 void Thruster::advance(double step_s, bool powered) {
@@ -54,7 +55,7 @@ void Thruster::advance(double step_s, bool powered) {
 
 void Thruster::exchange_state(StateArchive& archive) {
   archive(command_);
-  archive(target_n_);
+  set_command(command_);
   archive(thrust_n_);
   archive(mean_thrust_n_);
 }

@@ -24,6 +24,7 @@ struct ThrusterParameters {
   double zero_thrust_advance_ratio = std::numeric_limits<double>::infinity();
   double torque_per_thrust_m = 0;  ///< k_q = D K_Q / K_T
   int spin = 1;                    ///< +1 right-handed, -1 left-handed about the axis when it thrusts ahead
+  double health = 1;               ///< share of the thrust that is left; the allocation does not know of it
 
   /// Throws InvalidValue that names thruster and field.
   void check() const;
@@ -63,7 +64,7 @@ class Thruster {
   /// the axis.
   double submerged_fraction(double height_m, double axis_up) const;
 
-  /// Saves or restores command and thrust.
+  /// Saves or restores command and thrust; the target of the thrust follows from the command.
   void exchange_state(StateArchive& archive);
 
  private:

@@ -61,6 +61,11 @@ class Camera(Sealed):
             scene.heads[name] = self._head
         self._core: _core.Camera | None = None  # built on first use: its table of rays takes time
 
+    def change(self, mount: CameraMount) -> None:
+        """Go on with another mount. Simulator.parameters calls this."""
+        if mount != self.mount:
+            self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount), "_core": None}
+
     def capture(
         self,
         effects: str | Collection[str] = "on",

@@ -23,14 +23,18 @@ class Lamp(Sealed):
     def __init__(self, name: str, spec: Lamps) -> None:
         self.name = name
         self.spec = spec
-        self._on = False
+        self._on = spec.on
         self._journal: Journal | None = None
         self._vehicle = ""
         self._orientations_xyzw = [mount_orientation_xyzw(spot.yaw_pitch_roll_deg) for spot in spec.spots]
 
+    def change(self, spec: Lamps) -> None:
+        """Go on with other figures. Simulator.parameters calls this."""
+        self.__dict__["spec"] = spec
+
     @property
     def on(self) -> bool:
-        """Whether they shine; off at the start."""
+        """Whether they shine; off at the start, unless the vehicle's file says otherwise."""
         return self._on
 
     @on.setter

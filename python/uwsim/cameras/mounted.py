@@ -13,17 +13,27 @@ from uwsim.cameras.shared_scene import SharedScene
 from uwsim.scenario.build.camera import chase_camera
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 def vehicle_cameras(vehicle: VehicleEntry, index: int, scene: SharedScene) -> dict[str, Camera]:
     """Return a vehicle's cameras by name: its file's, and "chase". index: the vehicle's, in the simulation."""
-    name = vehicle.name
-    mounts: Mapping[str, CameraMount] = {"chase": chase_camera(vehicle.model), **vehicle.model.cameras}
     return {
-        key: Camera(_core.stream_name(name, key), mount, scene, index, owner=name, key=key)
-        for key, mount in mounts.items()
+        key: Camera(_core.stream_name(vehicle.name, key), mount, scene, index, owner=vehicle.name, key=key)
+        for key, mount in camera_mounts(vehicle.model).items()
     }
+
+
+def camera_mounts(model: VehicleModel) -> Mapping[str, CameraMount]:
+    """Return the mounts of a vehicle's cameras, by name."""
+    return {"chase": chase_camera(model), **model.cameras}
+
+
+def change_cameras(cameras: Mapping[str, Camera], mounts: Mapping[str, CameraMount]) -> None:
+    """Give cameras other lenses and image sensors."""
+    for name, mount in mounts.items():
+        cameras[name].change(mount)
 
 
 def station_cameras(station: Station, scene: SharedScene) -> dict[str, Camera]:

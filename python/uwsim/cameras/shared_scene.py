@@ -13,7 +13,7 @@ from uwsim import _core
 from uwsim.cameras.lamp import Lamp
 from uwsim.cameras.pan_tilt import PanTiltHead
 from uwsim.journal import Journal
-from uwsim.scenario import Scenario
+from uwsim.scenario import Scenario, vehicle_hull
 from uwsim.scenario.build.camera_scene import camera_scene
 from uwsim.scenario.spec.optics import Optics
 
@@ -65,16 +65,31 @@ class SharedScene:
         return camera_scene(self._scenario, self._world, self._rays)
 
     def restart(self, scenario: Scenario) -> None:
-        """Begin anew with a scenario that differs from the first in its seed alone: lamps off, its own light."""
+        """Begin anew with a scenario that differs from the first in its seed alone: its own lamps and light."""
         if scenario.seed != self._scenario.seed:
             self.__dict__.pop("core", None)
         self._scenario = scenario
         self.optics = scenario.optics
         for switches in self.lamps:
             for lamp in switches.values():
-                lamp.set_silently(False)
+                lamp.set_silently(lamp.spec.on)
         for head in self.heads.values():
             head.restart()
+
+    def change(self, scenario: Scenario) -> None:
+        """Go on with a scenario that differs in parameters alone."""
+        before = self._scenario
+        hulls = [vehicle_hull(vehicle.model)[0] for vehicle in scenario.vehicles]
+        same_hulls = all(
+            np.array_equal(hull, vehicle_hull(old.model)[0]) for hull, old in zip(hulls, before.vehicles, strict=True)
+        )
+        if scenario.water != before.water or not same_hulls:
+            self.__dict__.pop("core", None)
+        self._scenario = scenario
+        self.optics = scenario.optics
+        for switches, vehicle in zip(self.lamps, scenario.vehicles, strict=True):
+            for name, lamp in switches.items():
+                lamp.change(vehicle.model.lamps[name])
 
     @property
     def time_ns(self) -> int:

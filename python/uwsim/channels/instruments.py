@@ -71,6 +71,8 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
 def _reader(source: Source, name: str, kind: Kind, mount: SensorMount, frame_id: str) -> Callable[[Simulator], Any]:
     def read(sim: Simulator) -> Any:
         sample: Sample = source.of(sim).sensors[name].sample()
+        if not source.of(sim).sensors[name].on:
+            return None
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
         errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s)

@@ -16,6 +16,7 @@ from uwsim.channels.commands import command_channels
 from uwsim.channels.imaging import imaging_channels
 from uwsim.channels.instruments import sensor_channels
 from uwsim.channels.map import PingMap
+from uwsim.channels.parameters import parameter_services
 from uwsim.channels.pictures import Pictures
 from uwsim.channels.pings import Pings
 from uwsim.channels.published import published_channels, station_picture
@@ -78,7 +79,7 @@ class Table:
 
     def services(self, sim: Simulator) -> list[Service]:
         """Return all services."""
-        found = simulation_services()
+        found = simulation_services() + parameter_services()
         found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
         for source in self.sources:
             found += vehicle_services(source, sim, self.pictures, self.maps.get(source.name))

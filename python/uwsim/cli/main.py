@@ -21,6 +21,7 @@ from uwsim.cli.diff import diff
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
+from uwsim.cli.parameters import parameters
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
 from uwsim.cli.run_typer import PASS_ON, run_typer
@@ -45,6 +46,7 @@ app.command()(nodes)
 app.command()(replay)
 app.command()(diff)
 app.command()(scenario)
+app.command()(parameters)
 app.command()(sonar)
 app.command()(validate)
 app.command()(reproduce)

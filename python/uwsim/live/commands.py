@@ -90,6 +90,21 @@ def aim_camera(
     _item(cameras, camera, "camera" if vehicle is None else f"vehicle '{vehicle}' camera").aim(pan_rad, tilt_rad)
 
 
+def set_parameter(sim: Simulator, name: str, value: Any) -> None:
+    """Set a parameter; see Simulator.parameters."""
+    sim.parameters[name] = value
+
+
+def set_parameters(sim: Simulator, changes: Mapping[str, Any]) -> None:
+    """Set several parameters at once; see Simulator.parameters."""
+    sim.parameters.update(changes)
+
+
+def reset_parameters(sim: Simulator, name: str | None = None) -> None:
+    """Return to the scenario's values: one, all below a name, or all."""
+    sim.parameters.reset(name)
+
+
 def set_optics(sim: Simulator, **changes: Any) -> None:
     """Change the light; see Simulator.set_optics."""
     sim.set_optics(**changes)
@@ -110,6 +125,9 @@ COMMANDS: dict[str, Callable[..., Any]] = {
         set_lamp,
         aim_camera,
         set_optics,
+        set_parameter,
+        set_parameters,
+        reset_parameters,
     )
 }
 """Every command by its name, except `reset`, which belongs to LiveSimulator."""

@@ -208,7 +208,7 @@ class LiveSimulator:
         """Like `call`, between two steps, for a function that changes nothing: it is not logged."""
         return self._submit(function, None, {})
 
-    def command(self, name: str, **arguments: Any) -> Future[Any]:
+    def command(self, name: str, /, **arguments: Any) -> Future[Any]:
         """Give one of uwsim.live.COMMANDS at the start of the next step, with arguments of JSON's types or arrays.
 
         Raises ValueError for an unknown name or keyword; what the command itself raises goes to the future.

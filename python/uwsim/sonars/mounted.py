@@ -52,8 +52,11 @@ class ImagingSonar(Sealed):
         self._body_from_sonar = mount.body_from_sonar()
         self._kind = imaging.KINDS[mount.kind]
         self.name = name
-        self.model = self._kind.model(**mount.figures)
-        imaging.check(self.model, sim)
+        self.model = checked_model(sim, mount)
+
+    def change(self, model: Acoustics) -> None:
+        """Go on with other figures. Simulator.parameters calls this."""
+        self.__dict__["model"] = model
 
     @property
     def world_from_sonar(self) -> Matrix:
@@ -91,6 +94,18 @@ class ImagingSonar(Sealed):
     def _require(self, kind: type[Acoustics]) -> None:
         if not isinstance(self.model, kind):
             raise ValueError(f"imaging_sonars['{self.name}'] is {type(self.model).__name__}: must be {kind.__name__}")
+
+
+def checked_model(place: imaging.Place, mount: ImagingMount) -> Acoustics:
+    """Return the figures of a mounted sonar. Raises ValueError."""
+    model = imaging.KINDS[mount.kind].model(**mount.figures)
+    imaging.check(model, place)
+    return model
+
+
+def imaging_models(place: imaging.Place, vehicle: VehicleEntry) -> dict[str, Acoustics]:
+    """Return the figures of a vehicle's imaging sonars, by name. Raises ValueError."""
+    return {name: checked_model(place, mount) for name, mount in vehicle.model.imaging_sonars.items()}
 
 
 def imaging_sonars(sim: Fleet, vehicle: VehicleEntry) -> dict[str, ImagingSonar]:

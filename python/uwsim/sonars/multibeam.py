@@ -40,9 +40,13 @@ class Sonar(Sealed):
         self._journal = journal
         self._owner = owner
         self.name = spec.name
-        self.model = spec.model
-        self.mode = "physics" if simulation.in_physics_mode(vehicle, index) else "geometry"
+        self.change(spec)
         self._last: tuple[int, _core.Ping] | None = None
+
+    def change(self, spec: _core.SonarSpec) -> None:
+        """Go on with another model or mode. Simulator.parameters calls this."""
+        in_physics_mode = self._simulation.in_physics_mode(self._vehicle, self._index)
+        self.__dict__ |= {"model": spec.model, "mode": "physics" if in_physics_mode else "geometry"}
 
     def aim(self, elevation_rad: float) -> None:
         """Set the elevation to which the head turns: positive is up, 0 straight ahead. ValueError beyond +-pi/2.

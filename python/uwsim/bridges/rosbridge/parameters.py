@@ -1,46 +1,72 @@
-"""The parameters that clients see by rosapi: JSON values by name, with or without a leading slash."""
+"""The parameters that clients see by rosapi: the simulator's, and a store of their own as ROS's parameter server is."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from typing import Any
+
+from uwsim.live import LiveSimulator
+from uwsim.parameters import Parameters as SimulatorParameters
 
 MOST = 10_000
 LONGEST = 100_000  # characters of a value's JSON
 
 
 class Parameters:
-    """Named values. present: those there are from the start, such as use_sim_time, as JSON."""
+    """Values as JSON, by name. The simulator's, such as rov/drag/linear/surge, act; all others are kept for clients.
 
-    def __init__(self, present: Mapping[str, str]) -> None:
+    present: those of the store that there are from the start, such as use_sim_time. live: the simulator of the moment.
+    """
+
+    def __init__(self, present: Mapping[str, str], live: Callable[[], LiveSimulator | None] = lambda: None) -> None:
         self._values = dict(present)
+        self._live = live
 
     def names(self) -> list[str]:
         """Return all names, sorted."""
-        return sorted(self._values)
+        own = self._simulators()
+        return sorted([*self._values, *(name.replace(".", "/") for name in own or ())])
+
+    def _simulators(self) -> SimulatorParameters | None:
+        live = self._live()
+        return None if live is None else live.simulator.parameters
+
+    def _in_simulator(self, name: str) -> bool:
+        own = self._simulators()
+        return own is not None and name.replace("/", ".") in own
 
     def has(self, name: str) -> bool:
         """Return whether a parameter has a value."""
-        return name in self._values
+        return name in self._values or self._in_simulator(name)
 
     def get_json(self, name: str, default: str = "null") -> str:
-        """Return a parameter's value as JSON."""
+        """Return a parameter's value as JSON; below a name of the simulator's, all values in objects."""
+        own = self._simulators()
+        if own is not None and self._in_simulator(name):
+            return json.dumps(own[name.replace("/", ".")])
         return self._values.get(name, default)
 
-    def set_json(self, name: str, text: Any) -> None:
-        """Set a parameter from JSON. Raises ValueError, changing nothing."""
+    def set_json(self, name: str, text: Any) -> Future[Any] | None:
+        """Set a parameter from JSON. Raises ValueError, changing nothing; for the simulator's, the future does."""
         if not isinstance(text, str) or len(text) > LONGEST:
             raise ValueError(f"parameter '{name}': the value must be JSON as a string of {LONGEST} characters at most")
         try:
-            json.loads(text)
+            value = json.loads(text)
         except (ValueError, RecursionError) as error:
             raise ValueError(f"parameter '{name}': not JSON ({error})") from None
+        live = self._live()
+        if live is not None and self._in_simulator(name):
+            return live.command("set_parameter", name=name.replace("/", "."), value=value)
         if name not in self._values and len(self._values) >= MOST:
             raise ValueError(f"parameter '{name}': there are {MOST}, which is the most")
         self._values[name] = text
+        return None
 
     def delete(self, name: str) -> None:
-        """Remove a parameter. Raises ValueError if there is none."""
+        """Remove a parameter of the store. Raises ValueError if there is none."""
+        if self._in_simulator(name):
+            raise ValueError(f"parameter '{name}': it is the simulator's: reset it with simulation/reset_parameters")
         if self._values.pop(name, None) is None:
             raise ValueError(f"parameter '{name}': there is none of this name")

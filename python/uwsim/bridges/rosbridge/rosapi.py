@@ -5,7 +5,9 @@ https://github.com/RobotWebTools/rosbridge_suite/tree/ros1/rosapi
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any, NamedTuple
 
 from uwsim.bridges.rosbridge.graph import Graph, Handler, plain_name
@@ -23,12 +25,12 @@ STANDARD = {  # std_srvs, which simulators' own services have
 
 
 class Query(NamedTuple):
-    """One service of rosapi: the texts of its request and response, and what answers it."""
+    """One service of rosapi: the texts of its request and response, and what answers it, at once or by a future."""
 
     type: str
     request: str
     response: str
-    answer: Callable[[dict[str, Any]], dict[str, Any]]
+    answer: Callable[[dict[str, Any]], dict[str, Any] | Future[Any]]
 
 
 def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callable[[], int]) -> None:
@@ -44,9 +46,23 @@ def _handler(query: Query) -> Handler:
     def handle(arguments: Any, reply: Callable[[bool, Any], None], caller: str) -> None:
         if not isinstance(arguments, dict):
             raise ValueError(f"{query.type}: args must be an object")
-        reply(True, query.answer(arguments))
+        answer = query.answer(arguments)
+        if isinstance(answer, Future):
+            loop = asyncio.get_running_loop()
+            answer.add_done_callback(lambda done: loop.call_soon_threadsafe(_reply_done, done, reply))
+        else:
+            reply(True, answer)
 
     return handle
+
+
+def _reply_done(done: Future[Any], reply: Callable[[bool, Any], None]) -> None:
+    """Answer a call that a command of the simulator was made for."""
+    error = done.exception()
+    if error is None:
+        reply(True, {})
+    else:
+        reply(False, str(error))
 
 
 def _text(arguments: dict[str, Any], key: str) -> str:
@@ -165,9 +181,8 @@ def _parameter_queries(parameters: Parameters) -> dict[str, Query]:
             "value": parameters.get_json(name_of(args), default if isinstance(default, str) and default else "null")
         }
 
-    def set_(args: dict[str, Any]) -> dict[str, Any]:
-        parameters.set_json(name_of(args), args.get("value"))
-        return {}
+    def set_(args: dict[str, Any]) -> dict[str, Any] | Future[Any]:
+        return parameters.set_json(name_of(args), args.get("value")) or {}
 
     def delete(args: dict[str, Any]) -> dict[str, Any]:
         parameters.delete(name_of(args))

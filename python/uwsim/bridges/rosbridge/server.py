@@ -164,7 +164,8 @@ class RosbridgeServer:
             if self._live is not None:
                 self._node = SimulatorNode(self._live, self.channels, self.services, self.graph, self._loop)
             has_time = self._live is not None or bool(self._guests)
-            offer_rosapi(self.graph, Parameters({"use_sim_time": "true"} if has_time else {}), self._ros, self._time_ns)
+            parameters = Parameters({"use_sim_time": "true"} if has_time else {}, lambda: self._live)
+            offer_rosapi(self.graph, parameters, self._ros, self._time_ns)
             republisher = offer_tf(self.graph, self._loop)
             guests = [GuestNode(guest, self.graph, self._loop) for guest in self._guests]
             ready.set()

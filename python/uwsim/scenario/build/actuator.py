@@ -21,14 +21,16 @@ def actuators_spec(model: VehicleModel) -> _core.ActuatorsSpec:
     return spec
 
 
-def thrust_curve(thruster: ThrusterType) -> _core.ThrustCurve:
-    """Thrust as a function of the command in [-1, 1]."""
-    return _core.ThrustCurve(*thruster.curve_points)
+def thrust_curve(thruster: ThrusterType, gain: float = 1.0) -> _core.ThrustCurve:
+    """Thrust, times a gain, as a function of the command in [-1, 1]."""
+    commands, thrusts_n = thruster.curve_points
+    return _core.ThrustCurve(commands, [gain * thrust_n for thrust_n in thrusts_n])
 
 
 def _thruster_parameters(name: str, mount: ThrusterMount) -> _core.ThrusterParameters:
     thruster = mount.model
-    parameters = _core.ThrusterParameters(name, mount.position_m, mount.axis, thrust_curve(thruster))
+    parameters = _core.ThrusterParameters(name, mount.position_m, mount.axis, thrust_curve(thruster, mount.gain))
+    parameters.health = mount.health
     parameters.time_constant_s = thruster.time_constant_s
     parameters.diameter_m = thruster.diameter_m
     parameters.bollard_coefficient = thruster.bollard_coefficient

@@ -14,6 +14,7 @@ from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.scenario.spec.fields import Point3
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 MAX_SCALING = 0.1
@@ -43,35 +44,69 @@ class _Solid(NamedTuple):
     inertia_m5: NDArray[np.float64]
 
 
+class _Hull(NamedTuple):
+    """vertices_m: (n, 3), body frame. triangles: (m, 3)."""
+
+    vertices_m: NDArray[np.float64]
+    triangles: NDArray[np.uint32]
+    solid: _Solid
+
+
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError.
 
     The mesh is scaled uniformly to the model's volume and moved to its centre of buoyancy, if the model gives them.
+    Both arrays are shared and read-only.
     """
-    name = str(model.mesh)
+    hull = _placed(model)
+    return hull.vertices_m, hull.triangles
+
+
+def _placed(model: VehicleModel) -> _Hull:
     file = model.mesh.stat() if model.mesh.is_file() else None
     version = (file.st_mtime_ns, file.st_size) if file else None
-    vertices, triangles = _closed_hull(model.mesh, version, model.mesh_scale, model.mesh_up)
-    if model.volume_m3 is None and model.centre_of_buoyancy_m is None:
-        return vertices, triangles
-    hull = _solid(vertices, triangles)
-    centroid = hull.centroid_m
-    factor = 1.0 if model.volume_m3 is None else float(np.cbrt(model.volume_m3 / hull.volume_m3))
-    if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
-        raise ScenarioError(
-            f"mesh '{name}': encloses {hull.volume_m3:.4g} m3, volume_m3 = {model.volume_m3:.4g} m3: "
-            f"lengths would scale by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale",
-            at=("volume_m3",),
-        )
-    target = centroid if model.centre_of_buoyancy_m is None else np.asarray(model.centre_of_buoyancy_m)
-    return (vertices - centroid) * factor + target, triangles
+    return _placed_hull(
+        model.mesh, version, model.mesh_scale, model.mesh_up, model.volume_m3, model.centre_of_buoyancy_m
+    )
+
+
+@lru_cache(maxsize=64)
+def _placed_hull(
+    path: Path,
+    version: tuple[int, int] | None,
+    scale: float,
+    up: Literal["y", "z"] | None,
+    volume_m3: float | None,
+    centre_of_buoyancy_m: Point3 | None,
+) -> _Hull:
+    """Scale and move the closed mesh, and measure it; `version` changes with the file and so keeps the cache fresh."""
+    vertices, triangles = _closed_hull(path, version, scale, up)
+    if volume_m3 is not None or centre_of_buoyancy_m is not None:
+        hull = _solid(vertices, triangles)
+        factor = 1.0 if volume_m3 is None else float(np.cbrt(volume_m3 / hull.volume_m3))
+        if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
+            raise ScenarioError(
+                f"mesh '{path}': encloses {hull.volume_m3:.4g} m3, volume_m3 = {volume_m3:.4g} m3: lengths would scale "
+                f"by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale",
+                at=("volume_m3",),
+            )
+        centroid = hull.centroid_m
+        target = centroid if centre_of_buoyancy_m is None else np.asarray(centre_of_buoyancy_m)
+        vertices = (vertices - centroid) * factor + target
+        vertices.flags.writeable = False
+    return _Hull(vertices, triangles, _solid(vertices, triangles))
+
+
+def hull_radius_m(model: VehicleModel) -> float:
+    """Return the radius of a sphere about the vehicle's origin that holds its hull."""
+    return float(np.linalg.norm(vehicle_hull(model)[0], axis=1).max())
 
 
 @lru_cache(maxsize=16)
 def _closed_hull(
     path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Read the mesh and close it; `version` changes with the file and so keeps the cache fresh."""
+    """Read the mesh and close it; version: as for _placed_hull."""
     mesh = load_mesh(path, scale=scale, up=up)
     vertices, triangles = cached_arrays(lambda: closed_mesh(*mesh, name=str(path)), "hull", *mesh)
     vertices.flags.writeable = False
@@ -101,9 +136,8 @@ def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
 
     Raises ScenarioError, also if the centre of mass is outside the box round the hull.
     """
-    vertices, triangles = vehicle_hull(model)
+    vertices, _, hull = _placed(model)
     _require_mass_inside(model, np.stack([vertices.min(axis=0), vertices.max(axis=0)]))
-    hull = _solid(vertices, triangles)
     volume = hull.volume_m3
     density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
     mass = model.mass_kg if density is None else density * volume

@@ -10,7 +10,9 @@ from uwsim.scenario.spec.material import ROCK, Backscatter
 from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
 
 
-def multibeam_model(model: SonarModel, frequency_khz: float | None = None) -> _core.MultibeamModel:
+def multibeam_model(
+    model: SonarModel, frequency_khz: float | None = None, *, gain_db: float = 0.0
+) -> _core.MultibeamModel:
     """Return the fan at a frequency, which may be left out if there is only one. Raises ValueError."""
     band = model.band(frequency_khz)
     return _core.MultibeamModel(
@@ -25,6 +27,7 @@ def multibeam_model(model: SonarModel, frequency_khz: float | None = None) -> _c
         ping_rate_max_hz=model.ping_rate_max_hz,
         tilt_rate_rad_s=math.radians(model.tilt_rate_deg_s),
         receiver_tilt_rad=math.radians(model.receiver_tilt_deg or 0.0) if model.receivers == 2 else 0.0,
+        gain_db=gain_db,
     )
 
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.ballast import mass_with_ballast
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
@@ -91,7 +92,7 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
         )
     return _core.SonarSpec(
         "sonar",
-        multibeam_model(model, sonar.frequency_khz),
+        multibeam_model(model, sonar.frequency_khz, gain_db=sonar.gain_db),
         np.add(mount_m, model.mounting.position_m),
         model.mounting.orientation_xyzw,
         elevation_rad=-np.radians(sonar.tilt_deg),
@@ -103,9 +104,7 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
 def _craft(model: VehicleModel, water_density_kg_m3: float) -> _core.Craft:
     body = rigid_body(model, water_density_kg_m3)
     parameters = _core.CraftParameters()
-    parameters.mass_kg = body.mass_kg
-    parameters.centre_of_mass_body_m = body.centre_of_mass_m
-    parameters.inertia_kg_m2 = np.diag(body.inertia_kg_m2)
+    parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass_with_ballast(model, body)
     parameters.added_mass = model.matrix("added_mass")
     parameters.linear_damping = model.matrix("linear_damping")
     parameters.quadratic_damping = model.matrix("quadratic_damping")

@@ -40,8 +40,13 @@ def build_world(scenario: Scenario) -> _core.World:
 
 def fill_with_water(world: _core.World, scenario: Scenario) -> None:
     """Give the world the scenario's water, with waves and gusts of its seed. Raises ScenarioError."""
+    world.water = scenario_water(scenario, world)
+
+
+def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
+    """Return the scenario's water for a world whose terrain is built. Raises ScenarioError."""
     with scenario.source_file.errors_at("water"):
-        world.water = build_water(scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed)
+        return build_water(scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed)
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain) -> None:

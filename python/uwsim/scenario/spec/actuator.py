@@ -35,6 +35,7 @@ class ThrusterType(Model):
 
     thrust_n: pairs of a command in [-1, 1], or of a pulse width if `pwm` is given, and the still-water thrust on the
     vehicle; linear between pairs, constant beyond the ends. time_constant_s: of the thrust's first-order lag.
+    diameter_m: of the propeller.
     bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which no thrust is left;
     if not given, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque for each newton,
     k_q = D K_Q / K_T.
@@ -81,12 +82,18 @@ def _require_direction(direction: Direction, key: str) -> None:
 
 
 class ThrusterMount(Model):
-    """A thruster on a vehicle. axis: the direction of a positive thrust. spin: seen from behind, at positive thrust."""
+    """A thruster on a vehicle. axis: the direction of a positive thrust. spin: seen from behind, at positive thrust.
+
+    gain: a factor on the thrust of its type, as of a battery of another voltage; the allocation of efforts knows it.
+    health: the share of its thrust that a fault leaves; the allocation does not know of it.
+    """
 
     model: Annotated[ThrusterType, BeforeValidator(_thruster_type)]
     position_m: Point3
     axis: Direction
     spin: Literal["clockwise", "counter-clockwise"] = "clockwise"
+    gain: Annotated[float, InRange(0.01, 100)] = 1.0
+    health: Annotated[float, InRange(0, 1)] = 1.0
 
     @model_validator(mode="after")
     def _points_somewhere(self) -> ThrusterMount:
@@ -97,8 +104,11 @@ class ThrusterMount(Model):
 class FinMount(Model):
     """A lifting surface: a fin that turns about `span`, right-handed, or a fixed one (deflection_max_deg 0).
 
-    position_m: its centre of pressure. aspect_ratio: effective, span^2 / area, doubled where the hull mirrors the fin.
-    efficiency: Oswald's. stall_angle_deg: leave out for a surface that does not stall, such as a hull's lift.
+    position_m: its centre of pressure. area_m2: to which lift and drag refer. aspect_ratio: effective, span^2 / area,
+    doubled where the hull mirrors the fin. parasitic_drag: the drag coefficient without lift. efficiency: Oswald's, of
+    the induced drag. stall_angle_deg: where lift is midway to that of a flat plate; leave out for a surface that does
+    not stall, such as a hull's lift. stall_sharpness_deg: of that transition. deflection_max_deg, rate_max_deg_s: how
+    far and how fast it turns.
     """
 
     position_m: Point3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, YawPitchRoll, broken
 
@@ -80,11 +80,12 @@ class LampSpot(Model):
 class Lamps(Model):
     """The lamps on one switch, identical except for their mountings.
 
-    flux_lm: of each lamp. half_angle_deg: of the cone, outside which it is dark. soft_share: of that angle, over which
-    the light falls off. colour: red, green, blue relative to daylight's white.
+    on: whether they shine at the start. flux_lm: of each lamp. half_angle_deg: of the cone, outside which it is dark.
+    soft_share: of that angle, over which the light falls off. colour: red, green, blue relative to daylight's white.
     """
 
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
+    on: StrictBool = False
     flux_lm: Annotated[float, InRange(0, 1e6, "lm")]
     half_angle_deg: Annotated[float, InRange(1, 85, "deg")] = 35.0
     soft_share: Annotated[float, InRange(0.01, 1)] = 0.5

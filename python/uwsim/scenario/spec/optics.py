@@ -15,7 +15,10 @@ PerBand = tuple[PerMetre, PerMetre, PerMetre]
 
 
 class WaterCoefficients(Model):
-    """A custom water, for red (600 nm), green (550 nm), blue (450 nm): Kd of daylight, absorption, scattering [1/m]."""
+    """A custom water, for red (600 nm), green (550 nm) and blue (450 nm).
+
+    diffuse_attenuation: Kd, of daylight. absorption, scattering: of light on its way through the water.
+    """
 
     diffuse_attenuation: PerBand
     absorption: PerBand
@@ -42,7 +45,8 @@ def _jerlov(value: object) -> object:
 class Optics(Model):
     """The light that cameras see by.
 
-    jerlov: the water type, unless coefficients are given. sun_azimuth_deg: direction towards the sun, from east,
+    jerlov: the water type, unless coefficients are given. coefficients: of a custom water. sun_elevation_deg: above the
+    horizon. sun_azimuth_deg: direction towards the sun, from east,
     counter-clockwise. wind_m_s, wind_heading_deg: the breeze that ruffles the surface, and the direction in which it
     blows; its ripples only bend light: vehicles feel the waves of `water.surface`. particles_per_m3: those large enough
     to be seen one by one. turbulence_k: standard deviation of the temperature in the eddies that bend light (effect

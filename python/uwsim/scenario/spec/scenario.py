@@ -25,14 +25,20 @@ RESERVED_NAMES = ("nothing", "terrain", "station")
 
 
 class WarningLimits(Model):
-    """When the panel warns: farther than range_m from the station, lower than proximity_m above the bed."""
+    """When the panel warns.
+
+    range_m: from the station, beyond it. proximity_m: above the bed, below it.
+    """
 
     range_m: Annotated[float, InRange(0, 1e5, "m")] = 110.0
     proximity_m: Annotated[float, InRange(0, 1e3, "m")] = 10.0
 
 
 class Scenario(Model):
-    """Everything that determines a run's results. World ENU, z up, water surface at z = 0."""
+    """Everything that determines a run's results. World ENU, z up, water surface at z = 0.
+
+    mission_time_s: how long a vehicle's battery lasts after its release.
+    """
 
     name: Name
     description: str = ""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, StrictBool, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
@@ -56,12 +56,14 @@ class SensorMount(Model):
 
     Rays are cast along the sensor's x: yaw 90 looks to port. Parameters of the kind (_core.sensor_kind(...).parameters,
     such as range_max_m) stand beside the other keys in YAML, and in `parameters` here.
-    rate_hz: of samples; every step by default. latency_s: from the measurement to its arrival. drop_out: the share of
-    samples that is lost; a read then returns the last sample that was not, marked invalid.
-    noise: of every channel; noise_std: short for noise: {std: ...}. channels: by name, instead of `noise`.
+    on: whether it is powered; off, it has no readings. rate_hz: of samples; every step by default. latency_s: from the
+    measurement to its arrival. drop_out: the share of samples that is lost; a read then returns the last sample that
+    was not, marked invalid. noise: of every channel; noise_std: short for noise: {std: ...}. channels: by name, instead
+    of `noise`.
     """
 
     kind: str
+    on: StrictBool = True
     position_m: Point3 = (0.0, 0.0, 0.0)
     yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
     rate_hz: Annotated[float, InRange(1e-4, 1e5, "Hz")] | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -174,8 +175,14 @@ class SonarModel(Model):
 def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarModel:
     """Load a model from its number on the wire (1 to 4), a packaged name ("em2040-04") or a path. ScenarioError."""
     if isinstance(source, int):
-        source = f"em2040-{source}"
+        return _em2040(source)
     return read_spec(SonarModel, source, "sonars", folder)
+
+
+@cache
+def _em2040(number: int) -> SonarModel:
+    """Read a packaged model once: setups ask for theirs often."""
+    return read_spec(SonarModel, f"em2040-{number}", "sonars")
 
 
 SonarMode = Literal["geometry", "physics"]

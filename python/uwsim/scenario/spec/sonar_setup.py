@@ -11,7 +11,15 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.fields import InRange, Model, NoseDown, broken
-from uwsim.scenario.spec.sonar import WIRE_NUMBERS, FrequencyKhz, Receivers, SonarMode, SonarModel, load_sonar
+from uwsim.scenario.spec.sonar import (
+    WIRE_NUMBERS,
+    FrequencyKhz,
+    Receivers,
+    SonarMode,
+    SonarModel,
+    SonarNoise,
+    load_sonar,
+)
 
 
 def _sonar_model(value: object, info: ValidationInfo) -> object:
@@ -40,7 +48,9 @@ class SonarSetup(Model):
     the ping rate is then limited by the sound's travel from there. receivers: 2 ("dual RX") for a model that can have
     two, with a wider fan of twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or
     `physics`, whose ranges, errors and gaps follow from its acoustics. bending: in physics mode rays follow the water's
-    sound-speed profile. tilt_deg: at the start, positive nose down, as scanPos on the wire.
+    sound-speed profile. rays_per_beam: in physics mode, of each footprint. tilt_rate_deg_s: of the head, instead of the
+    model's. gain_db: of the receiver's display, added to every intensity. noise: figures of physics mode that differ
+    from the model's. tilt_deg: at the start, positive nose down, as scanPos on the wire.
     """
 
     model: Annotated[int | SonarModel, PlainValidator(_sonar_model), PlainSerializer(_dumped)] = 2
@@ -50,6 +60,9 @@ class SonarSetup(Model):
     mode: SonarMode = "geometry"
     bending: bool = False
     rays_per_beam: Annotated[int, InRange(4, 64)] = 8
+    tilt_rate_deg_s: Annotated[float, InRange(0.01, 1000, "deg/s")] | None = None
+    gain_db: Annotated[float, InRange(-100, 100, "dB")] = 0.0
+    noise: SonarNoise | None = None
     tilt_deg: NoseDown = 0.0
 
     @model_validator(mode="after")
@@ -74,10 +87,17 @@ class SonarSetup(Model):
 
     @property
     def loaded(self) -> SonarModel:
-        """The model itself with the receivers chosen, limited to range_m. Raises ValueError."""
+        """The model itself with what is chosen here: receivers, range, tilt rate, noise. Raises ValueError."""
         model = self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
         if self.receivers is not None:
             model = model.with_receivers(self.receivers, self.frequency_khz)
+        own: dict[str, object] = {}
+        if self.tilt_rate_deg_s is not None:
+            own["tilt_rate_deg_s"] = self.tilt_rate_deg_s
+        if self.noise is not None:
+            chosen = {key: getattr(self.noise, key) for key in self.noise.model_fields_set}
+            own["noise"] = model.noise.model_copy(update=chosen)
+        model = model.model_copy(update=own) if own else model
         return model if self.range_m is None else model.within(self.range_m)
 
     @property

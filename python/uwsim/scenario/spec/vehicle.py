@@ -43,18 +43,23 @@ class VehicleModel(Model):
 
     mesh: the hull, closed and winding outward. Buoyancy acts on its triangles, and it collides. It also gives the
     volume, and the inertia (as a solid of uniform density) if inertia_kg_m2 is left out.
-    mass_kg, density_kg_m3 (of the hull's volume), `buoyancy: neutral` (the mass of the water that the whole hull
-    displaces in the scenario's water): exactly one must be given.
+    mass_kg: of the vehicle, without ballast and water inside. Instead of it density_kg_m3, of the hull's volume, or
+    `buoyancy: neutral`, the mass of the water that the whole hull displaces in the scenario's water, may be given:
+    exactly one. centre_of_mass_m: without ballast, in the box round the hull.
+    ballast_kg, ballast_position_m: a point mass beside all this: it adds to mass and inertia and moves the centre of
+    mass, but displaces no water.
     volume_m3, centre_of_buoyancy_m: published figures, to which the mesh is scaled and moved; it must be near them.
     collision: as the convex hull, as the bounding box, or as the convex pieces in the file collision_pieces, which
     `uwsim decompose` makes from the mesh.
-    Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative.
-    linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: diagonal, zero by default.
-    Each of these three may be given as a full matrix about the origin instead, by rows: added_mass_matrix and so on.
+    Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative. Instead of one, a full
+    matrix about the origin may be given, by rows, such as added_mass_matrix.
+    linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: of the water that moves with
+    the hull; zero by default.
     inertia_kg_m2: principal moments about the centre of mass along the body's axes.
     max_force_n, max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters.
     thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one.
-    material: of the hull, for cameras.
+    friction: Coulomb's coefficient; two bodies in contact combine by the geometric mean. restitution: the share of the
+    approach speed that is kept; of two bodies in contact the larger one counts. material: of the hull, for cameras.
     """
 
     name: Name
@@ -72,6 +77,8 @@ class VehicleModel(Model):
     centre_of_buoyancy_m: Point3 | None = None
     centre_of_mass_m: Point3
     inertia_kg_m2: tuple[Inertia, Inertia, Inertia] | None = None
+    ballast_kg: Annotated[float, InRange(0, 1e6, "kg")] = 0.0
+    ballast_position_m: Point3 = (0.0, 0.0, 0.0)
 
     added_mass: tuple[AlongMass, AlongMass, AlongMass, AboutMass, AboutMass, AboutMass] | None = None
     added_mass_matrix: Matrix | None = None
@@ -87,9 +94,7 @@ class VehicleModel(Model):
     thrusters: dict[Name, ThrusterMount] = Field(default_factory=dict)
     fins: dict[Name, FinMount] = Field(default_factory=dict)
 
-    # Coulomb's coefficient; two bodies in contact combine by the geometric mean.
     friction: Annotated[float, InRange(0, 2)] = 0.5
-    # Share of the approach speed that is kept; of two bodies in contact the larger one counts.
     restitution: Annotated[float, InRange(0, 1)] = 0.1
 
     sonar: SonarMount | None = None

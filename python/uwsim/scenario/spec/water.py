@@ -29,8 +29,9 @@ class StillSurface(Model):
 class AirySurface(Model):
     """One linear (Airy) wave.
 
-    heading_deg: towards which it runs, from east, counter-clockwise. depth_m: of the water under it; by default, and at
-    most, that of the terrain's deepest point.
+    amplitude_m, period_s, phase_deg: of the surface's cosine at the origin. heading_deg: towards which it runs,
+    from east, counter-clockwise. depth_m: of the water under it; by default, and at most, that of the terrain's
+    deepest point.
     """
 
     kind: Literal["airy"]
@@ -44,8 +45,10 @@ class AirySurface(Model):
 class JonswapSurface(Model):
     """A random sea with the JONSWAP spectrum, drawn with the scenario's seed.
 
-    peak_enhancement: gamma; 1 is a Pierson-Moskowitz sea. spreading_exponent: n of cos^n about the heading; 0 for
-    long crests. depth_m: as for an Airy wave.
+    significant_height_m, peak_period_s: of the spectrum. heading_deg: towards which the sea runs, from east,
+    counter-clockwise. component_count: of the waves that are summed. peak_enhancement: gamma; 1 is a Pierson-
+    Moskowitz sea. spreading_exponent: n of cos^n about the heading; 0 for long crests. depth_m: as for an Airy
+    wave.
     """
 
     kind: Literal["jonswap"]
@@ -63,14 +66,20 @@ SurfaceSpec = Annotated[StillSurface | AirySurface | JonswapSurface, Field(discr
 
 
 class UniformCurrent(Model):
-    """A current that is the same at all places and times."""
+    """A current that is the same at all places and times.
+
+    velocity_m_s: along the world's axes.
+    """
 
     kind: Literal["uniform"]
     velocity_m_s: Velocity
 
 
 class CurrentLevel(Model):
-    """The current at a depth."""
+    """The current at a depth.
+
+    depth_m: below the surface. velocity_m_s: along the world's axes.
+    """
 
     depth_m: Depth
     velocity_m_s: Velocity
@@ -96,7 +105,11 @@ class LayeredCurrent(Model):
 
 
 class TidalCurrent(Model):
-    """amplitude_m_s times sin(2 pi t / period_s + phase_deg). The default period is that of M2, the lunar tide."""
+    """A current amplitude_m_s sin(2 pi t / period_s + phase_deg).
+
+    amplitude_m_s: along the world's axes. period_s, phase_deg: of the sine; the default period is that of M2, the lunar
+    tide.
+    """
 
     kind: Literal["tidal"]
     amplitude_m_s: Velocity
@@ -107,7 +120,8 @@ class TidalCurrent(Model):
 class GustyCurrent(Model):
     """A mean with Gauss-Markov gusts about it, drawn with the scenario's seed.
 
-    sigma_m_s: standard deviation along each world axis. correlation_time_s: the lag at which correlation falls to 1/e.
+    mean_m_s: along the world's axes. sigma_m_s: standard deviation along each world axis. correlation_time_s: the
+    lag at which correlation falls to 1/e.
     """
 
     kind: Literal["gusts"]
@@ -141,7 +155,11 @@ CurrentSpecs = Annotated[tuple[CurrentSpec, ...], BeforeValidator(_as_list), Fie
 
 
 class WaterLevel(Model):
-    """The water at a depth. Its density, at atmospheric pressure, follows by default from the others (EOS-80)."""
+    """The water at a depth.
+
+    depth_m, temperature_deg_c, salinity_psu: of the level. density_kg_m3: at atmospheric pressure; by default it
+    follows from the others (EOS-80). sound_speed_m_s: at all levels or none; by default from the others.
+    """
 
     depth_m: Depth
     temperature_deg_c: Celsius
@@ -189,7 +207,10 @@ class LinearProfile(Model):
 
 
 class LinearEnd(Model):
-    """One end of a linear profile."""
+    """One end of a linear profile.
+
+    temperature_deg_c, salinity_psu: there. density_kg_m3: at both ends or none; by default it follows (EOS-80).
+    """
 
     temperature_deg_c: Celsius
     salinity_psu: Salinity = 0.0
@@ -204,11 +225,12 @@ ProfileSpec = Annotated[TableProfile | LinearProfile, Field(discriminator="kind"
 class Water(Model):
     """The water; by default still, of one density, and without current.
 
-    Without a profile it has one density and salinity, and its temperature is linear from the surface to the terrain's
-    deepest point. current_world_m_s and all currents add up, to 10 m/s at most, gusts counted at three sigma.
-    Densities are those at atmospheric pressure; compressible: whether pressure includes the compression by the water's
-    own weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the water; one that is
-    not valid in it is refused.
+    density_kg_m3, salinity_psu: of all the water, unless a profile gives them; densities are those at atmospheric
+    pressure. surface_temperature_deg_c, bottom_temperature_deg_c: linear between the surface and the terrain's deepest
+    point, unless a profile gives them. compressible: whether pressure includes the compression by the water's own
+    weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the water; one that is not
+    valid in it is refused. surface: flat, or with waves. current_world_m_s, current: add up, to 10 m/s at most, gusts
+    counted at three sigma. profile: temperature, salinity, density and sound speed by depth.
     """
 
     density_kg_m3: Density = 1000.0

@@ -1,0 +1,48 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/state_archive.h"
+#include "uwsim/sim/simulation.h"
+
+namespace uwsim {
+
+/// The vehicles are built anew, and their state goes over as a saved one does. All that may fail comes first.
+void Simulation::change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles) {
+  spec.check();
+  water.check();
+  require(spec.step_s == spec_.step_s, "step_s", spec.step_s, "cannot be changed");
+  require(spec.seed == spec_.seed, "seed", spec.seed, "cannot be changed");
+  require(vehicles.size() == vehicles_.size(), "vehicles", vehicles.size(), "must be one for each");
+  std::vector<Vehicle> changed;
+  std::vector<BodySpec> bodies;
+  bool same_hulls = true;
+  for (std::size_t k = 0; k < vehicles.size(); ++k) {
+    require(vehicles[k].craft != nullptr, "vehicles.craft", "none", "must be set");
+    bodies.push_back(vehicles[k].body());
+    changed.push_back(equipped(vehicles[k], spec, water));
+    changed[k].body = vehicles_[k].body;
+    StateArchive present;
+    exchange_vehicle(present, vehicles_[k]);
+    StateArchive same(present.bytes());
+    exchange_vehicle(same, changed[k]);
+    changed[k].actuators.renew_commands();
+    same_hulls = same_hulls &&
+                 vehicles[k].craft->hull().mesh_body().vertices_m == vehicles_[k].craft->hull().mesh_body().vertices_m;
+  }
+  std::shared_ptr<MovingBodies> hulls = hulls_;
+  if (!same_hulls) {
+    hulls = std::make_shared<MovingBodies>(hulls_->label(0));
+    for (const VehicleSpec& vehicle : vehicles) hulls->add(vehicle.craft->hull().mesh_body());
+  }
+  bodies_.change_bodies(std::move(bodies));
+  world_.water = water;
+  spec_ = spec;
+  vehicles_ = std::move(changed);
+  hulls_ = std::move(hulls);
+  hulls_version_ = kUnplaced;
+  ++version_;
+}
+
+}  // namespace uwsim

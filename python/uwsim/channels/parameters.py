@@ -1,0 +1,95 @@
+"""Services by which the simulator's parameters are listed, read, set and reset. Values are JSON in strings."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from uwsim.channels.channel import Service
+from uwsim.live import LiveSimulator
+
+Request = dict[str, Any]
+
+
+def parameter_services() -> list[Service]:
+    """Return them. They answer success and message, and what was asked for."""
+    return [
+        Service(
+            "simulation/list_parameters", "uwsim_msgs/srv/ListParameters", _list,
+            "the names at and below request.prefix, all by default",
+        ),
+        Service(
+            "simulation/get_parameters", "uwsim_msgs/srv/GetParameters", _get,
+            "values_json, of request.names: an object of values by name",
+        ),
+        Service(
+            "simulation/describe_parameters", "uwsim_msgs/srv/DescribeParameters", _describe,
+            "descriptions_json, of request.names: type, unit, low, high, choices, value, default, description of each",
+        ),
+        Service(
+            "simulation/set_parameters", "uwsim_msgs/srv/SetParameters", _set,
+            "set all of request.values_json, an object of values by name, or none",
+        ),
+        Service(
+            "simulation/reset_parameters", "uwsim_msgs/srv/ResetParameters", _reset,
+            "return to the scenario's values at and below each of request.names; without names, to all",
+        ),
+    ]  # fmt: skip
+
+
+def _list(live: LiveSimulator, request: Request) -> Request:
+    return _answered(lambda: {"names": live.simulator.parameters.list(_text(request, "prefix", ""))})
+
+
+def _get(live: LiveSimulator, request: Request) -> Request:
+    own = live.simulator.parameters
+    return _answered(lambda: {"values_json": json.dumps({name: own[name] for name in _names(request)})})
+
+
+def _describe(live: LiveSimulator, request: Request) -> Request:
+    own = live.simulator.parameters
+    return _answered(
+        lambda: {"descriptions_json": json.dumps([asdict(own.describe(name)) for name in _names(request)])}
+    )
+
+
+def _set(live: LiveSimulator, request: Request) -> Request:
+    def act() -> Request:
+        changes = json.loads(_text(request, "values_json", None))
+        if not isinstance(changes, dict):
+            raise ValueError("values_json: must be an object of values by name")
+        live.command("set_parameters", changes=changes).result()
+        return {}
+
+    return _answered(act)
+
+
+def _reset(live: LiveSimulator, request: Request) -> Request:
+    def act() -> Request:
+        for name in _names(request) or [None]:
+            live.command("reset_parameters", name=name).result()
+        return {}
+
+    return _answered(act)
+
+
+def _answered(act: Any) -> Request:
+    try:
+        return {"success": True, "message": "", **act()}
+    except (ValueError, RecursionError) as error:
+        return {"success": False, "message": str(error)}
+
+
+def _text(request: Request, name: str, default: str | None) -> str:
+    value = request.get(name, default)
+    if not isinstance(value, str):
+        raise ValueError(f"{name} = {value!r:.40}: must be given, as a string")
+    return value
+
+
+def _names(request: Request) -> list[Any]:
+    names = request.get("names", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ValueError(f"names = {names!r:.40}: must be a list of strings")
+    return names

@@ -1,0 +1,50 @@
+"""Values of fields that a scenario leaves out, where a model or a mesh gives them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from uwsim.scenario import rigid_body
+from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.vehicle import VehicleModel
+
+NO_FORCES = (0.0,) * 6
+
+
+def effective(owner: Model, field: str, scenario: Scenario) -> Any:
+    """Return the value that a field has in effect: its own, or what stands in where it has none."""
+    own = getattr(owner, field)
+    if isinstance(owner, SonarSetup):
+        return _of_sonar(owner, field, own)
+    if isinstance(owner, SensorMount) and field == "noise":
+        return own or Noise(std=owner.noise_std or 0.0)
+    if own is None and isinstance(owner, VehicleModel):
+        return _of_vehicle(owner, field, scenario)
+    return own
+
+
+def _of_sonar(setup: SonarSetup, field: str, own: Any) -> Any:
+    model = setup.loaded
+    if field == "model":
+        return own if isinstance(own, int) else own.name
+    if field in ("noise", "tilt_rate_deg_s"):
+        return getattr(model, field)
+    if own is None and field == "receivers":
+        return model.receivers
+    if own is None and field in ("frequency_khz", "range_m"):
+        band = model.band(setup.frequency_khz)
+        return band.frequency_khz if field == "frequency_khz" else band.range_max_m
+    return own
+
+
+def _of_vehicle(model: VehicleModel, field: str, scenario: Scenario) -> Any:
+    if field == "added_mass" and model.added_mass_matrix is None:
+        return NO_FORCES
+    if field not in ("mass_kg", "centre_of_buoyancy_m", "inertia_kg_m2"):
+        return None
+    value = getattr(rigid_body(model, surface_density_kg_m3(scenario.water)), field)
+    return float(value) if field == "mass_kg" else tuple(value.tolist())

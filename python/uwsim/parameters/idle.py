@@ -1,0 +1,48 @@
+"""Why a field has no effect as the scenario is, so that nobody sets it in vain."""
+
+from __future__ import annotations
+
+from uwsim import _core
+from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.water import TableProfile, Water
+
+ONE_WATER = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
+OF_PHYSICS_MODE = ("bending", "rays_per_beam", "noise")
+
+
+def idle(model: Model, field: str) -> str:
+    """Return the reason, or nothing for a field that has an effect."""
+    if isinstance(model, Water):
+        return _of_water(model, field)
+    if isinstance(model, Optics) and field == "jerlov" and model.coefficients is not None:
+        return "optics.coefficients are given"
+    if isinstance(model, VehicleModel) and field == "ballast_position_m" and model.ballast_kg == 0:
+        return "ballast_kg is 0"
+    if isinstance(model, SonarSetup) and field in OF_PHYSICS_MODE and model.mode != "physics":
+        return "it is for `mode: physics` only"
+    if isinstance(model, SensorMount):
+        return _of_sensor(model, field)
+    if isinstance(model, Noise) and field == "bias_time_s" and model.bias_std == 0:
+        return "bias_std is 0"
+    return ""
+
+
+def _of_water(water: Water, field: str) -> str:
+    profile = water.profile
+    if field in ONE_WATER and profile is not None:
+        return "water.profile gives it"
+    if field == "sound_speed_equation" and isinstance(profile, TableProfile):
+        levels = profile.levels or ()
+        return "water.profile gives the speed of sound" if levels and levels[0].sound_speed_m_s is not None else ""
+    return ""
+
+
+def _of_sensor(sensor: SensorMount, field: str) -> str:
+    channels = set(_core.sensor_kind(sensor.kind).channels)
+    if field == "noise" and channels <= set(sensor.channels):
+        return "each channel has its own" if channels else "this kind has no noise"
+    return ""

@@ -1,0 +1,53 @@
+"""Parameter: the name, value, type, unit, range and description of one, from the field of the scenario's model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from uwsim.parameters.field_type import Type
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter, as `describe` gives it.
+
+    name: such as "rov.drag.linear.surge". key: what says so in the scenario. value: now; default: the scenario's.
+    low, high: limits in `unit`, None without. choices: of a "choice". optional: whether None is a value, too.
+    """
+
+    name: str
+    key: str
+    type: Type
+    value: Any
+    default: Any
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[Any, ...] = ()
+    optional: bool = False
+    description: str = ""
+
+    @property
+    def range_text(self) -> str:
+        """Return the range or the choices in words."""
+        if self.choices:
+            return ", ".join(map(str, self.choices))
+        if self.type == "flag":
+            return "true, false"
+        text = "" if self.low is None else f"[{self.low:g}, {self.high:g}]"
+        return f"{text} or none" if text and self.optional else text
+
+
+def plain(value: Any) -> Any:
+    """Return a value of JSON's types: lists for tuples, dicts for models."""
+    if hasattr(value, "model_dump"):
+        return plain({key: getattr(value, key) for key in type(value).model_fields})
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | list):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return value if value is None or isinstance(value, bool | int | float | str) else str(value)

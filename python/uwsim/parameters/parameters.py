@@ -1,0 +1,228 @@
+"""Parameters, the mapping of a simulator's parameters by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
+
+from uwsim.did_you_mean import did_you_mean
+from uwsim.named import UnknownNameError
+from uwsim.parameters import table
+from uwsim.parameters.edits import KIND, edited
+from uwsim.parameters.parameter import Parameter, plain
+from uwsim.parameters.tree import Node, Place, find, nodes
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.scenario import Scenario
+
+
+class UnknownParameterError(UnknownNameError):
+    """There is no such parameter. The message names the nearest."""
+
+
+class Switch(Protocol):
+    """A thing that is on or off, such as a lamp."""
+
+    @property
+    def on(self) -> bool:
+        """Whether it is on."""
+
+    def set_silently(self, on: bool) -> None:
+        """Switch it."""
+
+
+class Parameters(Mapping[str, Any]):
+    """A simulator's parameters by name, such as `rov.drag.linear.surge`: the scenario's keys, under a vehicle's name.
+
+        sim.parameters["rov.drag.linear.surge"] = 40.0
+        sim.parameters.update({"water.current_world_m_s": [0.3, 0, 0], "rov.thrusters.front_left.health": 0.5})
+
+    Iteration gives the names of single values. The name of a place above them, such as `rov.drag`, gets all its values
+    in dicts and lists, and sets those that are given. `water.surface`, `water.current`, `water.profile` and
+    `optics.coefficients` are replaced whole.
+
+    A change is checked as the scenario is, and with it: it raises ValueError, changing nothing, and names parameter,
+    value, unit and rule. It holds from the next step on, as if the scenario had said so; motion, commands and samples
+    in transit stay. Reading is safe on any thread, changing on the one that steps.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        apply: Callable[[Scenario], None],
+        note: Callable[..., None],
+        switches: Mapping[str, Switch],
+    ) -> None:
+        """Begin with a scenario's own values.
+
+        apply: takes the changed scenario, or raises. note: learns of each change, as a command. switches: those whose
+        state is a parameter, by its name.
+        """
+        self._apply = apply
+        self._note = note
+        self._switches = dict(switches)
+        self.restart(scenario)
+
+    def restart(self, scenario: Scenario) -> None:
+        """Begin anew with another scenario of the same names, without applying it."""
+        self._original = self._running = scenario
+        self._changes: dict[str, Any] = {}
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with the changes in it. A Simulator of it runs as this one does."""
+        return self._running
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """The values that were set, by the names by which they were, in plain types."""
+        return dict(self._changes)
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a value, or those below a name. Raises UnknownParameterError, a KeyError and ValueError."""
+        if name in self._switches:
+            return self._switches[name].on
+        return plain(self._node(name).value)
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        """Set a value, or those below a name. Raises ValueError, changing nothing."""
+        self.update({name: value})
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_listed(nodes(self._running)))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and find(self._running, name) is not None
+
+    def list(self, prefix: str = "") -> list[str]:
+        """Return the names of all values at and below a name. Raises UnknownParameterError if there is none."""
+        if prefix:
+            self._node(prefix)
+        return [*_listed(nodes(self._running, prefix))]
+
+    def describe(self, name: str) -> Parameter:
+        """Return type, unit, range, description, value and default of one value. Raises UnknownParameterError."""
+        node = self._node(name)
+        kind = node.type
+        if kind is None:
+            first = self.list(name)[0]
+            raise UnknownParameterError(f"parameters[{name!r}]: has several values, such as {first}")
+        return Parameter(
+            name, node.key, kind.type, self[name], self._default(name), kind.unit, kind.low, kind.high, kind.choices,
+            kind.optional, node.description,
+        )  # fmt: skip
+
+    def update(self, changes: Mapping[str, Any]) -> None:
+        """Set several values at once. Raises ValueError, changing nothing."""
+        wanted: dict[str, Any] = {}
+        for name, value in changes.items():
+            self._spread(name, value, wanted)
+        kept = self._changes
+        for name in wanted:
+            kept = {old: value for old, value in kept.items() if not _displaces(name, old)}
+        switches = {name: value for name, value in wanted.items() if name in self._switches}
+        self._switch_to({**kept, **wanted}, switches, new=wanted)
+        self._note("set_parameters", changes=wanted)
+
+    def reset(self, name: str | None = None) -> None:
+        """Return to the scenario's value: one, all below a name, or all. Raises ValueError, changing nothing."""
+        if name is not None and find(self._original, name) is None:
+            self._node(name)
+        inside = {old for old in self._changes if name is None or old == name or old.startswith(name + ".")}
+        switches = {
+            switch: self._default(switch)
+            for switch in self._switches
+            if name is None or switch == name or switch.startswith(name + ".")
+        }
+        self._switch_to({old: value for old, value in self._changes.items() if old not in inside}, switches)
+        self._note("reset_parameters", name=name)
+
+    def replace(self, changes: Mapping[str, Any]) -> None:
+        """Set the values that `changes` gave, and all others to the scenario's. Raises ValueError, changing nothing."""
+        self._switch_to(dict(changes), {})
+
+    def _switch_to(self, changes: dict[str, Any], switches: Mapping[str, bool], new: Iterable[str] = ()) -> None:
+        running = self._with(changes)
+        for name in new:
+            node = find(running, name)
+            if node is not None and node.idle:
+                raise ScenarioError(f"{name}: has no effect: {node.idle}")
+        kept = {name: value for name, value in changes.items() if name not in self._switches}
+        if len(kept) < len(changes):  # switches have states of their own; they were only checked
+            running = self._with(kept)
+        if running != self._running:
+            self._apply(running)
+            self._running = running
+        self._changes = kept
+        for name, on in switches.items():
+            self._switches[name].set_silently(on)
+
+    def _with(self, changes: Mapping[str, Any]) -> Scenario:
+        """Return the scenario with these changes. Raises ScenarioError with the parameters' names."""
+        if not changes:
+            return self._original
+        places = {name: self._place(name) for name in changes}
+        try:
+            return edited(self._original, {places[name]: value for name, value in changes.items()})
+        except ScenarioError as error:
+            raise ScenarioError.of([self._renamed(text) for text in error.mistakes]) from None
+
+    def _spread(self, name: str, value: Any, into: dict[str, Any]) -> None:
+        """Note a change; that of a place above several values as one of each of them."""
+        node = find(self._running, name)
+        if isinstance(value, Mapping) and node is not None and node.type is None and node.place not in table.WHOLE:
+            for key, item in value.items():
+                self._spread(f"{name}.{key}", item, into)
+            return
+        if node is not None and not node.place:
+            raise ScenarioError(f"{name}: must be keys and values")
+        into.pop(name, None)
+        into[name] = plain(value)
+
+    def _place(self, name: str) -> Place:
+        """Return the place of a name; below what is replaced whole also of one that is not there now."""
+        for scenario in (self._running, self._original):
+            node = find(scenario, name)
+            if node is not None:
+                return node.place
+        for whole in table.WHOLE:
+            above = ".".join(whole)
+            if name.startswith(above + "."):
+                return (*whole, *(table.position_or_key(part) for part in name.removeprefix(above + ".").split(".")))
+        return self._node(name).place
+
+    def _default(self, name: str) -> Any:
+        node = find(self._original, name)
+        return None if node is None else plain(node.value)
+
+    def _node(self, name: str) -> Node:
+        node = find(self._running, name) if isinstance(name, str) else None
+        if node is None:
+            hint = did_you_mean(str(name), nodes(self._running))
+            raise UnknownParameterError(f"parameters[{name!r}]: there is none{hint}")
+        return node
+
+    def _renamed(self, text: str) -> str:
+        """Return a message about a scenario's key as one about the parameter."""
+        found = [node for node in nodes(self._running).values() if node.place and _begins(text, node.key)]
+        if not found:
+            return text
+        nearest = max(found, key=lambda node: len(node.key))
+        return nearest.name + text.removeprefix(nearest.key)
+
+
+def _listed(tree: Mapping[str, Node]) -> Sequence[str]:
+    """Return the names of single values that have an effect."""
+    return [name for name, node in tree.items() if node.type is not None and not node.idle]
+
+
+def _begins(text: str, key: str) -> bool:
+    return text.startswith(key) and text[len(key) : len(key) + 1] in (" ", ":", ".", "[", "")
+
+
+def _displaces(name: str, old: str) -> bool:
+    """Whether a change makes an earlier one void: of the same value, of a part of it, or of another kind's keys."""
+    above = name.removesuffix("." + KIND)
+    return old == name or old.startswith(name + ".") or (above != name and old.startswith(above + "."))
