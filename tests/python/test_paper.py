@@ -37,8 +37,8 @@ def paper(sim):
 def test_released_it_falls_into_the_water_and_rises_until_the_pilot_trims_it(paper):
     rov = paper.rov
     rov.release()
-    paper.advance(0.4)
-    assert rov.velocity.linear_body_m_s[2] == pytest.approx(-9.81 * 0.4, rel=0.03)  # in the air: free fall
+    paper.advance(0.3)
+    assert rov.velocity.linear_body_m_s[2] == pytest.approx(-9.81 * 0.3, rel=0.03)  # in the air: free fall
     rov.place([0, -100, -20])
     paper.advance(20.0)
     assert 0.1 < rov.velocity.linear_body_m_s[2] < 0.3
@@ -46,6 +46,15 @@ def test_released_it_falls_into_the_water_and_rises_until_the_pilot_trims_it(pap
     rov.set_effort(heave=-lift_n / rov.full_wrench_body[0][2])
     paper.advance(30.0)
     assert abs(rov.velocity.linear_body_m_s[2]) < 0.03
+
+
+def test_afloat_below_the_davit_it_can_dock_again(paper):
+    rov, dock = paper.rov, paper.rov.pose.position_world_m
+    rov.release()
+    paper.advance(60.0)
+    rov.dock()
+    assert not rov.released
+    np.testing.assert_allclose(rov.pose.position_world_m, dock)
 
 
 @pytest.mark.parametrize(("axis", "row"), [("pitch", 0), ("roll", 1)])

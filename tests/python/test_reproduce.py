@@ -65,7 +65,7 @@ def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
 
 def test_the_release_falls_and_the_depth_image_agrees_with_rays(sim, tmp_path):
     fall = place_and_release.release(sim, tmp_path / "release.png").values
-    assert fall["fastest_fall_m_s"] == pytest.approx(np.sqrt(2 * 9.81 * (1.5 - 0.35)), rel=0.1)
+    assert fall["fastest_fall_m_s"] == pytest.approx(np.sqrt(2 * 9.81 * (1.0 - 0.35)), rel=0.1)
     assert 0.1 < fall["rises_at_m_s"] < 0.3
     assert sonar.depth_image(sim, tmp_path / "depth.png").values["mean_m"] < 0.1
 

@@ -2,7 +2,7 @@
 
 Metres; x forward, z up, z = 0 the water line. Both are a moored pontoon. station.obj has a dock beneath: its middle is
 at (0, 0, -5); a vehicle of 1.2 x 0.8 x 0.7 m leaves it in any direction but up: it hangs under a roof between four
-posts. station_davit.obj has a davit instead, which holds a vehicle over the water ahead, at (5, 0, 1.5).
+posts. station_davit.obj has a davit instead, which holds a vehicle over the water ahead, at (5, 0, 1).
 """
 
 from __future__ import annotations
