@@ -10,7 +10,10 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from browser import chromium, desk, until, when
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
+from uwsim.vehicle import AXES
 
 AXE = Path(__file__).parents[2] / "build/js/node_modules/axe-core/axe.min.js"
 HELD_S = 1.2
@@ -179,6 +182,68 @@ def test_keys_can_be_changed(running):
     until(lambda: running.effort("surge") == 0.5 and running.effort("yaw") == 0.5, "the changed keys")
     page.reload()
     when(page, "globalThis.station?.bindings.keysOf('surge+')[0] === 'KeyO'")  # and they are kept
+
+
+def test_a_gamepad_drives(running):
+    page = running.fly()
+    page.evaluate(
+        """() => {
+          window.pad = {connected: true, id: 'pad', axes: [0, 0, 0, -1], buttons: Array(17).fill({pressed: false})};
+          navigator.getGamepads = () => [window.pad];
+        }"""
+    )
+    until(lambda: running.effort("surge") == 0.5, "the right stick, ahead")
+    page.evaluate("window.pad.axes = [1, 0, 0, 0]")
+    until(lambda: running.effort("surge") == 0.0 and running.effort("yaw") == -0.5, "the left stick, to starboard")
+    page.evaluate("window.pad.axes = [0.05, 0, 0, 0]")
+    until(lambda: running.effort("yaw") == 0.0, "a stick at rest, which is never quite 0")
+
+
+def test_buttons_act_and_values_grey(running, tmp_path):
+    page = running.fly()
+    assert page.inner_text("#sound") == "Sound off"
+    page.click("#dock")
+    until(lambda: running.rov.released, "the release")
+    page.click("[aria-label='front light']")
+    until(lambda: running.rov.lamps["front"].on, "light")
+    elevation = running.rov.sonar.elevation_rad
+    page.focus("#tilt-up")
+    page.keyboard.press("Enter")
+    until(lambda: running.rov.sonar.elevation_rad > elevation + 0.01, "the sonar's nose up")
+    page.click("#pause")
+    until(lambda: running.station.present().live.paused, "a pause")
+    tick = running.station.present().live.simulator.tick
+    page.click("#step")
+    until(lambda: running.station.present().live.simulator.tick == tick + 1, "a step")
+    with page.expect_download() as download:  # the JSON follows
+        page.keyboard.press("v")
+    assert Path(download.value.path()).read_bytes().startswith(b"\x89PNG")
+    session = page.evaluate("station.station.state.session")
+    page.keyboard.press("Escape")
+    page.click("text=Restart from the beginning")
+    when(page, f"station.station.state.session > {session} && station.telemetry.message.released === false")
+    when(page, "!document.querySelector('.panel .is-stale')")
+    page.evaluate("station.station.bridge.close()")
+    when(page, "document.querySelector('.panel .is-stale dd')")
+    assert "trying again" in page.inner_text("#banner")
+
+
+def test_a_rosbridge_without_a_station_can_be_flown(browser, tmp_path):
+    with (
+        desk(browser, tmp_path) as here,
+        LiveSimulator("pool") as live,
+        RosbridgeServer(live, origins=[here.url]) as other,
+    ):
+        page = here.open(f"/?rosbridge={other.url}")
+        when(page, "globalThis.station?.telemetry.message")
+        page.wait_for_selector("#station:not([hidden])")
+        page.click("#dock")
+        until(lambda: live.simulator.rov.released, "the release")
+        page.keyboard.down("d")
+        until(lambda: float(live.simulator.rov.effort[AXES.index("sway")]) == -0.5, "to starboard")
+        page.keyboard.up("d")
+        until(lambda: not live.simulator.rov.effort.any(), "zero")
+        when(page, "station.views.picture('front').drawn > 0 && station.scene.store.count > 0")
 
 
 def test_foreign_pages_and_names_are_refused(running):
