@@ -87,7 +87,8 @@ class Autopilot(Sealed):
         roll = -gains.level * up_y - gains.level_rate * roll_rad_s
         pitch = gains.level * up_x - gains.level_rate * pitch_rad_s
 
-        self.vehicle.set_effort(*(_clip(effort, 1.0) for effort in (surge, sway, heave, roll, pitch, yaw)))
+        wanted = (surge, sway, heave, roll, pitch, yaw)
+        self.vehicle.set_effort(*[-1.0 if e < -1.0 else 1.0 if e > 1.0 else e for e in wanted])
 
     @property
     def integrals(self) -> tuple[float, float, float]:

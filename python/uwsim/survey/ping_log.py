@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from uwsim.survey.record import PingSample
 PINGS_PER_CANDIDATE = 10  # every tenth ping is a candidate for the sample
 PANEL_WARNINGS = ("range", "proximity", "collision")
 """The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
+_LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
 
 
 @dataclass
@@ -32,8 +34,9 @@ class PingLog:
 
     def add(self, ping: _core.Ping, points_world_m: NDArray[np.float32], panel: _core.Telemetry) -> None:
         """Log a ping's position, echoes and warnings; every few pings, keep it as the sample if it is better."""
-        for name in PANEL_WARNINGS:
-            self.pings_with_warning[name] += getattr(panel, name + "_warning")
+        for name, is_lit in zip(PANEL_WARNINGS, _LIT(panel), strict=True):
+            if is_lit:
+                self.pings_with_warning[name] += 1
         position = ping.world_from_sonar[:3, 3].copy()  # a view would keep the whole ping
         self.positions_world_m.append(position)
         self.echo_count += len(points_world_m)

@@ -7,10 +7,9 @@ import tempfile
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from uwsim.mapping import MapEngine, OccupancyMap
-from uwsim.recording.recorder import Recorder
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scoring.survey_track import TRACK
@@ -19,11 +18,13 @@ from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
 from uwsim.survey.flyable_lanes import flyable_plan
-from uwsim.survey.from_recording import note_record, record_ping, survey_recorder
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, write_results
 from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+
+if TYPE_CHECKING:
+    from uwsim.recording.recorder import Recorder
 
 AUTOSAVE_S = 30.0
 
@@ -92,7 +93,11 @@ def run_survey(
     checkpoint.remove_leftovers()
     if (earlier := checkpoint.set_aside()) is not None:
         terminal.message(f"an unfinished survey was in {out}; it is kept in {earlier}")
-    recorder = None if record is None else survey_recorder(sim, record, request, record_topics).start()
+    recorder = None
+    if record is not None:
+        from uwsim.survey.from_recording import survey_recorder  # here, since recording formats take long to import
+
+        recorder = survey_recorder(sim, record, request, record_topics).start()
     return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder).run()
 
 
@@ -207,7 +212,11 @@ class _SurveyRun:
         return record
 
     def _fly(self, autosave: Autosave, saved: SavedSurvey | None) -> SurveyRecord:
-        sim = self.sim
+        sim, on_ping_taken = self.sim, None
+        if self.recorder is not None:
+            from uwsim.survey.from_recording import record_ping
+
+            on_ping_taken = partial(record_ping, self.recorder)
         with self.terminal.flight(sim.scenario.name) as show, stop_on_ctrl_c(autosave):
             return fly_survey(
                 sim,
@@ -217,7 +226,7 @@ class _SurveyRun:
                 supervisor=autosave,
                 resume=saved.state if saved is not None else None,
                 outlier_filter=self.request.outlier_filter,
-                on_ping_taken=None if self.recorder is None else partial(record_ping, self.recorder),
+                on_ping_taken=on_ping_taken,
             )[1]
 
     def _close_recording(self, record: SurveyRecord | None) -> None:
@@ -225,6 +234,8 @@ class _SurveyRun:
         if self.recorder is None:
             return
         if record is not None:
+            from uwsim.survey.from_recording import note_record
+
             note_record(self.recorder, record)
         self.recorder.close()
 

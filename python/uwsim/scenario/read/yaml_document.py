@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+import functools
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -46,7 +48,13 @@ class YamlDocument:
 
 def read_yaml(path: Path, name: str) -> YamlDocument:
     """Read a YAML mapping. name: what messages call the file. Raises ScenarioError with name and line."""
-    text = _read_text(path, name)
+    document = _parsed(_read_text(path, name), name)
+    return replace(document, values=copy.deepcopy(document.values))
+
+
+@functools.lru_cache(maxsize=64)  # a simulator's files take a third of the time to make it, and change rarely
+def _parsed(text: str, name: str) -> YamlDocument:
+    """Return the document, which is not to be changed. Raises ScenarioError with name and line."""
     reader = YAML(typ="rt")
     reader.Constructor = _Constructor
     try:
