@@ -76,6 +76,11 @@ class PingMap:
         self.changes = MapChanges()
         self._hull = hull_box_m(source.entry.model)
 
+    @property
+    def is_begun(self) -> bool:
+        """Whether it holds pings."""
+        return self._map is not None
+
     def channels(self) -> list[Channel]:
         """Return the channels."""
         rate_hz, frame_id = self._pings.rate_hz, self._source.frame("odom")

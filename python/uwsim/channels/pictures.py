@@ -79,6 +79,10 @@ class Pictures:
         """Change a camera's settings, from the next picture on."""
         self._streams[name] = stream
 
+    def forget(self) -> None:
+        """Begin with a first picture of each at the next reading."""
+        self._jobs = {}
+
     def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
         """Return the picture of the last period, or None if none was due."""
 

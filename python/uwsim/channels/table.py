@@ -54,6 +54,17 @@ class Table:
         }
         self.steering = {source.name: Steering(source) for source in self.sources}
 
+    def look_anew(self) -> None:
+        """Forget the newest pings and pictures: a recording begins with its own. On the simulator's thread."""
+        for pings in self.pings.values():
+            pings.forget()
+        self.pictures.forget()
+
+    @property
+    def has_map(self) -> bool:
+        """Whether a map has been begun."""
+        return any(ping_map.is_begun for ping_map in self.maps.values())
+
     def published(self, sim: Simulator) -> list[Channel]:
         """Return the wire of the paper's simulator."""
         found = station_picture(self.pictures, sim)

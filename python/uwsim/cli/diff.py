@@ -36,7 +36,7 @@ def diff(
         typer.echo(f"tick {parting.tick}, /{parting.topic}: {parting.text} ({parting.messages:,} messages differ)")
     if len(found.partings) > SHOWN:
         typer.echo(f"and {len(found.partings) - SHOWN} more channels")
-    gaps = {parting.topic: parting.gaps for parting in found.partings if any(gap > 0.0 for _, gap in parting.gaps)}
+    gaps = {parting.topic: parting.gaps for parting in found.partings if parting.gaps}
     if gaps:
         from uwsim.figures.divergence import draw_divergence
 

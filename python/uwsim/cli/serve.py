@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from uwsim.cli.options import Record, RecordTopics, RosDistro, RosDomain, RosPeers, RosReach, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+
+if TYPE_CHECKING:
+    from uwsim.channels import Channel
+    from uwsim.station.running import Running
 
 Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
 Wire = Annotated[
@@ -114,19 +118,27 @@ def serve(
             site=Site(hub, lambda request: token is None or has_token(request, token)) if hub else None,
         )
 
-        def start_recording(channels: Sequence[Channel]) -> None:
-            if record is not None:
-                from uwsim.recording import Recorder
+        def recorded(channels: list[Channel]) -> list[Channel]:
+            """Begin to record, if that is asked for; return the channels that clients see."""
+            if record is None:
+                return channels
+            from uwsim.recording import Recorder
 
-                sinks.enter_context(Recorder(live, record, topics=record_topic or None, shared=channels))
+            recorder = Recorder(live, record, topics=record_topic or None, shared=channels)
+            heard = recorder.hear(channels)
+            sinks.enter_context(recorder)
+            return heard
+
+        def record_station(running: Running) -> None:
+            running.channels = recorded(running.channels)
 
         feed = Feed(live)
         if hub is None:
-            start_recording(server.channels)
+            server.channels = recorded(server.channels)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
         if hub is not None:
             sinks.enter_context(hub.serving(server.show))
-            hub.run(lambda: live, lambda running: start_recording(running.channels))
+            hub.run(lambda: live, record_station)
             greeting.append(f"the station's page at {page_url(server.url, token)}")
         if ros1:
             from uwsim.bridges.ros1 import Ros1Node

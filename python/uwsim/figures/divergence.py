@@ -15,7 +15,8 @@ CURVES_MAX = 8
 def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]], title: str) -> None:
     """Draw the largest absolute difference of any number in each message, in its own unit, over simulated time.
 
-    gaps: by channel, in the order in which they are drawn, (time [s], difference); at most CURVES_MAX. Raises OSError.
+    gaps: by channel, in the order in which they are drawn, (time [s], difference above 0); at most CURVES_MAX. Raises
+    OSError.
     """
     figure = new_figure(9.6, 4.4)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -23,10 +24,6 @@ def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]
     axes.set_yscale("log")
     for name, points in list(gaps.items())[:CURVES_MAX]:
         times_s, values = np.array(points, np.float64).reshape(-1, 2).T
-        shown = np.isfinite(values) & (values > 0.0)
-        axes.plot(
-            times_s[shown], values[shown], linewidth=1.2, marker="." if shown.sum() < 40 else None, label=f"/{name}"
-        )
-    if axes.get_lines():
-        add_legend(axes, 2)
+        axes.plot(times_s, values, linewidth=1.2, marker="." if len(points) < 40 else None, label=f"/{name}")
+    add_legend(axes, 2)
     save_figure(figure, path)

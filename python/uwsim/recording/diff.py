@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,7 +15,10 @@ AHEAD_MAX = 100_000  # messages by which one recording may be ahead of the other
 
 @dataclass
 class Parting:
-    """A channel whose messages differ. text: the first difference. gaps: (time [s], largest absolute difference)."""
+    """A channel whose messages differ. text: the first difference.
+
+    gaps: (time [s], largest absolute difference), of the messages in which numbers differ.
+    """
 
     topic: str
     tick: int
@@ -85,7 +89,9 @@ def _add(found: dict[str, Parting], recording: Recording, a: Recorded, b: Record
         parting = found[a.topic] = Parting(a.topic, tick, _text(a, b))
     parting.messages += 1
     if a.type == b.type and a.data != b.data:
-        parting.gaps.append((1e-9 * a.time_ns, largest(a.type, a.data, b.data)))
+        gap = largest(a.type, a.data, b.data)
+        if math.isfinite(gap):
+            parting.gaps.append((1e-9 * a.time_ns, gap))
 
 
 def _text(a: Recorded, b: Recorded) -> str:

@@ -10,6 +10,8 @@ import numpy as np
 from uwsim.channels.message_types import fields
 from uwsim.channels.messages import from_bytes
 
+SHOWN = 50  # characters of long text
+
 
 def differences(kind: str, first: bytes, second: bytes) -> str:
     """Return the first fields that differ and by how much, as one line; two fields at most."""
@@ -21,8 +23,12 @@ def differences(kind: str, first: bytes, second: bytes) -> str:
 
 
 def largest(kind: str, first: bytes, second: bytes) -> float:
-    """Return the largest absolute difference of any number in two messages; inf if they cannot be compared."""
-    return max(_gaps(kind, from_bytes(first, kind), from_bytes(second, kind)), default=0.0)
+    """Return the largest finite difference of two numbers in two messages; nan if none differ by a finite amount.
+
+    Only floating-point numbers count: bytes of pictures, counts and text have no amount.
+    """
+    gaps = [gap for gap in _gaps(kind, from_bytes(first, kind), from_bytes(second, kind)) if 0.0 < gap < np.inf]
+    return max(gaps, default=np.nan)
 
 
 def _parts(kind: str, first: Any, second: Any, path: str) -> Iterator[tuple[str, Any, Any]]:
@@ -53,26 +59,27 @@ def _fields(kind: str, first: Any, second: Any, path: str) -> Iterator[str]:
                 k = int(unlike[0])
                 yield f"{name}[{k}]: {a[k]!s} and {b[k]!s} ({len(unlike)} of {len(a)} values differ)"
         elif a != b and not (_is_nan(a) and _is_nan(b)):
-            yield f"{name}: {_short(a)} and {_short(b)}"
+            at = next((k for k, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), 0) if isinstance(a, str) else 0
+            yield f"{name}: {_short(a, at)} and {_short(b, at)}"
 
 
 def _gaps(kind: str, first: Any, second: Any) -> Iterator[float]:
     for _, a, b in _parts(kind, first, second, ""):
-        if isinstance(a, np.ndarray) and len(a) == len(b) and len(a):
-            one, other = np.asarray(a, np.float64), np.asarray(b, np.float64)
+        if isinstance(a, np.ndarray) and a.dtype.kind == "f" and len(a) == len(b) and len(a):
             with np.errstate(invalid="ignore"):  # inf - inf
-                gap = np.where((one == other) | (np.isnan(one) & np.isnan(other)), 0.0, np.abs(one - other))
-            yield float(np.nan_to_num(gap, nan=np.inf).max())
-        elif isinstance(a, int | float) and not isinstance(a, bool):
-            yield 0.0 if a == b or (_is_nan(a) and _is_nan(b)) else float(abs(a - b))
-        elif isinstance(a, np.ndarray) or a != b:
-            yield 0.0 if np.array_equal(a, b) else float("inf")
+                gap = np.abs(np.asarray(a, np.float64) - np.asarray(b, np.float64))
+            yield float(np.max(gap, where=np.isfinite(gap), initial=0.0))
+        elif isinstance(a, float):
+            yield abs(a - b)
 
 
 def _is_nan(value: Any) -> bool:
     return isinstance(value, float) and value != value
 
 
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+def _short(value: Any, at: int) -> str:
+    """Return a value as text, of long text the part about a place."""
+    if isinstance(value, str) and len(value) > SHOWN:
+        start = max(at - SHOWN // 2, 0)
+        value = ("..." if start else "") + value[start : start + SHOWN] + ("..." if start + SHOWN < len(value) else "")
+    return repr(value)

@@ -7,8 +7,10 @@ import fnmatch
 import hashlib
 import json
 import logging
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -77,6 +79,8 @@ class Recorder:
         self.dropped: Counter[str] = Counter()
         self._sequences: Counter[str] = Counter()
         self._written = list(written)
+        self._patterns = topics, without
+        self._lock = threading.Lock()
         self._channels = self._chosen(shared, topics, without)
         self._watch: Watch | None = None
         self._queue: WritingQueue | None = None
@@ -93,14 +97,17 @@ class Recorder:
             said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
         elif topics is None:
             said = [channel for channel in said if not channel.late and channel.type != MAP_TYPE]
-        names = [channel.name for channel in said]
+        names = [channel.name for channel in said] + [channel.name for channel in given if channel.direction == "in"]
         for pattern in (*(topics or ()), *without):
             if not fnmatch.filter(names, pattern.removeprefix("/")):
                 raise ValueError(
                     f"recording: topic '{pattern}': no channel has that name; there are {', '.join(names)}"
                 )
-        chosen = [channel for channel in said if topics is None or _matches(channel, topics)]
-        return [channel for channel in chosen if not _matches(channel, without)]
+        return [channel for channel in said if self._is_chosen(channel)]
+
+    def _is_chosen(self, channel: Channel) -> bool:
+        topics, without = self._patterns
+        return (topics is None or _matches(channel, topics)) and not _matches(channel, without)
 
     def _may_wait(self) -> bool:
         """Whether the steps may wait for the recording: always, except on the wall clock."""
@@ -135,6 +142,25 @@ class Recorder:
         """Finish the file."""
         self.close()
 
+    def hear(self, channels: Iterable[Channel]) -> list[Channel]:
+        """Return a server's channels such that messages that come in on them, such as /cmd_vel, are recorded, too.
+
+        Before `start`. They are for those who read the recording: a replay needs only the commands that they became.
+        """
+        return [self._heard(channel) if channel.direction == "in" else channel for channel in channels]
+
+    def _heard(self, channel: Channel) -> Channel:
+        if not self._is_chosen(channel):
+            return channel
+        self._written.append(channel)
+
+        def apply(live: LiveSimulator, message: Any) -> object:
+            result = channel.apply(live, message)
+            self._take(channel, message)
+            return result
+
+        return replace(channel, apply=apply)
+
     def write(self, channel: Channel, message: Any) -> None:
         """Record a message of the present that no channel says by itself. On the simulator's thread."""
         self._take(channel, message)
@@ -150,12 +176,11 @@ class Recorder:
         return function(self._sim)
 
     def _begin(self, sim: Simulator) -> None:
+        table_of(sim).look_anew()  # a replay knows nothing from before
         self._sink = self._new_sink(sim)
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
-        for pings in table_of(sim).pings.values():
-            pings.forget()  # a replay knows none from before
         self._watch = Watch(sim, self._channels, self._take, self._take_command)
         self._watch.start()
 
@@ -191,6 +216,7 @@ class Recorder:
             "step_s": repr(sim.step_s),
             "tick": str(sim.tick),
             "origin": json.dumps(table_of(sim).origin_m.tolist()),
+            "map_is_older": json.dumps(table_of(sim).has_map),
             "truth": json.dumps(table_of(sim).truth),
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),
@@ -210,8 +236,10 @@ class Recorder:
         queue, sink = self._queue, self._sink
         if queue is None or sink is None:
             return
-        item = (topic, self._sim.time_ns, self._sequences[topic], sink.encode(message))
-        self._sequences[topic] += 1
+        data = sink.encode(message)
+        with self._lock:  # messages that are heard come from other threads
+            item = (topic, self._sim.time_ns, self._sequences[topic], data)
+            self._sequences[topic] += 1
         if not queue.put(item, waits=self._may_wait(), needed=needed):
             if not self.dropped:
                 logger.warning("%s: messages are left out: writing is too slow", self.path)

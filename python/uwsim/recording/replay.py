@@ -14,13 +14,14 @@ from typing import Any
 
 from uwsim.channels import Channel, channels
 from uwsim.channels.cdr import encode
+from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.table import table_of
 from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
 from uwsim.recording.difference import differences
 from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Command, Recorded, Recording, command_of
-from uwsim.recording.recorder import COMMANDS, STATE, SURVEY, state_digest
+from uwsim.recording.recorder import COMMANDS, MAP_TYPE, STATE, SURVEY, state_digest
 from uwsim.recording.watch import JUMPS, Watch
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator import Simulator
@@ -117,9 +118,12 @@ class _Replay:
         if not self._is_survey:  # a survey pings by a clock of its own: its pings are made anew when they were recorded
             known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
-        chosen = [channel for channel in chosen if not (channel.pieced and on_wall_clock)]
+        map_is_older = json.loads(recording.start["map_is_older"])  # it holds pings from before the recording
+        unlike = {MAP_TYPE, MAP_CHANGES} if map_is_older else set()
+        chosen = [c for c in chosen if not (c.pieced and on_wall_clock) and c.type not in unlike]
         self._compared = {channel.name for channel in chosen}
-        own = {COMMANDS, NAME} if self._is_survey else {COMMANDS}
+        own = {COMMANDS, *(channel.name for channel in known if channel.direction == "in")}
+        own |= {NAME} if self._is_survey else set()
         self.result.not_compared = sorted(recording.channels.keys() - self._compared - own)
         self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
         self._may_lack = bool(recording.dropped) or not recording.complete
