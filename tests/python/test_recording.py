@@ -193,7 +193,9 @@ def test_after_a_kill_all_but_the_last_second_reads_and_replays(tmp_path: Path) 
     process = subprocess.Popen([sys.executable, "-c", CHILD, str(path)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     process.stdout.readline()
-    time.sleep(1.5)  # one flush at least
+    size = path.stat().st_size
+    while path.stat().st_size < size + 50_000:  # one flush at least
+        process.stdout.readline()
     process.send_signal(signal.SIGKILL)
     process.wait()
     opened = recording.open(path)

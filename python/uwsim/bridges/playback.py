@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 
 from uwsim.bridges.rosbridge.server import RosbridgeServer
 from uwsim.channels.guest import GuestService, GuestTopic, Node
+from uwsim.recording.commands import COMMANDS
 from uwsim.recording.mcap_sink import is_latched
 from uwsim.recording.pacer import Pacer
 from uwsim.recording.reader import Recording
-from uwsim.recording.recorder import COMMANDS
 
 SETTLE_S = 0.5  # in which the last messages reach the clients
 

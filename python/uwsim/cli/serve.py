@@ -66,11 +66,9 @@ def serve(
 
     For roslibpy, roslibjs and others, without ROS. Ctrl-C ends it.
     """
-    from collections.abc import Sequence
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeServer
-    from uwsim.channels import Channel
     from uwsim.channels.feed import Feed
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from uwsim.recording.reader import Command, Recorded, Recording
+from uwsim.recording.commands import Command
+from uwsim.recording.reader import Recorded, Recording
 from uwsim.recording.recorder import Recorder
 
 __all__ = ["Command", "Recorded", "Recorder", "Recording", "open"]

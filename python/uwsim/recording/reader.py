@@ -15,8 +15,8 @@ from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from uwsim.channels.messages import from_bytes
 from uwsim.recording import tables
+from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.mcap_sink import END, START
-from uwsim.recording.recorder import COMMANDS, from_json_values
 
 if TYPE_CHECKING:
     import pandas
@@ -48,14 +48,6 @@ class Recorded(NamedTuple):
     def message(self) -> Any:
         """The message itself."""
         return from_bytes(self.data, self.type)
-
-
-class Command(NamedTuple):
-    """A command, and the tick at whose beginning it took effect."""
-
-    tick: int
-    name: str
-    arguments: dict[str, Any]
 
 
 class Recording:
@@ -131,7 +123,7 @@ class Recording:
     def commands(self) -> Iterator[Command]:
         """Yield the commands in the order in which they took effect."""
         for recorded in self.messages(COMMANDS):
-            yield command_of(recorded)
+            yield command_of(recorded.message)
 
     def arrow(self, topic: str) -> pyarrow.Table:
         """Return a channel as an Arrow table; see uwsim.recording.tables."""
@@ -177,12 +169,6 @@ class Recording:
                 self.end = record.metadata if record.name == END else self.end
             elif isinstance(record, Footer):
                 self.complete = True
-
-
-def command_of(recorded: Recorded) -> Command:
-    """Return the command that a message of the channel COMMANDS holds."""
-    entry = json.loads(recorded.message.data)
-    return Command(entry["tick"], entry["name"], from_json_values(entry["arguments"]))
 
 
 def _records(file: IO[bytes], *, chunks: bool = False) -> Iterator[Any]:

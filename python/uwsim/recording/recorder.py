@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import fnmatch
 import hashlib
 import json
@@ -16,12 +15,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from uwsim.channels import Channel, build, channels
+from uwsim.channels import Channel, channels
 from uwsim.channels.table import table_of
 from uwsim.live import LiveSimulator
 from uwsim.live.commands import plain
 from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
+from uwsim.recording.commands import COMMANDS, Command, command_message
 from uwsim.recording.mcap_sink import McapSink
 from uwsim.recording.ping_channel import ping_channel
 from uwsim.recording.queue import WAITING_BYTES, WritingQueue
@@ -30,7 +30,6 @@ from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator import Simulator
 
-COMMANDS = "uwsim/commands"
 STATE = "start.state"
 LIVE, SURVEY = "live", "survey"
 MAP_TYPE = "octomap_msgs/msg/Octomap"
@@ -229,8 +228,7 @@ class Recorder:
         self._put(channel.name, message, needed=False)
 
     def _take_command(self, name: str, arguments: dict[str, Any]) -> None:
-        entry = {"tick": self._sim.tick, "name": name, "arguments": json_values(plain(arguments, name))}
-        self._put(COMMANDS, build.text(json.dumps(entry)), needed=True)
+        self._put(COMMANDS, command_message(Command(self._sim.tick, name, plain(arguments, name))), needed=True)
 
     def _put(self, topic: str, message: Any, *, needed: bool) -> None:
         queue, sink = self._queue, self._sink
@@ -253,21 +251,3 @@ def _matches(channel: Channel, patterns: Sequence[str]) -> bool:
 def state_digest(sim: Simulator) -> str:
     """Return what two simulators in the same state to the last bit have in common."""
     return hashlib.blake2b(sim.save_state(), digest_size=16).hexdigest()
-
-
-def json_values(value: Any) -> Any:
-    """Return plain values with bytes as {"$bytes": base64}."""
-    if isinstance(value, bytes):
-        return {"$bytes": base64.b64encode(value).decode()}
-    if isinstance(value, dict):
-        return {key: json_values(item) for key, item in value.items()}
-    return [json_values(item) for item in value] if isinstance(value, list) else value
-
-
-def from_json_values(value: Any) -> Any:
-    """Return what json_values was given."""
-    if isinstance(value, dict):
-        if set(value) == {"$bytes"}:
-            return base64.b64decode(value["$bytes"])
-        return {key: from_json_values(item) for key, item in value.items()}
-    return [from_json_values(item) for item in value] if isinstance(value, list) else value

@@ -18,10 +18,11 @@ from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.table import table_of
 from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
+from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.difference import differences
 from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
-from uwsim.recording.reader import Command, Recorded, Recording, command_of
-from uwsim.recording.recorder import COMMANDS, MAP_TYPE, STATE, SURVEY, state_digest
+from uwsim.recording.reader import Recorded, Recording
+from uwsim.recording.recorder import MAP_TYPE, STATE, SURVEY, state_digest
 from uwsim.recording.watch import JUMPS, Watch
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator import Simulator
@@ -162,7 +163,7 @@ class _Replay:
             if self._on_time is not None:
                 self._on_time(recorded.time_ns)
             if recorded.topic == COMMANDS:
-                self._give(command_of(recorded))
+                self._give(command_of(recorded.message))
             elif recorded.topic in self._compared:
                 self._advance(recorded.time_ns // self._recording.step_ns)
                 if recorded.time_ns >= self._from_ns:

@@ -1,0 +1,51 @@
+"""Commands in a recording: a message each, with JSON in it, on a topic of their own."""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import Any, NamedTuple
+
+from uwsim.channels import build
+
+COMMANDS = "uwsim/commands"
+BYTES = "$bytes"
+
+
+class Command(NamedTuple):
+    """A command, and the tick at whose beginning it took effect; of a jump of time, the tick that it led to.
+
+    name: of uwsim.live.COMMANDS, reset or restore_state. arguments: of JSON's types and bytes.
+    """
+
+    tick: int
+    name: str
+    arguments: dict[str, Any]
+
+
+def command_message(command: Command) -> Any:
+    """Return a command as a std_msgs/String."""
+    return build.text(json.dumps({**command._asdict(), "arguments": _json_values(command.arguments)}))
+
+
+def command_of(message: Any) -> Command:
+    """Return the command that a message holds."""
+    entry = json.loads(message.data)
+    return Command(entry["tick"], entry["name"], _from_json_values(entry["arguments"]))
+
+
+def _json_values(value: Any) -> Any:
+    """Return plain values with bytes as base64."""
+    if isinstance(value, bytes):
+        return {BYTES: base64.b64encode(value).decode()}
+    if isinstance(value, dict):
+        return {key: _json_values(item) for key, item in value.items()}
+    return [_json_values(item) for item in value] if isinstance(value, list) else value
+
+
+def _from_json_values(value: Any) -> Any:
+    if isinstance(value, dict):
+        if set(value) == {BYTES}:
+            return base64.b64decode(value[BYTES])
+        return {key: _from_json_values(item) for key, item in value.items()}
+    return [_from_json_values(item) for item in value] if isinstance(value, list) else value
