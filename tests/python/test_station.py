@@ -281,6 +281,10 @@ def test_only_this_machine_s_pages_are_served_and_nothing_foreign_is_loaded(pool
     assert (
         get(server, "/", Host="evil.example")[0] == get(server, "/map/rov.bt", Origin="http://evil.example")[0] == 403
     )
+    mine = "http://localhost:5173"  # a page of one's own
+    assert get(server, "/scene/scene.json", Origin=mine)[2]["Access-Control-Allow-Origin"] == mine
+    assert get(server, "/scene/scene.json")[2]["Access-Control-Allow-Origin"] is None
+    assert get(server, "/snapshot/front.png", Sec_Fetch_Site="cross-site")[0] == 403  # an <img> of another page
     for path in ("/../hub.py", "/%2e%2e/hub.py", "/..%2f..%2fsimulator.py", "//etc/passwd", "/no", "/%00", "/style"):
         assert get(server, path)[0] == 404, path
 

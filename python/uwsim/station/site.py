@@ -26,6 +26,7 @@ TYPES = {
     ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
+WAITING_MAX = 40  # requests for what must be made
 DATA = re.compile(r"/(scene|map|snapshot)/")
 
 
@@ -46,6 +47,7 @@ class Site:
     def __init__(self, station: Station, may_load: Callable[[Request], bool] = lambda request: True) -> None:
         self._station = station
         self._may_load = may_load
+        self._waiting = 0
         self._pool = ThreadPoolExecutor(2, thread_name_prefix="uwsim-site")
 
     async def __call__(self, request: Request) -> Response:
@@ -53,14 +55,21 @@ class Site:
         path = unquote(urlsplit(request.path).path)
         if not DATA.match(path):
             return _page_file(request, path)
+        if request.headers.get("Sec-Fetch-Site", "") == "cross-site" and "Origin" not in request.headers:
+            return _answer(request, HTTPStatus.FORBIDDEN, File(b"not for pictures of other pages\n", "text/plain"))
+        if self._waiting >= WAITING_MAX:
+            return _answer(request, HTTPStatus.SERVICE_UNAVAILABLE, File(b"too much is being made\n", "text/plain"))
         if not self._may_load(request):
             return _answer(request, HTTPStatus.UNAUTHORIZED, File(b"the token is missing or wrong\n", "text/plain"))
+        self._waiting += 1
         try:
             file = await asyncio.get_running_loop().run_in_executor(self._pool, self._made, path)
         except LookupError:
             return _not_found(request)
         except (ValueError, RuntimeError) as error:
             return _answer(request, HTTPStatus.NOT_FOUND, File(f"{error}\n".encode(), "text/plain; charset=utf-8"))
+        finally:
+            self._waiting -= 1
         return _answer(request, HTTPStatus.OK, file, {"Cache-Control": "no-store"})
 
     def _made(self, path: str) -> File:
@@ -135,10 +144,13 @@ def _safe(request: Request) -> dict[str, str]:
         f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
+    origin = request.headers.get("Origin")  # of a page that the door let in: it may read what it loads
     return {
         "Content-Security-Policy": policy,
         "X-Content-Type-Options": "nosniff",
         "Referrer-Policy": "no-referrer",
         "Cross-Origin-Opener-Policy": "same-origin",
-        "Cross-Origin-Resource-Policy": "same-origin",
+        "Cross-Origin-Resource-Policy": "cross-origin" if origin else "same-origin",
+        "Vary": "Origin",
+        **({"Access-Control-Allow-Origin": origin} if origin else {}),
     }

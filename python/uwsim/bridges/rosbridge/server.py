@@ -207,8 +207,8 @@ class RosbridgeServer:
             max_size=self._limits.frame_bytes,
             max_queue=4,
             write_limit=WRITE_LIMIT,
-            ping_interval=20,
-            ping_timeout=40,
+            ping_interval=10 if self._guests else 20,  # a pilot whose connection is dead keeps the controls until then
+            ping_timeout=15 if self._guests else 40,
             open_timeout=HANDSHAKE_S if self._site else 10,
             close_timeout=1,
             server_header=None,
