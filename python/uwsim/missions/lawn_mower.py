@@ -10,8 +10,8 @@ pass over. Copy it to write another mission.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from types import MappingProxyType
 from typing import Any
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from uwsim.control.autopilot import Autopilot, wrap_angle
 from uwsim.control.protocols import Clock, PingLike, SurveyVehicle
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.mission_state import checked_state
 from uwsim.missions.obstacle_memory import ObstacleMemory
@@ -35,35 +36,9 @@ SHALLOWEST_Z_M = -1.5  # the vehicle never climbs above this height
 PASSABLE_Z_M = SHALLOWEST_Z_M - 2.0  # what reaches higher is a shoal: the vehicle goes round it
 LOOK_AHEAD_M = 6.0  # a lane ends this far before a shoal
 SIDE_STEPS = 3.0  # line spacings: a lane farther away is reached in a transit, facing the way
-TRANSIT_VIEW_S = 20.0  # time ahead at which the fan meets a flat bed in transits, so that a rise is seen in time
 STUCK_AFTER_S = 60.0
 TILT_TOLERANCE_RAD = np.radians(0.5)
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
-
-
-@dataclass(frozen=True)
-class LawnMowerPlan:
-    """How to mow an area. area_m: the polygon's corners (k, 2). altitude_m: above the bed. tilt_deg: nose down.
-
-    lanes: to be flown in this order instead of lanes that cover all of the area.
-    """
-
-    area_m: Sequence[Sequence[float]]
-    altitude_m: float = 8.0
-    line_spacing_m: float = 5.0
-    speed_m_s: float = 1.0
-    tilt_deg: float = 30.0
-    lanes: Sequence[Lane] | None = None
-
-    @property
-    def reach_m(self) -> float:
-        """Distance ahead at which the tilted fan meets a flat bed; lanes begin and end this far outside the polygon."""
-        return float(np.clip(self.altitude_m / np.tan(np.radians(max(self.tilt_deg, 10.0))), 0.0, 20.0))
-
-    @property
-    def transit_view_m(self) -> float:
-        """Distance ahead at which the fan meets a flat bed on a long way to a lane."""
-        return TRANSIT_VIEW_S * self.speed_m_s
 
 
 class StoppedError(Exception):

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
-from uwsim.missions.lawn_mower import PASSABLE_Z_M, LawnMowerPlan
+from uwsim.missions.lawn_mower import PASSABLE_Z_M
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.scenario import ScenarioError, start_pose
 from uwsim.simulator import Simulator
 
