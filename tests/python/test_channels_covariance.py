@@ -59,6 +59,16 @@ def test_readings_of_many_seeds_scatter_as_the_messages_say():
         assert 0.45 < ratio < 1.8, name  # 99.9 % of chi2 of 60 draws are within 0.5 and 1.7
 
 
+def test_a_figure_that_is_changed_while_it_runs_changes_the_covariance():
+    sim = Simulator("pool")
+    said = table(sim)["pressure"]
+    sim.advance(0.1)
+    before = said.read(sim).variance
+    sim.parameters["rov.sensors.pressure.noise.std"] = 500.0
+    sim.advance(0.1)
+    assert said.read(sim).variance == pytest.approx(before - 50.0**2 + 500.0**2)
+
+
 def test_diagnostics_tell_the_pace():
     with LiveSimulator("pool", speed=1.0, paused=True) as live:
         channel = diagnostics_channel(live)

@@ -56,25 +56,26 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
         )
     ]  # fmt: skip
     for name, sensor in source.of(sim).sensors.items():
-        kind, mount = KINDS.get(sensor.kind), source.entry.model.sensors[name]
+        kind = KINDS.get(sensor.kind)
         if kind is not None:
             frame_id = source.frame(f"{name}_link")
             found.append(
                 Channel(
                     source.topic(name), kind.type, "out", sensor.meaning, rate_hz=sensor.rate_hz or DEFAULT_HZ,
-                    frame_id=frame_id, over_link=True, read=_reader(source, name, kind, mount, frame_id),
+                    frame_id=frame_id, over_link=True, read=_reader(source, name, kind, frame_id),
                 )
             )  # fmt: skip
     return found
 
 
-def _reader(source: Source, name: str, kind: Kind, mount: SensorMount, frame_id: str) -> Callable[[Simulator], Any]:
+def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[Simulator], Any]:
     def read(sim: Simulator) -> Any:
         sample: Sample = source.of(sim).sensors[name].sample()
         if not source.of(sim).sensors[name].on:
             return None
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
+        mount = source.model(sim).sensors[name]
         errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s)
         return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
 

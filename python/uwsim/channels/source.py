@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator import Simulator
 from uwsim.vehicle import Vehicle
@@ -34,6 +35,10 @@ class Source:
     def of(self, sim: Simulator) -> Vehicle:
         """Return the vehicle itself."""
         return sim.vehicles[self.entry.name]
+
+    def model(self, sim: Simulator) -> VehicleModel:
+        """Return the vehicle's model as its parameters have it now."""
+        return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic, service or frame."""
