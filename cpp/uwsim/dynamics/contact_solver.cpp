@@ -7,11 +7,7 @@ namespace uwsim {
 namespace {
 
 constexpr int kSweeps = 20;
-constexpr double kSettled = 1e-15;             // sweeps end when one changes impulses by less than this share of them
-constexpr double kBounceThreshold_m_s = 0.05;  // slower impacts do not bounce, so that bodies come to rest
-constexpr double kSlop_m = 1e-3;
-constexpr double kOverlapShare = 0.2;  // fraction of the overlap beyond the slop that a step removes
-constexpr double kPushMax_m_s = 2;     // limit of the push out of deep overlaps
+constexpr double kSettled = 1e-15;  // sweeps end when one changes impulses by less than this share of them
 
 /// In two sums side by side, which is faster.
 inline Eigen::Array4d product(const Eigen::Matrix<double, 4, 6>& matrix, const Vector6d& v) {
@@ -71,25 +67,44 @@ ContactSolver::Four ContactSolver::velocity(std::span<const ContactBody> bodies,
   return sum;
 }
 
-double ContactSolver::target_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Rows& rows,
-                                 double step_s) {
-  const double gap_m = std::max(0.0, contact.gap_m);
-  const bool arrives = velocity(bodies, rows, &ContactBody::velocity_body)[0] * step_s + gap_m < 0;
-  // Speed before the step: what gravity adds within it must not bounce.
-  const double approach_m_s = velocity(bodies, rows, &ContactBody::start_velocity_body)[0];
-  const bool bounces = arrives && approach_m_s < -kBounceThreshold_m_s;
-  return bounces ? -contact.restitution * approach_m_s : -gap_m / step_s;
+void ContactSolver::reserve(std::size_t bodies, std::size_t contacts) {
+  rows_.reserve(contacts);
+  normal_impulses_.reserve(contacts);
+  meets_body_.reserve(bodies);
+  ground_.reserve(contacts);
 }
 
 void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   rows_.clear();
-  for (const Contact& contact : contacts) {
-    Rows& rows = rows_.emplace_back();
+  normal_impulses_.assign(contacts.size(), 0);
+  solve_on_ground(bodies, contacts, step_s);
+  if (rows_.empty()) return;
+  for (Rows& rows : rows_) {
+    const Contact& contact = contacts[rows.contact];
     make_rows(bodies, contact, rows);
-    rows.target = target_m_s(bodies, contact, rows, step_s);
+    rows.target = contact.least_speed_m_s(velocity(bodies, rows, &ContactBody::start_velocity_body)[0],
+                                          velocity(bodies, rows, &ContactBody::velocity_body)[0], step_s);
   }
   solve_velocities(bodies);
+  for (const Rows& rows : rows_) normal_impulses_[rows.contact] = rows.impulse[0];
   solve_overlaps(bodies, contacts, step_s);
+}
+
+/// Solves the bodies that touch the fixed world alone, and begins rows for the other contacts.
+void ContactSolver::solve_on_ground(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
+  meets_body_.assign(bodies.size(), 0);
+  for (const Contact& contact : contacts) {
+    if (contact.b == kFixedBody) continue;
+    meets_body_[static_cast<std::size_t>(contact.a)] = meets_body_[static_cast<std::size_t>(contact.b)] = 1;
+  }
+  for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
+    while (last < contacts.size() && contacts[last].a == contacts[first].a) ++last;
+    const auto body = static_cast<std::size_t>(contacts[first].a);
+    const std::span impulses(&normal_impulses_[first], last - first);
+    if (meets_body_[body] == 0 && ground_.solve(bodies[body], contacts.subspan(first, last - first), step_s, impulses))
+      continue;
+    for (std::size_t k = first; k < last; ++k) rows_.emplace_back().contact = k;
+  }
 }
 
 /// The impulse after one step of Gauss-Seidel, where it may meet a limit: the normal's never pulls, and the tangents'
@@ -154,22 +169,12 @@ void ContactSolver::solve_velocities(std::span<ContactBody> bodies) {
   }
 }
 
-/// The push removes a fraction of the present overlap and all of what this step would add to it: impulses act
-/// throughout the step, so a body that is stopped still moves at the mean of its old and its new speed.
-double ContactSolver::target_push_m_s(std::span<const ContactBody> bodies, const Contact& contact, const Rows& rows,
-                                      double step_s) {
-  const double speed_m_s = 0.5 * (velocity(bodies, rows, &ContactBody::start_velocity_body)[0] +
-                                  velocity(bodies, rows, &ContactBody::velocity_body)[0]);
-  const double added_m = -std::max(0.0, contact.gap_m) - speed_m_s * step_s;
-  const double present_m = std::max(0.0, -contact.gap_m - kSlop_m);
-  return std::max(0.0, added_m) / step_s + std::min(kOverlapShare * present_m / step_s, kPushMax_m_s);
-}
-
 void ContactSolver::solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   bool any = false;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    rows_[k].target = target_push_m_s(bodies, contacts[k], rows_[k], step_s);
-    any = any || rows_[k].target > 0;
+  for (Rows& rows : rows_) {
+    rows.target = contacts[rows.contact].push_m_s(velocity(bodies, rows, &ContactBody::start_velocity_body)[0],
+                                                  velocity(bodies, rows, &ContactBody::velocity_body)[0], step_s);
+    any = any || rows.target > 0;
   }
   if (!any) return;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {

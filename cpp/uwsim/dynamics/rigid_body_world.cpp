@@ -43,7 +43,7 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   moving_.resize(bodies_.size());
   contact_bodies_.resize(bodies_.size());
   contacts_.reserve(kContactsPerBody * bodies_.size());
-  solver_.reserve(kContactsPerBody * bodies_.size());
+  solver_.reserve(bodies_.size(), kContactsPerBody * bodies_.size());
   return bodies_.size() - 1;
 }
 

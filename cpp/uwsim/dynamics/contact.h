@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "uwsim/core/body_state.h"
+
+namespace uwsim {
+
+inline constexpr int kFixedBody = -1;
+
+/// A point at which body `a` touches body `b` or the fixed world.
+struct Contact {
+  int a = 0;
+  int b = kFixedBody;
+  Eigen::Vector3d point_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_world = Eigen::Vector3d::UnitZ();  ///< unit, from b towards a
+  double gap_m = 0;                                         ///< negative where they overlap
+  double friction = 0;
+  double restitution = 0;
+
+  /// The velocity along the normal that the contact demands at least: none, Newton's restitution above a threshold
+  /// speed, or what closes the gap in this step. `start_m_s` and `end_m_s` are those at the start of the step and at
+  /// its end without contacts.
+  double least_speed_m_s(double start_m_s, double end_m_s, double step_s) const;
+  /// The push along the normal that is due in this step. It removes a fraction of the present overlap and all of what
+  /// this step would add to it: impulses act throughout the step, so a body that is stopped still moves at the mean of
+  /// its old and its new speed along the normal.
+  double push_m_s(double start_m_s, double end_m_s, double step_s) const;
+};
+
+/// A body, for the contact solver.
+struct ContactBody {
+  Pose world_from_body;
+  /// In: at the end of the step without contacts. Out: what the contacts allow.
+  Vector6d velocity_body = Vector6d::Zero();
+  Vector6d start_velocity_body = Vector6d::Zero();  ///< at the start of the step
+  Matrix6d inverse_mass = Matrix6d::Zero();         ///< full (M_RB + M_A)^-1
+  /// Out: impulse of all its contacts about its origin [N s, N m s].
+  Vector6d impulse_body = Vector6d::Zero();
+  /// Out: a velocity that changes this step's pose only, to separate overlaps without adding energy (split impulse).
+  Vector6d push_body = Vector6d::Zero();
+};
+
+}  // namespace uwsim

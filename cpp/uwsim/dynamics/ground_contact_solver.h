@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "uwsim/core/body_state.h"
+#include "uwsim/dynamics/contact.h"
+
+namespace uwsim {
+
+/// Solves the contacts of one body with the fixed world, to rounding, by Newton's method.
+///
+/// The impulse p of each contact is the projection of `p - r m v` onto Coulomb's cone with the radius that its own
+/// normal part gives, where v is the velocity beyond what is demanded and m the mass that the normal meets (Alart and
+/// Curnier 1991, Comput. Methods Appl. Mech. Eng. 92:353). Newton's method solves that for all contacts at once. A
+/// small compliance, which fades as it converges, shares the load among contacts that hold the same motion. All is in
+/// coordinates in which the body's mass is 1, and a step of the method is a system of six equations, however many
+/// contacts there are.
+class GroundContactSolver {
+ public:
+  void reserve(std::size_t contacts) { points_.reserve(contacts); }
+  /// Changes velocity_body, impulse_body and push_body of `body`, and sets the impulses along the normals [N s].
+  /// Returns false, and changes nothing, where the method does not converge.
+  bool solve(ContactBody& body, std::span<const Contact> contacts, double step_s, std::span<double> normal_impulses);
+
+ private:
+  struct Point {
+    Eigen::Matrix<double, 6, 3> columns;  ///< of the normal and two tangents, where the mass is 1
+    Eigen::Vector3d free_m_s;             ///< velocity without contacts, along the normal beyond what is demanded
+    double demanded_m_s, start_m_s;       ///< along the normal
+    double mass_kg;                       ///< that an impulse along the normal meets
+    double friction;
+    bool has_tangents = false;  ///< once it presses
+    Eigen::Vector3d impulse;
+    /// In a step of Newton's method, the impulse changes by `shift` - `slope` (change of velocity).
+    Eigen::Vector3d shift;
+    Eigen::Matrix3d slope;
+  };
+  struct Frame;
+
+  void add_point(const Frame& frame, const ContactBody& body, const Contact& contact, double step_s);
+  static void add_tangents(const Frame& frame, const ContactBody& body, const Contact& contact, Point& point);
+  double linearize(const Frame& frame, const ContactBody& body, const Contact& contact, double weight,
+                   Point& point) const;
+  void improve();
+  bool find_impulses(const Frame& frame, const ContactBody& body, std::span<const Contact> contacts, double weight);
+  void separate_overlaps(const Frame& frame, ContactBody& body, std::span<const Contact> contacts, double step_s);
+
+  std::vector<Point> points_;
+  Vector6d change_ = Vector6d::Zero();  // of the velocity by all impulses, where the mass is 1
+};
+
+}  // namespace uwsim
