@@ -125,7 +125,7 @@ def orbiting(page: Page, surveyed: Path, seconds: float) -> dict[str, float]:
           views.enlarge('scene');
           scene.takeMap({snapshot: true, sequence: 0, resolution, blocks: Int16Array.from(blocks),
             counts: Uint16Array.from(counts), cells: Uint16Array.from(cells)});
-          scene.tools.querySelector('button:nth-child(5)').click(); // follow no longer
+          scene.tools.querySelector('[data-layer=follows]').click(); // follow no longer
           scene.controls.target.set(-24, -28, -30);
           scene.camera.position.set(-24, -190, 70);
         }""",

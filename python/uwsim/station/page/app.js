@@ -42,7 +42,14 @@ watchDialogs((isOpen) => pilot.suspend(isOpen));
 byId('help').addEventListener('click', () => openKeys());
 byId('menu').addEventListener('click', () => openMenu());
 addEventListener('keydown', (event) => {
-  if (event.target.matches('input, select, textarea') || event.ctrlKey || event.metaKey || event.altKey || !station.isRunning) return;
+  if (
+    event.target.matches('input, select, textarea') ||
+    event.ctrlKey ||
+    event.metaKey ||
+    event.altKey ||
+    !station.isRunning
+  )
+    return;
   const isOpen = document.querySelector('dialog[open]');
   if (event.key === '?' && !isOpen) openKeys();
   else if (event.key === 'Escape' && !isOpen) openMenu();
@@ -75,27 +82,53 @@ function begin() {
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
   fan.clear();
-  views.fill(description.views.filter((view) => view.kind !== 'fan' && (!view.vehicle || view.vehicle === vehicle.name)));
-  scene.begin(load, description.vehicles, description.scene).catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
+  views.fill(
+    description.views.filter((view) => view.kind !== 'fan' && (!view.vehicle || view.vehicle === vehicle.name)),
+  );
+  scene
+    .begin(load, description.vehicles, description.scene)
+    .catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   panel.showMap(scene.store);
 }
 
 function watch({ name, telemetry: topic, map_changes: map, scan }) {
   let tilt_rad = 0;
-  const found = [station.bridge.subscribe(topic, 'uwsim_msgs/Telemetry', (message) => {
-    tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
-    scene.takeTelemetry(name, message);
-  }, { throttle_rate: 150 })];
-  if (scan) found.push(station.bridge.subscribe(scan, 'sensor_msgs/LaserScan', (message) => {
-    scene.takeScan(name, message, tilt_rad);
-    if (name === vehicle.name) fan.take(message);
-  }, SCAN));
+  const found = [
+    station.bridge.subscribe(
+      topic,
+      'uwsim_msgs/Telemetry',
+      (message) => {
+        tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
+        scene.takeTelemetry(name, message);
+      },
+      { throttle_rate: 150 },
+    ),
+  ];
+  if (scan)
+    found.push(
+      station.bridge.subscribe(
+        scan,
+        'sensor_msgs/LaserScan',
+        (message) => {
+          scene.takeScan(name, message, tilt_rad);
+          if (name === vehicle.name) fan.take(message);
+        },
+        SCAN,
+      ),
+    );
   if (map && name === vehicle.name) {
-    found.push(station.bridge.subscribe(map, 'uwsim_msgs/MapChanges', (changes) => {
-      scene.takeMap(changes);
-      panel.showMap(scene.store);
-    }, MAP));
+    found.push(
+      station.bridge.subscribe(
+        map,
+        'uwsim_msgs/MapChanges',
+        (changes) => {
+          scene.takeMap(changes);
+          panel.showMap(scene.store);
+        },
+        MAP,
+      ),
+    );
   }
   return found;
 }
@@ -133,17 +166,33 @@ function act(action, isPressed) {
 
 function mark() {
   const at = scene.mark(vehicle.name);
-  if (at) toast(`Mark ${scene.marks.count}: ${at.toArray().map((value) => value.toFixed(1)).join(', ')} m`);
+  if (at)
+    toast(
+      `Mark ${scene.marks.count}: ${at
+        .toArray()
+        .map((value) => value.toFixed(1))
+        .join(', ')} m`,
+    );
 }
 
-function openKeys() { showKeys(bindings, [...byId('views').children].map((view) => view.getAttribute('aria-label'))); }
+function openKeys() {
+  showKeys(
+    bindings,
+    [...byId('views').children].map((view) => view.getAttribute('aria-label')),
+  );
+}
 
-function openMenu() { showMenu(station, { keys: openKeys }); }
+function openMenu() {
+  showMenu(station, { keys: openKeys });
+}
 
 function showBanner() {
   const { connected, state } = station;
-  const text = !connected ? `Not connected to ${new URL(station.bridge.url, location.href).host}; trying again.${station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.'}`
-    : state.error ? `The simulation stopped: ${state.error}` : '';
+  const text = !connected
+    ? `Not connected to ${new URL(station.bridge.url, location.href).host}; trying again.${station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.'}`
+    : state.error
+      ? `The simulation stopped: ${state.error}`
+      : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';
 }

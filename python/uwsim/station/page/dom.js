@@ -46,7 +46,8 @@ export async function attempt(promise, done = '') {
   }
 }
 
-export const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1') : '–');
+export const fixed = (value, digits) =>
+  Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1') : '–';
 
 export function clockText(seconds, digits = 0) {
   if (!Number.isFinite(seconds)) return '–';

@@ -4,12 +4,26 @@ import { byId, toast } from './dom.js';
 const FRAMES_PER_S = 10;
 const KINDS = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
 const COLUMNS = {
-  time_s: (m, t) => t, east_m: (m) => m.position[0], north_m: (m) => m.position[1], up_m: (m) => m.position[2],
-  qx: (m) => m.orientation[0], qy: (m) => m.orientation[1], qz: (m) => m.orientation[2], qw: (m) => m.orientation[3],
-  is_truth: (m) => Number(m.is_truth), speed_m_s: (m) => m.speed, angular_speed_rad_s: (m) => m.angular_speed, depth_m: (m) => m.depth,
-  altitude_m: (m) => m.distance_to_seabed, to_station_m: (m) => m.distance_to_station, temperature_deg_c: (m) => m.temperature,
-  pressure_pa: (m) => m.pressure, battery_percent: (m) => m.battery, range_warning: (m) => Number(m.range_warning),
-  proximity_warning: (m) => Number(m.proximity_warning), collision_warning: (m) => Number(m.collision_warning),
+  time_s: (m, t) => t,
+  east_m: (m) => m.position[0],
+  north_m: (m) => m.position[1],
+  up_m: (m) => m.position[2],
+  qx: (m) => m.orientation[0],
+  qy: (m) => m.orientation[1],
+  qz: (m) => m.orientation[2],
+  qw: (m) => m.orientation[3],
+  is_truth: (m) => Number(m.is_truth),
+  speed_m_s: (m) => m.speed,
+  angular_speed_rad_s: (m) => m.angular_speed,
+  depth_m: (m) => m.depth,
+  altitude_m: (m) => m.distance_to_seabed,
+  to_station_m: (m) => m.distance_to_station,
+  temperature_deg_c: (m) => m.temperature,
+  pressure_pa: (m) => m.pressure,
+  battery_percent: (m) => m.battery,
+  range_warning: (m) => Number(m.range_warning),
+  proximity_warning: (m) => Number(m.proximity_warning),
+  collision_warning: (m) => Number(m.collision_warning),
 };
 const COLUMN_NAMES = Object.keys(COLUMNS);
 
@@ -23,7 +37,9 @@ export class Recorder {
     telemetry.addEventListener('change', () => this.#note());
   }
 
-  get isRunning() { return this.#running !== null; }
+  get isRunning() {
+    return this.#running !== null;
+  }
 
   // Save the large view as the server renders it, without loss, and what the panel says; the 3D view as it is shown.
   async snapshot() {
@@ -32,7 +48,10 @@ export class Recorder {
     const own = this.views.drawn.find(({ name }) => name === large);
     if (own) {
       taken(own, (canvas) => canvas.toBlob((blob) => save(blob, `${stem}.png`)));
-      save(new Blob([JSON.stringify(plain(this.telemetry.message), null, 2)], { type: 'application/json' }), `${stem}.json`);
+      save(
+        new Blob([JSON.stringify(plain(this.telemetry.message), null, 2)], { type: 'application/json' }),
+        `${stem}.json`,
+      );
       return;
     }
     try {
@@ -104,7 +123,9 @@ export class Recorder {
     this.#running.rows.push(COLUMN_NAMES.map((name) => COLUMNS[name](message, stamp_s)).join());
   }
 
-  #stem(what) { return `${this.station.description?.scenario ?? 'uwsim'}-${what}-${Math.round(this.telemetry.stamp_s || 0)}s`; }
+  #stem(what) {
+    return `${this.station.description?.scenario ?? 'uwsim'}-${what}-${Math.round(this.telemetry.stamp_s || 0)}s`;
+  }
 }
 
 // Give the canvas of a view that this page draws, while it holds its picture.
@@ -132,6 +153,9 @@ function save(blob, name) {
 
 function plain(value) {
   if (ArrayBuffer.isView(value)) return [...value];
-  if (value && typeof value === 'object') return Object.fromEntries(Object.entries(value).map(([key, item]) => [key, Array.isArray(item) ? item : plain(item)]));
+  if (value && typeof value === 'object')
+    return Object.fromEntries(
+      Object.entries(value).map(([key, item]) => [key, Array.isArray(item) ? item : plain(item)]),
+    );
   return value;
 }

@@ -39,18 +39,64 @@ export class StartScreen {
     const own = { value: '', text: OWN };
     byId('start-fields').replaceChildren(
       this.#set('Simulator', this.#where()),
-      this.ownSet = this.#set('Mission',
-        this.#field('scenario', 'Scenario', options(scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description }))), { wide: true }),
-        this.#field('vehicle', 'Vehicle', options([own, ...vehicles.map(({ name, description }) => ({ value: name, text: name, hint: description }))])),
-        this.#field('sonar', 'Sonar', options([own, ...sonars.map(({ name, title, description }) => ({ value: name, text: title ?? name, hint: description }))])),
-        this.#field('mission_time_s', 'Mission time', number({ min: 1, step: 1 }), { unit: 's', hint: 'The battery lasts as long.' }),
-        this.#field('seed', 'Seed', number({ min: 0, step: 1 }), { hint: 'The same seed and the same controls give the same run.' })),
-      this.paceSet = this.#set('Time and link',
-        this.#field('speed', 'Speed', options(speeds.map((speed) => ({ value: speed, text: speed === 0 ? 'As fast as possible' : `${speed} × real time` })))),
-        this.#field('link', 'Link to the vehicle', options(links.map(({ name, description }) => ({ value: name, text: name, hint: description }))))),
-      this.otherSet = this.#set('Address',
-        this.#field('host', 'Host', el('input', { type: 'text', placeholder: '127.0.0.1', autocomplete: 'off', spellcheck: false }), { hint: 'A rosbridge server of uwsim, such as uwsim serve lake --station.' }),
-        this.#field('port', 'Port', number({ min: 1, max: 65535, step: 1 }), { hint: '' })));
+      (this.ownSet = this.#set(
+        'Mission',
+        this.#field(
+          'scenario',
+          'Scenario',
+          options(scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description }))),
+          { wide: true },
+        ),
+        this.#field(
+          'vehicle',
+          'Vehicle',
+          options([own, ...vehicles.map(({ name, description }) => ({ value: name, text: name, hint: description }))]),
+        ),
+        this.#field(
+          'sonar',
+          'Sonar',
+          options([
+            own,
+            ...sonars.map(({ name, title, description }) => ({ value: name, text: title ?? name, hint: description })),
+          ]),
+        ),
+        this.#field('mission_time_s', 'Mission time', number({ min: 1, step: 1 }), {
+          unit: 's',
+          hint: 'The battery lasts as long.',
+        }),
+        this.#field('seed', 'Seed', number({ min: 0, step: 1 }), {
+          hint: 'The same seed and the same controls give the same run.',
+        }),
+      )),
+      (this.paceSet = this.#set(
+        'Time and link',
+        this.#field(
+          'speed',
+          'Speed',
+          options(
+            speeds.map((speed) => ({
+              value: speed,
+              text: speed === 0 ? 'As fast as possible' : `${speed} × real time`,
+            })),
+          ),
+        ),
+        this.#field(
+          'link',
+          'Link to the vehicle',
+          options(links.map(({ name, description }) => ({ value: name, text: name, hint: description }))),
+        ),
+      )),
+      (this.otherSet = this.#set(
+        'Address',
+        this.#field(
+          'host',
+          'Host',
+          el('input', { type: 'text', placeholder: '127.0.0.1', autocomplete: 'off', spellcheck: false }),
+          { hint: 'A rosbridge server of uwsim, such as uwsim serve lake --station.' },
+        ),
+        this.#field('port', 'Port', number({ min: 1, max: 65535, step: 1 }), { hint: '' }),
+      )),
+    );
     for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
       const field = this.#fields.get(name);
       if (field && value !== null && value !== undefined) field.input.value = value;
@@ -60,15 +106,31 @@ export class StartScreen {
   }
 
   #where() {
-    const choice = (value, title, text) => el('label', {},
-      el('input', { type: 'radio', name: 'where', value, checked: value === 'here', onchange: () => this.#showWhere() }),
-      el('b', {}, title), el('small', {}, text));
-    return el('div', { className: 'choice', role: 'radiogroup', 'aria-label': 'Simulator' },
+    const choice = (value, title, text) =>
+      el(
+        'label',
+        {},
+        el('input', {
+          type: 'radio',
+          name: 'where',
+          value,
+          checked: value === 'here',
+          onchange: () => this.#showWhere(),
+        }),
+        el('b', {}, title),
+        el('small', {}, text),
+      );
+    return el(
+      'div',
+      { className: 'choice', role: 'radiogroup', 'aria-label': 'Simulator' },
       choice('here', 'Start one here', 'In the process that serves this page'),
-      choice('there', 'Join one elsewhere', 'By the address and port of its rosbridge'));
+      choice('there', 'Join one elsewhere', 'By the address and port of its rosbridge'),
+    );
   }
 
-  get isElsewhere() { return this.form.elements.where?.value === 'there'; }
+  get isElsewhere() {
+    return this.form.elements.where?.value === 'there';
+  }
 
   #showWhere() {
     this.ownSet.hidden = this.paceSet.hidden = this.isElsewhere;
@@ -77,15 +139,26 @@ export class StartScreen {
     this.#later();
   }
 
-  #set(title, ...fields) { return el('fieldset', {}, el('legend', {}, title), ...fields); }
+  #set(title, ...fields) {
+    return el('fieldset', {}, el('legend', {}, title), ...fields);
+  }
 
   #field(name, title, input, { wide = false, unit = '', hint = '' } = {}) {
     input.id = `field-${name}`;
     input.name = name;
-    const [note, wrong] = [el('p', { className: 'hint', id: `hint-${name}` }, hint), el('p', { className: 'wrong', id: `wrong-${name}`, role: 'alert' })];
+    const [note, wrong] = [
+      el('p', { className: 'hint', id: `hint-${name}` }, hint),
+      el('p', { className: 'wrong', id: `wrong-${name}`, role: 'alert' }),
+    ];
     input.setAttribute('aria-describedby', `hint-${name} wrong-${name}`);
-    const box = el('div', { className: `field${wide ? ' wide' : ''}` }, el('label', { htmlFor: input.id }, title),
-      unit ? el('div', { className: 'with-unit' }, input, el('span', { 'aria-hidden': 'true' }, unit)) : input, note, wrong);
+    const box = el(
+      'div',
+      { className: `field${wide ? ' wide' : ''}` },
+      el('label', { htmlFor: input.id }, title),
+      unit ? el('div', { className: 'with-unit' }, input, el('span', { 'aria-hidden': 'true' }, unit)) : input,
+      note,
+      wrong,
+    );
     this.#fields.set(name, { box, input, hint: note, wrong, fixedHint: hint });
     return box;
   }
@@ -99,18 +172,29 @@ export class StartScreen {
     this.#fields.get('mission_time_s').input.placeholder = `${scenario.mission_time_s} (the scenario’s own)`;
     this.#fields.get('seed').input.placeholder = `${scenario.seed} (the scenario’s own)`;
     const [vehicle] = scenario.vehicles;
-    if (this.#fields.get('vehicle').input.value === '' && vehicle) write(this.#fields.get('vehicle').hint, scenario.vehicles.map(({ name, model }) => (name === model ? name : `${name}: ${model}`)).join(', '));
-    if (this.#fields.get('sonar').input.value === '') write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
+    if (this.#fields.get('vehicle').input.value === '' && vehicle)
+      write(
+        this.#fields.get('vehicle').hint,
+        scenario.vehicles.map(({ name, model }) => (name === model ? name : `${name}: ${model}`)).join(', '),
+      );
+    if (this.#fields.get('sonar').input.value === '')
+      write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
   }
 
   // The choice, with what is empty left to the scenario. Numbers that are none are sent as they are: the server says why.
   get choice() {
     const value = (name) => this.#fields.get(name).input.value.trim();
-    const numeric = (name) => (value(name) === '' ? null : Number.isNaN(Number(value(name))) ? value(name) : Number(value(name)));
+    const numeric = (name) =>
+      value(name) === '' ? null : Number.isNaN(Number(value(name))) ? value(name) : Number(value(name));
     const text = (name) => value(name) || null;
     return {
-      scenario: text('scenario'), vehicle: text('vehicle'), sonar: text('sonar'), mission_time_s: numeric('mission_time_s'),
-      seed: numeric('seed'), speed: numeric('speed'), link: text('link'),
+      scenario: text('scenario'),
+      vehicle: text('vehicle'),
+      sonar: text('sonar'),
+      mission_time_s: numeric('mission_time_s'),
+      seed: numeric('seed'),
+      speed: numeric('speed'),
+      link: text('link'),
     };
   }
 
@@ -122,8 +206,10 @@ export class StartScreen {
   async #check() {
     if (!this.catalog) return;
     this.#showHints();
-    const number_ = this.#checks += 1;
-    const answer = this.isElsewhere ? { errors: this.#addressErrors() } : await this.station.check(this.choice).catch(() => null);
+    const number_ = (this.#checks += 1);
+    const answer = this.isElsewhere
+      ? { errors: this.#addressErrors() }
+      : await this.station.check(this.choice).catch(() => null);
     if (answer && number_ === this.#checks) this.#mark(answer.errors ?? {});
   }
 
@@ -143,7 +229,9 @@ export class StartScreen {
       box.toggleAttribute('data-wrong', text !== '');
       input.setAttribute('aria-invalid', String(text !== ''));
     }
-    const others = Object.entries(errors).filter(([name]) => !this.#fields.has(name)).map(([, text]) => text);
+    const others = Object.entries(errors)
+      .filter(([name]) => !this.#fields.has(name))
+      .map(([, text]) => text);
     this.#say(others.join(' '), others.length ? 'error' : '');
     return Object.keys(errors).length > 0;
   }
@@ -152,7 +240,8 @@ export class StartScreen {
     if (!this.catalog) return;
     if (this.isElsewhere) {
       const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
-      if (!this.#mark(this.#addressErrors())) location.search = `?rosbridge=${encodeURIComponent(`ws://${host}:${port}`)}`;
+      if (!this.#mark(this.#addressErrors()))
+        location.search = `?rosbridge=${encodeURIComponent(`ws://${host}:${port}`)}`;
       return;
     }
     this.button.disabled = true;
@@ -186,5 +275,13 @@ function options(choices) {
 }
 
 function number({ min, max, step }) {
-  return el('input', { type: 'text', inputMode: 'numeric', autocomplete: 'off', spellcheck: false, 'data-min': min, 'data-max': max, 'data-step': step });
+  return el('input', {
+    type: 'text',
+    inputMode: 'numeric',
+    autocomplete: 'off',
+    spellcheck: false,
+    'data-min': min,
+    'data-max': max,
+    'data-step': step,
+  });
 }

@@ -18,17 +18,26 @@ export class Telemetry extends EventTarget {
     this.#end?.();
     this.message = null;
     this.#heardMs = -Infinity;
-    this.#end = this.station.bridge.subscribe(topic, 'uwsim_msgs/Telemetry', (message) => {
-      this.message = message;
-      this.#heardMs = performance.now();
-      this.dispatchEvent(new Event('change'));
-    }, { throttle_rate: 150 });
+    this.#end = this.station.bridge.subscribe(
+      topic,
+      'uwsim_msgs/Telemetry',
+      (message) => {
+        this.message = message;
+        this.#heardMs = performance.now();
+        this.dispatchEvent(new Event('change'));
+      },
+      { throttle_rate: 150 },
+    );
   }
 
-  get stamp_s() { return this.message ? seconds(this.message.header.stamp) : NaN; }
+  get stamp_s() {
+    return this.message ? seconds(this.message.header.stamp) : NaN;
+  }
 
   // Seconds of simulated time that the values are behind the simulator.
-  get lag_s() { return Math.max(0, this.station.state.time - this.stamp_s); }
+  get lag_s() {
+    return Math.max(0, this.station.state.time - this.stamp_s);
+  }
 
   // Whether the values are older than they should be.
   get isStale() {
@@ -36,6 +45,9 @@ export class Telemetry extends EventTarget {
     if (!this.message || !connected) return true;
     if (state.paused) return false;
     const slow = state.factor > 0 && state.factor < 1 ? 1 / state.factor : 1;
-    return performance.now() - this.#heardMs > LATE_MS * Math.min(slow, 20) || this.lag_s > LATE_SIM_S * Math.max(1, state.factor || 1);
+    return (
+      performance.now() - this.#heardMs > LATE_MS * Math.min(slow, 20) ||
+      this.lag_s > LATE_SIM_S * Math.max(1, state.factor || 1)
+    );
   }
 }

@@ -3,7 +3,8 @@ import { attempt, byId, clockText, el, fixed, write } from './dom.js';
 
 const TILT_STEP_RAD = Math.PI / 180;
 const TILT_HOLD_MS = 100;
-const QUALITIES = { // of the large picture
+const QUALITIES = {
+  // of the large picture
   economy: { title: 'Economy', rate_hz: 5, width: 320, quality: 60 },
   normal: { title: 'Normal', rate_hz: 10, width: 640, quality: 80 },
   fine: { title: 'Fine', rate_hz: 10, width: 960, quality: 90 },
@@ -19,11 +20,16 @@ export class TopBar {
   constructor(station, telemetry, pilot, views) {
     [this.station, this.telemetry, this.pilot, this.views] = [station, telemetry, pilot, views];
     byId('dock').addEventListener('click', () => this.releaseOrDock());
-    for (const [id, sign] of [['tilt-up', 1], ['tilt-down', -1]]) {
+    for (const [id, sign] of [
+      ['tilt-up', 1],
+      ['tilt-down', -1],
+    ]) {
       byId(id).addEventListener('pointerdown', () => this.tilt(sign, true));
       byId(id).addEventListener('pointerup', () => this.tilt(sign, false));
       byId(id).addEventListener('pointerleave', () => this.tilt(sign, false));
-      byId(id).addEventListener('click', (event) => { if (event.detail === 0) this.#step(sign); }); // by keyboard
+      byId(id).addEventListener('click', (event) => {
+        if (event.detail === 0) this.#step(sign);
+      }); // by keyboard
     }
     byId('gain-up').addEventListener('click', () => pilot.changeGain(1));
     byId('gain-down').addEventListener('click', () => pilot.changeGain(-1));
@@ -39,19 +45,35 @@ export class TopBar {
     station.addEventListener('state', () => this.showState());
     telemetry.addEventListener('change', () => this.#showVehicle());
     // Space drives: a button that was clicked must not be pressed again by it.
-    byId('station').addEventListener('pointerup', (event) => { event.target.closest('button, a')?.blur(); });
+    byId('station').addEventListener('pointerup', (event) => {
+      event.target.closest('button, a')?.blur();
+    });
   }
 
   begin(vehicle, description, speeds) {
     this.#vehicle = vehicle;
     write(byId('scenario-name'), description.scenario);
-    this.#lights = vehicle.lamps.map((name, k) => el('button', {
-      type: 'button', 'aria-pressed': 'false', 'aria-label': `${name} light`, onclick: () => this.light(name, !this.#isLit(k)),
-    }, name.replace(/^./, (letter) => letter.toUpperCase())));
-    byId('lights').replaceChildren(el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Lights'), ...this.#lights);
+    this.#lights = vehicle.lamps.map((name, k) =>
+      el(
+        'button',
+        {
+          type: 'button',
+          'aria-pressed': 'false',
+          'aria-label': `${name} light`,
+          onclick: () => this.light(name, !this.#isLit(k)),
+        },
+        name.replace(/^./, (letter) => letter.toUpperCase()),
+      ),
+    );
+    byId('lights').replaceChildren(
+      el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Lights'),
+      ...this.#lights,
+    );
     byId('lights').hidden = this.#lights.length === 0;
     byId('tilt').parentElement.hidden = !vehicle.tilt;
-    byId('speed').replaceChildren(...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? 'max' : `${speed}×`)));
+    byId('speed').replaceChildren(
+      ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? 'max' : `${speed}×`)),
+    );
     this.showState();
   }
 
@@ -61,7 +83,8 @@ export class TopBar {
   }
 
   light(name, on) {
-    if (this.#vehicle.lamps.includes(name)) attempt(this.station.command('set_lamp', this.#vehicle.name, { lamp: name, on }));
+    if (this.#vehicle.lamps.includes(name))
+      attempt(this.station.command('set_lamp', this.#vehicle.name, { lamp: name, on }));
   }
 
   // Turn the head while held. The server turns it at its own rate.
@@ -82,7 +105,9 @@ export class TopBar {
     this.#tiltTimer = setInterval(aim, TILT_HOLD_MS * 2);
   }
 
-  pauseOrResume() { attempt(this.station.control(this.station.state.paused ? 'resume' : 'pause')); }
+  pauseOrResume() {
+    attempt(this.station.control(this.station.state.paused ? 'resume' : 'pause'));
+  }
 
   step() {
     if (this.station.state.paused) attempt(this.station.control('step', { steps: 1 }));
@@ -94,7 +119,8 @@ export class TopBar {
     const speed = byId('speed');
     if (document.activeElement !== speed) {
       const wanted = String(+(+state.speed).toFixed(6));
-      if (![...speed.options].some(({ value }) => value === wanted)) speed.append(el('option', { value: wanted }, `${wanted}×`));
+      if (![...speed.options].some(({ value }) => value === wanted))
+        speed.append(el('option', { value: wanted }, `${wanted}×`));
       speed.value = wanted;
     }
     const isLate = !state.paused && state.speed > 0 && state.factor < LATE_SHARE * state.speed;
@@ -103,20 +129,26 @@ export class TopBar {
     byId('pause').setAttribute('aria-label', state.paused ? 'Resume' : 'Pause');
     write(byId('pause'), state.paused ? '▶' : '❚❚');
     const mayNot = !isPilot || !connected;
-    for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down', 'speed', 'pause']) byId(id).disabled = mayNot;
+    for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down', 'speed', 'pause'])
+      byId(id).disabled = mayNot;
     for (const button of this.#lights) button.disabled = mayNot;
     byId('step').disabled = mayNot || !state.paused;
   }
 
-  #step(sign) { this.#aim((this.telemetry.message?.tilt ?? 0) + sign * 5 * TILT_STEP_RAD); }
+  #step(sign) {
+    this.#aim((this.telemetry.message?.tilt ?? 0) + sign * 5 * TILT_STEP_RAD);
+  }
 
   #aim(wanted_rad, isLast = false) {
     const { min_rad, max_rad } = this.#vehicle.tilt;
     const elevation_rad = Math.max(min_rad, Math.min(max_rad, wanted_rad));
-    if (!isLast || Number.isFinite(elevation_rad)) attempt(this.station.command('aim', this.#vehicle.name, { elevation_rad }));
+    if (!isLast || Number.isFinite(elevation_rad))
+      attempt(this.station.command('aim', this.#vehicle.name, { elevation_rad }));
   }
 
-  #isLit(k) { return Boolean(this.telemetry.message?.lamps[k]); }
+  #isLit(k) {
+    return Boolean(this.telemetry.message?.lamps[k]);
+  }
 
   #showVehicle() {
     const { message } = this.telemetry;
@@ -126,11 +158,18 @@ export class TopBar {
     if (this.telemetry.stamp_s > this.station.state.time) write(byId('clock'), clockText(this.telemetry.stamp_s, 1));
   }
 
-  #showGain() { write(byId('gain'), `${Math.round(100 * this.pilot.gain)} %`); }
+  #showGain() {
+    write(byId('gain'), `${Math.round(100 * this.pilot.gain)} %`);
+  }
 
   #makeCameraModes() {
-    const select = el('select', { id: 'quality', 'aria-label': 'Quality of the large picture' },
-      ...Object.entries(QUALITIES).map(([value, { title }]) => el('option', { value, selected: value === 'normal' }, title)));
+    const select = el(
+      'select',
+      { id: 'quality', 'aria-label': 'Quality of the large picture' },
+      ...Object.entries(QUALITIES).map(([value, { title }]) =>
+        el('option', { value, selected: value === 'normal' }, title),
+      ),
+    );
     select.addEventListener('change', () => {
       const { rate_hz, width, quality } = QUALITIES[select.value];
       attempt(this.station.setView({ name: this.views.large, rate_hz, width, quality }));

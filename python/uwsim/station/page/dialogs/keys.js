@@ -9,8 +9,17 @@ export function showKeys(bindings, viewNames) {
 
   const line = (action) => {
     const keys = bindings.keysOf(action);
-    const button = el('button', { type: 'button', 'aria-pressed': 'false', 'aria-label': `${ACTIONS[action]}: ${keys.map(keyName).join(' ') || 'none'}; change` },
-      ...(keys.length ? keys.flatMap((code, k) => [k ? ' ' : null, el('kbd', {}, keyName(code))]) : [el('span', {}, 'none')]));
+    const button = el(
+      'button',
+      {
+        type: 'button',
+        'aria-pressed': 'false',
+        'aria-label': `${ACTIONS[action]}: ${keys.map(keyName).join(' ') || 'none'}; change`,
+      },
+      ...(keys.length
+        ? keys.flatMap((code, k) => [k ? ' ' : null, el('kbd', {}, keyName(code))])
+        : [el('span', {}, 'none')]),
+    );
     button.addEventListener('click', () => listen(action, button));
     return el('div', { className: 'key-line' }, el('span', {}, ACTIONS[action]), button);
   };
@@ -31,22 +40,63 @@ export function showKeys(bindings, viewNames) {
   };
   const block = (title, actions) => el('section', {}, el('h3', {}, title), ...Object.keys(actions).map(line));
   const fixedLine = (key, text) => el('div', { className: 'key-line' }, el('span', {}, text), el('kbd', {}, key));
-  const choose = (preset) => el('button', {
-    type: 'button', 'aria-pressed': String(bindings.preset === preset && !bindings.isChanged),
-    onclick: () => { bindings.choose(preset); render(); },
-  }, PRESETS[preset].name);
+  const choose = (preset) =>
+    el(
+      'button',
+      {
+        type: 'button',
+        'aria-pressed': String(bindings.preset === preset && !bindings.isChanged),
+        onclick: () => {
+          bindings.choose(preset);
+          render();
+        },
+      },
+      PRESETS[preset].name,
+    );
 
   function render() {
-    openDialog(byId('keys-dialog'), 'Keys',
-      el('div', { className: 'row apart' }, el('div', { className: 'row', role: 'group', 'aria-label': 'Preset' },
-        ...Object.keys(PRESETS).map(choose), bindings.isChanged ? el('span', { className: 'caption' }, 'changed') : null), message),
-      el('div', { className: 'key-columns' },
-        block('Driving', DRIVING), block('Vehicle', VEHICLE), block('Simulation', SCREEN),
-        el('section', {}, el('h3', {}, 'Views'), ...viewNames.slice(0, 10).map((name, k) => fixedLine(String((k + 1) % 10), name)),
-          fixedLine('?', 'These keys'), fixedLine('Esc', 'Menu')),
-        el('section', {}, el('h3', {}, 'Gamepad'),
-          fixedLine('left stick', 'Up, down, turn'), fixedLine('right stick', 'Ahead, sideways'), fixedLine('A', 'All stop'),
-          fixedLine('LB RB', 'Gain'), fixedLine('↑ ↓', 'Sonar tilt'), fixedLine('X Y', 'Front light'), fixedLine('Start', 'Release or dock'))));
+    openDialog(
+      byId('keys-dialog'),
+      'Keys',
+      el(
+        'div',
+        { className: 'row apart' },
+        el(
+          'div',
+          { className: 'row', role: 'group', 'aria-label': 'Preset' },
+          ...Object.keys(PRESETS).map(choose),
+          bindings.isChanged ? el('span', { className: 'caption' }, 'changed') : null,
+        ),
+        message,
+      ),
+      el(
+        'div',
+        { className: 'key-columns' },
+        block('Driving', DRIVING),
+        block('Vehicle', VEHICLE),
+        block('Simulation', SCREEN),
+        el(
+          'section',
+          {},
+          el('h3', {}, 'Views'),
+          ...viewNames.slice(0, 10).map((name, k) => fixedLine(String((k + 1) % 10), name)),
+          fixedLine('?', 'These keys'),
+          fixedLine('Esc', 'Menu'),
+        ),
+        el(
+          'section',
+          {},
+          el('h3', {}, 'Gamepad'),
+          fixedLine('left stick', 'Up, down, turn'),
+          fixedLine('right stick', 'Ahead, sideways'),
+          fixedLine('A', 'All stop'),
+          fixedLine('LB RB', 'Gain'),
+          fixedLine('↑ ↓', 'Sonar tilt'),
+          fixedLine('X Y', 'Front light'),
+          fixedLine('Start', 'Release or dock'),
+        ),
+      ),
+    );
   }
   render();
   byId('keys-dialog').addEventListener('close', () => ending?.(), { once: true });

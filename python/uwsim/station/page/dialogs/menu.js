@@ -14,38 +14,87 @@ export function showMenu(station, { keys }) {
     dialog.close();
     act?.();
   };
-  const item = (text, act, { forAll = false, hint = '', className = '' } = {}) => el('button', {
-    type: 'button', disabled: !forAll && !isPilot, className, onclick: act,
-  }, text, hint ? el('small', { className: 'caption' }, hint) : null);
+  const item = (text, act, { forAll = false, hint = '', className = '' } = {}) =>
+    el(
+      'button',
+      {
+        type: 'button',
+        disabled: !forAll && !isPilot,
+        className,
+        onclick: act,
+      },
+      text,
+      hint ? el('small', { className: 'caption' }, hint) : null,
+    );
 
-  openDialog(dialog, isPilot ? 'Paused' : 'Menu',
+  openDialog(
+    dialog,
+    isPilot ? 'Paused' : 'Menu',
     isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot changes the run.'),
-    el('div', { className: 'stack' },
-      item('Resume', () => { resumes = isPilot; leave(); }),
+    el(
+      'div',
+      { className: 'stack' },
+      item('Resume', () => {
+        resumes = isPilot;
+        leave();
+      }),
       item('Close, and stay paused', () => leave(null, true)),
       item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted'))),
-      item('Keys', () => leave(keys), { forAll: true, hint: '?' })),
-    el('hr'), nameForm(station), saveForm(station, isPilot, leave),
-    el('hr'), colours(),
-    el('hr'), el('div', { className: 'stack' },
-      item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), { className: 'danger' })));
+      item('Keys', () => leave(keys), { forAll: true, hint: '?' }),
+    ),
+    el('hr'),
+    nameForm(station),
+    saveForm(station, isPilot, leave),
+    el('hr'),
+    colours(),
+    el('hr'),
+    el(
+      'div',
+      { className: 'stack' },
+      item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
+        className: 'danger',
+      }),
+    ),
+  );
   dialog.querySelector('.stack button:not(:disabled)')?.focus();
-  dialog.addEventListener('close', () => { if (resumes) attempt(station.control('resume')); }, { once: true });
+  dialog.addEventListener(
+    'close',
+    () => {
+      if (resumes) attempt(station.control('resume'));
+    },
+    { once: true },
+  );
 }
 
 function nameForm(station) {
-  const name = el('input', { type: 'text', id: 'pilot-name', value: station.name, maxLength: 40, autocomplete: 'off', spellcheck: false });
+  const name = el('input', {
+    type: 'text',
+    id: 'pilot-name',
+    value: station.name,
+    maxLength: 40,
+    autocomplete: 'off',
+    spellcheck: false,
+  });
   const rename = async (event) => {
     event.preventDefault();
     if (await attempt(station.rename(name.value.trim()), 'You have another name now')) keepName(station.name);
   };
-  return el('form', { className: 'row', onsubmit: rename },
-    el('label', { htmlFor: 'pilot-name' }, 'Your name'), name, el('button', { type: 'submit', disabled: station.isPlain }, 'Change'));
+  return el(
+    'form',
+    { className: 'row', onsubmit: rename },
+    el('label', { htmlFor: 'pilot-name' }, 'Your name'),
+    name,
+    el('button', { type: 'submit', disabled: station.isPlain }, 'Change'),
+  );
 }
 
 function saveForm(station, isPilot, leave) {
   const name = el('input', {
-    type: 'text', id: 'save-name', value: station.description?.scenario ?? 'session', autocomplete: 'off', spellcheck: false,
+    type: 'text',
+    id: 'save-name',
+    value: station.description?.scenario ?? 'session',
+    autocomplete: 'off',
+    spellcheck: false,
   });
   const save = async (event) => {
     event.preventDefault();
@@ -53,16 +102,31 @@ function saveForm(station, isPilot, leave) {
     const answer = await attempt(station.control('save', { name: name.value.trim() }));
     if (answer) toast(answer.message || 'Saved');
   };
-  return el('form', { className: 'row', onsubmit: save },
-    el('label', { htmlFor: 'save-name' }, 'Save as'), name, el('button', { type: 'submit', disabled: !isPilot }, 'Save'));
+  return el(
+    'form',
+    { className: 'row', onsubmit: save },
+    el('label', { htmlFor: 'save-name' }, 'Save as'),
+    name,
+    el('button', { type: 'submit', disabled: !isPilot }, 'Save'),
+  );
 }
 
 function colours() {
   const choose = (event) => {
     setTheme(event.target.textContent);
-    for (const other of event.target.parentElement.children) other.setAttribute('aria-pressed', String(other === event.target));
+    for (const other of event.target.parentElement.children)
+      other.setAttribute('aria-pressed', String(other === event.target));
   };
-  return el('div', { className: 'row apart' }, el('span', {}, 'Colours'),
-    el('div', { className: 'row', role: 'group', 'aria-label': 'Colours' },
-      ...THEMES.map((kind) => el('button', { type: 'button', 'aria-pressed': String(theme() === kind), onclick: choose }, kind))));
+  return el(
+    'div',
+    { className: 'row apart' },
+    el('span', {}, 'Colours'),
+    el(
+      'div',
+      { className: 'row', role: 'group', 'aria-label': 'Colours' },
+      ...THEMES.map((kind) =>
+        el('button', { type: 'button', 'aria-pressed': String(theme() === kind), onclick: choose }, kind),
+      ),
+    ),
+  );
 }

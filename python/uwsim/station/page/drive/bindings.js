@@ -3,39 +3,93 @@
 // Axes are those of REP 103: x ahead, y to port, z up; so positive pitch is nose down and positive yaw turns to port.
 export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 export const DRIVING = {
-  'surge+': 'Ahead', 'surge-': 'Astern', 'sway+': 'To port', 'sway-': 'To starboard', 'heave+': 'Up', 'heave-': 'Down',
-  'yaw+': 'Turn to port', 'yaw-': 'Turn to starboard', 'pitch+': 'Nose down', 'pitch-': 'Nose up',
-  'roll-': 'Roll to port', 'roll+': 'Roll to starboard',
+  'surge+': 'Ahead',
+  'surge-': 'Astern',
+  'sway+': 'To port',
+  'sway-': 'To starboard',
+  'heave+': 'Up',
+  'heave-': 'Down',
+  'yaw+': 'Turn to port',
+  'yaw-': 'Turn to starboard',
+  'pitch+': 'Nose down',
+  'pitch-': 'Nose up',
+  'roll-': 'Roll to port',
+  'roll+': 'Roll to starboard',
 };
 export const VEHICLE = {
-  stop: 'All stop', release: 'Release or dock', frontOn: 'Front light on', frontOff: 'Front light off',
-  downOn: 'Down light on', downOff: 'Down light off', tiltDown: 'Sonar nose down', tiltUp: 'Sonar nose up',
-  gainUp: 'More gain', gainDown: 'Less gain', mark: 'Mark this place',
+  stop: 'All stop',
+  release: 'Release or dock',
+  frontOn: 'Front light on',
+  frontOff: 'Front light off',
+  downOn: 'Down light on',
+  downOff: 'Down light off',
+  tiltDown: 'Sonar nose down',
+  tiltUp: 'Sonar nose up',
+  gainUp: 'More gain',
+  gainDown: 'Less gain',
+  mark: 'Mark this place',
 };
 export const SCREEN = {
-  pause: 'Pause or resume', step: 'One step', snapshot: 'Snapshot', record: 'Record', mute: 'Sound on or off',
+  pause: 'Pause or resume',
+  step: 'One step',
+  snapshot: 'Snapshot',
+  record: 'Record',
+  mute: 'Sound on or off',
 };
 export const ACTIONS = { ...DRIVING, ...VEHICLE, ...SCREEN };
 
 const SHARED = {
-  'surge+': ['KeyW'], 'surge-': ['KeyS'], stop: ['KeyX', 'KeyC'], release: ['KeyR'],
-  frontOff: ['BracketLeft'], frontOn: ['BracketRight'], downOff: ['Semicolon'], downOn: ['Quote'],
-  tiltDown: ['Comma'], tiltUp: ['Period'], gainUp: ['Equal'], gainDown: ['Minus'], mark: ['KeyM'],
-  pause: ['KeyP'], step: ['KeyN'], snapshot: ['KeyV'], record: ['KeyG'], mute: ['KeyU'],
+  'surge+': ['KeyW'],
+  'surge-': ['KeyS'],
+  stop: ['KeyX', 'KeyC'],
+  release: ['KeyR'],
+  frontOff: ['BracketLeft'],
+  frontOn: ['BracketRight'],
+  downOff: ['Semicolon'],
+  downOn: ['Quote'],
+  tiltDown: ['Comma'],
+  tiltUp: ['Period'],
+  gainUp: ['Equal'],
+  gainDown: ['Minus'],
+  mark: ['KeyM'],
+  pause: ['KeyP'],
+  step: ['KeyN'],
+  snapshot: ['KeyV'],
+  record: ['KeyG'],
+  mute: ['KeyU'],
 };
 export const PRESETS = {
-  published: { // the keys of the paper's own keyboard node
+  published: {
+    // the keys of the paper's own keyboard node
     name: 'Published',
     keys: {
-      ...SHARED, 'sway+': ['KeyA'], 'sway-': ['KeyD'], 'heave+': ['KeyB'], 'heave-': ['Space'],
-      'yaw+': ['KeyQ'], 'yaw-': ['KeyE'], 'pitch+': ['KeyI'], 'pitch-': ['KeyK'], 'roll-': ['KeyJ'], 'roll+': ['KeyL'],
+      ...SHARED,
+      'sway+': ['KeyA'],
+      'sway-': ['KeyD'],
+      'heave+': ['KeyB'],
+      'heave-': ['Space'],
+      'yaw+': ['KeyQ'],
+      'yaw-': ['KeyE'],
+      'pitch+': ['KeyI'],
+      'pitch-': ['KeyK'],
+      'roll-': ['KeyJ'],
+      'roll+': ['KeyL'],
     },
   },
-  wasd: { // as in games: A and D turn
+  wasd: {
+    // as in games: A and D turn
     name: 'WASD',
     keys: {
-      ...SHARED, 'yaw+': ['KeyA'], 'yaw-': ['KeyD'], 'sway+': ['KeyQ'], 'sway-': ['KeyE'], 'heave+': ['Space'],
-      'heave-': ['ShiftLeft'], 'pitch+': ['ArrowUp'], 'pitch-': ['ArrowDown'], 'roll-': ['ArrowLeft'],
+      ...SHARED,
+      'yaw+': ['KeyA'],
+      'yaw-': ['KeyD'],
+      'sway+': ['KeyQ'],
+      'sway-': ['KeyE'],
+      'heave+': ['Space'],
+      'heave-': ['ShiftLeft'],
+      'pitch+': ['ArrowUp'],
+      'pitch-': ['ArrowDown'],
+      'roll-': ['ArrowLeft'],
       'roll+': ['ArrowRight'],
     },
   },
@@ -44,9 +98,24 @@ export const PRESETS = {
 const RESERVED = /^(Digit\d|Escape|Tab|Enter|F\d+|Slash|Meta.*|Control.*|Alt.*)$/;
 const STORED = 'uwsim.keys';
 const NAMES = {
-  Space: 'Space', BracketLeft: '[', BracketRight: ']', Semicolon: ';', Quote: "'", Comma: ',', Period: '.', Equal: '=',
-  Minus: '-', Slash: '/', Backslash: '\\', Backquote: '`', ShiftLeft: 'Shift', ShiftRight: 'Right Shift',
-  ArrowUp: '↑', ArrowDown: '↓', ArrowLeft: '←', ArrowRight: '→',
+  Space: 'Space',
+  BracketLeft: '[',
+  BracketRight: ']',
+  Semicolon: ';',
+  Quote: "'",
+  Comma: ',',
+  Period: '.',
+  Equal: '=',
+  Minus: '-',
+  Slash: '/',
+  Backslash: '\\',
+  Backquote: '`',
+  ShiftLeft: 'Shift',
+  ShiftRight: 'Right Shift',
+  ArrowUp: '↑',
+  ArrowDown: '↓',
+  ArrowLeft: '←',
+  ArrowRight: '→',
 };
 
 export const keyName = (code) => NAMES[code] ?? code.replace(/^(Key|Digit)/, '');
@@ -61,11 +130,17 @@ export class Bindings {
     this.#index();
   }
 
-  get isChanged() { return Object.keys(this.changes).length > 0; }
+  get isChanged() {
+    return Object.keys(this.changes).length > 0;
+  }
 
-  actionOf(code) { return this.#actionOf.get(code); }
+  actionOf(code) {
+    return this.#actionOf.get(code);
+  }
 
-  keysOf(action) { return this.changes[action] ?? PRESETS[this.preset].keys[action] ?? []; }
+  keysOf(action) {
+    return this.changes[action] ?? PRESETS[this.preset].keys[action] ?? [];
+  }
 
   choose(preset) {
     this.preset = preset;
@@ -87,7 +162,9 @@ export class Bindings {
     this.#index();
     try {
       localStorage.setItem(STORED, JSON.stringify({ preset: this.preset, changes: this.changes }));
-    } catch { /* a browser that stores nothing: the keys last until the page is closed */ }
+    } catch {
+      /* a browser that stores nothing: the keys last until the page is closed */
+    }
   }
 
   #index() {

@@ -2,10 +2,25 @@
 
 const DEAD_ZONE = 0.12;
 // Sticks as on most ROVs: the left one climbs and turns, the right one goes ahead and sideways.
-const STICKS = [['yaw', -1], ['heave', -1], ['sway', -1], ['surge', -1]];
+const STICKS = [
+  ['yaw', -1],
+  ['heave', -1],
+  ['sway', -1],
+  ['surge', -1],
+];
 const BUTTONS = {
-  0: 'stop', 1: 'mark', 2: 'frontOn', 3: 'frontOff', 4: 'gainDown', 5: 'gainUp', 8: 'pause', 9: 'release',
-  12: 'tiltUp', 13: 'tiltDown', 14: 'downOff', 15: 'downOn',
+  0: 'stop',
+  1: 'mark',
+  2: 'frontOn',
+  3: 'frontOff',
+  4: 'gainDown',
+  5: 'gainUp',
+  8: 'pause',
+  9: 'release',
+  12: 'tiltUp',
+  13: 'tiltDown',
+  14: 'downOff',
+  15: 'downOn',
 };
 
 export class Gamepads {
@@ -14,9 +29,13 @@ export class Gamepads {
   axes = {};
   name = '';
 
-  constructor(act) { this.#act = act; }
+  constructor(act) {
+    this.#act = act;
+  }
 
-  get isHeld() { return Object.values(this.axes).some((value) => value !== 0); }
+  get isHeld() {
+    return Object.values(this.axes).some((value) => value !== 0);
+  }
 
   // Read all gamepads; call it once a frame. Return whether an axis has changed.
   poll(isAllowed) {
@@ -25,8 +44,12 @@ export class Gamepads {
     const axes = {};
     const pressed = new Set();
     for (const pad of pads) {
-      STICKS.forEach(([axis, sign], k) => { axes[axis] = (axes[axis] ?? 0) + sign * shaped(pad.axes[k] ?? 0); });
-      pad.buttons.forEach((button, k) => { if (button.pressed && BUTTONS[k]) pressed.add(BUTTONS[k]); });
+      STICKS.forEach(([axis, sign], k) => {
+        axes[axis] = (axes[axis] ?? 0) + sign * shaped(pad.axes[k] ?? 0);
+      });
+      pad.buttons.forEach((button, k) => {
+        if (button.pressed && BUTTONS[k]) pressed.add(BUTTONS[k]);
+      });
     }
     if (!isAllowed) {
       for (const axis of Object.keys(axes)) axes[axis] = 0;
@@ -36,8 +59,11 @@ export class Gamepads {
     for (const action of this.#pressed) if (!pressed.has(action)) this.#act(action, false);
     this.#pressed = pressed;
     const names = new Set([...Object.keys(axes), ...Object.keys(this.axes)]);
-    const isChanged = [...names].some((axis) => Math.abs((axes[axis] ?? 0) - (this.axes[axis] ?? 0)) > 0.02
-      || ((axes[axis] ?? 0) === 0) !== ((this.axes[axis] ?? 0) === 0));
+    const isChanged = [...names].some(
+      (axis) =>
+        Math.abs((axes[axis] ?? 0) - (this.axes[axis] ?? 0)) > 0.02 ||
+        ((axes[axis] ?? 0) === 0) !== ((this.axes[axis] ?? 0) === 0),
+    );
     if (isChanged) this.axes = axes;
     return isChanged;
   }

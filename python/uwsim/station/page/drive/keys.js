@@ -17,9 +17,13 @@ export class Keys {
     addEventListener('keyup', (event) => this.#up(event));
   }
 
-  get isHeld() { return this.#held.size > 0; }
+  get isHeld() {
+    return this.#held.size > 0;
+  }
 
-  get actions() { return new Set(this.#held.values()); }
+  get actions() {
+    return new Set(this.#held.values());
+  }
 
   // Let all keys go: each must be pressed anew.
   drop() {

@@ -15,13 +15,21 @@ export class Lease {
   }
 
   show() {
-    const { station: { state, id, isPilot, connected } } = this;
+    const {
+      station: { state, id, isPilot, connected },
+    } = this;
     const asks = state.asking.filter((member) => member !== id);
-    const text = !connected ? 'Not connected'
-      : isPilot ? (asks.length ? `${this.station.nameOf(asks[0])} asks for the controls` : 'You fly')
-      : state.pilot === '' ? 'Take the controls'
-      : state.asking.includes(id) ? `Asked ${this.station.nameOf(state.pilot)}`
-      : `${this.station.nameOf(state.pilot)} flies`;
+    const text = !connected
+      ? 'Not connected'
+      : isPilot
+        ? asks.length
+          ? `${this.station.nameOf(asks[0])} asks for the controls`
+          : 'You fly'
+        : state.pilot === ''
+          ? 'Take the controls'
+          : state.asking.includes(id)
+            ? `Asked ${this.station.nameOf(state.pilot)}`
+            : `${this.station.nameOf(state.pilot)} flies`;
     write(this.button, text);
     this.button.dataset.mine = isPilot ? (asks.length ? 'asked' : 'yes') : 'no';
     this.button.disabled = !connected;
@@ -46,28 +54,40 @@ export class Lease {
     }
     const others = state.member_ids.filter((member) => member !== id);
     this.#open('Hand over the controls', others.length ? 'To whom?' : 'Nobody else watches.', [
-      ...others.map((member) => this.#to(member, this.station.nameOf(member))), this.#to('', 'Nobody: let the vehicle rest'),
+      ...others.map((member) => this.#to(member, this.station.nameOf(member))),
+      this.#to('', 'Nobody: let the vehicle rest'),
     ]);
   }
 
   #offer(member) {
     this.#refused.add(member);
     this.#open(`${this.station.nameOf(member)} asks for the controls`, 'Your keys are let go while you decide.', [
-      this.#to(member, 'Hand over'), el('button', { type: 'button', onclick: (event) => event.target.closest('dialog').close() }, 'Keep flying'),
+      this.#to(member, 'Hand over'),
+      el('button', { type: 'button', onclick: (event) => event.target.closest('dialog').close() }, 'Keep flying'),
     ]);
   }
 
   #to(member, text) {
-    return el('button', {
-      type: 'button',
-      onclick: (event) => {
-        event.target.closest('dialog').close();
-        attempt(this.station.handOver(member));
+    return el(
+      'button',
+      {
+        type: 'button',
+        onclick: (event) => {
+          event.target.closest('dialog').close();
+          attempt(this.station.handOver(member));
+        },
       },
-    }, text);
+      text,
+    );
   }
 
   #open(title, text, buttons) {
-    openDialog(byId('handover-dialog'), title, el('p', {}, text), el('hr'), el('div', { className: 'stack' }, ...buttons));
+    openDialog(
+      byId('handover-dialog'),
+      title,
+      el('p', {}, text),
+      el('hr'),
+      el('div', { className: 'stack' }, ...buttons),
+    );
   }
 }

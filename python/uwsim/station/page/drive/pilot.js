@@ -33,18 +33,30 @@ export class Pilot extends EventTarget {
     this.gamepads = new Gamepads((action, isPressed) => this.mayAct && act(action, isPressed));
     addEventListener('blur', () => this.letGo());
     addEventListener('pagehide', () => this.letGo());
-    document.addEventListener('visibilitychange', () => { if (document.hidden) this.letGo(); });
-    document.addEventListener('focusin', (event) => { if (event.target.matches('input, select, textarea')) this.letGo(); });
+    document.addEventListener('visibilitychange', () => {
+      if (document.hidden) this.letGo();
+    });
+    document.addEventListener('focusin', (event) => {
+      if (event.target.matches('input, select, textarea')) this.letGo();
+    });
     station.addEventListener('close', () => this.letGo());
-    station.addEventListener('state', () => { if (!station.isPilot) this.letGo(); });
+    station.addEventListener('state', () => {
+      if (!station.isPilot) this.letGo();
+    });
     requestAnimationFrame(() => this.#poll());
   }
 
-  get gain() { return GAINS[this.#gain]; }
+  get gain() {
+    return GAINS[this.#gain];
+  }
 
-  get mayAct() { return this.#isOpen && !document.hidden && this.station.isRunning; }
+  get mayAct() {
+    return this.#isOpen && !document.hidden && this.station.isRunning;
+  }
 
-  get isHeld() { return !isZero(this.efforts); }
+  get isHeld() {
+    return !isZero(this.efforts);
+  }
 
   changeGain(steps) {
     this.#gain = Math.max(0, Math.min(GAINS.length - 1, this.#gain + steps));
@@ -112,6 +124,8 @@ export class Pilot extends EventTarget {
       const ms = performance.now() - begun;
       this.answers_ms = [...this.answers_ms.slice(-199), ms];
       this.dispatchEvent(new CustomEvent('answer', { detail: { ...answer, ms } }));
-    } catch { /* a lost connection is shown by the banner; the server puts efforts to zero */ }
+    } catch {
+      /* a lost connection is shown by the banner; the server puts efforts to zero */
+    }
   }
 }

@@ -2,7 +2,10 @@
 import { el } from '../dom.js';
 
 const REACH_PX = 44;
-const STICKS = { left: { x: ['yaw', -1], y: ['heave', 1], name: 'Up, down and turn' }, right: { x: ['sway', -1], y: ['surge', 1], name: 'Ahead and sideways' } };
+const STICKS = {
+  left: { x: ['yaw', -1], y: ['heave', 1], name: 'Up, down and turn' },
+  right: { x: ['sway', -1], y: ['surge', 1], name: 'Ahead and sideways' },
+};
 
 export class Touch {
   axes = {};

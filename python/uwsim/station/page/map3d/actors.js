@@ -1,6 +1,16 @@
-// What moves in the 3D view: the vehicle, its track, and the fan of its sonar.
+// The actors of the 3D view: the vehicle, its track, the fan of its sonar, marks.
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, Group, Line, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, Vector3,
+  BufferAttribute,
+  BufferGeometry,
+  DoubleSide,
+  Group,
+  Line,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  Vector3,
 } from '../vendor/three.js';
 
 const TRACK_MOST = 16384; // points; then every second one is forgotten
@@ -76,14 +86,19 @@ export class Vessel {
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(new Float32Array((FAN_RAYS + 1) * 3), 3));
     geometry.setIndex(Array.from({ length: FAN_RAYS - 1 }, (_, k) => [0, k + 1, k + 2]).flat());
-    this.#fan = new Mesh(geometry, new MeshBasicMaterial({ color: 0x49d6e6, transparent: true, opacity: 0.22, side: DoubleSide, depthWrite: false }));
+    this.#fan = new Mesh(
+      geometry,
+      new MeshBasicMaterial({ color: 0x49d6e6, transparent: true, opacity: 0.22, side: DoubleSide, depthWrite: false }),
+    );
     this.#fan.frustumCulled = false;
     this.#fan.visible = false;
     this.group.add(this.#fan);
   }
 
   setHull(hull) {
-    hull.traverse((node) => { if (node.isMesh) node.material = this.material; });
+    hull.traverse((node) => {
+      if (node.isMesh) node.material = this.material;
+    });
     this.group.add(hull);
   }
 
@@ -109,5 +124,7 @@ export class Vessel {
     this.#fan.visible = true;
   }
 
-  showFan(isShown) { this.#fan.visible = isShown && this.#fan.geometry.attributes.position.version > 0; }
+  showFan(isShown) {
+    this.#fan.visible = isShown && this.#fan.geometry.attributes.position.version > 0;
+  }
 }

@@ -9,7 +9,9 @@ export class FrameGate {
   #fence = null;
   #begunMs = 0;
 
-  constructor(gl) { this.gl = gl; }
+  constructor(gl) {
+    this.gl = gl;
+  }
 
   get isOpen() {
     if (!this.#fence) return true;
@@ -26,7 +28,9 @@ export class FrameGate {
     return true;
   }
 
-  begin() { this.#begunMs = performance.now(); }
+  begin() {
+    this.#begunMs = performance.now();
+  }
 
   end() {
     const { gl } = this;

@@ -1,6 +1,15 @@
 // The 3D view: the lake, the live map, the vehicle with its track and its sonar's fan. Drawn when pictures leave time.
 import {
-  Color, DirectionalLight, GLTFLoader, HemisphereLight, Mesh, MeshLambertMaterial, OrbitControls, PerspectiveCamera, Scene, Vector3,
+  Color,
+  DirectionalLight,
+  GLTFLoader,
+  HemisphereLight,
+  Mesh,
+  MeshLambertMaterial,
+  OrbitControls,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
   WebGLRenderer,
 } from '../vendor/three.js';
 import { el, write } from '../dom.js';
@@ -8,12 +17,12 @@ import { Marks, Vessel } from './actors.js';
 import { FrameGate } from './frame_gate.js';
 import { Quality } from './quality.js';
 import { makeSurface, makeTerrain } from './terrain.js';
+import { sceneTools } from './tools.js';
 import { VoxelPoints } from './voxel_points.js';
 import { VoxelStore } from './voxel_store.js';
 
 const SMALL_MS = 1000; // between two frames while the view is small
 const IDLE_MS = 250; // while it is large and nothing turns it
-const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
 
 export class SceneView {
   name = 'scene';
@@ -26,8 +35,7 @@ export class SceneView {
   quality = new Quality();
   isOrbiting = false;
   #isLarge = false;
-  #layers = { terrain: true, map: true, track: true, fan: true };
-  #follows = true;
+  #layers = { terrain: true, map: true, track: true, fan: true, follows: true };
   #isDue = true;
   #drawnMs = -Infinity;
   #scenery = [];
@@ -35,16 +43,26 @@ export class SceneView {
   #followed = '';
 
   constructor() {
-    this.canvas = el('canvas', { role: 'img', 'aria-label': '3D view of the lake, the map and the vehicle', tabindex: '-1' });
+    this.canvas = el('canvas', {
+      role: 'img',
+      'aria-label': '3D view of the lake, the map and the vehicle',
+      tabindex: '-1',
+    });
     this.note = el('p', { className: 'scene-note' });
-    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': '3D view' });
+    const buttons = sceneTools(
+      this.#layers,
+      () => this.#applyLayers(),
+      (isFromAbove) => this.look(isFromAbove),
+    );
+    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': '3D view' }, ...buttons);
     this.element = [this.canvas, this.tools, this.note];
-    this.#makeTools();
     this.#makeScene();
     requestAnimationFrame(() => this.#frame());
   }
 
-  get frame_ms() { return this.gate?.frame_ms ?? NaN; }
+  get frame_ms() {
+    return this.gate?.frame_ms ?? NaN;
+  }
 
   setLarge(isLarge) {
     this.#isLarge = isLarge;
@@ -83,7 +101,9 @@ export class SceneView {
     this.marks.clear();
   }
 
-  follow(name) { this.#followed = name; }
+  follow(name) {
+    this.#followed = name;
+  }
 
   takeMap(changes) {
     if (changes.snapshot) this.voxels.clear();
@@ -96,7 +116,7 @@ export class SceneView {
     if (!vessel) return;
     const before = vessel.group.position.clone();
     vessel.move(message);
-    if (name === this.#followed && this.#follows) this.#moveWith(vessel.group.position, before);
+    if (name === this.#followed && this.#layers.follows) this.#moveWith(vessel.group.position, before);
     this.#isDue = true;
   }
 
@@ -133,27 +153,6 @@ export class SceneView {
     this.#isDue = true;
   }
 
-  #makeTools() {
-    const toggles = Object.entries(LAYERS).map(([layer, name]) => el('button', {
-      type: 'button', 'aria-pressed': 'true',
-      onclick: (event) => {
-        this.#layers[layer] = !this.#layers[layer];
-        event.currentTarget.setAttribute('aria-pressed', String(this.#layers[layer]));
-        this.#applyLayers();
-      },
-    }, name));
-    const follow = el('button', {
-      type: 'button', 'aria-pressed': 'true',
-      onclick: () => {
-        this.#follows = !this.#follows;
-        follow.setAttribute('aria-pressed', String(this.#follows));
-      },
-    }, 'Follow');
-    this.tools.append(...toggles, follow,
-      el('button', { type: 'button', onclick: () => this.look(false) }, 'Behind'),
-      el('button', { type: 'button', onclick: () => this.look(true) }, 'Above'));
-  }
-
   #makeScene() {
     try {
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: false, powerPreference: 'low-power' });
@@ -172,9 +171,15 @@ export class SceneView {
     this.controls.minDistance = 2;
     this.controls.maxDistance = 900;
     this.controls.listenToKeyEvents?.(this.canvas);
-    this.controls.addEventListener('change', () => { this.#isDue = true; });
-    this.controls.addEventListener('start', () => { this.isOrbiting = true; });
-    this.controls.addEventListener('end', () => { this.isOrbiting = false; });
+    this.controls.addEventListener('change', () => {
+      this.#isDue = true;
+    });
+    this.controls.addEventListener('start', () => {
+      this.isOrbiting = true;
+    });
+    this.controls.addEventListener('end', () => {
+      this.isOrbiting = false;
+    });
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(-0.5, 0.6, 1);
     this.scene.add(new HemisphereLight(0xcfe6f2, 0x1c2f3a, 1.4), sun, this.voxels.group, this.marks.group);
@@ -204,7 +209,8 @@ export class SceneView {
 
   #moveWith(now, before) {
     if (!this.controls) return;
-    if (!this.hasLooked) { // the first pose
+    if (!this.hasLooked) {
+      // the first pose
       this.hasLooked = true;
       this.look(false);
       return;
@@ -218,7 +224,13 @@ export class SceneView {
     requestAnimationFrame(() => this.#frame());
     if (!this.scene || document.hidden || !this.gate.isOpen) return;
     const waited = performance.now() - this.#drawnMs;
-    const period = this.#isLarge ? (this.isOrbiting ? 0 : this.#isDue ? Math.max(50, 1.5 * this.gate.frame_ms) : IDLE_MS) : SMALL_MS;
+    const period = this.#isLarge
+      ? this.isOrbiting
+        ? 0
+        : this.#isDue
+          ? Math.max(50, 1.5 * this.gate.frame_ms)
+          : IDLE_MS
+      : SMALL_MS;
     if (waited < period || (!this.#isDue && !this.isOrbiting)) return;
     this.#draw();
   }
@@ -243,15 +255,26 @@ export class SceneView {
     this.renderer.render(this.scene, this.camera);
     this.gate.end();
     this.#drawnMs = performance.now();
-    write(this.note, `${this.store.count.toLocaleString('en')} voxels · ${this.voxels.pointCount.toLocaleString('en')} drawn · `
-      + `${Math.round(this.gate.frame_ms)} ms`);
+    write(
+      this.note,
+      `${this.store.count.toLocaleString('en')} voxels · ${this.voxels.pointCount.toLocaleString('en')} drawn · ` +
+        `${Math.round(this.gate.frame_ms)} ms`,
+    );
   }
 }
 
 // A mesh that is fixed: its colour says what it is.
 function dressed(node, label) {
-  const colour = /pipe/.test(label) ? 0xb9a27a : /station/.test(label) ? 0xc8ced2 : /gate/.test(label) ? 0xd98c5f : 0x94a3ad;
+  const colour = /pipe/.test(label)
+    ? 0xb9a27a
+    : /station/.test(label)
+      ? 0xc8ced2
+      : /gate/.test(label)
+        ? 0xd98c5f
+        : 0x94a3ad;
   const material = new MeshLambertMaterial({ color: colour });
-  node.traverse((part) => { if (part instanceof Mesh) part.material = material; });
+  node.traverse((part) => {
+    if (part instanceof Mesh) part.material = material;
+  });
   return node;
 }

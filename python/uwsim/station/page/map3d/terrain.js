@@ -1,5 +1,13 @@
 // The true bed as a shaded mesh with a quiet colour: the map is what should catch the eye.
-import { BufferAttribute, BufferGeometry, DoubleSide, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from '../vendor/three.js';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DoubleSide,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+} from '../vendor/three.js';
 
 const MOST = 192; // vertices along an axis; more would be seen by nobody and cost every frame
 const DEEP = [22, 36, 50]; // sRGB
@@ -31,9 +39,16 @@ export function makeTerrain(heights, { rows, columns, west_m, south_m, spacing_m
       }
     }
   }
-  const mesh = new Mesh(grid(positions, colours, wide, tall, at), new MeshBasicMaterial({
-    vertexColors: true, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
-  }));
+  const mesh = new Mesh(
+    grid(positions, colours, wide, tall, at),
+    new MeshBasicMaterial({
+      vertexColors: true,
+      side: DoubleSide,
+      polygonOffset: true,
+      polygonOffsetFactor: 2,
+      polygonOffsetUnits: 8,
+    }),
+  );
   return { mesh, low_m: low, high_m: top };
 }
 

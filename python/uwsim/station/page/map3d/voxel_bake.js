@@ -15,7 +15,11 @@ export function bake(blocks, [cx, cy, cz], level) {
   const cells = [];
   tops.fill(-1, 0, wide * wide);
   for (const block of blocks) {
-    const [bx, by, bz] = [(block.x - cx) * (EDGE >> level), (block.y - cy) * (EDGE >> level), (block.z - cz) * (EDGE >> level)];
+    const [bx, by, bz] = [
+      (block.x - cx) * (EDGE >> level),
+      (block.y - cy) * (EDGE >> level),
+      (block.z - cz) * (EDGE >> level),
+    ];
     reduced(block.rows, level, (x, y, z) => {
       const column = (by + y) * wide + bx + x;
       cells.push(bx + x, by + y, bz + z);

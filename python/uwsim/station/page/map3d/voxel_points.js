@@ -1,5 +1,15 @@
 // The live map in 3D: chunks of points, baked anew when they change, coarser when the machine is slow or they are far.
-import { BufferAttribute, BufferGeometry, Color, GLSL3, Group, Points, RawShaderMaterial, Sphere, Vector3 } from '../vendor/three.js';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  GLSL3,
+  Group,
+  Points,
+  RawShaderMaterial,
+  Sphere,
+  Vector3,
+} from '../vendor/three.js';
 import { bake, CHUNK_BLOCKS, CHUNK_CELLS, LEVELS } from './voxel_bake.js';
 
 const BAKE_MS = 8; // a frame
@@ -29,10 +39,17 @@ export class VoxelPoints {
   group = new Group();
   bias = 0; // levels that are left out everywhere
   #chunks = new Map(); // 'x,y,z': { at, blocks: Set, level, wanted, isDirty, points }
-  #shared = { pointScale: { value: 1 }, low: { value: -40 }, high: { value: -10 }, ramp: { value: RAMP.map((text) => new Color(text).convertLinearToSRGB()) } };
+  #shared = {
+    pointScale: { value: 1 },
+    low: { value: -40 },
+    high: { value: -10 },
+    ramp: { value: RAMP.map((text) => new Color(text).convertLinearToSRGB()) },
+  };
   #centre = new Vector3();
 
-  constructor(store) { this.store = store; }
+  constructor(store) {
+    this.store = store;
+  }
 
   get pointCount() {
     let sum = 0;
@@ -40,7 +57,9 @@ export class VoxelPoints {
     return sum;
   }
 
-  setRange(low, high) { [this.#shared.low.value, this.#shared.high.value] = [low, high]; }
+  setRange(low, high) {
+    [this.#shared.low.value, this.#shared.high.value] = [low, high];
+  }
 
   clear() {
     for (const chunk of this.#chunks.values()) this.#drop(chunk);
@@ -69,7 +88,10 @@ export class VoxelPoints {
     this.#shared.pointScale.value = 1.35 * pxPerMetreAt1;
     const waiting = [];
     for (const chunk of this.#chunks.values()) {
-      this.#centre.set(...chunk.at).addScalar(CHUNK_BLOCKS / 2).multiplyScalar(16 * edge);
+      this.#centre
+        .set(...chunk.at)
+        .addScalar(CHUNK_BLOCKS / 2)
+        .multiplyScalar(16 * edge);
       chunk.distance = Math.max(camera.position.distanceTo(this.#centre) - 0.7 * CHUNK_CELLS * edge, 1);
       const voxelPx = (pxPerMetreAt1 * edge) / chunk.distance;
       chunk.wanted = Math.min(LEVELS - 1, this.bias + Math.max(0, Math.floor(Math.log2(1.5 / voxelPx))));
@@ -96,7 +118,9 @@ export class VoxelPoints {
     geometry.boundingSphere = new Sphere(new Vector3(half, half, half), half * Math.sqrt(3));
     const [x, y, z] = chunk.at.map((k) => k * 16 * edge);
     const material = new RawShaderMaterial({
-      glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT,
+      glslVersion: GLSL3,
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
       uniforms: { ...this.#shared, edge: { value: cell }, base: { value: z } },
     });
     chunk.points = new Points(geometry, material);

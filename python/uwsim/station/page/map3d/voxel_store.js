@@ -12,11 +12,17 @@ export class VoxelStore {
   resolution_m = 0;
   sequence = -1;
 
-  get blocks() { return this.#blocks.values(); }
+  get blocks() {
+    return this.#blocks.values();
+  }
 
-  get blockCount() { return this.#blocks.size; }
+  get blockCount() {
+    return this.#blocks.size;
+  }
 
-  block(x, y, z) { return this.#blocks.get(keyOf(x, y, z)); }
+  block(x, y, z) {
+    return this.#blocks.get(keyOf(x, y, z));
+  }
 
   clear() {
     this.#blocks.clear();

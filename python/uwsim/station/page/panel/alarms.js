@@ -17,11 +17,24 @@ export class Alarms {
   constructor() {
     for (const [name, { title }] of Object.entries(LAMPS)) {
       const state = el('span', { className: 'visually-hidden' }, 'off');
-      this.#lamps[name] = { state, element: el('div', { className: 'lamp', id: `lamp-${name}`, role: 'status' }, el('i', { 'aria-hidden': 'true' }), el('b', {}, title), state) };
+      this.#lamps[name] = {
+        state,
+        element: el(
+          'div',
+          { className: 'lamp', id: `lamp-${name}`, role: 'status' },
+          el('i', { 'aria-hidden': 'true' }),
+          el('b', {}, title),
+          state,
+        ),
+      };
     }
     this.button = el('button', { type: 'button', id: 'sound', onclick: () => this.setSound(!this.isLoud) });
-    this.element = el('section', {}, el('h2', {}, 'Warnings', this.button),
-      el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)));
+    this.element = el(
+      'section',
+      {},
+      el('h2', {}, 'Warnings', this.button),
+      el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
+    );
     this.isLoud = false;
     this.setSound(localStorage.getItem(STORED) === 'on');
   }

@@ -7,12 +7,18 @@ export class Bars {
 
   name(names) {
     this.#rows = names.map(() => ({ fill: el('i'), value: el('output', {}, '–') }));
-    this.element.replaceChildren(...names.map((name, k) => {
-      this.#rows[k].value.setAttribute('aria-label', name);
-      return el('div', { title: name.replaceAll('_', ' ') },
-        this.#rows[k].value, el('div', { className: 'bar', 'aria-hidden': 'true' }, this.#rows[k].fill),
-        el('span', { 'aria-hidden': 'true' }, shortened(name)));
-    }));
+    this.element.replaceChildren(
+      ...names.map((name, k) => {
+        this.#rows[k].value.setAttribute('aria-label', name);
+        return el(
+          'div',
+          { title: name.replaceAll('_', ' ') },
+          this.#rows[k].value,
+          el('div', { className: 'bar', 'aria-hidden': 'true' }, this.#rows[k].fill),
+          el('span', { 'aria-hidden': 'true' }, shortened(name)),
+        );
+      }),
+    );
   }
 
   show(values) {
@@ -25,7 +31,7 @@ export class Bars {
   }
 }
 
-// What fits below a bar: "vertical_front_left" becomes "v f l", "T3" stays.
+// A name that fits below a bar: "vertical_front_left" becomes "v f l", "T3" stays.
 function shortened(name) {
   const words = name.split('_');
   return words.length === 1 ? name.slice(0, 6) : words.map((word) => word.slice(0, words.length > 2 ? 1 : 2)).join('');

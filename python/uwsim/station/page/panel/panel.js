@@ -52,21 +52,31 @@ export class Panel {
     this.kind = el('small');
     this.age = el('small');
     this.battery = el('i');
-    this.meter = el('div', { className: 'meter', role: 'meter', 'aria-label': 'Battery', 'aria-valuemin': 0, 'aria-valuemax': 100 }, this.battery);
+    this.meter = el(
+      'div',
+      { className: 'meter', role: 'meter', 'aria-label': 'Battery', 'aria-valuemin': 0, 'aria-valuemax': 100 },
+      this.battery,
+    );
     this.mapNote = el('small');
     this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the map' });
     this.efforts.name(EFFORTS);
     this.charge = el('small');
     this.driveTitle = el('span', {}, 'Thrusters');
-    this.timed = el('div', {},
+    this.timed = el(
+      'div',
+      {},
       this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
       this.#section('Position', this.kind, this.#list(POSITION, 'big-values small')),
       this.#section('Around', null, this.#list(AROUND)),
       this.#section('Battery', this.charge, this.meter),
-      this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element));
-    container.append(this.alarms.element, this.timed,
+      this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
+    );
+    container.append(
+      this.alarms.element,
+      this.timed,
       this.#section('Controls', el('small', {}, '%'), this.efforts.element),
-      this.#section('Map', this.mapNote, this.downloads));
+      this.#section('Map', this.mapNote, this.downloads),
+    );
     telemetry.addEventListener('change', () => this.show());
     pilot.addEventListener('efforts', () => this.efforts.show(Object.values(pilot.efforts)));
     setInterval(() => this.show(), 500);
@@ -77,21 +87,36 @@ export class Panel {
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
     write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
     this.downloads.hidden = description.downloads === false;
-    this.downloads.replaceChildren(...['bt', 'ply', 'pcd', 'tif'].map((kind) => el('a', {
-      href: this.station.href(`/map/${vehicle.name}.${kind}`), download: `${description.scenario}-${vehicle.name}.${kind}`,
-      'aria-label': `Download the map as .${kind}`,
-    }, `.${kind}`)));
+    this.downloads.replaceChildren(
+      ...['bt', 'ply', 'pcd', 'tif'].map((kind) =>
+        el(
+          'a',
+          {
+            href: this.station.href(`/map/${vehicle.name}.${kind}`),
+            download: `${description.scenario}-${vehicle.name}.${kind}`,
+            'aria-label': `Download the map as .${kind}`,
+          },
+          `.${kind}`,
+        ),
+      ),
+    );
   }
 
   showMap({ count, resolution_m }) {
-    write(this.mapNote, count ? `${count.toLocaleString('en')} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet');
+    write(
+      this.mapNote,
+      count ? `${count.toLocaleString('en')} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet',
+    );
   }
 
   show() {
     const { message, isStale, lag_s } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
     this.alarms.show(message, isStale);
-    write(this.age, !message ? 'waiting' : !this.station.connected ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '');
+    write(
+      this.age,
+      !message ? 'waiting' : !this.station.connected ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
+    );
     if (!message) return;
     for (const [element, read] of this.#values) write(element, read(message));
     write(this.kind, message.is_truth ? 'truth' : 'estimate');

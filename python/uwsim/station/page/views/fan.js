@@ -59,7 +59,10 @@ export class FanView {
     const half = Math.min(Math.max(Math.abs(least), Math.abs(most)), Math.PI / 2);
     const margin = this.#isLarge ? 34 : 6;
     const scale = Math.min((height - 2 * margin) / reach, (width / 2 - margin) / (reach * Math.sin(half)));
-    const at = (range, angle) => [width / 2 - range * scale * Math.sin(angle), height - margin - range * scale * Math.cos(angle)];
+    const at = (range, angle) => [
+      width / 2 - range * scale * Math.sin(angle),
+      height - margin - range * scale * Math.cos(angle),
+    ];
     this.#rings(c, at, scale, [width / 2, height - margin], half, reach);
     c.save();
     c.beginPath(); // older echoes may lie beyond what is shown
@@ -100,11 +103,14 @@ export class FanView {
     c.textAlign = 'left';
   }
 
-  // What the ping has passed without an echo.
-  #water(c, at, { ranges, angle_min, angle_increment, range_max }) { // clipped to what is shown
+  // The water that the ping has passed without an echo.
+  #water(c, at, { ranges, angle_min, angle_increment, range_max }) {
+    // clipped to what is shown
     c.beginPath();
     c.moveTo(...at(0, 0));
-    ranges.forEach((range, k) => c.lineTo(...at(isEcho(range) ? range : 2 * range_max, angle_min + k * angle_increment)));
+    ranges.forEach((range, k) =>
+      c.lineTo(...at(isEcho(range) ? range : 2 * range_max, angle_min + k * angle_increment)),
+    );
     c.closePath();
     c.fillStyle = WATER;
     c.fill();

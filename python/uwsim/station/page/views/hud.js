@@ -1,4 +1,4 @@
-// What a pilot reads without looking away from the video: heading, depth, altitude, attitude, drawn over it.
+// The head-up display: heading, depth, altitude and attitude over the video, for a pilot who looks at nothing else.
 import { attitude } from '../attitude.js';
 
 const INK = '#f2f8fb';
@@ -14,7 +14,9 @@ export class Hud {
     this.context = canvas.getContext('2d');
   }
 
-  clear() { this.context.clearRect(0, 0, this.canvas.width, this.canvas.height); }
+  clear() {
+    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+  }
 
   // hasLadder: whether the picture looks ahead from the vehicle, so that a horizon makes sense.
   draw(message, { isStale, hasLadder, aspect, proximity_m }) {
@@ -41,11 +43,16 @@ export class Hud {
     this.#tape(side, height / 2, tall, scale, { name: 'DEPTH', value: message.depth, side: 'left', down: true });
     const altitude = message.distance_to_seabed;
     this.#tape(width - side, height / 2, tall, scale, {
-      name: 'ALT', value: altitude, side: 'right', color: !isStale && altitude < proximity_m ? WARN : this.ink,
+      name: 'ALT',
+      value: altitude,
+      side: 'right',
+      color: !isStale && altitude < proximity_m ? WARN : this.ink,
     });
   }
 
-  #font(size, weight = 500) { this.context.font = `${weight} ${size}px ${getComputedStyle(document.body).fontFamily}`; }
+  #font(size, weight = 500) {
+    this.context.font = `${weight} ${size}px ${getComputedStyle(document.body).fontFamily}`;
+  }
 
   #box(x, y, w, h) {
     const { context: c } = this;
@@ -176,20 +183,24 @@ export class Hud {
       if (Math.abs(at) > radius) continue;
       const half = (degree === 0 ? 78 : 26) * scale;
       const gap = degree === 0 ? 22 * scale : 0;
-      this.#twice(() => {
-        c.beginPath();
-        if (degree < 0) c.setLineDash([5, 4]);
-        for (const sign of gap ? [-1, 1] : [0]) {
-          c.moveTo(sign ? sign * gap : -half, at);
-          c.lineTo(sign ? sign * half : half, at);
-        }
-        c.stroke();
-        c.setLineDash([]);
-      }, degree === 0 ? 1.6 : 1.1);
+      this.#twice(
+        () => {
+          c.beginPath();
+          if (degree < 0) c.setLineDash([5, 4]);
+          for (const sign of gap ? [-1, 1] : [0]) {
+            c.moveTo(sign ? sign * gap : -half, at);
+            c.lineTo(sign ? sign * half : half, at);
+          }
+          c.stroke();
+          c.setLineDash([]);
+        },
+        degree === 0 ? 1.6 : 1.1,
+      );
       if (degree !== 0) this.#outlined(String(Math.abs(degree)), half + 5, at, this.soft);
     }
     c.restore();
-    this.#twice(() => { // the vehicle
+    this.#twice(() => {
+      // the vehicle
       c.beginPath();
       c.moveTo(-20 * scale, 0);
       c.lineTo(-8 * scale, 0);

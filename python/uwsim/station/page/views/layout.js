@@ -29,15 +29,25 @@ export class Views extends EventTarget {
   }
 
   // Controls of the large camera's picture, shown over it.
-  setTools(...tools) { this.#tools.append(...tools); }
+  setTools(...tools) {
+    this.#tools.append(...tools);
+  }
 
-  get large() { return this.#large; }
+  get large() {
+    return this.#large;
+  }
 
-  get largeView() { return this.#views.get(this.#large); }
+  get largeView() {
+    return this.#views.get(this.#large);
+  }
 
-  get names() { return [...this.#views.keys()]; }
+  get names() {
+    return [...this.#views.keys()];
+  }
 
-  picture(name) { return this.#views.get(name)?.picture; }
+  picture(name) {
+    return this.#views.get(name)?.picture;
+  }
 
   // Show these views (of describe.views) and those that are drawn here, in the order of their kinds.
   fill(views) {
@@ -71,7 +81,9 @@ export class Views extends EventTarget {
   }
 
   // number: of the key, 0 is the tenth.
-  enlargeNumber(number) { this.enlarge(this.names[(number + KEYS - 1) % KEYS]); }
+  enlargeNumber(number) {
+    this.enlarge(this.names[(number + KEYS - 1) % KEYS]);
+  }
 
   #frame(title, ...contents) {
     const number = el('b');
@@ -83,13 +95,24 @@ export class Views extends EventTarget {
   }
 
   #pictureView(view) {
-    const canvas = el('canvas', { className: 'picture', width: 16, height: 9, role: 'img', 'aria-label': `Picture: ${view.title}` });
+    const canvas = el('canvas', {
+      className: 'picture',
+      width: 16,
+      height: 9,
+      role: 'img',
+      'aria-label': `Picture: ${view.title}`,
+    });
     const hasHud = ['camera', 'station', 'chase'].includes(view.kind);
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
     const frame = this.#frame(view.title, canvas, hudCanvas);
     frame.swap.addEventListener('click', () => this.enlarge(view.name));
     frame.element.dataset.view = view.name;
-    return { ...frame, view, picture: new Picture(this.station.bridge, canvas), hud: hasHud ? new Hud(hudCanvas) : null };
+    return {
+      ...frame,
+      view,
+      picture: new Picture(this.station.bridge, canvas),
+      hud: hasHud ? new Hud(hudCanvas) : null,
+    };
   }
 
   #drawnView({ name, kind, title, element }) {

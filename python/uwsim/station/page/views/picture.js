@@ -17,7 +17,9 @@ export class Picture {
     this.context = canvas.getContext('2d', { alpha: false });
   }
 
-  get topic() { return this.#topic; }
+  get topic() {
+    return this.#topic;
+  }
 
   // Show another topic, '' for none. The last picture stays until the next.
   show(topic, options) {
@@ -29,7 +31,12 @@ export class Picture {
     this.#hasCredit = Boolean(options?.credit);
     if (!topic) return;
     this.arrivedMs = performance.now();
-    this.#end = this.bridge.subscribe(topic, 'sensor_msgs/CompressedImage', (message) => this.#take(topic, message), options);
+    this.#end = this.bridge.subscribe(
+      topic,
+      'sensor_msgs/CompressedImage',
+      (message) => this.#take(topic, message),
+      options,
+    );
   }
 
   async #take(topic, message) {
@@ -37,13 +44,20 @@ export class Picture {
     if (this.#isDrawing) return;
     this.#isDrawing = true;
     while (this.#waiting) {
-      const { topic: from, message: { data, format, header } } = this.#waiting;
+      const {
+        topic: from,
+        message: { data, format, header },
+      } = this.#waiting;
       this.#waiting = null;
       try {
-        const bitmap = await createImageBitmap(new Blob([data], { type: `image/${/png/.test(format) ? 'png' : 'jpeg'}` }));
+        const bitmap = await createImageBitmap(
+          new Blob([data], { type: `image/${/png/.test(format) ? 'png' : 'jpeg'}` }),
+        );
         if (from === this.#topic) this.#draw(bitmap, header.stamp);
         bitmap.close();
-      } catch { /* a picture that is damaged: the next one comes */ }
+      } catch {
+        /* a picture that is damaged: the next one comes */
+      }
       if (this.#hasCredit && from === this.#topic) this.bridge.acknowledge(from);
     }
     this.#isDrawing = false;

@@ -6,8 +6,13 @@ const PACE_MS = 500;
 const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 const CAMERA = /^\/(?:(\w+)\/)?camera\/(\w+)\/image_raw\/compressed$/;
 const TILT = { min_rad: -Math.PI / 2, max_rad: Math.PI / 2, rate_rad_s: (5 * Math.PI) / 180 }; // of the published wire
-const FIXED = { // where a page without a station has to leave a thing to others
-  truth_allowed: true, warnings: { proximity_m: 10 }, scene: '', downloads: false, commands: ['undock', 'dock', 'set_lamp', 'aim'],
+const FIXED = {
+  // where a page without a station has to leave a thing to others
+  truth_allowed: true,
+  warnings: { proximity_m: 10 },
+  scene: '',
+  downloads: false,
+  commands: ['undock', 'dock', 'set_lamp', 'aim'],
 };
 
 export class PlainBackend {
@@ -18,39 +23,74 @@ export class PlainBackend {
   #time_s = 0;
 
   // learn(state): takes what /station/state would say.
-  constructor(bridge, learn) { [this.#bridge, this.#learn] = [bridge, learn]; }
+  constructor(bridge, learn) {
+    [this.#bridge, this.#learn] = [bridge, learn];
+  }
 
   async join() {
     clearInterval(this.timer);
     this.timer = setInterval(() => this.#ask(), PACE_MS);
-    this.#bridge.subscribe('/clock', 'rosgraph_msgs/Clock', ({ clock }) => {
-      this.#time_s = seconds(clock);
-    }, { throttle_rate: 200 });
+    this.#bridge.subscribe(
+      '/clock',
+      'rosgraph_msgs/Clock',
+      ({ clock }) => {
+        this.#time_s = seconds(clock);
+      },
+      { throttle_rate: 200 },
+    );
     await this.#ask();
     return { id: 'me' };
   }
 
   async describe() {
-    const [{ topics }, { services }] = await Promise.all([this.#bridge.call('/rosapi/topics'), this.#bridge.call('/rosapi/services')]);
-    const prefixes = topics.filter((name) => /^\/(\w+\/)?telemetry$/.test(name)).map((name) => name.slice(1, -'telemetry'.length));
+    const [{ topics }, { services }] = await Promise.all([
+      this.#bridge.call('/rosapi/topics'),
+      this.#bridge.call('/rosapi/services'),
+    ]);
+    const prefixes = topics
+      .filter((name) => /^\/(\w+\/)?telemetry$/.test(name))
+      .map((name) => name.slice(1, -'telemetry'.length));
     if (prefixes.length === 0) throw new Error('this rosbridge has no vehicle of uwsim: no topic telemetry');
     const has = (name) => (topics.includes(name) ? name : '');
     const vehicles = prefixes.map((prefix) => ({
-      name: prefix.slice(0, -1) || 'vehicle', prefix, telemetry: `/${prefix}telemetry`, scan: has(`/${prefix}scan`),
-      map_changes: has(`/${prefix}map_changes`), thrusters: [], efforts: AXES, tilt: has(`/${prefix}cmd_tilt`) ? TILT : null,
+      name: prefix.slice(0, -1) || 'vehicle',
+      prefix,
+      telemetry: `/${prefix}telemetry`,
+      scan: has(`/${prefix}scan`),
+      map_changes: has(`/${prefix}map_changes`),
+      thrusters: [],
+      efforts: AXES,
+      tilt: has(`/${prefix}cmd_tilt`) ? TILT : null,
       lamps: services.filter((name) => name.startsWith(`/${prefix}lights/`)).map((name) => name.split('/').at(-1)),
     }));
-    const views = topics.map((topic) => CAMERA.exec(topic)).filter(Boolean).map(([topic, vehicle, name]) => ({
-      name: vehicle ? `${vehicle}/${name}` : name, title: name.replace(/^./, (letter) => letter.toUpperCase()), kind: 'camera',
-      topic, small_topic: topic, vehicle: vehicle ?? '',
-    }));
-    return { success: true, ...FIXED, session: this.#session, scenario: new URL(this.#bridge.url).host, vehicles, views };
+    const views = topics
+      .map((topic) => CAMERA.exec(topic))
+      .filter(Boolean)
+      .map(([topic, vehicle, name]) => ({
+        name: vehicle ? `${vehicle}/${name}` : name,
+        title: name.replace(/^./, (letter) => letter.toUpperCase()),
+        kind: 'camera',
+        topic,
+        small_topic: topic,
+        vehicle: vehicle ?? '',
+      }));
+    return {
+      success: true,
+      ...FIXED,
+      session: this.#session,
+      scenario: new URL(this.#bridge.url).host,
+      vehicles,
+      views,
+    };
   }
 
   // The published wire's key, whose sway and yaw are to starboard.
   async drive(vehicle, { surge, sway, heave, roll, pitch, yaw }) {
     const prefix = vehicle === 'vehicle' ? '' : `${vehicle}/`;
-    this.#bridge.publish(`/${prefix}key`, { position: { x: surge, y: -sway, z: heave }, orientation: { x: pitch, y: roll, z: -yaw, w: 0 } });
+    this.#bridge.publish(`/${prefix}key`, {
+      position: { x: surge, y: -sway, z: heave },
+      orientation: { x: pitch, y: roll, z: -yaw, w: 0 },
+    });
     return { success: true };
   }
 
@@ -68,22 +108,40 @@ export class PlainBackend {
       return { success: true };
     }
     const service = { step: 'step', speed: 'set_speed', restart: 'reset' }[action] ?? action;
-    const answer = action === 'save' ? await this.#bridge.call('/save_map', { name: `${name}.bt` })
-      : await this.#bridge.call(`/simulation/${service}`, { steps, speed });
+    const answer =
+      action === 'save'
+        ? await this.#bridge.call('/save_map', { name: `${name}.bt` })
+        : await this.#bridge.call(`/simulation/${service}`, { steps, speed });
     if (action === 'restart') this.#session += 1;
     await this.#ask();
     return answer;
   }
 
-  setView() { return Promise.resolve({ success: false, message: 'This rosbridge has no station that sets pictures.' }); }
+  setView() {
+    return Promise.resolve({ success: false, message: 'This rosbridge has no station that sets pictures.' });
+  }
 
   async #ask() {
     try {
       const { speed, factor, lateness_s, paused, error } = await this.#bridge.call('/simulation/pace');
       this.#learn({
-        phase: 'running', session: this.#session, scenario: '', error, time: this.#time_s, paused, speed, factor, lateness: lateness_s,
-        pilot: 'me', member_ids: ['me'], member_names: ['You'], asking: [], recording: '',
+        phase: 'running',
+        session: this.#session,
+        scenario: '',
+        error,
+        time: this.#time_s,
+        paused,
+        speed,
+        factor,
+        lateness: lateness_s,
+        pilot: 'me',
+        member_ids: ['me'],
+        member_names: ['You'],
+        asking: [],
+        recording: '',
       });
-    } catch { /* not connected: the banner says so */ }
+    } catch {
+      /* not connected: the banner says so */
+    }
   }
 }

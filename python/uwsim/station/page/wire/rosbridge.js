@@ -28,12 +28,18 @@ export class Rosbridge extends EventTarget {
     this.#connect();
   }
 
-  get url() { return this.#url; }
+  get url() {
+    return this.#url;
+  }
 
-  get connected() { return this.#socket?.readyState === WebSocket.OPEN; }
+  get connected() {
+    return this.#socket?.readyState === WebSocket.OPEN;
+  }
 
   // Bytes that wait in this browser to be sent.
-  get backlog() { return this.#socket?.bufferedAmount ?? 0; }
+  get backlog() {
+    return this.#socket?.bufferedAmount ?? 0;
+  }
 
   close() {
     this.#closed = true;
@@ -60,14 +66,18 @@ export class Rosbridge extends EventTarget {
   }
 
   // With credit: a message has been drawn, another may come.
-  acknowledge(topic, count = 1) { this.#send({ op: 'ack', topic, count }); }
+  acknowledge(topic, count = 1) {
+    this.#send({ op: 'ack', topic, count });
+  }
 
   // Return whether the message could be handed to an open socket: nothing is kept for later.
-  publish(topic, msg) { return this.#send({ op: 'publish', topic, msg }); }
+  publish(topic, msg) {
+    return this.#send({ op: 'publish', topic, msg });
+  }
 
   // Return the answer's values. Rejects with a ServiceError that says what the server said.
   call(service, args = {}) {
-    const id = `call${this.#count += 1}`;
+    const id = `call${(this.#count += 1)}`;
     return new Promise((resolve, reject) => {
       if (!this.#send({ op: 'call_service', id, service, args })) {
         reject(new ServiceError('the simulator is not connected'));
@@ -85,7 +95,8 @@ export class Rosbridge extends EventTarget {
     let socket;
     try {
       socket = new WebSocket(this.#url);
-    } catch (error) { // an address that is none
+    } catch (error) {
+      // an address that is none
       queueMicrotask(() => this.dispatchEvent(new CustomEvent('refused', { detail: error.message })));
       return;
     }

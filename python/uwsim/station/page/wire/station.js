@@ -34,14 +34,22 @@ export class Station extends EventTarget {
     this.bridge.addEventListener('refused', (event) => this.#complain(event.detail));
   }
 
-  get connected() { return this.bridge.connected; }
+  get connected() {
+    return this.bridge.connected;
+  }
 
-  get isPilot() { return this.connected && this.id !== '' && this.state.pilot === this.id; }
+  get isPilot() {
+    return this.connected && this.id !== '' && this.state.pilot === this.id;
+  }
 
-  get isRunning() { return this.state.phase === 'running'; }
+  get isRunning() {
+    return this.state.phase === 'running';
+  }
 
   // Whether this is a rosbridge without a station: see PlainBackend.
-  get isPlain() { return this.#backend.isPlain; }
+  get isPlain() {
+    return this.#backend.isPlain;
+  }
 
   // The name of a member, for people.
   nameOf(id) {
@@ -55,24 +63,42 @@ export class Station extends EventTarget {
     [this.name, this.id] = [name, id];
   }
 
-  catalog() { return this.bridge.call('/station/catalog'); }
+  catalog() {
+    return this.bridge.call('/station/catalog');
+  }
 
-  check(choice) { return this.bridge.call('/station/check', choice); }
+  check(choice) {
+    return this.bridge.call('/station/check', choice);
+  }
 
-  start(choice) { return this.bridge.call('/station/start', choice); }
+  start(choice) {
+    return this.bridge.call('/station/start', choice);
+  }
 
-  takeControl() { return this.bridge.call('/station/take_control'); }
+  takeControl() {
+    return this.bridge.call('/station/take_control');
+  }
 
-  handOver(to) { return this.bridge.call('/station/hand_over', { to }); }
+  handOver(to) {
+    return this.bridge.call('/station/hand_over', { to });
+  }
 
   // stampMs: performance.now() when the controls were read.
-  drive(vehicle, efforts, stampMs) { return this.#backend.drive(vehicle, efforts, stampMs); }
+  drive(vehicle, efforts, stampMs) {
+    return this.#backend.drive(vehicle, efforts, stampMs);
+  }
 
-  command(name, vehicle, args = {}) { return this.#backend.command(name, vehicle, args); }
+  command(name, vehicle, args = {}) {
+    return this.#backend.command(name, vehicle, args);
+  }
 
-  control(action, args = {}) { return this.#backend.control(action, args); }
+  control(action, args = {}) {
+    return this.#backend.control(action, args);
+  }
 
-  setView(options) { return this.#backend.setView(options); }
+  setView(options) {
+    return this.#backend.setView(options);
+  }
 
   // A path on the server that this page's simulator runs on, such as '/map/rov.bt'.
   href(path) {
@@ -97,7 +123,9 @@ export class Station extends EventTarget {
     this.dispatchEvent(new Event('state'));
   }
 
-  #complain(sentence) { this.dispatchEvent(new CustomEvent('trouble', { detail: sentence })); }
+  #complain(sentence) {
+    this.dispatchEvent(new CustomEvent('trouble', { detail: sentence }));
+  }
 
   async #learn(state) {
     this.state = state;

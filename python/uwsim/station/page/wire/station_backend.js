@@ -1,4 +1,4 @@
-// What a station answers, as docs/station-wire.md says.
+// A station answers as docs/station-wire.md says.
 
 export class StationBackend {
   isPlain = false;
@@ -9,15 +9,27 @@ export class StationBackend {
     bridge.subscribe('/station/state', 'uwsim_msgs/StationState', learn);
   }
 
-  join(name) { return this.#bridge.call('/station/join', { name }); }
+  join(name) {
+    return this.#bridge.call('/station/join', { name });
+  }
 
-  describe() { return this.#bridge.call('/station/describe'); }
+  describe() {
+    return this.#bridge.call('/station/describe');
+  }
 
-  drive(vehicle, efforts, stamp_ms) { return this.#bridge.call('/station/drive', { vehicle, ...efforts, stamp_ms }); }
+  drive(vehicle, efforts, stamp_ms) {
+    return this.#bridge.call('/station/drive', { vehicle, ...efforts, stamp_ms });
+  }
 
-  command(name, vehicle, args) { return this.#bridge.call('/station/command', { name, vehicle, args }); }
+  command(name, vehicle, args) {
+    return this.#bridge.call('/station/command', { name, vehicle, args });
+  }
 
-  control(action, args) { return this.#bridge.call('/station/control', { action, ...args }); }
+  control(action, args) {
+    return this.#bridge.call('/station/control', { action, ...args });
+  }
 
-  setView(options) { return this.#bridge.call('/station/set_view', options); }
+  setView(options) {
+    return this.#bridge.call('/station/set_view', options);
+  }
 }

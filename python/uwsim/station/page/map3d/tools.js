@@ -1,0 +1,29 @@
+// The buttons of the 3D view: layers, following, where to look from.
+import { el } from '../dom.js';
+
+const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
+
+// layers: which of LAYERS are shown, and whether the camera follows; it is changed here, then changed() is called.
+export function sceneTools(layers, changed, look) {
+  const toggle = (name, text) =>
+    el(
+      'button',
+      {
+        type: 'button',
+        'aria-pressed': String(layers[name]),
+        'data-layer': name,
+        onclick: (event) => {
+          layers[name] = !layers[name];
+          event.currentTarget.setAttribute('aria-pressed', String(layers[name]));
+          changed();
+        },
+      },
+      text,
+    );
+  return [
+    ...Object.entries(LAYERS).map(([name, text]) => toggle(name, text)),
+    toggle('follows', 'Follow'),
+    el('button', { type: 'button', onclick: () => look(false) }, 'Behind'),
+    el('button', { type: 'button', onclick: () => look(true) }, 'Above'),
+  ];
+}
