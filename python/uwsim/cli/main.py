@@ -18,6 +18,7 @@ from uwsim.cli.camera import camera
 from uwsim.cli.connect import connect
 from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
+from uwsim.cli.doctor import doctor
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
@@ -43,6 +44,7 @@ app.command()(serve)
 app.command()(station)
 app.command()(connect)
 app.command()(nodes)
+app.command()(doctor)
 app.command()(replay)
 app.command()(diff)
 app.command()(scenario)

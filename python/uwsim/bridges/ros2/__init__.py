@@ -1,10 +1,21 @@
-"""Native ROS 2 by Eclipse Cyclone DDS, without ROS installed. Needs the extra: pip install 'uwsim[ros2]'."""
+"""Native ROS 2 by Eclipse Cyclone DDS, without ROS installed. Ros2Node needs the extra: pip install 'uwsim[ros2]'."""
 
+from typing import TYPE_CHECKING, Any
+
+from uwsim.bridges.ros2.settings import Ros2Settings, settings_from
 from uwsim.extras import need_extra
 
-need_extra("cyclonedds", "ros2", "ROS 2")
-
-from uwsim.bridges.ros2.node import Ros2Node  # noqa: E402
-from uwsim.bridges.ros2.settings import Ros2Settings, settings_from  # noqa: E402
+if TYPE_CHECKING:
+    from uwsim.bridges.ros2.node import Ros2Node
 
 __all__ = ["Ros2Node", "Ros2Settings", "settings_from"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the node when it is asked for: settings are there without the extra, too."""
+    if name == "Ros2Node":
+        need_extra("cyclonedds", "ros2", "ROS 2")
+        from uwsim.bridges.ros2.node import Ros2Node
+
+        return Ros2Node
+    raise AttributeError(name)

@@ -91,6 +91,11 @@ class Participant:
         """Its name in the domain, 16 bytes."""
         return bytes(self._participant.guid.bytes)
 
+    @property
+    def entity(self) -> DomainParticipant:
+        """Cyclone DDS's own participant, for what this class does not offer."""
+        return self._participant
+
     def writer(self, topic: str, type_name: str, qos: Qos) -> RawWriter:
         """Return a new writer."""
         writer: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, type_name), qos)

@@ -21,6 +21,9 @@ LOOPBACK_SIZES = "<MaxMessageSize>62000B</MaxMessageSize><FragmentSize>60000B</F
 # A reader's socket holds 200 kB unless its host says otherwise, and a cloud overflows it while the host is busy. The
 # heartbeat tells the reader what it misses; every 100 ms, as is usual, would let one cloud in five through.
 HEARTBEAT = '<HeartbeatInterval min="5ms" minsched="5ms" max="100ms">10ms</HeartbeatInterval>'
+# Nodes that come later are told of us each second, for ever. By default it is every 30 s, and ends after 30 s: those
+# that have not been told to look at this machine would not find us.
+ANNOUNCE = "<SPDPInterval>1s</SPDPInterval><InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
 # A reader that stops must not stop a writer: its history of ten bounds what is kept, not the bytes.
 NO_THROTTLE = (
     "<Watermarks><WhcHigh>1GB</WhcHigh><WhcHighInit>1GB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
@@ -70,7 +73,7 @@ class Ros2Settings:
         ours = (
             f"<CycloneDDS><Domain Id='any'><General>{general}</General><Discovery>"
             f"<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{PARTICIPANTS_MAX}"
-            f"</MaxAutoParticipantIndex><Peers>{listed}</Peers></Discovery><Internal>{NO_THROTTLE}{HEARTBEAT}</Internal></Domain></CycloneDDS>"
+            f"</MaxAutoParticipantIndex>{ANNOUNCE}<Peers>{listed}</Peers></Discovery><Internal>{NO_THROTTLE}{HEARTBEAT}</Internal></Domain></CycloneDDS>"
         )
         theirs = os.environ.get("CYCLONEDDS_URI", "")
         return f"{ours},{theirs}" if theirs else ours

@@ -1,0 +1,45 @@
+"""`uwsim doctor`: why two sides do not see each other."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.options import RosDistro, RosDomain, RosPeers, RosReach
+
+MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
+
+
+def doctor(
+    ros_distro: RosDistro = None,
+    ros_domain_id: RosDomain = None,
+    ros_reach: RosReach = None,
+    ros_peer: RosPeers = None,
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Where the rosbridge is, or shall be.")] = 9090,
+    foxglove_port: Annotated[int, typer.Option(min=1, max=65535, help="Where Foxglove connects.")] = 8765,
+    listen: Annotated[float, typer.Option(min=0.1, max=60.0, help="How long to listen for ROS 2 nodes [s].")] = 3.0,
+) -> int:
+    """Look for what keeps ROS and the simulator from seeing each other.
+
+    Domain, interface, multicast, versions, ports, missing packages. Exits with 1 when something is wrong.
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    from uwsim.bridges.ros2.settings import settings_from
+    from uwsim.doctor import Plan, examine
+
+    settings = settings_from(
+        os.environ, distro=ros_distro, domain_id=ros_domain_id, reach=ros_reach or "localhost", peers=ros_peer or ()
+    )
+    console, table = Console(), Table("", "", "found", "what to do", show_edge=False)
+    wrong = 0
+    with console.status(f"looking and listening for {listen:g} s"):
+        for finding in examine(Plan(settings, port, foxglove_port, listen), os.environ):
+            wrong += finding.verdict == "wrong"
+            table.add_row(MARKS[finding.verdict], finding.what, finding.found, finding.advice)
+    console.print(table)
+    console.print("nothing is wrong" if not wrong else f"{wrong} wrong")
+    return 1 if wrong else 0
