@@ -19,7 +19,7 @@ from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.admission import has_token
 from uwsim.channels.messages import typed_array
-from uwsim.live import replay
+from uwsim.live import LiveSimulator, replay
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.replay import replay as replay_recording
 from uwsim.station import Site, Station
@@ -242,7 +242,7 @@ def test_the_map_goes_home_in_every_format(tmp_path):
         assert get(server, "/map/boat.bt")[0] == get(server, "/map/rov.exe")[0] == 404
         assert "saved" in ada.call("control", action="save", name="dive-1")["message"]
         saved = {path.name for path in (tmp_path / "dive-1").iterdir()}
-        assert saved == {"map.bt", "state", "commands.json", "scenario.json"}
+        assert saved >= {"rov.bt", "rov.ot", "state", "commands.json", "scenario.json"}
         assert "there already" in ada.call("control", action="save", name="dive-1")["message"]
         assert "must have" in ada.call("control", action="save", name="../dive")["message"]
         status, body, _ = get(server, "/snapshot/front.png")
@@ -322,6 +322,38 @@ def test_a_flight_is_recorded_and_replays(tmp_path):
     found = replay_recording(tmp_path / "dive.mcap")
     assert found.difference is None and found.commands >= 3  # the last one is zero, after silence
     assert found.messages["telemetry"] > 5
+
+
+def test_a_saved_session_goes_on(tmp_path):
+    with serving(tmp_path) as (station, server), page(server) as ada:
+        ada.call("start", scenario="pool", seed=5, speed=5)
+        ada.call("take_control")
+        ada.call("command", name="release", vehicle="rov")
+        ada.call("drive", vehicle="rov", surge=0.3, heave=-0.2)
+        time.sleep(0.3)
+        ada.call("control", action="pause")
+        ada.call("control", action="save", name="dive")
+        sim = station.running.live.simulator
+        tick, state, voxels = sim.tick, sim.save_state(), len(station.running.maps["rov"].points()[0])
+        ada.call("control", action="quit")
+        assert ada.call("catalog")["saves"] == ["dive"]
+        assert (
+            ada.call("start", saved="../dive")["errors"] and ada.call("start", saved="dive", seed=1)["errors"]["seed"]
+        )
+        found = []
+        begin = LiveSimulator.__init__
+
+        def note(live, simulator, **options):
+            found.append((simulator.tick, simulator.save_state()))
+            begin(live, simulator, **options)
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(LiveSimulator, "__init__", note)
+            assert ada.call("start", saved="dive", speed=0)["success"]
+        assert found == [(tick, state)]
+        assert station.running.live.simulator.seed == 5
+        ada.subscribe("/map_changes")
+        assert len(ada.message("/map_changes")["cells"]) >= 0.9 * voxels
 
 
 def test_a_simulator_that_has_ended_leaves_nothing_behind():

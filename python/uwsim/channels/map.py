@@ -114,6 +114,11 @@ class PingMap:
             return None
         return self._changes_message(said[0], (said[1], None))[0]
 
+    def go_on_from(self, path: Path) -> None:
+        """Let a map from a file grow on, before the first ping. Raises ValueError, OSError."""
+        self._map = OccupancyMap.read(path, on_outside="count")
+        self._worker.submit(self.changes.forget, self._map.resolution_m)
+
     def points(self) -> tuple[NDArray[np.float64], float]:
         """Return the centres of the occupied voxels, (n, 3), odom, and their edge [m]. Raises ValueError."""
         return self._worker.submit(self._points).result()

@@ -52,6 +52,17 @@ def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
     return scenario, speed
 
 
+def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
+    """Return the session that a choice continues, and the speed. Raises ChoiceError."""
+    fixed = [name for name in FIELDS if name not in ("speed", "link") and choice.get(name) is not None]
+    errors = dict.fromkeys(fixed, "is as it was saved")
+    session = _try(errors, "saved", lambda: _name(choice["saved"], known))
+    speed = _try(errors, "speed", lambda: _speed(choice.get("speed")))
+    if errors:
+        raise ChoiceError(errors)
+    return session, speed
+
+
 def scenarios(offered: str) -> list[str]:
     """Return the names that may be chosen."""
     names = packaged_scenarios()

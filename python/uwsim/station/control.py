@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
-import shutil
 from collections.abc import Callable
 from pathlib import Path
-from tempfile import mkdtemp
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from uwsim.channels.guest import Values
+from uwsim.station.saves import save
 
 if TYPE_CHECKING:
     from uwsim.station.hub import Station
@@ -51,24 +49,8 @@ def _quit(station: Station, request: Values) -> None:
 
 
 def _save(station: Station, request: Values) -> str:
-    """Write a folder: each vehicle's map, the state to go on from, and what was commanded, by tick."""
-    running, target = station.present(), _new_path(station, request, "session")
-    live, name = running.live, target.name
-    state, tick, log = live.read(lambda sim: (sim.save_state(), sim.tick, list(live.log))).result()
-    folder = Path(mkdtemp(prefix=f".{name}.", dir=station.folder))
-    try:
-        for vehicle, ping_map in running.maps.items():
-            ping_map.write(folder / ("map.bt" if len(running.maps) == 1 else f"{vehicle}.bt"))
-        (folder / "state").write_bytes(state)
-        commands = {"tick": tick, "commands": [_plain(entry) for entry in log]}
-        (folder / "commands.json").write_text(json.dumps(commands, indent=1))
-        scenario = live.simulator.scenario
-        (folder / "scenario.json").write_text(scenario.model_dump_json(indent=1))
-        folder.chmod(0o755)
-        folder.rename(target)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
+    target = _new_path(station, request, "session")
+    save(station.present(), target)
     return f"saved in {target}"
 
 
@@ -94,11 +76,6 @@ def _new_path(station: Station, request: Values, default: str, suffix: str = "")
     if path.exists():
         raise ValueError(f"'{path.name}' is there already: choose another name")
     return path
-
-
-def _plain(entry: Any) -> Values:
-    arguments = {key: v for key, v in entry.arguments.items() if not isinstance(v, bytes) and not callable(v)}
-    return {"tick": entry.tick, "name": entry.name, "arguments": arguments}
 
 
 CONTROLS: dict[str, Callable[[Station, Values], str | None]] = {

@@ -18,11 +18,12 @@ from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator, NotRunningError
 from uwsim.scenario import ScenarioError
 from uwsim.simulator import Simulator
-from uwsim.station.choice import ChoiceError, catalog, chosen
+from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.station.control import CONTROLS
 from uwsim.station.helm import answered
 from uwsim.station.lease import Lease
 from uwsim.station.running import PILOTED, Running
+from uwsim.station.saves import go_on_with_maps, load_saved, saved_names
 
 STATE = "station/state"
 BEAT_S, STATE_S = 0.033, 0.5
@@ -113,6 +114,9 @@ class Station:
         """Run a simulator of the user's choice instead of the present one. Raises ChoiceError, RuntimeError."""
         if self.is_fixed:
             raise ValueError("this server runs one scenario: start `uwsim station` to choose")
+        if choice.get("saved") is not None:
+            self._go_on(choice)
+            return
         scenario, speed = chosen(choice, self._offered)
 
         def make() -> LiveSimulator:
@@ -122,6 +126,18 @@ class Station:
             self.run(make)
         except ScenarioError as error:
             raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
+
+    def _go_on(self, choice: Values) -> None:
+        """Continue a saved session: everything but the speed is as it was."""
+        name, speed = chosen_save(choice, saved_names(self.folder))
+        folder = self.folder / name
+        try:
+            self.run(
+                lambda: LiveSimulator(load_saved(folder, self._threads), speed=speed),
+                lambda running: go_on_with_maps(running, folder),
+            )
+        except (ValueError, OSError) as error:
+            raise ChoiceError({"saved": " ".join(str(error).split())}) from None
 
     def run(
         self, make: Callable[[], LiveSimulator], prepare: Callable[[Running], object] = lambda running: None
@@ -245,7 +261,7 @@ class Station:
             ("set_view", self._set_view, "change the rate, width and quality of a view"),
         )
         slow = (
-            ("catalog", lambda caller, request: catalog(self._offered), "what can be chosen on the start screen"),
+            ("catalog", self._catalog, "what can be chosen on the start screen"),
             ("check", self._check, "say what is wrong with a choice"),
             ("start", self._start, "run a simulator of a choice"),
             (
@@ -298,8 +314,14 @@ class Station:
         self.present().views.set_size(request)
         return {"success": True, "message": ""}
 
+    def _catalog(self, caller: str, request: Values) -> Values:
+        return {**catalog(self._offered), "saves": saved_names(self.folder)}
+
     def _check(self, caller: str, request: Values) -> Values:
-        chosen(request, self._offered)
+        if request.get("saved") is None:
+            chosen(request, self._offered)
+        else:
+            chosen_save(request, saved_names(self.folder))
         return {"success": True, "message": "", "errors": {}}
 
     def _start(self, caller: str, request: Values) -> Values:
