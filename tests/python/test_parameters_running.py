@@ -10,6 +10,7 @@ import pytest
 
 from parameter_world import observed, world
 from uwsim import Scenario, Simulator
+from uwsim.channels import channels
 from uwsim.docking import DockedWarning
 from uwsim.live import LiveSimulator, replay
 from uwsim.parameters import UnknownParameterError
@@ -203,3 +204,24 @@ def test_set_optics_is_one_way_to_set_parameters(sim: Simulator) -> None:
     sim.set_optics(jerlov="II", sun_elevation_deg=20)
     assert sim.parameters.changes == {"optics.jerlov": "II", "optics.sun_elevation_deg": 20}
     assert sim.optics.jerlov == "II"
+
+
+def test_channels_follow_the_parameters() -> None:
+    sim = Simulator("pool", threads=1)
+    table = {channel.name: channel for channel in channels(sim)}
+
+    def read(name: str) -> Any:
+        sim.step(20)
+        return table[name].read(sim)
+
+    assert len(read("scan").ranges) == 513 and read("modelTrigger").data == "2"
+    assert read("altitude").max_range == sim.parameters["rov.sensors.altitude.range_max_m"]
+    changes = {"rov.sonar.model": 3, "rov.sensors.altitude.range_max_m": 7.0, "rov.sensors.depth.on": False}
+    sim.parameters.update(changes)
+    assert len(read("scan").ranges) == 1025 and read("modelTrigger").data == "3"
+    assert read("depthArray").data.count("a") == 1025
+    assert read("altitude").max_range == 7.0
+    assert read("depth") is None
+    sim.parameters.update({"rov.sonar.model": "em2040-07", "rov.sonar.frequency_khz": 400.0})
+    assert len(read("scan").ranges) == 400
+    assert read("depthArray") is None and read("modelTrigger") is None

@@ -85,7 +85,10 @@ class Aside:
             line: Waterfall = ping()
             while self._rows and self._rows[0][0] >= time_ns:
                 self._rows.popleft()  # time has gone back
-            self._rows.appendleft((time_ns, _coarser(line.picture_db(), 2 * HEIGHT)[0]))
+            row = _coarser(line.picture_db(), 2 * HEIGHT)[0]
+            if self._rows and len(self._rows[0][1]) != len(row):
+                self._rows.clear()  # the sonar's parameters have changed
+            self._rows.appendleft((time_ns, row))
             rows = np.stack([row for _, row in self._rows])
             noise_db = _coarser(np.concatenate([line.noise_db[::-1], line.noise_db])[None], 2 * HEIGHT)
             picture_db = np.full((WATERFALL_PINGS, rows.shape[1]), np.nan, np.float32)
@@ -121,7 +124,7 @@ class Across:
         def look() -> tuple[Any, ...]:
             found: Profiles = ping()
             noise_db = _coarser(found.noise_db[None], HEIGHT)
-            if self._columns is None:
+            if self._columns is None or self._columns.shape[1] != noise_db.shape[1]:
                 self._columns = np.repeat(noise_db, len(self._angles_rad), axis=0)
             self._columns[steps] = _coarser(found.level_db, HEIGHT)
             fan = polar_pixels(self._columns.T, found.model.range_max_m, 2 * SWEEP_RAD, HEIGHT)
@@ -195,11 +198,10 @@ def _picture(look: Look, frame_id: str) -> Any:
 
 
 def _levels(sonar: ImagingSonar) -> Callable[[Look, str], Any]:
-    model: Any = sonar.model
-    across_rad = getattr(model, "beam_width_rad", None) or model.along_width_rad
-    along_rad = getattr(model, "vertical_width_rad", across_rad)
-
     def write(look: Look, frame_id: str) -> Any:
+        model: Any = sonar.model
+        across_rad = getattr(model, "beam_width_rad", None) or model.along_width_rad
+        along_rad = getattr(model, "vertical_width_rad", across_rad)
         beams = len(look.bearings_rad)
         info = build.message(
             "marine_acoustic_msgs/msg/PingInfo",

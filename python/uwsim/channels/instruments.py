@@ -70,9 +70,10 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
 
 def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[Simulator], Any]:
     def read(sim: Simulator) -> Any:
-        sample: Sample = source.of(sim).sensors[name].sample()
-        if not source.of(sim).sensors[name].on:
+        sensor = source.of(sim).sensors[name]
+        if not sensor.on:
             return None
+        sample: Sample = sensor.sample()
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
         mount = source.model(sim).sensors[name]

@@ -74,7 +74,6 @@ class PingMap:
         self._waiting: deque[Future[None]] = deque()
         self._whole, self._news = _Late(PUBLISH_NS), _Late(CHANGES_NS)
         self.changes = MapChanges()
-        self._hull = hull_box_m(source.entry.model)
 
     @property
     def is_begun(self) -> bool:
@@ -147,7 +146,7 @@ class PingMap:
             self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
         self._newest_ns = taken.ping.time_ns
-        points_odom = mapped_points(self._pings, taken, self._hull)
+        points_odom = mapped_points(self._pings, taken, hull_box_m(self._source.model(sim)))
         origin_m, reach_m = taken.odom_from_sonar[:3, 3], self._pings.model.range_max_m
         assert self._map is not None
         self._waiting.append(self._worker.submit(self._map.insert_scan, points_odom, origin_m, reach_m))

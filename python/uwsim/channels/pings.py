@@ -28,16 +28,18 @@ class TakenPing:
 class Pings:
     """The pings of a vehicle's multibeam, interval_s apart: a multiple of SLOT_S, at least the travel time of sound.
 
-    Everybody who reads at one time gets the same ping; without readers none is computed.
+    Everybody who reads at one time gets the same ping; without readers none is computed. model: of the newest ping.
     """
 
     def __init__(self, source: Source, sim: Simulator) -> None:
         self.source = source
         self.model = source.of(sim).sonar.model
-        slots = math.ceil(1.0 / source.of(sim).sonar.ping_rate_max_hz / SLOT_S - 1e-9)
-        self.interval_s = max(slots, 1) * SLOT_S
-        self._interval_ns = round(self.interval_s * 1e9)
+        self.interval_s = self._travel_s(sim)
         self._newest: TakenPing | None = None
+
+    def _travel_s(self, sim: Simulator) -> float:
+        slots = math.ceil(1.0 / self.source.of(sim).sonar.ping_rate_max_hz / SLOT_S - 1e-9)
+        return max(slots, 1) * SLOT_S
 
     @property
     def rate_hz(self) -> float:
@@ -49,6 +51,8 @@ class Pings:
         now_ns, last = sim.time_ns, self._newest
         if last is None or now_ns < last.ping.time_ns or self._interval(now_ns) != self._interval(last.ping.time_ns):
             vehicle = self.source.of(sim)
+            if vehicle.sonar.model is not self.model:  # its parameters have changed
+                self.model, self.interval_s = vehicle.sonar.model, self._travel_s(sim)
             ping = vehicle.sonar.ping()
             poses = [np.array(vehicle.pose.world_from_body), np.array(ping.world_from_sonar)]
             for pose in poses:
@@ -61,4 +65,4 @@ class Pings:
         self._newest = None
 
     def _interval(self, time_ns: int) -> int:
-        return time_ns // self._interval_ns
+        return time_ns // round(self.interval_s * 1e9)

@@ -102,8 +102,7 @@ def _number(value: Any) -> float:
 
 
 def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
-    topic, model = source.topic, pings.model
-    fov_deg = math.degrees(model.field_of_view_rad)
+    topic = source.topic
     found = [
         Channel(
             topic("scanPos"), POSE, "out", "the sonar's head, base_footprint -> base_scan", rate_hz=POSE_HZ,
@@ -112,23 +111,38 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
         ),
         Channel(
             topic("hFOV"), TEXT, "out", "the sonar's field of view [deg]", rate_hz=SLOW_HZ, latched=True,
-            over_link=True, read=lambda sim: build.text(csharp_number(fov_deg)),
+            over_link=True, read=lambda sim: build.text(csharp_number(_fov_deg(source, sim))),
         ),
     ]  # fmt: skip
-    if model.number not in ranging.MODELS:
+    if pings.model.number not in ranging.MODELS:
         return found
     return [
         *found,
         Channel(
             topic("modelTrigger"), TEXT, "out", "the sonar's model, 1 to 4", rate_hz=SLOW_HZ, latched=True,
-            over_link=True, read=lambda sim: build.text(str(model.number)),
+            over_link=True, read=lambda sim: _model_number(source, sim),
         ),
         Channel(
             topic("depthArray"), TEXT, "out", "every beam's range [m], each followed by a; once for each ping",
             rate_hz=pings.rate_hz, over_link=True,
-            read=lambda sim: build.text(ranging.encode_depth_string(pings.newest(sim).ping.ranges_m, model)),
+            read=lambda sim: _depths(pings, sim),
         ),
     ]  # fmt: skip
+
+
+def _model_number(source: Source, sim: Simulator) -> Any:
+    number = source.of(sim).sonar.model.number
+    return build.text(str(number)) if number in ranging.MODELS else None  # its parameters may make it another
+
+
+def _depths(pings: Pings, sim: Simulator) -> Any:
+    ranges_m = pings.newest(sim).ping.ranges_m
+    on_the_wire = pings.model.number in ranging.MODELS
+    return build.text(ranging.encode_depth_string(ranges_m, pings.model)) if on_the_wire else None
+
+
+def _fov_deg(source: Source, sim: Simulator) -> float:
+    return math.degrees(source.of(sim).sonar.model.field_of_view_rad)
 
 
 def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> list[Channel]:

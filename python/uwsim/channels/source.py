@@ -17,7 +17,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A vehicle. prefix: of its topics and frames: "" when it is alone, else "NAME/".
+    """A vehicle. entry: its figures at the start. prefix: of its topics and frames: "" when it is alone, else "NAME/".
 
     Frames: world -> odom -> base_footprint -> base_link -> base_scan. odom is fixed in the world; the world's origin
     is at origin_m (3,) in it. base_footprint and base_link are the body's frame, base_scan turns with the head.

@@ -69,8 +69,8 @@ class ImagingSonar(Sealed):
 
     def later(self, *arguments: Any) -> Callable[[], Any]:
         """Keep the present; return what pings in it whenever it is called, on any thread: see `ping`."""
-        around, pose = self._sim.around(self._vehicle), self.world_from_sonar
-        return lambda: self._kind.ping(around, pose, self.model, self._stream, *arguments)
+        around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
+        return lambda: self._kind.ping(around, pose, model, self._stream, *arguments)
 
     def look(self) -> SonarImage:
         """Return a forward-looking sonar's picture. Raises ValueError for another kind."""

@@ -229,8 +229,9 @@ class Water(Model):
     pressure. surface_temperature_deg_c, bottom_temperature_deg_c: linear between the surface and the terrain's deepest
     point, unless a profile gives them. compressible: whether pressure includes the compression by the water's own
     weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the water; one that is not
-    valid in it is refused. surface: flat, or with waves. current_world_m_s, current: add up, to 10 m/s at most, gusts
-    counted at three sigma. profile: temperature, salinity, density and sound speed by depth.
+    valid in it is refused. surface: flat, or with waves. current_world_m_s: a current that is the same everywhere.
+    current: others; all add up, to 10 m/s at most, gusts counted at three sigma. profile:
+    temperature, salinity, density and sound speed by depth.
     """
 
     density_kg_m3: Density = 1000.0
