@@ -136,6 +136,7 @@ def test_who_does_not_read_loses_its_own_messages_and_nobody_else_notices(server
 
 def test_who_asks_and_does_not_read_is_disconnected(server):
     with connect(server, max_queue=1) as asker, connect(server) as witness:
+        assert works(asker) and works(witness)  # both are in the server's list
         asker.send('{"op": "set_level", "level": "error"}')
         question = json.dumps({"op": "call_service", "service": "/nobody", "args": {}, "id": "x" * 90_000})
         before = len(server.sessions)
