@@ -3,11 +3,15 @@ import { byId, el, write } from './dom.js';
 
 const CHECK_MS = 250;
 const OWN = 'The scenario’s own';
+const SAVED = 'saved:';
+const SAVED_HINT = 'Saved here: all but the speed is as it was, and the map grows on.';
+const OF_SCENARIO = ['vehicle', 'sonar', 'mission_time_s', 'seed', 'link'];
 
 export class StartScreen {
   #fields = new Map(); // name: { box, input, hint, wrong }
   #timer = 0;
   #checks = 0;
+  #isOld = false; // what the catalog says of saved sessions
 
   constructor(station) {
     this.station = station;
@@ -18,10 +22,14 @@ export class StartScreen {
       this.#submit();
     });
     this.form.addEventListener('input', () => this.#later());
+    station.addEventListener('session', () => {
+      this.#isOld = true; // it may be saved
+    });
   }
 
   async show() {
-    if (this.catalog) return;
+    if (this.catalog && !this.#isOld) return;
+    this.#isOld = false;
     this.#say('Asking the simulator what it offers …');
     try {
       this.catalog = await this.station.catalog();
@@ -35,7 +43,9 @@ export class StartScreen {
   }
 
   #build() {
-    const { scenarios, vehicles, sonars, links, speeds, defaults } = this.catalog;
+    const { scenarios, vehicles, sonars, links, speeds, defaults, saves = [] } = this.catalog;
+    const before = [...this.#fields].map(([name, { input }]) => [name, input.value]);
+    const saved = saves.map((name) => ({ value: SAVED + name, text: `Go on with “${name}”`, hint: SAVED_HINT }));
     const own = { value: '', text: OWN };
     byId('start-fields').replaceChildren(
       this.#set('Simulator', this.#where()),
@@ -44,7 +54,10 @@ export class StartScreen {
         this.#field(
           'scenario',
           'Scenario',
-          options(scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description }))),
+          options([
+            ...scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description })),
+            ...saved,
+          ]),
           { wide: true },
         ),
         this.#field(
@@ -100,6 +113,10 @@ export class StartScreen {
     for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
       const field = this.#fields.get(name);
       if (field && value !== null && value !== undefined) field.input.value = value;
+    }
+    for (const [name, value] of before) {
+      const { input } = this.#fields.get(name);
+      if (!input.options || [...input.options].some((option) => option.value === value)) input.value = value;
     }
     this.#showWhere();
     this.#showHints();
@@ -167,6 +184,7 @@ export class StartScreen {
     for (const { input, hint, fixedHint } of this.#fields.values()) {
       write(hint, input.selectedOptions?.[0]?.dataset.hint ?? fixedHint);
     }
+    for (const name of OF_SCENARIO) this.#fields.get(name).input.disabled = this.savedName !== '';
     const scenario = this.catalog?.scenarios.find(({ name }) => name === this.#fields.get('scenario').input.value);
     if (!scenario) return;
     this.#fields.get('mission_time_s').input.placeholder = `${scenario.mission_time_s} (the scenario’s own)`;
@@ -187,6 +205,7 @@ export class StartScreen {
     const numeric = (name) =>
       value(name) === '' ? null : Number.isNaN(Number(value(name))) ? value(name) : Number(value(name));
     const text = (name) => value(name) || null;
+    if (this.savedName) return { saved: this.savedName, speed: numeric('speed') };
     return {
       scenario: text('scenario'),
       vehicle: text('vehicle'),
@@ -196,6 +215,12 @@ export class StartScreen {
       speed: numeric('speed'),
       link: text('link'),
     };
+  }
+
+  // The name of the session that is to go on, if one is chosen.
+  get savedName() {
+    const { value } = this.#fields.get('scenario').input;
+    return value.startsWith(SAVED) ? value.slice(SAVED.length) : '';
   }
 
   #later() {
