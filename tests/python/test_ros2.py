@@ -11,6 +11,7 @@ import pytest
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
+from uwsim.bridges.ros2.parameter_topic import value_of
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.channels import build, channels, services
 from uwsim.channels.cdr import schema, store_of
@@ -86,6 +87,17 @@ def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(nod
     assert '/lights/front: {"success":true' in text
     assert "/simulation/set_speed: data = 'nonsense': must be JSON" in text
     assert "/cmd_tilt: cmd_tilt = 99.0 rad: must be in" in text
+
+
+def test_parameter_values_of_every_type_are_read():
+    def value(kind, **fields):
+        return value_of(build.message("rcl_interfaces/msg/ParameterValue", type=kind, **fields))
+
+    assert value(1, bool_value=True) is True and value(2, integer_value=7) == 7
+    assert value(4, string_value="sea") == "sea" and value(9, string_array_value=["a"]) == ["a"]
+    assert value(8, double_array_value=np.array([1.0, 2.5])) == [1.0, 2.5]
+    with pytest.raises(ValueError, match=r"value.type = 0: must be one of 1 \(bool_value\)"):
+        value(0)
 
 
 def test_the_graph_tells_the_node_and_all_its_endpoints(node, other):

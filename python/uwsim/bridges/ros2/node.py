@@ -17,6 +17,7 @@ from uwsim.bridges.ros2.graph import (
     endpoint_data,
     entities_info,
 )
+from uwsim.bridges.ros2.parameter_topic import parameter_channel
 from uwsim.bridges.ros2.qos import DEPTH, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import ServiceTopics
@@ -58,7 +59,8 @@ class Ros2Node:
     ) -> None:
         self.settings = settings or Ros2Settings()
         self._calls = ServiceTopics(services, self._say)
-        self.channels = [*channels, *self._calls.channels]
+        self._reliable = [*self._calls.channels, parameter_channel(self._say)]
+        self.channels = [*channels, *self._reliable]
         self._live = live
         self._feed = feed or Feed(live)
         self._lines: dict[RawWriter, tuple[Channel, Line]] = {}
@@ -119,7 +121,7 @@ class Ros2Node:
             self._lines[writer] = channel, Line(channel.name, queue_of(channel.type))
             self._events.attach(writer)
         else:
-            qos = reader_qos(DEPTH, reliable=channel in self._calls.channels, user_data=self._data(channel.type))
+            qos = reader_qos(DEPTH, reliable=channel in self._reliable, user_data=self._data(channel.type))
             reader = self._participant.reader(dds_name(channel.name), channel.type, qos)
             self._inputs[reader] = channel
             self._events.attach(reader)
