@@ -17,7 +17,9 @@ def diff(
     second: Annotated[Path, typer.Argument(help="Another.", metavar="B.mcap")],
     out: Annotated[Path, typer.Option(help="The figure to write if they differ, a PNG.")] = Path("divergence.png"),
 ) -> None:
-    """Compare two recordings: the first tick and channel that differ, by how much, and a plot of the divergence.
+    """Compare two recordings and say where they part.
+
+    The first tick and channel that differ, by how much, and a plot of the divergence.
 
     Exits with 1 if any message differs.
     """

@@ -21,7 +21,7 @@ def doctor(
     foxglove_port: Annotated[int, typer.Option(min=1, max=65535, help="Where Foxglove connects.")] = 8765,
     listen: Annotated[float, typer.Option(min=0.1, max=60.0, help="How long to listen for ROS 2 nodes [s].")] = 3.0,
 ) -> int:
-    """Look for what keeps ROS and the simulator from seeing each other.
+    """Look for what keeps ROS and the simulator apart.
 
     Domain, interface, multicast, versions, ports, missing packages. Exits with 1 when something is wrong.
     """

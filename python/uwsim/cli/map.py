@@ -62,7 +62,7 @@ def from_recording(
     ] = None,
     vehicle: Annotated[str | None, typer.Option(help="Whose pings. Default: the first that has some.")] = None,
 ) -> None:
-    """Make the map from a recording alone: the bytes that the run itself wrote."""
+    """Make the map from a recording alone, with the run's own bytes."""
     from uwsim.mapping.files.map_files import MAP_SUFFIXES
     from uwsim.recording.reader import Recording
     from uwsim.recording.recorder import SURVEY

@@ -13,7 +13,9 @@ def parameters(
     prefix: Annotated[str, typer.Argument(help="List those at and below this name, such as rov.drag.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Write a JSON list instead of a table.")] = False,
 ) -> None:
-    """List what may be changed while a scenario runs: name, value, unit, range and description.
+    """List what may be changed while a scenario runs.
+
+    Name, value, unit, range and description of each.
 
     `sim.parameters` sets them in Python; ROS clients set them as parameters (/rov/drag/linear/surge) or by services.
     """

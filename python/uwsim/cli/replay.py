@@ -27,9 +27,9 @@ def replay(
     wait: Annotated[bool, typer.Option("--wait", help="With --as-topics: begin when the first client comes.")] = False,
     threads: Threads = None,
 ) -> None:
-    """Repeat a recorded run with its scenario, seed and commands, and compare every message, byte for byte.
+    """Repeat a recorded run and compare every message.
 
-    Exits with 1 at the first difference, which it names.
+    With its scenario, seed and commands; byte for byte. Exits with 1 at the first difference, which it names.
     """
     from uwsim.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer

@@ -56,7 +56,7 @@ def survey(
     record_topic: RecordTopics = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the survey last saved in --out.")] = False,
 ) -> None:
-    """Fly the scenario's survey, map what the sonar sees, and report.
+    """Fly the survey of a scenario, map what is seen, and report.
 
     Ctrl-C ends it early and keeps the map so far. If it is killed, the last saved map remains; --resume continues to
     the same map as without the interruption.
