@@ -217,13 +217,21 @@ def test_buttons_act_and_values_grey(running, tmp_path):
     tick = running.station.present().live.simulator.tick
     page.click("#step")
     until(lambda: running.station.present().live.simulator.tick == tick + 1, "a step")
-    with page.expect_download() as download:  # the JSON follows
+    with page.expect_download() as download, page.expect_download(lambda found: found.suggested_filename[-5:] == ".json"):
         page.keyboard.press("v")
     assert Path(download.value.path()).read_bytes().startswith(b"\x89PNG")
+    saved = []
+    page.on("download", lambda found: saved.append(found))
+    page.click("#record")
+    page.wait_for_timeout(1500)
+    page.click("#record")
+    until(lambda: page.evaluate("1") and len(saved) >= 2, "a video and its telemetry")
+    files = {Path(found.suggested_filename).suffix: Path(found.path()).read_bytes() for found in saved}
+    assert files[".webm"].startswith(b"\x1a\x45\xdf\xa3") and files[".csv"].startswith(b"time_s,east_m")
     session = page.evaluate("station.station.state.session")
     page.keyboard.press("Escape")
     page.click("text=Restart from the beginning")
-    when(page, f"station.station.state.session > {session} && station.telemetry.message.released === false")
+    when(page, f"station.station.state.session > {session} && station.telemetry.message?.released === false")
     when(page, "!document.querySelector('.panel .is-stale')")
     page.evaluate("station.station.bridge.close()")
     when(page, "document.querySelector('.panel .is-stale dd')")

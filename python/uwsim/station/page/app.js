@@ -39,6 +39,12 @@ let ends = []; // of this session's subscriptions
 let vehicle = null;
 
 watchDialogs((isOpen) => pilot.suspend(isOpen));
+byId('vehicle').addEventListener('change', (event) => {
+  pilot.letGo();
+  vehicle = station.description.vehicles.find(({ name }) => name === event.target.value);
+  event.target.blur();
+  begin();
+});
 byId('help').addEventListener('click', () => openKeys());
 byId('menu').addEventListener('click', () => openMenu());
 addEventListener('keydown', (event) => {

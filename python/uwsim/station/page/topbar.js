@@ -52,6 +52,11 @@ export class TopBar {
 
   begin(vehicle, description, speeds) {
     this.#vehicle = vehicle;
+    const names = description.vehicles.map(({ name }) => name);
+    byId('vehicle').hidden = names.length < 2;
+    byId('vehicle').replaceChildren(
+      ...names.map((name) => el('option', { value: name, selected: name === vehicle.name }, name)),
+    );
     write(byId('scenario-name'), description.scenario);
     this.#lights = vehicle.lamps.map((name, k) =>
       el(

@@ -1,14 +1,15 @@
 // The views: one large, the others small, swapped by click or number key. Each camera or sonar is a stream of pictures.
 import { el, write } from '../dom.js';
 import { Hud } from './hud.js';
+import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 
-const LATE_MS = 2500;
+const LATE_MS = 2500; // of the large view; small ones take turns
+const SMALL_LATE_MS = 20000;
 const LADDER = /front/; // cameras that look ahead
 const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
 const KEYS = 10;
 const ROW = 6; // small views that fit beside each other
-const SMALL = { throttle_rate: 400 };
 const LARGE = { credit: 2 };
 
 const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.length);
@@ -16,6 +17,8 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = '';
+  #cameras = new Previews();
+  #sonars = new Previews();
   #tools = el('div', { className: 'picture-tools' });
 
   // drawn: the views that this page draws itself, each { name, title, kind, element, setLarge(isLarge) }.
@@ -107,12 +110,9 @@ export class Views extends EventTarget {
     const frame = this.#frame(view.title, canvas, hudCanvas);
     frame.swap.addEventListener('click', () => this.enlarge(view.name));
     frame.element.dataset.view = view.name;
-    return {
-      ...frame,
-      view,
-      picture: new Picture(this.station.bridge, canvas),
-      hud: hasHud ? new Hud(hudCanvas) : null,
-    };
+    const picture = new Picture(this.station.bridge, canvas);
+    picture.addEventListener('drawn', () => frame.element.classList.remove('is-stale'));
+    return { ...frame, view, picture, hud: hasHud ? new Hud(hudCanvas) : null };
   }
 
   #drawnView({ name, kind, title, element }) {
@@ -124,12 +124,14 @@ export class Views extends EventTarget {
 
   // Pictures of a hidden tab are not even rendered.
   #choosePictures() {
-    for (const [name, { view, picture }] of this.#views) {
-      if (!picture) continue;
-      if (document.hidden) picture.show('');
+    const [cameras, sonars] = [[], []];
+    for (const [name, { view, picture, hud }] of this.#views) {
+      if (!picture || document.hidden) picture?.show('');
       else if (name === this.#large) picture.show(view.topic, LARGE);
-      else picture.show(view.small_topic || view.topic, SMALL);
+      else (hud ? cameras : sonars).push({ picture, topic: view.small_topic || view.topic });
     }
+    this.#cameras.show(cameras);
+    this.#sonars.show(sonars); // which come at their own pace
   }
 
   #drawHud() {
@@ -150,9 +152,10 @@ export class Views extends EventTarget {
 
   #look() {
     const { connected, state } = this.station;
-    for (const { element, picture, lost } of this.#views.values()) {
+    for (const [name, { element, picture, lost }] of this.#views) {
       if (!picture) continue;
-      const isLate = !connected || (!state.paused && performance.now() - picture.arrivedMs > LATE_MS);
+      const lateMs = name === this.#large ? LATE_MS : SMALL_LATE_MS;
+      const isLate = !connected || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
       element.classList.toggle('is-stale', isLate || picture.drawn === 0);
       write(lost, picture.drawn === 0 ? 'Waiting for a picture' : 'Old picture');
     }

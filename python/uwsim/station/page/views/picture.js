@@ -1,7 +1,8 @@
 // A stream of JPEG pictures on a canvas: only the newest, and each acknowledged when it has been drawn.
 import { seconds } from '../wire/rosbridge.js';
 
-export class Picture {
+// Events: 'drawn'.
+export class Picture extends EventTarget {
   #end = null;
   #topic = '';
   #isDrawing = false;
@@ -12,6 +13,7 @@ export class Picture {
   shown = []; // of the last pictures: the moment that each shows [s, simulated], and when it was drawn [ms, wall clock]
 
   constructor(bridge, canvas) {
+    super();
     this.bridge = bridge;
     this.canvas = canvas;
     this.context = canvas.getContext('2d', { alpha: false });
@@ -30,7 +32,6 @@ export class Picture {
     this.#waiting = null;
     this.#hasCredit = Boolean(options?.credit);
     if (!topic) return;
-    this.arrivedMs = performance.now();
     this.#end = this.bridge.subscribe(
       topic,
       'sensor_msgs/CompressedImage',
@@ -71,6 +72,7 @@ export class Picture {
     this.context.drawImage(bitmap, 0, 0);
     this.arrivedMs = performance.now();
     this.drawn += 1;
+    this.dispatchEvent(new Event('drawn'));
     this.shown = [...this.shown.slice(-499), [seconds(stamp), Date.now()]];
   }
 }
