@@ -53,6 +53,10 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
             lambda p: _scan(pings, p, frame_id),
         ),
         channel(
+            "ping", "LaserScan", pings.rate_hz, "each ping once, as /scan says it",
+            lambda p: _scan(pings, p, frame_id),
+        ),
+        channel(
             "laserPointCloud", "PointCloud2", SCAN_HZ, "the scan as laser_geometry projects it",
             lambda p: cloud({"xyz": ranging.to_point_cloud(scan_of(pings, p))}, p.ping.time_ns, frame_id),
         ),

@@ -140,7 +140,7 @@ class Running:
             "model": source.entry.model.name,
             "prefix": source.prefix,
             "telemetry": topic("telemetry"),
-            "scan": topic("scan"),
+            "scan": topic("ping"),
             "map": f"/map/{source.name}" if has_map else None,
             "map_changes": topic("map_changes"),
             "pings_per_s": self.table.pings[source.name].rate_hz if has_map else 0.0,
