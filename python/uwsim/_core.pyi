@@ -575,7 +575,7 @@ class VoxelScene:
     """
     def __init__(self, centres_world_m: typing.Any, edge_m: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        centres_world_m: (n, 3), less than 2^20 cubes apart. Raises ValueError.
+        centres_world_m: (n, 3), less than 2^17 cubes apart. Raises ValueError.
         """
     def cast(
         self, origins_m: typing.Any, directions: typing.Any, max_range_m: typing.SupportsFloat | typing.SupportsIndex

@@ -82,6 +82,23 @@ def test_rays_along_the_axes_hit_cubes_and_pass_between_them():
     assert scene.cast(origins[:1], directions[:1], 48.0).ranges_m.tolist() == [np.inf]
 
 
+@pytest.mark.parametrize(
+    ("centres", "edge_m", "message"),
+    [
+        ([[0.5, 0.5, 0.5], [2e6, 0.5, 0.5]], 1.0, "less than 2\\^17 cubes apart"),
+        ([[0.5, 0.5, 0.5]], 0.0, "edge_m = 0: must be positive"),
+    ],
+)
+def test_cubes_that_no_grid_holds_are_refused(centres, edge_m, message):
+    with pytest.raises(ValueError, match=message):
+        _core.VoxelScene(np.array(centres), edge_m)
+
+
+def test_nothing_is_hit_where_there_are_no_cubes():
+    scene = _core.VoxelScene(np.empty((0, 3)), 1.0)
+    assert np.isinf(scene.cast([[0.0, 0.0, 9.0]], [[0.0, 0.0, -1.0]], 100.0).ranges_m).all()
+
+
 @pytest.mark.parametrize("winding", [1, -1])
 def test_a_ray_crosses_a_prism_between_its_walls(winding):
     square = np.array([[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]])[::winding]

@@ -201,7 +201,7 @@ void bind_rays(py::module_& m) {
              return without_gil([&] { return std::make_unique<VoxelScene>(centres, edge_m); });
            }),
            py::arg("centres_world_m"), py::arg("edge_m"),
-           "centres_world_m: (n, 3), less than 2^20 cubes apart. Raises ValueError.")
+           "centres_world_m: (n, 3), less than 2^17 cubes apart. Raises ValueError.")
       .def("cast", &cast_at_voxels, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"),
            "As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.");
 }

@@ -58,9 +58,9 @@ VoxelScene::VoxelScene(std::span<const Eigen::Vector3d> centres_world_m, double 
   if (centres_world_m.empty()) return;
   Eigen::Array3d low = centres_world_m[0].array(), high = low;
   for (const Eigen::Vector3d& centre : centres_world_m) low = low.min(centre.array()), high = high.max(centre.array());
-  const bool fits = low.isFinite().all() && high.isFinite().all() && ((high - low) / edge_m < 1 << 20).all() &&
+  const bool fits = low.isFinite().all() && high.isFinite().all() && ((high - low) / edge_m < 1 << 17).all() &&
                     ((low.abs().max(high.abs())) / edge_m < 1 << 30).all();
-  require(fits, "centres_world_m", (high - low).transpose(), "must be finite, and less than 2^20 cubes apart");
+  require(fits, "centres_world_m", (high - low).transpose(), "must be finite, and less than 2^17 cubes apart");
   for (int k = 0; k < 3; ++k) {
     low_[k] = static_cast<std::int32_t>(std::floor(low[k] / edge_m));
     high_[k] = static_cast<std::int32_t>(std::floor(high[k] / edge_m));

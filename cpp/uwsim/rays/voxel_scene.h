@@ -19,7 +19,7 @@ namespace uwsim {
 class VoxelScene {
  public:
   /// centres_world_m: of cubes of edge_m at multiples of edge_m from the world's zero, in any order, repeated or not.
-  /// Throws std::invalid_argument if they lie more than 2^20 cubes apart.
+  /// Throws std::invalid_argument if they lie more than 2^17 cubes apart.
   VoxelScene(std::span<const Eigen::Vector3d> centres_world_m, double edge_m);
 
   /// The first hit on a cube within the range; label 0. A ray that starts inside a cube hits it at 0.

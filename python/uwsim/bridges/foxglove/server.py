@@ -15,7 +15,7 @@ from foxglove import Schema, StatusLevel
 from foxglove.websocket import Capability, ChannelView, Client, ClientChannel, MessageSchema, Service, ServiceSchema
 
 from uwsim.bridges.foxglove.shows import shows_of
-from uwsim.channels import Channel
+from uwsim.channels import Channel, keep_up
 from uwsim.channels import Service as ChannelService
 from uwsim.channels.cdr import schema
 from uwsim.channels.feed import Feed, Reading
@@ -85,6 +85,7 @@ class FoxgloveServer:
             self._outgoing.close()
             raise OSError(f"cannot listen on {host}:{port}: {error}") from None
         self._host = host
+        self._going_on = keep_up(live, channels)
         self._clock = live.every(TIME_S, lambda sim: sim.time_ns, self._server.broadcast_time)
 
     @property
@@ -99,7 +100,8 @@ class FoxgloveServer:
 
     def close(self) -> None:
         """Close all connections and end the threads."""
-        self._clock.cancel()
+        for subscription in (self._clock, *self._going_on):
+            subscription.cancel()
         for name in list(self._ends):
             self._ends.pop(name)()
         for show in self._shows.values():

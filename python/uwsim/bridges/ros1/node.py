@@ -12,7 +12,7 @@ from typing import Any, Self
 from uwsim.bridges.ros1.raw_types import raw_type, read_message
 from uwsim.bridges.ros1.rospy_module import load_rospy, require_master
 from uwsim.bridges.ros1.services import offer_service
-from uwsim.channels import Channel, Service
+from uwsim.channels import Channel, Service, keep_up
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.messages import to_bytes
 from uwsim.live import LiveSimulator, NotRunningError
@@ -59,6 +59,7 @@ class Ros1Node:
         rospy.set_param("/use_sim_time", True)
         self._thread = threading.Thread(target=self._publish, name="uwsim-ros1", daemon=True)
         self._thread.start()
+        self._going_on = keep_up(live, channels)
         self._topics = [self._join(channel) for channel in channels]
         self._topics += [offer_service(rospy, live, service) for service in services]
 
@@ -66,6 +67,8 @@ class Ros1Node:
         """Leave the graph: the master and all subscribers are told."""
         if self._stopping:
             return
+        for subscription in self._going_on:
+            subscription.cancel()
         with self._lock:
             for end in self._ends.values():
                 end()
