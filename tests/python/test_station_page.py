@@ -212,6 +212,8 @@ def test_buttons_act_and_values_grey(running, tmp_path):
     page.focus("#tilt-up")
     page.keyboard.press("Enter")
     until(lambda: running.rov.sonar.elevation_rad > elevation + 0.01, "the sonar's nose up")
+    page.keyboard.press("ArrowUp")
+    until(lambda: running.rov.cameras["front"].aim_rad[1] < -0.05, "the camera up")
     page.click("#pause")
     until(lambda: running.station.present().live.paused, "a pause")
     tick = running.station.present().live.simulator.tick

@@ -1,5 +1,6 @@
 // Where it begins: connects, shows the start screen or the station, and joins the parts to each other.
 import './theme.js';
+import { CameraAim } from './camera_aim.js';
 import { watchDialogs } from './dialogs/dialog.js';
 import { showKeys } from './dialogs/keys.js';
 import { showMenu } from './dialogs/menu.js';
@@ -30,6 +31,8 @@ const fan = new FanView();
 const views = new Views(station, telemetry, byId('views'), [fan, scene]);
 const pilot = new Pilot(station, bindings, act);
 byId('station').append(pilot.touch.element);
+const aim = new CameraAim(station, views);
+views.setTools(aim.element);
 const topbar = new TopBar(station, telemetry, pilot, views);
 const panel = new Panel(byId('panel'), station, telemetry, pilot);
 const recorder = new Recorder(station, telemetry, views);
@@ -38,7 +41,11 @@ const start = new StartScreen(station);
 let ends = []; // of this session's subscriptions
 let vehicle = null;
 
-watchDialogs((isOpen) => pilot.suspend(isOpen));
+watchDialogs((isOpen) => {
+  pilot.suspend(isOpen);
+  aim.stop();
+});
+addEventListener('blur', () => aim.stop());
 byId('vehicle').addEventListener('change', (event) => {
   pilot.letGo();
   vehicle = station.description.vehicles.find(({ name }) => name === event.target.value);
@@ -87,6 +94,7 @@ function begin() {
   telemetry.watch(vehicle.telemetry);
   topbar.begin(vehicle, description, SPEEDS);
   panel.begin(vehicle, description);
+  aim.begin(vehicle);
   fan.clear();
   views.fill(
     description.views.filter((view) => view.kind !== 'fan' && (!view.vehicle || view.vehicle === vehicle.name)),
@@ -146,6 +154,7 @@ async function load(path) {
 }
 
 function act(action, isPressed) {
+  if (aim.act(action, isPressed)) return;
   if (action === 'tiltUp' || action === 'tiltDown') {
     topbar.tilt(action === 'tiltUp' ? 1 : -1, isPressed);
     return;

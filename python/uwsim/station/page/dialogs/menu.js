@@ -14,12 +14,12 @@ export function showMenu(station, { keys }) {
     dialog.close();
     act?.();
   };
-  const item = (text, act, { forAll = false, hint = '', className = '' } = {}) =>
+  const item = (text, act, { forAll = false, isOff = false, hint = '', className = '' } = {}) =>
     el(
       'button',
       {
         type: 'button',
-        disabled: !forAll && !isPilot,
+        disabled: isOff || (!forAll && !isPilot),
         className,
         onclick: act,
       },
@@ -53,6 +53,7 @@ export function showMenu(station, { keys }) {
       { className: 'stack' },
       item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
         className: 'danger',
+        isOff: station.description?.is_fixed, // there is no start screen
       }),
     ),
   );

@@ -28,6 +28,10 @@ export const VEHICLE = {
   gainUp: 'More gain',
   gainDown: 'Less gain',
   mark: 'Mark this place',
+  camUp: 'Camera up',
+  camDown: 'Camera down',
+  camLeft: 'Camera to port',
+  camRight: 'Camera to starboard',
 };
 export const SCREEN = {
   pause: 'Pause or resume',
@@ -74,6 +78,10 @@ export const PRESETS = {
       'pitch-': ['KeyK'],
       'roll-': ['KeyJ'],
       'roll+': ['KeyL'],
+      camUp: ['ArrowUp'],
+      camDown: ['ArrowDown'],
+      camLeft: ['ArrowLeft'],
+      camRight: ['ArrowRight'],
     },
   },
   wasd: {
@@ -91,6 +99,10 @@ export const PRESETS = {
       'pitch-': ['ArrowDown'],
       'roll-': ['ArrowLeft'],
       'roll+': ['ArrowRight'],
+      camUp: ['KeyI'],
+      camDown: ['KeyK'],
+      camLeft: ['KeyJ'],
+      camRight: ['KeyL'],
     },
   },
 };

@@ -86,13 +86,13 @@ export class Panel {
     this.hasThrusters = vehicle.thrusters.length > 0; // else forces along and about the axes drive it
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
     write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
-    this.downloads.hidden = description.downloads === false;
+    this.downloads.hidden = !vehicle.map;
     this.downloads.replaceChildren(
       ...['bt', 'ply', 'pcd', 'tif'].map((kind) =>
         el(
           'a',
           {
-            href: this.station.href(`/map/${vehicle.name}.${kind}`),
+            href: this.station.href(`${vehicle.map}.${kind}`),
             download: `${description.scenario}-${vehicle.name}.${kind}`,
             'aria-label': `Download the map as .${kind}`,
           },

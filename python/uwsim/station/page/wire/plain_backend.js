@@ -11,7 +11,6 @@ const FIXED = {
   truth_allowed: true,
   warnings: { proximity_m: 10 },
   scene: '',
-  downloads: false,
   commands: ['undock', 'dock', 'set_lamp', 'aim'],
 };
 

@@ -1,0 +1,96 @@
+// Turns cameras that have a motor: the large view's if it has one, else the vehicle's first.
+import { attempt, el } from './dom.js';
+
+const STEP_RAD = (6 * Math.PI) / 180;
+const PERIOD_MS = 200; // while held: 30 degrees a second
+// Positive pan is to port, positive tilt is down.
+const TURNS = {
+  camUp: ['tilt', -1, '▲', 'up'],
+  camDown: ['tilt', 1, '▼', 'down'],
+  camLeft: ['pan', 1, '◀', 'to port'],
+  camRight: ['pan', -1, '▶', 'to starboard'],
+};
+
+export class CameraAim {
+  #vehicle = null;
+  #motors = [];
+  #angles = new Map(); // camera: { pan, tilt } as asked for
+  #timer = 0;
+
+  constructor(station, views) {
+    [this.station, this.views] = [station, views];
+    this.element = el('div', { className: 'aim', role: 'group', 'aria-label': 'Turn the camera' });
+    for (const [action, [, , sign, name]] of Object.entries(TURNS))
+      this.element.append(this.#button(action, sign, name));
+    this.element.append(
+      el('button', { type: 'button', 'aria-label': 'Camera straight', onclick: () => this.centre() }, '●'),
+    );
+    views.addEventListener('swap', () => this.#show());
+  }
+
+  begin(vehicle) {
+    this.#vehicle = vehicle;
+    this.#motors = vehicle.motors ?? [];
+    this.#angles = new Map(this.#motors.map(({ camera }) => [camera, { pan: 0, tilt: 0 }]));
+    this.#show();
+  }
+
+  // Return whether the action was one of turning a camera.
+  act(action, isHeld) {
+    if (!(action in TURNS)) return false;
+    clearInterval(this.#timer);
+    const [axis, sign] = TURNS[action];
+    if (isHeld) {
+      this.#turn(axis, sign);
+      this.#timer = setInterval(() => this.#turn(axis, sign), PERIOD_MS);
+    }
+    return true;
+  }
+
+  stop() {
+    clearInterval(this.#timer);
+  }
+
+  centre() {
+    const motor = this.#motor;
+    if (!motor) return;
+    this.#angles.set(motor.camera, { pan: 0, tilt: 0 });
+    this.#aim(motor.camera);
+  }
+
+  get #isLarge() {
+    return this.#motors.find(({ camera }) => this.views.large === `${this.#vehicle.prefix}${camera}`);
+  }
+
+  get #motor() {
+    return this.#isLarge ?? this.#motors[0];
+  }
+
+  #turn(axis, sign) {
+    const motor = this.#motor;
+    if (!motor || !this.station.isPilot) return;
+    const [least, most] = motor[`${axis}_deg`].map((degrees) => (degrees * Math.PI) / 180);
+    const angles = this.#angles.get(motor.camera);
+    angles[axis] = Math.max(least, Math.min(most, angles[axis] + sign * STEP_RAD));
+    this.#aim(motor.camera);
+  }
+
+  #aim(camera) {
+    const { pan, tilt } = this.#angles.get(camera);
+    attempt(this.station.command('aim_camera', this.#vehicle.name, { camera, pan_rad: pan, tilt_rad: tilt }));
+  }
+
+  #button(action, sign, name) {
+    const button = el('button', { type: 'button', 'aria-label': `Camera ${name}` }, sign);
+    button.addEventListener('pointerdown', () => this.act(action, true));
+    for (const kind of ['pointerup', 'pointerleave', 'pointercancel']) button.addEventListener(kind, () => this.stop());
+    button.addEventListener('click', (event) => {
+      if (event.detail === 0) this.#turn(...TURNS[action]); // by keyboard
+    });
+    return button;
+  }
+
+  #show() {
+    this.element.hidden = !this.#isLarge;
+  }
+}
