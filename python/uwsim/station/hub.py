@@ -148,19 +148,21 @@ class Station:
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
-        before = self._phase
+        before, running = self._phase, None
         try:
             self._enter("starting")
             running = Running(make(), self._node, **self._options)
+            prepare(running)
             self._leave_present()
             self._node.offer_topics(self._topics(running))
-            prepare(running)
             running.start()
             self._show(running.live, running.channels, running.services)
             self.running = running
             self._session = next(self._numbers)
             before = "running"
         finally:
+            if running is not None and self.running is not running:  # something failed
+                running.stop()
             self._enter(before)
             self._starting.release()
 
