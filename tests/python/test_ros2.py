@@ -89,6 +89,18 @@ def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(nod
     assert "/cmd_tilt: cmd_tilt = 99.0 rad: must be in" in text
 
 
+def test_a_parameter_is_set_by_a_message_and_an_unknown_one_is_refused(node, other, live):
+    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+    value = build.message("rcl_interfaces/msg/ParameterValue", type=3, double_value=44.5)
+    for name in ("rov.drag.linear.surge", "rov.drag.linear.surgee"):
+        other.say("set_parameter", build.message("rcl_interfaces/msg/Parameter", name=name, value=value))
+    said: list[str] = []
+    until(lambda: said.extend(log.msg for log in other.heard("rosout")) or "surgee" in str(said), "the answers")
+    assert live.simulator.parameters["rov.drag.linear.surge"] == 44.5
+    assert "set_parameter" in {entry.name for entry in live.log}
+    assert "/set_parameter: rov.drag.linear.surge = 44.5" in said
+
+
 def test_parameter_values_of_every_type_are_read():
     def value(kind, **fields):
         return value_of(build.message("rcl_interfaces/msg/ParameterValue", type=kind, **fields))
