@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,6 +15,8 @@ from uwsim.channels import channels
 from uwsim.docking import DockedWarning
 from uwsim.live import LiveSimulator, replay
 from uwsim.parameters import UnknownParameterError
+from uwsim.recording import Recorder
+from uwsim.recording.replay import replay as repeat_recording
 
 CHANGES: dict[str, Any] = {
     "rov.mass_kg": 720.0,
@@ -225,3 +228,21 @@ def test_channels_follow_the_parameters() -> None:
     sim.parameters.update({"rov.sonar.model": "em2040-07", "rov.sonar.frequency_khz": 400.0})
     assert len(read("scan").ranges) == 400
     assert read("depthArray") is None and read("modelTrigger") is None
+
+
+def test_a_recording_repeats_them(tmp_path: Path) -> None:
+    sim = Simulator("pool", threads=1)
+    sim.parameters["rov.friction"] = 0.6  # before it begins
+    with Recorder(sim, tmp_path / "run.mcap", topics=("odom", "imu", "scan")):
+        sim.rov.undock()
+        sim.rov.set_effort(surge=0.5)
+        sim.step(50)
+        sim.parameters.update({"rov.drag.linear.surge": 400.0, "rov.sonar.model": 3, "rov.lamps.front.on": True})
+        sim.step(50)
+        sim.parameters.reset("rov.drag")
+        sim.set_optics(jerlov="II")
+        sim.step(50)
+        expected = sim.parameters.changes
+    result = repeat_recording(tmp_path / "run.mcap")
+    assert result.difference is None and result.state_compared
+    assert result.sim.parameters.changes == expected and result.sim.rov.lamps["front"].on
