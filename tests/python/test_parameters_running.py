@@ -60,6 +60,8 @@ def rest_of(sim: Simulator) -> dict[str, bytes]:
             1,
             r"parameters\['rov\.drag\.linear\.srge'\]: .* did you mean 'rov\.drag\.linear\.surge'",
         ),
+        ("step_s", 0.01, r"parameters\['step_s'\]: it is fixed when the simulator is made"),
+        ("rov.sonar.tilt_deg", 10, r"it holds for the start; aim\(\) turns the head"),
         ("water.surface.amplitud_m", 1, r"water\.surface\.amplitud_m: unknown key; did you mean 'amplitude_m'"),
         ("water.surface", {"kind": "airy", "period_s": 3}, r"water\.surface\.amplitude_m: missing"),
         ("auv.fins", {"tail": {"area_m2": -1}}, r"auv\.fins\.tail\.area_m2 = -1 m2: must be in"),
@@ -107,6 +109,23 @@ def test_what_is_changed_and_reset_within_a_step_leaves_no_trace(sim: Simulator)
     sim.parameters.reset()
     assert sim.parameters.changes == {}
     assert rest_of(sim) == untouched
+
+
+def test_what_was_set_whole_is_reset_whole(sim: Simulator) -> None:
+    waves = {"kind": "jonswap", "significant_height_m": 0.5, "peak_period_s": 4.0}
+    sim.parameters["water.surface"] = waves
+    sim.parameters["water.surface.significant_height_m"] = 0.8
+    assert sim.parameters["water.surface"]["significant_height_m"] == 0.8
+    sim.parameters.reset("water.surface.significant_height_m")
+    assert sim.parameters["water.surface.significant_height_m"] == 0.5
+    with pytest.raises(ValueError, match=r"was set with water\.surface: reset that"):
+        sim.parameters.reset("water.surface.peak_period_s")
+    sim.parameters.reset("water.surface")
+    assert sim.parameters["water.surface.amplitude_m"] == 0.3
+    sim.parameters.update(
+        {"water.current": {"kind": "tidal", "amplitude_m_s": [0.1, 0, 0]}, "water.current.0.phase_deg": 5}
+    )
+    assert sim.parameters["water.current.0.phase_deg"] == 5 and len(sim.parameters["water.current"]) == 1
 
 
 def test_a_change_keeps_motion_and_acts_from_the_next_step_on(sim: Simulator) -> None:

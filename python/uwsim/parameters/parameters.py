@@ -131,6 +131,9 @@ class Parameters(Mapping[str, Any]):
         if name is not None and find(self._original, name) is None:
             self._node(name)
         inside = {old for old in self._changes if name is None or old == name or old.startswith(name + ".")}
+        above = [old for old in self._changes if name is not None and name.startswith(old + ".")]
+        if above and not inside:
+            raise ScenarioError(f"{name}: was set with {above[0]}: reset that")
         switches = {
             switch: self._default(switch)
             for switch in self._switches
@@ -179,7 +182,8 @@ class Parameters(Mapping[str, Any]):
         if node is not None and not node.place:
             raise ScenarioError(f"{name}: must be keys and values")
         into.pop(name, None)
-        into[name] = plain(value)
+        is_one_of_a_list = isinstance(value, Mapping) and node is not None and node.place in table.LISTS
+        into[name] = [plain(value)] if is_one_of_a_list else plain(value)
 
     def _place(self, name: str) -> Place:
         """Return the place of a name; below what is replaced whole also of one that is not there now."""
@@ -200,8 +204,8 @@ class Parameters(Mapping[str, Any]):
     def _node(self, name: str) -> Node:
         node = find(self._running, name) if isinstance(name, str) else None
         if node is None:
-            hint = did_you_mean(str(name), nodes(self._running))
-            raise UnknownParameterError(f"parameters[{name!r}]: there is none{hint}")
+            rule = table.why_fixed(str(name)) or "there is none" + did_you_mean(str(name), nodes(self._running))
+            raise UnknownParameterError(f"parameters[{name!r}]: {rule}")
         return node
 
     def _renamed(self, text: str) -> str:

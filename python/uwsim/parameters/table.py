@@ -100,6 +100,14 @@ WHOLE = {("water", "surface"), ("water", "current"), ("water", "profile"), ("opt
 """Places whose parts belong together: a dict or a list that is set there replaces all of them."""
 
 
+def why_fixed(name: str) -> str:
+    """Return why something that a scenario says is no parameter, or nothing for what it does not know either."""
+    field = name.rpartition(".")[2]
+    if field == "tilt_deg":
+        return "it holds for the start; aim() turns the head"
+    return "it is fixed when the simulator is made" if any(field in fields for fields in FIXED.values()) else ""
+
+
 def position_or_key(part: str) -> str | int:
     """Return what a part of a name stands for in plain values: the position of an item, or a key."""
     for names in (COORDINATES, COLOURS):
@@ -113,6 +121,10 @@ def is_absent(model: Model, field: str) -> bool:
     if field in ("max_force_n", "max_torque_nm") or field.endswith("_matrix"):
         return getattr(model, field) is None
     return getattr(model, field + "_matrix", None) is not None
+
+
+LISTS = {("water", "current")}
+"""Those of WHOLE that hold a list; a scenario may give its only item in its place."""
 
 
 def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:
