@@ -60,7 +60,8 @@ def shoot(page: Page, path: Path) -> None:
     """Take a picture of a page when its views have had time for new pictures."""
     time.sleep(4.0)
     if page.is_visible("#station"):
-        until(page, "!document.querySelector('.view.is-stale')")
+        until(page, "station.views.names.every((name) => (station.views.picture(name)?.drawn ?? 1) > 0)")
+        until(page, "!document.querySelector('.view.is-large.is-stale')")
     page.screenshot(path=path, type="jpeg", quality=QUALITY)
     print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
 
