@@ -7,6 +7,7 @@ import pytest
 
 from command_line import uwsim
 from uwsim import Simulator, recording
+from uwsim.channels import services
 from uwsim.channels.table import table_of
 from uwsim.cli.diff import diff as diff_command
 from uwsim.cli.map import from_recording
@@ -73,9 +74,12 @@ def test_arrays_are_arrays_with_time_and_beam(run: recording.Recording) -> None:
 
 def test_pictures_are_recorded_replayed_and_read_as_arrays(tmp_path: Path) -> None:
     path, sim = tmp_path / "pictures.mcap", Simulator("lake", seed=3)
-    with Recorder(sim, path, topics=["camera/front/*"]):
-        sim.rov.undock()
-        sim.advance(0.3)
+    with LiveSimulator(sim, speed="max", paused=True) as live, Recorder(live, path, topics=["camera/front/*"]):
+        live.rov.undock()
+        live.step(40)
+        (service,) = (s for s in services(sim) if s.name == "camera/front/set_stream")
+        assert service.call(live, {"quality": 30})["success"]
+        live.step(40)
     run = recording.open(path)
     rgb = run.xarray("camera/front/image_raw/compressed")["rgb"]
     assert rgb.dims == ("time", "row", "column", "channel") and rgb.sizes["channel"] == 3 and rgb.dtype == np.uint8

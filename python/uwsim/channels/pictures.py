@@ -71,6 +71,11 @@ class Pictures:
         self._jobs: dict[str, list[_Job]] = {}
         self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
 
+    @property
+    def streams(self) -> dict[str, Stream]:
+        """The settings that are not those by default."""
+        return dict(self._streams)
+
     def stream(self, name: str) -> Stream:
         """Return a camera's settings."""
         return self._streams.get(name, Stream())

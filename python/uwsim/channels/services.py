@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator
 from uwsim.simulator import Simulator
 
+SET_STREAM = "set_stream"
+"""The name under which a recording knows that a stream of pictures was changed."""
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 Request = dict[str, Any]
 STEPS_MAX = 1_000_000
@@ -147,7 +150,16 @@ def _set_stream(key: str, pictures: Pictures) -> Callable[[LiveSimulator, Reques
         _require(0.01 <= rate_hz <= RATE_HZ, "rate_hz", rate_hz, f"must be in [0.01, {RATE_HZ:g}]")
         _require(width == 0 or WIDTHS[0] <= width <= WIDTHS[1], "width", width, f"must be 0 or in {list(WIDTHS)}")
         _require(1 <= quality <= 100, "quality", quality, "must be in [1, 100]")
-        pictures.set_stream(key, Stream(enabled, rate_hz, width, quality))
+        chosen = Stream(enabled, rate_hz, width, quality)
+
+        def change(sim: Simulator) -> None:
+            pictures.set_stream(key, chosen)
+            sim.journal.note(SET_STREAM, key=key, **asdict(chosen))
+
+        if live.running:
+            live.read(change).result()  # between two steps, as a replay does it
+        else:
+            change(live.simulator)
 
     return set_stream
 

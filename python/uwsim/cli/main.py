@@ -23,6 +23,7 @@ from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.parameters import parameters
+from uwsim.cli.recording import recording
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
 from uwsim.cli.run_typer import PASS_ON, run_typer
@@ -45,6 +46,7 @@ app.command()(station)
 app.command()(connect)
 app.command()(nodes)
 app.command()(doctor)
+app.command()(recording)
 app.command()(replay)
 app.command()(diff)
 app.command()(scenario)

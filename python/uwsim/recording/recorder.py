@@ -9,7 +9,7 @@ import logging
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -215,6 +215,7 @@ class Recorder:
             "step_s": repr(sim.step_s),
             "tick": str(sim.tick),
             "origin": json.dumps(table_of(sim).origin_m.tolist()),
+            "streams": json.dumps({key: asdict(stream) for key, stream in table_of(sim).pictures.streams.items()}),
             "map_is_older": json.dumps(table_of(sim).has_map),
             "truth": json.dumps(table_of(sim).truth),
             "on_wall_clock": json.dumps(not self._may_wait()),

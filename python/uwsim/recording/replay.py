@@ -15,6 +15,8 @@ from typing import Any
 from uwsim.channels import Channel, channels
 from uwsim.channels.cdr import encode
 from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels.pictures import Stream
+from uwsim.channels.services import SET_STREAM
 from uwsim.channels.table import table_of
 from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
@@ -116,6 +118,8 @@ class _Replay:
         self._is_survey = recording.start["kind"] == SURVEY
         on_wall_clock = json.loads(recording.start["on_wall_clock"])
         known = channels(sim, origin=json.loads(recording.start["origin"]), truth=json.loads(recording.start["truth"]))
+        for key, stream in json.loads(recording.start["streams"]).items():
+            table_of(sim).pictures.set_stream(key, Stream(**stream))
         if not self._is_survey:  # a survey pings by a clock of its own: its pings are made anew when they were recorded
             known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
@@ -180,6 +184,9 @@ class _Replay:
         self.result.commands += 1
         if command.name in JUMPS:
             getattr(self._sim, command.name)(**command.arguments)
+        elif command.name == SET_STREAM:
+            arguments = dict(command.arguments)
+            table_of(self._sim).pictures.set_stream(arguments.pop("key"), Stream(**arguments))
         else:
             bound_command(command.name, command.arguments)(self._sim)
 

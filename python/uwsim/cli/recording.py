@@ -1,0 +1,37 @@
+"""`uwsim recording`: what a recording holds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def recording(
+    source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap")],
+) -> None:
+    """List what a recording holds: its run, its commands, its channels."""
+    from uwsim.recording.commands import COMMANDS
+    from uwsim.recording.reader import Recording
+
+    run = Recording(source)
+    first_s = int(run.start["tick"]) * 1e-9 * run.step_ns
+    end = f"to {int(run.end['tick']) * 1e-9 * run.step_ns:g} s" if run.end else "and was cut off"
+    commands = Counter(command.name for command in run.commands()) if COMMANDS in run.channels else Counter()
+    rows = [
+        ("run", f"{run.start['kind']}, scenario {run.start['scenario']}, seed {run.start['seed']}"),
+        ("simulated", f"from {first_s:g} s {end}"),
+        ("begun", run.start["begun"]),
+        ("build", run.start["build"]),
+        ("size", f"{1e-6 * source.stat().st_size:.1f} MB"),
+        ("commands", ", ".join(f"{count} {name}" for name, count in commands.most_common()) or "none"),
+        ("left out", ", ".join(f"{count} /{name}" for name, count in run.dropped.items()) or "none"),
+    ]
+    for name, value in rows:
+        typer.echo(f"{name:<10}{value}")
+    width = max((len(name) for name in run.channels), default=0)
+    for info in run.channels.values():
+        rate = f"{info.rate_hz:g} Hz" if info.rate_hz else ""
+        typer.echo(f"{info.message_count:>8}  /{info.name:<{width}}  {rate:>7}  {info.type}")
