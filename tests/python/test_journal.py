@@ -43,7 +43,7 @@ def test_what_the_journal_saw_repeated_is_the_same_run() -> None:
     sim.journal.attach(watcher)
     fly(sim)
     names = [name for _, name, _ in watcher.seen]
-    assert names == ["undock", "set_effort", "aim", "set_lamp", "set_wrench", "set_optics", "place"]
+    assert names == ["undock", "set_effort", "aim", "set_lamp", "set_wrench", "set_parameters", "place"]
     again = Simulator("lake", seed=4)
     for tick, name, arguments in watcher.seen:
         again.step(tick - again.tick)
