@@ -22,6 +22,7 @@ from rich.table import Table
 
 from uwsim import Simulator, _core
 from uwsim.scenario import VehicleEntry, load
+from uwsim.scenario.spec.water import JonswapSurface
 
 console = Console()
 
@@ -29,6 +30,7 @@ VEHICLE = "bluerov2_heavy"
 STEP_S = 0.005
 MIDDLE_M = (20.0, -5.0)  # over the lake
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
+SEA = {"kind": "jonswap", "significant_height_m": 0.5, "peak_period_s": 4.0}  # 64 waves
 # Ratio to Bullet's bare step, ratio to pybullet, real-time factors, steps/s while crossing and floating at the surface.
 GOALS = {
     "against_bare_bullet": 0.35,
@@ -54,6 +56,8 @@ def main(
         "surface": Flight(depth_m=0.0, steps=20, repeats=20),
         "resting": Settled(above_bed_m=0.3, heave=-0.6),
         "floating": Settled(heave=0.1),
+        "floating_in_waves": Settled(heave=0.1, steps=200, waves=True),
+        "under_waves": Flight(depth_m=3.0, steps=100, repeats=10, waves=True),
         **{f"vehicles_{count}": Flight(depth_m=10.0, steps=200, repeats=2, count=count) for count in COUNTS},
     }
     if (bare := bare_step_program()) is not None:
@@ -103,10 +107,20 @@ class Flight:
     """
 
     def __init__(
-        self, *, steps: int, repeats: int, depth_m: float = 0.0, above_bed_m: float | None = None, count: int = 1
+        self,
+        *,
+        steps: int,
+        repeats: int,
+        depth_m: float = 0.0,
+        above_bed_m: float | None = None,
+        count: int = 1,
+        waves: bool = False,
     ) -> None:
         self._steps, self._repeats = steps, repeats
         scenario = load("lake")
+        if waves:
+            sea = scenario.water.model_copy(update={"surface": JonswapSurface.model_validate(SEA)})
+            scenario = scenario.model_copy(update={"water": sea})
         self._starts = [(MIDDLE_M[0] + 5.0 * (k % 8), MIDDLE_M[1] + 5.0 * (k // 8), -depth_m) for k in range(count)]
         vehicles = tuple(
             VehicleEntry.model_validate({"name": f"body{k}", "model": VEHICLE, "start": {"position_m": start}})
@@ -138,8 +152,11 @@ class Settled:
     It comes to rest once, before anything is timed.
     """
 
-    def __init__(self, *, heave: float, above_bed_m: float | None = None) -> None:
-        flight = Flight(steps=1, repeats=1, above_bed_m=above_bed_m)
+    def __init__(
+        self, *, heave: float, above_bed_m: float | None = None, waves: bool = False, steps: int = 2000
+    ) -> None:
+        self._steps = steps
+        flight = Flight(steps=1, repeats=1, above_bed_m=above_bed_m, waves=waves)
         flight()
         self._sim = flight.simulator
         self._sim.rov.set_effort(heave=heave)
@@ -147,15 +164,14 @@ class Settled:
         touches, height_m = self._sim.rov.telemetry().collision_warning, self._sim.rov.pose.position_world_m[2]
         if above_bed_m is not None and not touches:
             raise RuntimeError("the vehicle does not rest on the bed")
-        if above_bed_m is None and abs(height_m) > 0.13:  # its half height
+        if above_bed_m is None and not waves and abs(height_m) > 0.13:  # its half height
             raise RuntimeError(f"the vehicle does not float: it is at z = {height_m:.3f} m")
 
     def __call__(self) -> float:
         """Return steps per second."""
-        steps = 2000
         started_s = time.thread_time()
-        self._sim.step(steps)
-        return steps / (time.thread_time() - started_s)
+        self._sim.step(self._steps)
+        return self._steps / (time.thread_time() - started_s)
 
 
 def _lowest_m(vehicle: VehicleEntry) -> float:
@@ -240,6 +256,8 @@ def _table(figures: dict[str, float]) -> Table:
         ("crossing the surface", "surface", GOALS["surface"]),
         ("resting on the bed", "resting", None),
         ("floating at the surface", "floating", GOALS["floating"]),
+        ("floating in waves of 0.5 m", "floating_in_waves", None),
+        ("3 m under them", "under_waves", None),
         ("Bullet's bare step", "bare_bullet", None),
         ("pybullet and NumPy", "pybullet", None),
         ("pybullet and NumPy, resting on a plane", "pybullet_resting", None),
