@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "meshes.h"
+#include "uwsim/rays/ray_scene.h"
 
 namespace uwsim {
 namespace {
@@ -52,6 +55,37 @@ TEST(Tiling, EveryTriangleAndShapeIsInOneTileEvenBesideTheTerrain) {
   EXPECT_EQ(meshes, std::vector<int>(500, 1));
   EXPECT_EQ(shapes, std::vector<int>(2, 1));
   EXPECT_TRUE(cut_into_tiles(World{}).empty());
+}
+
+/// A bed of 1 km and a ball of triangles with edges of about 5 cm.
+World wide_world_with_fine_ball(const Eigen::Vector3d& middle) {
+  World world = wide_world(200, 5);
+  TriangleMesh ball = testing::sphere(1, 40);
+  for (Eigen::Vector3d& v : ball.vertices_m) v += middle;
+  world.add_solid("ball", ball);
+  return world;
+}
+
+TEST(Tiling, ASolidOfFineTrianglesHasItsOwnTileInAWideWorld) {
+  const std::vector<TileContents> tiles = cut_into_tiles(wide_world_with_fine_ball({5500, -6500, -10}));
+  ASSERT_EQ(tiles.size(), 2u);
+  for (const TileContents& tile : tiles) EXPECT_NE(tile.columns > 0, !tile.solids.empty());
+}
+
+TEST(Tiling, RaysMeetAFineBallAndTheBedAroundItExactly) {
+  const Eigen::Vector3d middle(5500, -6500, -19.5);  // half sunk into the bed
+  const RayScene scene(wide_world_with_fine_ball(middle));
+  for (int k = 0; k < 400; ++k) {
+    const double x = 0.006 * (k - 200), y = 0.31 * std::sin(k), off_axis = std::hypot(x, y);
+    const RayHit hit = scene.cast({middle + Eigen::Vector3d(x, y, 9.5), -Eigen::Vector3d::UnitZ()}, 50);
+    if (off_axis > 1) {
+      EXPECT_EQ(hit.label, kTerrain);
+      EXPECT_NEAR(hit.distance_m, 10, 1e-9);
+    } else if (off_axis < 0.97) {
+      EXPECT_EQ(hit.label, kTerrain + 1);
+      EXPECT_NEAR(hit.distance_m, 9.5 - std::sqrt(1 - off_axis * off_axis), 1e-2);
+    }
+  }
 }
 
 }  // namespace

@@ -5,8 +5,13 @@
 #include <map>
 #include <utility>
 
+#include "uwsim/rays/tolerances.h"
+
 namespace uwsim {
 namespace {
+
+constexpr double kFineTileWidth_m = 50;
+constexpr double kFineEdge = 8;  // widenings
 
 using Key = std::pair<std::int64_t, std::int64_t>;  // a tile's row and column
 
@@ -85,18 +90,42 @@ void add_solid(const Solid& solid, Label label, const Cuts& cuts, std::map<Key, 
   }
 }
 
+/// Whether triangles are so small that what float needs in a tile of the world (tolerances.h) would blur them together:
+/// most of their hits would have to be searched for.
+bool is_fine(const Solid& solid, const Eigen::AlignedBox2d& world) {
+  if (!solid.shapes.empty()) return false;
+  const double widening_m = tolerances_of(world.sizes().cwiseMin(kTileWidth_m).norm(), 1, true).widening_m;
+  double sum_m = 0;
+  const auto& v = solid.mesh_world.vertices_m;
+  for (const Triangle& t : solid.mesh_world.triangles)
+    sum_m += (v[t[1]] - v[t[0]]).norm() + (v[t[2]] - v[t[1]]).norm() + (v[t[0]] - v[t[2]]).norm();
+  return sum_m < kFineEdge * widening_m * 3 * static_cast<double>(solid.mesh_world.triangles.size());
+}
+
 }  // namespace
 
 std::vector<TileContents> cut_into_tiles(const World& world) {
   if (!world.terrain() && world.solids().empty()) return {};
-  const Cuts cuts = cuts_of(world, extent_of(world));
+  const Eigen::AlignedBox2d extent = extent_of(world);
+  const Cuts cuts = cuts_of(world, extent);
   std::map<Key, TileContents> tiles;
+  std::vector<TileContents> list;
+  const auto take = [&list](std::map<Key, TileContents>& cut) {
+    for (auto& [key, tile] : cut) list.push_back(std::move(tile));
+  };
   if (world.terrain()) add_terrain(*world.terrain(), cuts, tiles);
   for (std::size_t k = 0; k < world.solids().size(); ++k) {
-    add_solid(*world.solids()[k], static_cast<Label>(kTerrain + 1 + k), cuts, tiles);
+    const Solid& solid = *world.solids()[k];
+    const auto label = static_cast<Label>(kTerrain + 1 + k);
+    if (!is_fine(solid, extent)) {
+      add_solid(solid, label, cuts, tiles);
+      continue;
+    }
+    std::map<Key, TileContents> own;
+    add_solid(solid, label, {solid.low_world_m.head<2>(), Eigen::Vector2d::Constant(kFineTileWidth_m)}, own);
+    take(own);
   }
-  std::vector<TileContents> list;
-  for (auto& [key, tile] : tiles) list.push_back(std::move(tile));
+  take(tiles);
   return list;
 }
 

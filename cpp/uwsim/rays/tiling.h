@@ -23,7 +23,8 @@ struct TileContents {
 };
 
 /// Cuts the world into tiles at most kTileWidth_m wide (or one cell of the terrain, where that is wider): blocks of
-/// terrain cells, with the triangles and shapes whose middle lies over the block. Each belongs to one tile only.
+/// terrain cells, with the triangles and shapes whose middle lies over the block. Each belongs to one tile only. Solids
+/// of very small triangles have smaller tiles of their own, in which float can tell these apart.
 std::vector<TileContents> cut_into_tiles(const World& world);
 
 }  // namespace uwsim
