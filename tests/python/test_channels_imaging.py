@@ -11,6 +11,7 @@ from channel_tools import stamp_ns, table
 from test_imaging_mount import SONARS, pool_with
 from uwsim import Simulator
 from uwsim.channels import imaging, services
+from uwsim.live import LiveSimulator
 
 PERIOD_S = 0.1
 
@@ -82,11 +83,12 @@ def test_a_profiler_steps_to_and_fro_and_shows_its_last_echo_in_each_direction(s
 def test_their_streams_are_chosen_as_those_of_cameras(sim):
     found = table(sim)["ahead/picture/compressed"]
     set_stream = next(service for service in services(sim) if service.name == "ahead/set_stream")
-    assert set_stream.call(None, {"width": 64, "rate_hz": 1.0}) == {"success": True, "message": ""}
     seen = []
-    for _ in range(30):
-        seen.append(found.read(sim))
-        sim.advance(PERIOD_S)
+    with LiveSimulator(sim, speed="max", paused=True) as live:
+        assert set_stream.call(live, {"width": 64, "rate_hz": 1.0}) == {"success": True, "message": ""}
+        for _ in range(30):
+            seen.append(found.read(sim))
+            live.step(round(PERIOD_S / sim.step_s))
     said = [message for message in seen if message is not None]
     assert 2 <= len(said) <= 4
     assert all(picture(message).shape[1] == 64 for message in said)

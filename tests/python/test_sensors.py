@@ -56,7 +56,11 @@ def log(sim: Simulator, names: list[str], every: int, steps: int) -> list[list[f
     return rows
 
 
-@pytest.mark.parametrize("path", sorted((assets_folder() / "vehicles").glob("*.yaml")), ids=lambda path: path.stem)
+# The published vehicle carries the published instruments alone.
+VEHICLES = sorted(path for path in (assets_folder() / "vehicles").glob("*.yaml") if path.stem != "paper")
+
+
+@pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)
 def test_every_packaged_vehicle_carries_the_sensors(path: Path) -> None:
     sensors = load_vehicle(str(path)).sensors
     assert set(SENSORS) <= set(sensors)

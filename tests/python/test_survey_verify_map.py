@@ -37,8 +37,8 @@ def test_a_map_that_differs_from_stock_exits_with_1(tmp_path: Path) -> None:
         "class Forgetful(M):\n"
         "    seen = 0\n"
         "    def insert_scan(self, *scan):\n"
-        "        self.seen += 1\n"
-        "        if self.seen != 20: super().insert_scan(*scan)\n"
+        "        Forgetful.seen += 1\n"
+        "        if Forgetful.seen != 20: super().insert_scan(*scan)\n"
         "SurveyRequest.new_reference = lambda request: Forgetful(resolution_m=request.voxel_m)\n"
         "main()"
     )

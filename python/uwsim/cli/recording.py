@@ -12,7 +12,7 @@ import typer
 def recording(
     source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap")],
 ) -> None:
-    """List what a recording holds: its run, its commands, its channels."""
+    """List what a recording holds: run, commands, channels."""
     from uwsim.recording.commands import COMMANDS
     from uwsim.recording.reader import Recording
 
