@@ -16,7 +16,7 @@ MESSAGE, TIME, RESPONSE = 1, 2, 3
 class FoxgloveClient:
     """Subscribes, publishes and calls. channels, services: what the server has, by topic and name."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, first: str = "/scene/lake") -> None:
         self._stack = ExitStack()
         protocols = [Subprotocol("foxglove.sdk.v1")]
         connected = connect(url, subprotocols=protocols, max_size=None, open_timeout=PATIENCE_S)
@@ -26,7 +26,7 @@ class FoxgloveClient:
         self.statuses: list[str] = []
         self.times_ns: list[int] = []
         self._topics: dict[int, str] = {}
-        self.until(lambda: self.channels and "/scene/lake" in self.channels)
+        self.until(lambda: self.channels and first in self.channels)
 
     def __enter__(self) -> "FoxgloveClient":
         return self

@@ -57,7 +57,14 @@ def wait_for_port(port: int) -> None:
 @contextmanager
 def serving(environment: dict[str, str], *options: str) -> Iterator[str]:
     """Run `uwsim serve --ros1`; yields its greeting."""
-    command = [sys.executable, "-c", "from uwsim.cli import main; main()", "serve", *options, "--ros1", "--port", "0"]
+    with running(environment, "serve", *options) as greeting:
+        yield greeting
+
+
+@contextmanager
+def running(environment: dict[str, str], *arguments: str) -> Iterator[str]:
+    """Run a command of uwsim with --ros1; yields its greeting."""
+    command = [sys.executable, "-c", "from uwsim.cli import main; main()", *arguments, "--ros1", "--port", "0"]
     process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
     greeting = process.stdout.readline()

@@ -67,6 +67,10 @@ class Peer:
         reader, type_name = self._readers[topic]
         return [from_bytes(data, type_name) for data in reader.take(100)]
 
+    def bytes(self, topic: str) -> list[bytes]:
+        """Return the messages that have arrived since the last look, in CDR as they came."""
+        return list(self._readers[topic][0].take(100))
+
     def next(self, topic: str) -> Any:
         """Wait for a message."""
         return until(lambda: self.heard(topic), f"/{topic} was silent")[0]

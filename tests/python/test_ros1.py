@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from command_line import error_line, uwsim
-from ros1_tools import master, ros_is_installed, run_node, serving
+from ros1_tools import master, ros_is_installed, run_node, running, serving
+from uwsim import Simulator, recording
 from uwsim.bridges.ros1.raw_types import read_message
 from uwsim.channels.build import message
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import to_bytes
+from uwsim.recording import Recorder
 
 pytestmark = pytest.mark.skipif(not ros_is_installed(), reason="Debian's packages of ROS 1 are not installed")
 
@@ -135,6 +137,40 @@ def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path)
     assert (side - far) @ left > 1.0, found
     assert (back - side) @ ahead < -2.0, found
     assert found["sim_time"] > 27.0
+
+
+HEAR = """
+import json, rospy, time
+from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
+rospy.init_node("listener", anonymous=True)
+heard, latched = [], []
+rospy.Subscriber("/scan", LaserScan, lambda m: heard.append((m.header.stamp.to_nsec(), list(m.ranges))))
+rospy.Subscriber("/tf_static", TFMessage, lambda m: latched.append(len(m.transforms)))
+until = time.time() + 60
+while (len(heard) < 3 or not latched) and time.time() < until:
+    time.sleep(0.02)
+print(json.dumps([heard, latched, rospy.has_param("/use_sim_time")]))
+"""
+
+
+def test_a_recording_plays_to_rospy(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    sim = Simulator("pool", seed=3)
+    with Recorder(sim, path, topics=["scan", "tf_static"]):
+        sim.advance(4.0)
+    with (
+        master(tmp_path) as environment,
+        running(environment, "replay", str(path), "--as-topics", "--wait") as greeting,
+    ):
+        assert f"ROS 1 at {environment['ROS_MASTER_URI']}" in greeting
+        heard, latched, uses_sim_time = json.loads(run_node(HEAR, environment))
+    said = {recorded.time_ns: recorded.message for recorded in recording.open(path).messages("scan")}
+    assert len(heard) >= 3
+    for time_ns, ranges in heard:
+        np.testing.assert_array_equal(np.float32(ranges), said[time_ns].ranges)
+    assert latched == [len(next(recording.open(path).messages("tf_static")).message.transforms)]
+    assert not uses_sim_time  # there is no clock in it, for which nodes would wait
 
 
 def test_services_are_std_srvs_and_others_take_json(ros: dict[str, str]) -> None:

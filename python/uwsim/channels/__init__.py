@@ -1,7 +1,7 @@
 """The table of channels, which says what is said and heard, and the messages that they carry."""
 
-from uwsim.channels.channel import Channel, Service, keep_up
+from uwsim.channels.channel import Channel, Service, keep_up, require_live
 from uwsim.channels.diagnostics import diagnostics_channel
 from uwsim.channels.table import ORIGINS, channels, services
 
-__all__ = ["ORIGINS", "Channel", "Service", "channels", "diagnostics_channel", "keep_up", "services"]
+__all__ = ["ORIGINS", "Channel", "Service", "channels", "diagnostics_channel", "keep_up", "require_live", "services"]

@@ -65,9 +65,18 @@ class Service:
     description: str = ""
 
 
-def keep_up(live: LiveSimulator, channels: Iterable[Channel]) -> list[Subscription]:
+def require_live(live: LiveSimulator | None) -> LiveSimulator:
+    """Return the simulator that whoever commands or reads needs. Raises NotRunningError if there is none."""
+    if live is None:
+        raise NotRunningError("there is no simulator, only a recording")
+    return live
+
+
+def keep_up(live: LiveSimulator | None, channels: Iterable[Channel]) -> list[Subscription]:
     """Begin what channels do whether or not somebody reads them; servers call it once, and cancel it when they end."""
-    going_on = []
+    going_on: list[Subscription] = []
+    if live is None:
+        return going_on
     for channel in channels:
         if channel.keep_up is not None and channel.rate_hz is not None:
             try:

@@ -6,10 +6,11 @@ import logging
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any
+from typing import Any, Protocol
 
 from uwsim.channels.cdr import encode
 from uwsim.channels.channel import Channel
+from uwsim.channels.messages import from_bytes
 from uwsim.live import LiveSimulator, Subscription
 from uwsim.simulator import Simulator
 
@@ -19,27 +20,51 @@ logger = logging.getLogger("uwsim.channels")
 class Reading:
     """One message of a channel. time_ns: simulated time at which it was read; tick: the same in steps."""
 
-    __slots__ = ("_cdr", "_lock", "channel", "message", "tick", "time_ns")
+    __slots__ = ("_cdr", "_lock", "_message", "channel", "tick", "time_ns")
 
-    def __init__(self, channel: Channel, message: Any, time_ns: int, tick: int) -> None:
+    def __init__(
+        self, channel: Channel, message: Any, time_ns: int, tick: int, *, cdr: memoryview | None = None
+    ) -> None:
+        """message: None if cdr has it already."""
         self.channel = channel
-        self.message = message
         self.time_ns = time_ns
         self.tick = tick
-        self._cdr: memoryview | None = None
+        self._message = message
+        self._cdr = cdr
         self._lock = threading.Lock()
+
+    @property
+    def message(self) -> Any:
+        """The message itself: of recorded bytes, it is decoded by the first who asks. Raises ValueError."""
+        with self._lock:
+            if self._message is None:
+                self._message = from_bytes(bytes(self._cdr or b""), self.channel.type)
+            return self._message
 
     @property
     def cdr(self) -> memoryview:
         """The message in CDR: encoded by the first who asks, on any thread, and shared by all."""
         with self._lock:
             if self._cdr is None:
-                self._cdr = encode(self.message)
+                self._cdr = encode(self._message)
             return self._cdr
 
 
 Sink = Callable[[Reading], object]
 """Takes a reading on the stepping thread: it must be brief and must not block."""
+
+
+class Readings(Protocol):
+    """Whatever hands out readings to bridges: a live simulator's feed, or a recording that is played."""
+
+    def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
+        """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
+
+    def newest(self, channel: Channel) -> Reading | None:
+        """Return what somebody needs who comes later to a latched channel."""
+
+    def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
+        """Tell a sink the simulated time [ns] at each period of it; return what ends that."""
 
 
 class Feed:
@@ -77,6 +102,10 @@ class Feed:
         with self._lock:
             tap = self._taps.get(channel.name)
             return None if tap is None else tap.late()
+
+    def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
+        """Tell a sink the simulated time [ns] at each period of it; return what ends that. Raises NotRunningError."""
+        return self._live.every(period_s, lambda sim: sim.time_ns, sink).cancel
 
     def _leave(self, tap: _Tap, sink: Sink) -> None:
         with self._lock:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.options import RosDistro, RosDomain, RosPeers, RosReach
+from uwsim.cli.bridges import RosDistro, RosDomain, RosPeers, RosReach
 
 MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
 

@@ -45,19 +45,6 @@ Threads = Annotated[
     int | None, typer.Option(help="Number of threads; the result does not depend on it. Default: one per core.")
 ]
 
-RosDistro = Annotated[
-    str | None, typer.Option(help="ROS 2: humble or jazzy. Default: the environment's ROS_DISTRO, else jazzy.")
-]
-RosDomain = Annotated[
-    int | None, typer.Option(help="ROS 2: the domain. Default: the environment's ROS_DOMAIN_ID, else 0.")
-]
-RosReach = Annotated[
-    str | None, typer.Option(help="ROS 2: localhost (this machine alone) or subnet. Default: localhost.")
-]
-RosPeers = Annotated[
-    list[str] | None, typer.Option(help="ROS 2: a further host, which multicast does not reach; may be repeated.")
-]
-
 
 def sonar_model(text: str | None) -> int | str | None:
     """Return a number of the protocol as int; a name or path as it is."""

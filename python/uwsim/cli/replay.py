@@ -1,12 +1,14 @@
-"""`uwsim replay`: repeat a recorded run and compare it, or play its messages to rosbridge clients."""
+"""`uwsim replay`: repeat a recorded run and compare it, or play its messages to clients of bridges."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import Threads
 
@@ -20,16 +22,25 @@ def replay(
         typer.Option(help="Simulated seconds per wall second, or max. Default: max; 1 with --as-topics."),
     ] = None,
     as_topics: Annotated[
-        bool, typer.Option("--as-topics", help="Do not simulate: play the recorded messages to rosbridge clients.")
+        bool, typer.Option("--as-topics", help="Do not simulate: play the recorded messages to clients.")
     ] = False,
     port: Annotated[int, typer.Option(help="With --as-topics: where to listen; 0 chooses a free port.")] = 9090,
     host: Annotated[str, typer.Option(help="With --as-topics: address to listen on.")] = "127.0.0.1",
     wait: Annotated[bool, typer.Option("--wait", help="With --as-topics: begin when the first client comes.")] = False,
+    ros2: Ros2 = False,
+    ros_distro: RosDistro = None,
+    ros_domain_id: RosDomain = None,
+    ros_reach: RosReach = None,
+    ros_peer: RosPeers = None,
+    ros1: Ros1 = False,
+    foxglove: Foxglove = False,
+    foxglove_port: FoxglovePort = None,
     threads: Threads = None,
 ) -> None:
     """Repeat a recorded run and compare every message.
 
-    With its scenario, seed and commands; byte for byte. Exits with 1 at the first difference, which it names.
+    With its scenario, seed and commands; byte for byte. Exits with 1 at the first difference, which it names. Or, with
+    --as-topics, play the messages to rosbridge clients, and to ROS 2, ROS 1 and Foxglove.
     """
     from uwsim.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer
@@ -39,6 +50,12 @@ def replay(
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
     if as_topics and speed == "max":
         raise ValueError("--speed max: with --as-topics it must be a factor: clients could not follow")
+    bridges = Bridges(
+        ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
+        ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
+    )  # fmt: skip
+    if (bridges or wait) and not as_topics:
+        raise ValueError("--ros2, --ros1, --foxglove and --wait need --as-topics")
     pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
     opened = Recording(recording)
     if as_topics:
@@ -46,7 +63,7 @@ def replay(
 
         play(
             opened, pacer, host=host, port=port, from_s=from_s, until_s=until_s, wait=wait,
-            say=typer.echo,
+            join=partial(bridges.join, host=host), say=typer.echo,
         )  # fmt: skip
         return
     from uwsim.recording.replay import replay as repeat

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from uwsim.cli.options import Record, RecordTopics, RosDistro, RosDomain, RosPeers, RosReach, Seed, SonarModel, Threads
+from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
+from uwsim.cli.options import Record, RecordTopics, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 if TYPE_CHECKING:
@@ -48,18 +48,16 @@ def serve(
     ] = None,
     paused: Paused = False,
     station: Annotated[bool, typer.Option("--station", help="Also serve the operator's page.")] = False,
-    ros2: Annotated[bool, typer.Option("--ros2", help="Also be a node of ROS 2; see docs/ros2.md.")] = False,
+    ros2: Ros2 = False,
     ros_distro: RosDistro = None,
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
-    ros1: Annotated[bool, typer.Option("--ros1", help="Also be a node of ROS 1; see docs/ros1.md.")] = False,
+    ros1: Ros1 = False,
     record: Record = None,
     record_topic: RecordTopics = None,
-    foxglove: Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")] = (
-        False
-    ),
-    foxglove_port: Annotated[int | None, typer.Option(help="Where Foxglove connects. Default: 8765.")] = None,
+    foxglove: Foxglove = False,
+    foxglove_port: FoxglovePort = None,
     threads: Threads = None,
 ) -> None:
     """Run a scenario in real time for rosbridge clients.
@@ -74,25 +72,12 @@ def serve(
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
 
-    if ros1:
-        from uwsim.bridges.ros1 import load_rospy, require_master
-
-        load_rospy(), require_master()  # before the world is built
-    joined = None
-    if ros2:
-        from uwsim.bridges.ros2 import Ros2Node, settings_from
-
-        joined = settings_from(
-            os.environ, distro=ros_distro, domain_id=ros_domain_id, reach=ros_reach or "localhost", peers=ros_peer or ()
-        )
-    elif any(option is not None for option in (ros_distro, ros_domain_id, ros_reach, ros_peer)):
-        raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
+    bridges = Bridges(
+        ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
+        ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
+    )  # fmt: skip
     if record_topic and record is None:
         raise ValueError("--record-topic needs --record")
-    if foxglove:
-        from uwsim.bridges.foxglove import PORT, FoxgloveServer
-    elif foxglove_port is not None:
-        raise ValueError("--foxglove-port needs --foxglove")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         hub = None
@@ -138,25 +123,7 @@ def serve(
             sinks.enter_context(hub.serving(server.show))
             hub.run(lambda: live, record_station)
             greeting.append(f"the station's page at {page_url(server.url, token)}")
-        if ros1:
-            from uwsim.bridges.ros1 import Ros1Node
-
-            greeting.append(
-                f"ROS 1 at {sinks.enter_context(Ros1Node(live, server.channels, server.services, feed=feed)).master}"
-            )
-        if joined is not None:
-            node = Ros2Node(live, server.channels, server.services, joined, feed=feed)
-            greeting.append(f"ROS 2 {sinks.enter_context(node).settings}")
-        if foxglove:
-            app = FoxgloveServer(
-                live,
-                server.channels,
-                server.services,
-                host=host,
-                port=PORT if foxglove_port is None else foxglove_port,
-                feed=feed,
-            )
-            greeting.append(f"Foxglove at {sinks.enter_context(app).url}")
+        greeting += bridges.join(sinks, server.channels, feed, live=live, services=server.services, host=host)
         run_until_interrupted(live, ", ".join(greeting))
 
 

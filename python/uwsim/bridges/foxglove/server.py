@@ -15,10 +15,10 @@ from foxglove import Schema, StatusLevel
 from foxglove.websocket import Capability, ChannelView, Client, ClientChannel, MessageSchema, Service, ServiceSchema
 
 from uwsim.bridges.foxglove.shows import shows_of
-from uwsim.channels import Channel, keep_up
+from uwsim.channels import Channel, keep_up, require_live
 from uwsim.channels import Service as ChannelService
 from uwsim.channels.cdr import schema
-from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.feed import Feed, Reading, Readings
 from uwsim.channels.messages import from_bytes, from_plain
 from uwsim.channels.outgoing import Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
@@ -39,25 +39,26 @@ class FoxgloveServer:
 
     Topics carry CDR with ROS 2's schemas, so that panels treat them as a robot's; /scene/* are for the 3D panel.
     Clients may publish on the topics that the simulator hears, in CDR or JSON, and call its services in JSON. A topic
-    is read while somebody subscribes to it. feed: shared with other sinks. port 0 chooses one, see `port`. Raises
-    OSError if it cannot listen, and warns (UserWarning) when others than this machine can connect.
+    is read while somebody subscribes to it. feed: shared with other sinks. live: None with the feed of a recording,
+    which hears nothing, and of whose scenes only the maps are there. port 0 chooses one, see `port`. Raises OSError if
+    it cannot listen, and warns (UserWarning) when others than this machine can connect.
     """
 
     def __init__(
         self,
-        live: LiveSimulator,
+        live: LiveSimulator | None,
         channels: Sequence[Channel],
         services: Sequence[ChannelService] = (),
         *,
         host: str = "127.0.0.1",
         port: int = PORT,
-        feed: Feed | None = None,
+        feed: Readings | None = None,
     ) -> None:
         if not 0 <= port <= 65535:
             raise ValueError(f"port = {port}: must be in [0, 65535]")
         _warn_beyond_loopback(host)
         self._live = live
-        self._feed = feed or Feed(live)
+        self._feed = feed or Feed(require_live(live))
         self._outgoing = Outgoing("uwsim-foxglove")
         self._ends: dict[str, Callable[[], None]] = {}
         self._subscribers: dict[str, set[int]] = {}
@@ -86,7 +87,7 @@ class FoxgloveServer:
             raise OSError(f"cannot listen on {host}:{port}: {error}") from None
         self._host = host
         self._going_on = keep_up(live, channels)
-        self._clock = live.every(TIME_S, lambda sim: sim.time_ns, self._server.broadcast_time)
+        self._end_clock = self._feed.tell_time(TIME_S, self._server.broadcast_time)
 
     @property
     def port(self) -> int:
@@ -100,7 +101,8 @@ class FoxgloveServer:
 
     def close(self) -> None:
         """Close all connections and end the threads."""
-        for subscription in (self._clock, *self._going_on):
+        self._end_clock()
+        for subscription in self._going_on:
             subscription.cancel()
         for name in list(self._ends):
             self._ends.pop(name)()
@@ -172,7 +174,7 @@ class FoxgloveServer:
             if len(data) > MESSAGE_BYTES_MAX:
                 raise ValueError(f"{len(data)} bytes: must be {MESSAGE_BYTES_MAX} at most")
             message = from_bytes(data, channel.type) if encoding == "cdr" else from_plain(channel.type, _json(data))
-            channel.apply(self._live, message)
+            channel.apply(require_live(self._live), message)
         except (ValueError, RuntimeError) as error:
             self._warn(f"/{channel.name}: {error}")
 
@@ -204,7 +206,7 @@ class FoxgloveServer:
     def _service(self, service: ChannelService) -> Service:
         def call(request: Any) -> bytes:
             """Answer; an error's text goes to the caller."""
-            return orjson.dumps(service.call(self._live, _json(request.payload)), default=str)
+            return orjson.dumps(service.call(require_live(self._live), _json(request.payload)), default=str)
 
         anything = MessageSchema(
             encoding="json", schema=Schema(name=service.type, encoding="jsonschema", data=b'{"type":"object"}')

@@ -11,7 +11,7 @@ from foxglove.messages import SceneUpdate
 
 from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, hulls, lake
 from uwsim.channels import Channel
-from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.outgoing import Line, Outgoing
 from uwsim.live import LiveSimulator, Subscription
 
@@ -104,7 +104,9 @@ class TrackShow(Show):
 class MapShow(Show):
     """The map of a vehicle, block by block."""
 
-    def __init__(self, topic: str, outgoing: Outgoing, context: foxglove.Context, feed: Feed, channel: Channel) -> None:
+    def __init__(
+        self, topic: str, outgoing: Outgoing, context: foxglove.Context, feed: Readings, channel: Channel
+    ) -> None:
         super().__init__(topic, outgoing, context)
         self._feed = feed
         self._channel = channel
@@ -129,19 +131,27 @@ class MapShow(Show):
 
 
 def shows_of(
-    live: LiveSimulator, channels: Sequence[Channel], feed: Feed, outgoing: Outgoing, context: foxglove.Context
+    live: LiveSimulator | None,
+    channels: Sequence[Channel],
+    feed: Readings,
+    outgoing: Outgoing,
+    context: foxglove.Context,
 ) -> list[Show]:
-    """Return the shows of a simulator."""
-    scenario = live.simulator.scenario
-    alone = len(scenario.vehicles) == 1
-    frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
-    found: list[Show] = [
-        StillShow("scene/lake", outgoing, context, live, lambda: lake(scenario)),
-        StillShow("scene/vehicles", outgoing, context, live, lambda: hulls(scenario, frames)),
-        TrackShow(outgoing, context, live),
-    ]
+    """Return the shows of a simulator; without one, those that follow from the channels alone."""
+    found = [] if live is None else _shows_of_world(live, outgoing, context)
     for channel in channels:
         if channel.name.rpartition("/")[2] == "map_changes":
             prefix = channel.name.removesuffix("map_changes")
             found.append(MapShow(f"scene/{prefix}map", outgoing, context, feed, channel))
     return found
+
+
+def _shows_of_world(live: LiveSimulator, outgoing: Outgoing, context: foxglove.Context) -> list[Show]:
+    scenario = live.simulator.scenario
+    alone = len(scenario.vehicles) == 1
+    frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
+    return [
+        StillShow("scene/lake", outgoing, context, live, lambda: lake(scenario)),
+        StillShow("scene/vehicles", outgoing, context, live, lambda: hulls(scenario, frames)),
+        TrackShow(outgoing, context, live),
+    ]

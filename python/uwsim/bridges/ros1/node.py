@@ -12,12 +12,13 @@ from typing import Any, Self
 from uwsim.bridges.ros1.raw_types import raw_type, read_message
 from uwsim.bridges.ros1.rospy_module import load_rospy, require_master
 from uwsim.bridges.ros1.services import offer_service
-from uwsim.channels import Channel, Service, keep_up
-from uwsim.channels.feed import Feed, Reading
+from uwsim.channels import Channel, Service, keep_up, require_live
+from uwsim.channels.feed import Feed, Reading, Readings
 from uwsim.channels.messages import to_bytes
 from uwsim.live import LiveSimulator, NotRunningError
 
 NAME = "uwsim"
+CLOCK = "clock"
 DEPTH = 10  # messages that wait for a slow subscriber; the oldest give way
 WAITING = 256  # readings on their way to rospy; the oldest give way
 COMMAND_BYTES_MAX = 1 << 20
@@ -33,21 +34,22 @@ class Ros1Node:
 
     A channel is read while somebody subscribes to it. Messages are encoded and published on a thread of their own;
     rospy keeps a queue for each subscriber, so that none delays the others or the steps. One node a process, as rospy
-    has it. Raises ValueError without rospy or a master.
+    has it. live: None with the feed of a recording, to which nobody can say anything. Raises ValueError without rospy
+    or a master.
     """
 
     def __init__(
         self,
-        live: LiveSimulator,
+        live: LiveSimulator | None,
         channels: Sequence[Channel],
         services: Sequence[Service] = (),
         *,
-        feed: Feed | None = None,
+        feed: Readings | None = None,
     ) -> None:
         self._rospy = rospy = load_rospy()
         self.master = require_master()
         self._live = live
-        self._feed = feed or Feed(live)
+        self._feed = feed or Feed(require_live(live))
         self._ends: dict[str, Callable[[], None]] = {}
         self._publishers: dict[str, Any] = {}
         self._lock = threading.Lock()
@@ -56,12 +58,13 @@ class Ros1Node:
         self._stopping = False
         # Its own log would replace ours; the master's use_sim_time would make rospy wait for our clock.
         rospy.init_node(NAME, argv=[], disable_signals=True, disable_rostime=True)
-        rospy.set_param("/use_sim_time", True)
+        if any(channel.name == CLOCK and channel.direction == "out" for channel in channels):
+            rospy.set_param("/use_sim_time", True)
         self._thread = threading.Thread(target=self._publish, name="uwsim-ros1", daemon=True)
         self._thread.start()
         self._going_on = keep_up(live, channels)
         self._topics = [self._join(channel) for channel in channels]
-        self._topics += [offer_service(rospy, live, service) for service in services]
+        self._topics += [offer_service(rospy, require_live(live), service) for service in services]
 
     def close(self) -> None:
         """Leave the graph: the master and all subscribers are told."""
@@ -77,7 +80,7 @@ class Ros1Node:
             self._stopping = True
             self._arrived.notify_all()
         self._thread.join(5.0)
-        self._rospy.signal_shutdown("the simulator ends")
+        self._rospy.signal_shutdown("uwsim ends")
 
     def __enter__(self) -> Self:
         return self
@@ -146,6 +149,6 @@ class Ros1Node:
         try:
             if len(data) > COMMAND_BYTES_MAX:
                 raise ValueError(f"{len(data)} bytes: must be {COMMAND_BYTES_MAX} at most")
-            channel.apply(self._live, read_message(data, channel.type))
+            channel.apply(require_live(self._live), read_message(data, channel.type))
         except (ValueError, RuntimeError) as error:
             self._rospy.logwarn(f"/{channel.name}: {error}")

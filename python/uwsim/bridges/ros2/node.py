@@ -22,9 +22,9 @@ from uwsim.bridges.ros2.qos import DEPTH, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import ServiceTopics
 from uwsim.bridges.ros2.settings import Ros2Settings
-from uwsim.channels import Channel, Service, keep_up
+from uwsim.channels import Channel, Service, keep_up, require_live
 from uwsim.channels.cdr import encode, is_as_in_jazzy
-from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.feed import Feed, Reading, Readings
 from uwsim.channels.messages import from_bytes
 from uwsim.channels.outgoing import Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator, NotRunningError
@@ -44,25 +44,26 @@ class Ros2Node:
             ...
 
     A channel is read while somebody subscribes to it. Messages are encoded and written on a thread, commands are
-    received on another. feed: shared with other sinks, so that a reading is taken and encoded once. Raises ValueError
-    for settings and names that ROS 2 does not allow, OSError if the domain cannot be joined.
+    received on another. feed: shared with other sinks, so that a reading is taken and encoded once. live: None with the
+    feed of a recording, to which nobody can say anything. Raises ValueError for settings and names that ROS 2 does not
+    allow, OSError if the domain cannot be joined.
     """
 
     def __init__(
         self,
-        live: LiveSimulator,
+        live: LiveSimulator | None,
         channels: Sequence[Channel],
         services: Sequence[Service] = (),
         settings: Ros2Settings | None = None,
         *,
-        feed: Feed | None = None,
+        feed: Readings | None = None,
     ) -> None:
         self.settings = settings or Ros2Settings()
         self._calls = ServiceTopics(services, self._say)
-        self._reliable = [*self._calls.channels, parameter_channel(self._say)]
+        self._reliable = [] if live is None else [*self._calls.channels, parameter_channel(self._say)]
         self.channels = [*channels, *self._reliable]
         self._live = live
-        self._feed = feed or Feed(live)
+        self._feed = feed or Feed(require_live(live))
         self._lines: dict[RawWriter, tuple[Channel, Line]] = {}
         self._inputs: dict[RawReader, Channel] = {}
         self._ends: dict[RawWriter, Callable[[], None]] = {}
@@ -184,7 +185,7 @@ class Ros2Node:
             try:
                 if len(data) > COMMAND_BYTES_MAX:
                     raise ValueError(f"{len(data)} bytes: must be {COMMAND_BYTES_MAX} at most")
-                channel.apply(self._live, from_bytes(data, channel.type))
+                channel.apply(require_live(self._live), from_bytes(data, channel.type))
             except (ValueError, RuntimeError) as error:
                 self._say(WARN, f"/{channel.name}: {error}")
             except Exception:
@@ -193,5 +194,5 @@ class Ros2Node:
     def _say(self, level: int, text: str) -> None:
         """Say something on /rosout and in our own log."""
         logger.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
-        message: Any = log_message(self._live.simulator.time_ns, NAME, level, text)
+        message: Any = log_message(require_live(self._live).simulator.time_ns, NAME, level, text)
         self._outgoing.offer(self._log_line, lambda: self._log.write(encode(message, self.settings.distro)))

@@ -1,0 +1,102 @@
+"""PlayedFeed: hands a recording's messages to bridges, as a live simulator's feed hands on its readings."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+
+from uwsim.channels import Channel
+from uwsim.channels.feed import Reading, Sink
+from uwsim.recording.commands import COMMANDS
+from uwsim.recording.mcap_sink import is_latched
+from uwsim.recording.reader import Recorded, Recording
+
+logger = logging.getLogger("uwsim.bridges")
+
+
+def channels_of(recording: Recording) -> list[Channel]:
+    """Return what bridges offer of a recording: all its channels but the commands, also those that were heard."""
+    found = []
+    for info in recording.channels.values():
+        if info.name != COMMANDS:
+            about = recording.metadata(info.name)
+            description, latched = about.get("description", ""), is_latched(about)
+            found.append(
+                Channel(info.name, info.type, "out", description, rate_hz=info.rate_hz, latched=latched)
+            )  # fmt: skip
+    return found
+
+
+class PlayedFeed:
+    """Readings whose bytes are the recording's own. Sinks are called on the thread that plays."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._sinks: dict[str, tuple[Sink, ...]] = {}
+        self._newest: dict[str, Reading] = {}
+        self._clocks: dict[object, _Clock] = {}
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody listens."""
+        return any(self._sinks.values())
+
+    def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
+        """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
+        with self._lock:
+            self._sinks[channel.name] = (*self._sinks.get(channel.name, ()), sink)
+            newest = self._newest.get(channel.name)
+        if newest is not None:
+            sink(newest)
+        return lambda: self._leave(channel.name, sink)
+
+    def newest(self, channel: Channel) -> Reading | None:
+        """Return the newest reading of a latched channel."""
+        with self._lock:
+            return self._newest.get(channel.name)
+
+    def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
+        """Tell a sink the recorded time [ns] at each period of it; return what ends that."""
+        key = object()
+        self._clocks[key] = _Clock(round(1e9 * period_s), sink)
+
+        def end() -> None:
+            self._clocks.pop(key, None)
+
+        return end
+
+    def play(self, channel: Channel, recorded: Recorded) -> Reading:
+        """Hand a message to all who listen, and return it."""
+        reading = Reading(channel, None, recorded.time_ns, 0, cdr=memoryview(recorded.data))
+        with self._lock:
+            sinks = self._sinks.get(channel.name, ())
+            if channel.latched:
+                self._newest[channel.name] = reading
+        for clock in list(self._clocks.values()):
+            clock.tell(recorded.time_ns)
+        for sink in sinks:
+            try:
+                sink(reading)
+            except Exception:
+                logger.exception("channel '%s': a sink failed", channel.name)
+        return reading
+
+    def _leave(self, name: str, sink: Sink) -> None:
+        with self._lock:
+            self._sinks[name] = tuple(kept for kept in self._sinks[name] if kept is not sink)
+
+
+class _Clock:
+    """Tells recorded time, at each multiple of a period that it passes, and when it goes back."""
+
+    def __init__(self, period_ns: int, sink: Callable[[int], object]) -> None:
+        self._period_ns = period_ns
+        self._sink = sink
+        self._last: int | None = None
+
+    def tell(self, time_ns: int) -> None:
+        """Tell the time, if it is due."""
+        if time_ns // self._period_ns != self._last:
+            self._last = time_ns // self._period_ns
+            self._sink(time_ns)

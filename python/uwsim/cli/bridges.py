@@ -1,0 +1,107 @@
+"""The bridges that a command opens beside its rosbridge: nodes of ROS 1 and ROS 2, and the Foxglove server."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from uwsim.bridges.ros2 import Ros2Settings
+    from uwsim.channels import Channel, Service
+    from uwsim.channels.feed import Readings
+    from uwsim.live import LiveSimulator
+
+Ros1 = Annotated[bool, typer.Option("--ros1", help="Also be a node of ROS 1; see docs/ros1.md.")]
+Ros2 = Annotated[bool, typer.Option("--ros2", help="Also be a node of ROS 2; see docs/ros2.md.")]
+RosDistro = Annotated[
+    str | None, typer.Option(help="ROS 2: humble or jazzy. Default: the environment's ROS_DISTRO, else jazzy.")
+]
+RosDomain = Annotated[
+    int | None, typer.Option(help="ROS 2: the domain. Default: the environment's ROS_DOMAIN_ID, else 0.")
+]
+RosReach = Annotated[
+    str | None, typer.Option(help="ROS 2: localhost (this machine alone) or subnet. Default: localhost.")
+]
+RosPeers = Annotated[
+    list[str] | None, typer.Option(help="ROS 2: a further host, which multicast does not reach; may be repeated.")
+]
+Foxglove = Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")]
+FoxglovePort = Annotated[int | None, typer.Option(help="Where Foxglove connects. Default: 8765.")]
+
+
+class Bridges:
+    """What the options ask for. Raises ValueError for options that cannot be met, before anything is built."""
+
+    def __init__(
+        self,
+        *,
+        ros1: bool,
+        ros2: bool,
+        ros_distro: str | None,
+        ros_domain_id: int | None,
+        ros_reach: str | None,
+        ros_peer: Sequence[str] | None,
+        foxglove: bool,
+        foxglove_port: int | None,
+    ) -> None:
+        self._ros1 = ros1
+        self._ros2: Ros2Settings | None = None
+        self._foxglove_port: int | None = None
+        if ros1:
+            from uwsim.bridges.ros1 import load_rospy, require_master
+
+            load_rospy(), require_master()
+        if ros2:
+            from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # the node: is the extra there?
+
+            self._ros2 = settings_from(
+                os.environ,
+                distro=ros_distro,
+                domain_id=ros_domain_id,
+                reach=ros_reach or "localhost",
+                peers=ros_peer or (),
+            )
+        elif any(option is not None for option in (ros_distro, ros_domain_id, ros_reach, ros_peer)):
+            raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
+        if foxglove:
+            from uwsim.bridges.foxglove import PORT
+
+            self._foxglove_port = PORT if foxglove_port is None else foxglove_port
+        elif foxglove_port is not None:
+            raise ValueError("--foxglove-port needs --foxglove")
+
+    def __bool__(self) -> bool:
+        """Return whether there are any."""
+        return self._ros1 or self._ros2 is not None or self._foxglove_port is not None
+
+    def join(
+        self,
+        stack: ExitStack,
+        channels: Sequence[Channel],
+        feed: Readings,
+        *,
+        live: LiveSimulator | None = None,
+        services: Sequence[Service] = (),
+        host: str = "127.0.0.1",
+    ) -> list[str]:
+        """Open the bridges, to be closed with the stack; return where each is, for a greeting."""
+        said = []
+        if self._ros1:
+            from uwsim.bridges.ros1 import Ros1Node
+
+            said.append(f"ROS 1 at {stack.enter_context(Ros1Node(live, channels, services, feed=feed)).master}")
+        if self._ros2 is not None:
+            from uwsim.bridges.ros2 import Ros2Node
+
+            node = stack.enter_context(Ros2Node(live, channels, services, self._ros2, feed=feed))
+            said.append(f"ROS 2 {node.settings}")
+        if self._foxglove_port is not None:
+            from uwsim.bridges.foxglove import FoxgloveServer
+
+            app = FoxgloveServer(live, channels, services, host=host, port=self._foxglove_port, feed=feed)
+            said.append(f"Foxglove at {stack.enter_context(app).url}")
+        return said

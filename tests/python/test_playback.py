@@ -1,0 +1,95 @@
+"""A recording plays to ROS 2 and to Foxglove: the very bytes that were recorded."""
+
+import threading
+from pathlib import Path
+
+import pytest
+
+from command_line import error_line, uwsim
+from foxglove_client import FoxgloveClient
+from ros2_tools import free_domain, peer, until
+from uwsim import Simulator, recording
+from uwsim.bridges.playback import play
+from uwsim.bridges.played_feed import PlayedFeed, channels_of
+from uwsim.bridges.ros2 import Ros2Settings
+from uwsim.cli.bridges import Bridges
+from uwsim.recording import Recorder
+from uwsim.recording.pacer import Pacer
+
+TOPICS = ("odom", "scan", "laserPointCloud", "tf_static", "sonar_ping", "clock", "telemetry")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("playback") / "run.mcap"
+    sim = Simulator("pool", seed=3)
+    with Recorder(sim, path, topics=TOPICS):
+        sim.rov.undock()
+        sim.rov.set_effort(surge=0.5)
+        sim.advance(3.0)
+    return path
+
+
+def bridges(domain_id: int, distro: str = "jazzy") -> Bridges:
+    return Bridges(
+        ros1=False, ros2=True, ros_distro=distro, ros_domain_id=domain_id, ros_reach=None, ros_peer=None,
+        foxglove=True, foxglove_port=0,
+    )  # fmt: skip
+
+
+def test_it_plays_the_recorded_bytes_to_ros_2_and_foxglove(run: Path) -> None:
+    opened = recording.open(run)
+    settings = Ros2Settings(domain_id=free_domain())
+    said: list[str] = []
+    chosen = bridges(settings.domain_id)
+    playing = threading.Thread(
+        target=play,
+        args=(opened, Pacer(2.0)),
+        kwargs={"port": 0, "wait": True, "join": chosen.join, "say": said.append},
+    )
+    raw: dict[str, list[bytes]] = {"odom": [], "sonar_ping": [], "tf_static": []}
+    with peer(settings) as other:
+        for topic in raw:
+            other.listen(topic, opened.channels[topic].type, latched=topic == "tf_static")
+        playing.start()
+        url = until(lambda: said)[0].split()[-1]
+        with FoxgloveClient(url, "/odom") as app:
+            app.subscribe("/scan")
+            time_ns, scan = app.next("/scan")
+
+        def is_over() -> bool:
+            for topic, found in raw.items():
+                found += other.bytes(topic)
+            return len(said) == 2
+
+        until(is_over)
+        playing.join(60.0)
+    count = sum(opened.channels[topic].message_count for topic in TOPICS)
+    assert "ROS 2 jazzy" in said[0] and said[1] == f"{count:,} messages of {len(TOPICS)} channels"
+    assert scan == next(m.data for m in opened.messages("scan") if m.time_ns == time_ns)
+    for topic, found in raw.items():
+        known = [recorded.data for recorded in opened.messages(topic)]
+        assert found and len(found) > 0.5 * len(known) and set(found) <= set(known), topic
+
+
+def test_whoever_comes_late_gets_what_is_latched_and_time_goes_on(run: Path) -> None:
+    opened = recording.open(run)
+    channels = {channel.name: channel for channel in channels_of(opened)}
+    assert set(channels) == set(TOPICS) and channels["tf_static"].latched and not channels["odom"].latched
+    feed, late, times = PlayedFeed(), [], []
+    end = feed.tell_time(0.5, times.append)
+    for recorded in opened.messages(*channels):
+        feed.play(channels[recorded.topic], recorded)
+    feed.listen(channels["tf_static"], late.append)
+    feed.listen(channels["odom"], late.append)
+    (reading,) = late
+    assert reading.message.transforms and feed.newest(channels["odom"]) is None and feed.is_wanted
+    assert times == [round(0.5e9 * number) for number in range(7)]
+    end()
+    feed.play(channels["clock"], next(opened.messages("clock")))
+    assert len(times) == 7
+
+
+def test_an_option_without_effect_is_refused(run: Path) -> None:
+    assert "need --as-topics" in error_line(uwsim("replay", str(run), "--ros2"))
+    assert "need --ros2" in error_line(uwsim("replay", str(run), "--as-topics", "--ros-domain-id", "3"))
