@@ -1,12 +1,18 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "meshes.h"
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/core/random.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/buoyant_hull.h"
+#include "uwsim/vehicle/pressure_kernels.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -156,6 +162,50 @@ TEST(HullInWaves, ANeutralBodyWithoutDampingIsCarriedByARisingTide) {
   for (int k = 0; k < 1000; ++k) state = advance(craft, state, {}, water, 0.02 * k, 0.02);
   const Eigen::Vector3d current = water.flow_at(state.world_from_body.position_m, 20).velocity_m_s;
   EXPECT_LT((state.velocity_body.head<3>() - current).norm(), 1e-6);
+}
+
+TEST(HullInWaves, EveryInstructionSetGivesTheSameBits) {
+  const RandomStream random(6, "hull");
+  std::array<VertexBlock, 3> blocks{};
+  std::array<double, 24> heads{};
+  for (std::uint64_t k = 0; k < 24; ++k) {
+    for (std::uint64_t n = 0; n < 3; ++n) blocks[k / 8].arm_m[n][k % 8] = random.uniform(k, n) - 0.5;
+    for (std::uint64_t n = 0; n < 6; ++n) blocks[k / 8].per_pascal[n][k % 8] = random.uniform(k, 3 + n) - 0.5;
+    heads[k] = random.uniform(k, 9) - 0.5;
+  }
+  const Eigen::Vector3d position(1, 2, 3);
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = tilted(0.8).toRotationMatrix();
+  struct Result {
+    std::array<double, 72> points_m{};
+    std::array<double, 24> pressures_pa{};
+    std::array<double, 6> load{};
+    std::array<std::uint8_t, 24> wet{};
+  };
+  const auto result = [&](const PressureKernels& kernels) {
+    Result out;
+    kernels.place(blocks.data(), 3, position.data(), rotation.data(), out.points_m.data());
+    kernels.pressures(heads.data(), 3, 9806.65, out.pressures_pa.data());
+    kernels.find_wet(heads.data(), 3, out.wet.data());
+    kernels.load(blocks.data(), 3, out.pressures_pa.data(), out.load.data());
+    return out;
+  };
+  const Result baseline = result(baseline_pressure_kernels());
+  for (std::size_t k = 0; k < 24; ++k) {
+    const auto& arm = blocks[k / 8].arm_m;
+    const Eigen::Vector3d at = position + rotation * Eigen::Vector3d(arm[0][k % 8], arm[1][k % 8], arm[2][k % 8]);
+    EXPECT_LT((Eigen::Vector3d(&baseline.points_m[3 * k]) - at).norm(), 1e-14);
+    EXPECT_EQ(baseline.wet[k], heads[k] > 0);
+    EXPECT_EQ(baseline.pressures_pa[k], heads[k] > 0 ? 9806.65 * heads[k] : 0);
+  }
+  for (const auto& [set, kernels] : {std::pair{InstructionSet::avx2, &avx2_pressure_kernels()},
+                                     std::pair{InstructionSet::avx512, &avx512_pressure_kernels()}}) {
+    if (!processor_has(set)) continue;
+    const Result other = result(*kernels);
+    EXPECT_EQ(other.points_m, baseline.points_m);
+    EXPECT_EQ(other.pressures_pa, baseline.pressures_pa);
+    EXPECT_EQ(other.wet, baseline.wet);
+    EXPECT_EQ(other.load, baseline.load);
+  }
 }
 
 /// The period of the waves is much longer than that of the box, so it neither lags nor overshoots much.

@@ -2,13 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/instruction_set.h"
+#include "uwsim/core/random.h"
+#include "uwsim/world/wave_kernels.h"
 
 namespace uwsim {
 namespace {
@@ -143,6 +150,41 @@ TEST(Waves, HeadsOfManyPointsEqualThoseOfEachAlone) {
       for (std::size_t k = 0; k < points.size(); ++k) {
         EXPECT_NEAR(heads[k], sea.head_at(points[k], 11.3), 5e-4 * sea.bound_m()) << depth << " " << reach;
       }
+    }
+  }
+}
+
+TEST(Waves, EveryInstructionSetGivesTheSameBits) {
+  const RandomStream random(5, "waves");
+  std::array<WaveTerms, 3> terms{};
+  std::array<double, 3 * 13> points{};  // no multiple of the lanes
+  for (std::uint64_t k = 0; k < 3 * kWaveLanes; ++k) {
+    WaveTerms& at = terms[k / kWaveLanes];
+    std::uint64_t draw = 0;
+    for (auto* of : {&at.real, &at.imaginary, &at.number_x_rad_m, &at.number_y_rad_m, &at.decay_rad_m}) {
+      (*of)[k % kWaveLanes] = random.uniform(k, draw++) - 0.5;
+    }
+  }
+  for (std::uint64_t k = 0; k < points.size(); ++k) points[k] = 4 * random.uniform(100, k) - 3;
+  struct Result {
+    WavePatch patch{0.1, 0.2, -0.4, 0.3, 2, 2, {}, {}};
+    std::array<double, 13> heads_m{};
+  };
+  const auto result = [&](const WaveKernels::Order& kernels) {
+    Result out;
+    kernels.fit(terms.data(), terms.size(), out.patch.below);
+    kernels.fit_flat(terms.data(), terms.size(), out.patch.surface);
+    kernels.heads(out.patch, points.data(), out.heads_m.size(), out.heads_m.data());
+    return out;
+  };
+  for (int order = kLowestWaveOrder; order <= kHighestWaveOrder; ++order) {
+    const Result baseline = result(baseline_wave_kernels().of_order(order));
+    EXPECT_NE(baseline.heads_m[12], 0);
+    for (const auto& [set, kernels] : {std::pair{InstructionSet::avx2, &avx2_wave_kernels()},
+                                       std::pair{InstructionSet::avx512, &avx512_wave_kernels()}}) {
+      if (!processor_has(set)) continue;
+      const Result other = result(kernels->of_order(order));
+      EXPECT_EQ(std::memcmp(&other, &baseline, sizeof other), 0) << order;
     }
   }
 }

@@ -24,10 +24,11 @@ struct DensityLayer {
   double at(double z_world_m) const { return density_kg_m3 + gradient_kg_m4 * (z_world_m - reference_m); }
 };
 
-/// Conservative bounds of the surface's height over an area [m].
+/// The surface's height in the middle of an area, and conservative bounds of it over the area [m].
 struct SurfaceSpan {
   double low_m = 0;
   double high_m = 0;
+  double middle_m = 0;
 };
 
 /// Force of the waves on a wholly submerged volume [N / (kg/m3)] and moment about its centroid, per unit of density.

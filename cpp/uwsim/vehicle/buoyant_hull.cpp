@@ -87,7 +87,7 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
   const double cover_m = span.low_m - (at.middle_z_m + at.half_height_m);
   const double deep = smooth_step(cover_m / radius_m_);
   if (deep == 1) return below_waves(at, water, time_s);
-  Buoyancy sum = through_waves(at, water, time_s);
+  Buoyancy sum = through_waves(at, water, time_s, span.middle_m);
   if (deep == 0) return sum;
   const Buoyancy below = below_waves(at, water, time_s);
   sum.force_body_n += deep * (below.force_body_n - sum.force_body_n);
@@ -154,12 +154,11 @@ Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, doubl
   return sum;
 }
 
-/// A hull that the surface may cut: pressure integrated over the wetted triangles.
-Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s) const {
+/// A hull that the surface, `surface_m` high over the hull's middle, may cut: pressure integrated over the wetted
+/// triangles.
+Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const {
   const HullPressure::Load load = pressure_.load(at.position_world_m, at.world_from_body, water, time_s);
-  const Eigen::Vector3d middle = at.position_world_m + at.world_from_body * middle_body_m_;
-  const double level_m = water.surface_height_at(middle.x(), middle.y(), time_s);
-  const VolumeMoments wet = moments_below(at, level_m, false);
+  const VolumeMoments wet = moments_below(at, surface_m, false);
   Buoyancy sum;
   sum.volume_m3 = std::max(0.0, wet.volume_m3);
   sum.centre_body_m =

@@ -57,7 +57,7 @@ class BuoyantHull {
   VolumeMoments moments_below(const Placed& at, double level_m, bool with_second) const;
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
   Buoyancy in_layers(const Placed& at, const WaterField& water, double surface_m, const VolumeMoments& wet) const;
-  Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s) const;
+  Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const;
   Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s) const;
 
   TriangleMesh mesh_body_;

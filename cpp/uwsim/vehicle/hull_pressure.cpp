@@ -2,7 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -10,6 +11,7 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kMaxTriangles = 100'000;
+constexpr std::size_t kPatchSize = 32;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -59,8 +61,8 @@ class EdgeHalver {
   std::map<Edge, std::uint32_t> middles_;
 };
 
-/// A point of the surface.
-struct Node {
+/// A corner of a triangle.
+struct Corner {
   const Eigen::Vector3d& arm_m;  // from the body's origin
   double head_m;
   double pressure_pa;
@@ -70,32 +72,67 @@ Eigen::Vector3d inward_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, 
   return -0.5 * (b - a).cross(c - a);
 }
 
-/// Adds `sign` times the load on a triangle of area A over which the pressure p is linear: the integral of p is A times
-/// its mean, that of p r is A / 12 (sum p sum r + sum p r), sums over the corners.
-void add_load(HullPressure::Load& load, const Node& a, const Node& b, const Node& c, double sign = 1) {
-  const Eigen::Vector3d inward = sign * inward_area(a.arm_m, b.arm_m, c.arm_m);
-  const double sum = a.pressure_pa + b.pressure_pa + c.pressure_pa;
-  load.force_body_n += sum / 3 * inward;
-  const Eigen::Vector3d weighted =
-      (sum + a.pressure_pa) * a.arm_m + (sum + b.pressure_pa) * b.arm_m + (sum + c.pressure_pa) * c.arm_m;
-  load.moment_body_nm += (weighted / 12).cross(inward);
-}
+/// The load on triangles of one plane, from their unit inward area: the integral of p, and that of p r.
+struct Integrals {
+  double pressure = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
 
-/// Where the edge between a wet and a dry corner has no pressure.
-Eigen::Vector3d cut_point(const Node& wet, const Node& dry) {
-  return wet.arm_m + wet.head_m / (wet.head_m - dry.head_m) * (dry.arm_m - wet.arm_m);
-}
-
-/// Adds the load on the wet part of a triangle with one or two wet corners. `odd` is the one that differs from the
-/// others.
-void add_load_of_cut(HullPressure::Load& load, const Node& odd, const Node& second, const Node& third) {
-  if (odd.head_m > 0) {
-    const Eigen::Vector3d p = cut_point(odd, second), q = cut_point(odd, third);
-    return add_load(load, odd, {p, 0, 0}, {q, 0, 0});
+  /// Adds a triangle of the signed size `area` over which the pressure is linear: the integral of p is the area times
+  /// the mean, that of p r is area / 12 (sum p sum r + sum p r), sums over the corners.
+  void add(double area, const Eigen::Vector3d& a_m, double a_pa, const Eigen::Vector3d& b_m, double b_pa,
+           const Eigen::Vector3d& c_m, double c_pa) {
+    const double sum = a_pa + b_pa + c_pa;
+    pressure += area / 3 * sum;
+    moment += area / 12 * ((sum + a_pa) * a_m + (sum + b_pa) * b_m + (sum + c_pa) * c_m);
   }
-  const Eigen::Vector3d p = cut_point(second, odd), q = cut_point(third, odd);
-  add_load(load, {p, 0, 0}, second, third);
-  add_load(load, {p, 0, 0}, third, {q, 0, 0});
+};
+
+/// The integrals over the wet part of a triangle of unit area with one or two wet corners, less those over all of it
+/// with no pressure at dry corners. `odd` is the corner that differs from the others.
+Integrals change_by_cut(const Corner& odd, const Corner& second, const Corner& third) {
+  // Where the edges from the odd corner have no pressure, as parts of their lengths.
+  const double s = odd.head_m / (odd.head_m - second.head_m), t = odd.head_m / (odd.head_m - third.head_m);
+  const Eigen::Vector3d p = odd.arm_m + s * (second.arm_m - odd.arm_m), q = odd.arm_m + t * (third.arm_m - odd.arm_m);
+  Integrals sum;
+  sum.add(-1, odd.arm_m, odd.pressure_pa, second.arm_m, second.pressure_pa, third.arm_m, third.pressure_pa);
+  if (odd.head_m > 0) {
+    sum.add(s * t, odd.arm_m, odd.pressure_pa, p, 0, q, 0);
+  } else {
+    sum.add(1 - s, p, 0, second.arm_m, second.pressure_pa, third.arm_m, third.pressure_pa);
+    sum.add(s * (1 - t), p, 0, third.arm_m, third.pressure_pa, q, 0);
+  }
+  return sum;
+}
+
+/// What a call works on; kept, so that calls allocate nothing. Sizes are multiples of kPressureLanes.
+struct Scratch {
+  std::vector<Eigen::Vector3d> points_m;
+  std::vector<double> heads_m, pressures_pa;
+  std::vector<std::uint8_t> wet;
+
+  void resize(std::size_t points) {
+    points_m.resize(points);
+    heads_m.resize(points);
+    pressures_pa.resize(points);
+    wet.resize(points);
+  }
+};
+
+/// Not inlined, so that the loops do not ask for its address again and again.
+[[gnu::noinline]] Scratch& scratch() {
+  static thread_local Scratch kept;
+  return kept;
+}
+
+void find_pressures(const WaterField& water, std::span<const double> heads_m, std::span<double> pressures_pa) {
+  const DensityLayer layer = water.density_layer_at(0);
+  if (std::isinf(layer.low_m) && layer.gradient_kg_m4 == 0) {
+    return pressure_kernels().pressures(heads_m.data(), heads_m.size() / kPressureLanes,
+                                        layer.density_kg_m3 * water.gravity(), pressures_pa.data());
+  }
+  for (std::size_t k = 0; k < heads_m.size(); ++k) {
+    pressures_pa[k] = heads_m[k] > 0 ? water.still_pressure_at(-heads_m[k]) : 0;
+  }
 }
 
 }  // namespace
@@ -104,43 +141,85 @@ HullPressure::HullPressure(TriangleMesh mesh_body, double longest_edge_m) : mesh
   EdgeHalver halver(mesh_body_, longest_edge_m);
   while (mesh_body_.triangles.size() < kMaxTriangles && halver.halve_once()) {
   }
-  per_pascal_.resize(mesh_body_.vertices_m.size());
+  put_vertices();
+  gather_patches();
+  inward_areas_m2_.reserve(mesh_body_.triangles.size());
   for (const Triangle& t : mesh_body_.triangles) {
-    const std::array<const Eigen::Vector3d*, 3> r = {&mesh_body_.vertices_m[t[0]], &mesh_body_.vertices_m[t[1]],
-                                                     &mesh_body_.vertices_m[t[2]]};
+    const Eigen::Vector3d &a = mesh_body_.vertices_m[t[0]], &b = mesh_body_.vertices_m[t[1]],
+                          &c = mesh_body_.vertices_m[t[2]];
+    const Eigen::Vector3d& inward = inward_areas_m2_.emplace_back(inward_area(a, b, c));
     for (std::size_t k = 0; k < 3; ++k) {
-      add_load(per_pascal_[t[k]], {*r[0], 0, k == 0 ? 1.0 : 0.0}, {*r[1], 0, k == 1 ? 1.0 : 0.0},
-               {*r[2], 0, k == 2 ? 1.0 : 0.0});
+      Integrals one;
+      one.add(1, a, k == 0 ? 1 : 0, b, k == 1 ? 1 : 0, c, k == 2 ? 1 : 0);
+      Vector6d load;
+      load << one.pressure * inward, one.moment.cross(inward);
+      VertexBlock& block = blocks_[t[k] / kPressureLanes];
+      for (int i = 0; i < 6; ++i) block.per_pascal[i][t[k] % kPressureLanes] += load(i);
     }
+  }
+}
+
+void HullPressure::put_vertices() {
+  const std::vector<Eigen::Vector3d>& arms = mesh_body_.vertices_m;
+  blocks_.assign((arms.size() + kPressureLanes - 1) / kPressureLanes, VertexBlock{});
+  for (std::size_t k = 0; k < blocks_.size() * kPressureLanes; ++k) {
+    const Eigen::Vector3d& arm = arms[std::min(k, arms.size() - 1)];
+    for (int i = 0; i < 3; ++i) blocks_[k / kPressureLanes].arm_m[i][k % kPressureLanes] = arm(i);
+  }
+}
+
+/// Triangles that follow each other in the mesh are mostly neighbours, so that they share vertices.
+void HullPressure::gather_patches() {
+  const std::size_t count = mesh_body_.triangles.size();
+  std::vector<std::uint32_t> used;
+  for (std::size_t first = 0; first < count; first += kPatchSize) {
+    const std::size_t end = std::min(first + kPatchSize, count);
+    used.clear();
+    for (std::size_t n = first; n < end; ++n)
+      used.insert(used.end(), mesh_body_.triangles[n].begin(), mesh_body_.triangles[n].end());
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    patches_.push_back({first, end, patch_vertices_.size(), used.size()});
+    patch_vertices_.insert(patch_vertices_.end(), used.begin(), used.end());
   }
 }
 
 HullPressure::Load HullPressure::load(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                                       const WaterField& water, double time_s) const {
-  static thread_local std::vector<Eigen::Vector3d> points;
-  static thread_local std::vector<double> heads, pressures;
-  const std::vector<Eigen::Vector3d>& arms = mesh_body_.vertices_m;
-  points.resize(arms.size());
-  heads.resize(arms.size());
-  pressures.resize(arms.size());
-  for (std::size_t k = 0; k < arms.size(); ++k) points[k] = position_world_m + world_from_body * arms[k];
-  water.pressure_heads(points, time_s, heads);
-  Load sum;
-  for (std::size_t k = 0; k < arms.size(); ++k) {
-    pressures[k] = heads[k] > 0 ? water.still_pressure_at(-heads[k]) : 0;
-    sum.force_body_n += pressures[k] * per_pascal_[k].force_body_n;
-    sum.moment_body_nm += pressures[k] * per_pascal_[k].moment_body_nm;
+  const PressureKernels& kernels = pressure_kernels();
+  Scratch& at = scratch();
+  at.resize(blocks_.size() * kPressureLanes);
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = world_from_body;
+  kernels.place(blocks_.data(), blocks_.size(), position_world_m.data(), rotation.data(), at.points_m.data()->data());
+  water.pressure_heads(at.points_m, time_s, at.heads_m);
+  find_pressures(water, at.heads_m, at.pressures_pa);
+  Vector6d sum;
+  kernels.load(blocks_.data(), blocks_.size(), at.pressures_pa.data(), sum.data());
+  kernels.find_wet(at.heads_m.data(), blocks_.size(), at.wet.data());
+  for (const Patch& patch : patches_) {
+    unsigned wet = 0;
+    for (const std::uint32_t vertex : vertices_of(patch)) wet += at.wet[vertex];
+    if (wet == 0 || wet == patch.vertex_count) continue;
+    for (std::size_t n = patch.first_triangle; n < patch.end_triangle; ++n) {
+      const Triangle& t = mesh_body_.triangles[n];
+      const bool a = at.wet[t[0]], b = at.wet[t[1]], c = at.wet[t[2]];
+      if (a != b || b != c) add_change_by_cut(n, at.heads_m, at.pressures_pa, sum);
+    }
   }
-  for (const Triangle& t : mesh_body_.triangles) {
-    const bool a = heads[t[0]] > 0, b = heads[t[1]] > 0, c = heads[t[2]] > 0;
-    if (a == b && b == c) continue;
-    const auto node = [&](std::size_t k) { return Node{arms[t[k]], heads[t[k]], pressures[t[k]]}; };
-    const std::size_t odd = b == c ? 0 : a == c ? 1 : 2;
-    const Node first = node(odd), second = node((odd + 1) % 3), third = node((odd + 2) % 3);
-    add_load(sum, first, second, third, -1);  // take back the tabulated load, which is over all of it
-    add_load_of_cut(sum, first, second, third);
-  }
-  return sum;
+  return {sum.head<3>(), sum.tail<3>()};
+}
+
+void HullPressure::add_change_by_cut(std::size_t triangle, std::span<const double> heads_m,
+                                     std::span<const double> pressures_pa, Vector6d& load) const {
+  const Triangle& t = mesh_body_.triangles[triangle];
+  const auto is_wet = [&](std::size_t k) { return heads_m[t[k]] > 0; };
+  const auto corner = [&](std::size_t k) {
+    return Corner{mesh_body_.vertices_m[t[k]], heads_m[t[k]], pressures_pa[t[k]]};
+  };
+  const std::size_t odd = is_wet(1) == is_wet(2) ? 0 : is_wet(0) == is_wet(2) ? 1 : 2;
+  const Integrals change = change_by_cut(corner(odd), corner((odd + 1) % 3), corner((odd + 2) % 3));
+  load.head<3>() += change.pressure * inward_areas_m2_[triangle];
+  load.tail<3>() += change.moment.cross(inward_areas_m2_[triangle]);
 }
 
 }  // namespace uwsim

@@ -1,10 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "uwsim/core/body_state.h"
 #include "uwsim/core/triangle_mesh.h"
 #include "uwsim/core/water_field.h"
+#include "uwsim/vehicle/pressure_kernels.h"
 
 namespace uwsim {
 
@@ -27,8 +32,24 @@ class HullPressure {
             double time_s) const;
 
  private:
+  /// Triangles that are looked at one by one only where the surface cuts their patch.
+  struct Patch {
+    std::size_t first_triangle, end_triangle, first_vertex, vertex_count;
+  };
+
+  void put_vertices();
+  void gather_patches();
+  std::span<const std::uint32_t> vertices_of(const Patch& patch) const {
+    return std::span(patch_vertices_).subspan(patch.first_vertex, patch.vertex_count);
+  }
+  void add_change_by_cut(std::size_t triangle, std::span<const double> heads_m, std::span<const double> pressures_pa,
+                         Vector6d& load) const;
+
   TriangleMesh mesh_body_;
-  std::vector<Load> per_pascal_;  // load of 1 Pa at each vertex
+  std::vector<VertexBlock> blocks_;
+  std::vector<Patch> patches_;
+  std::vector<std::uint32_t> patch_vertices_;
+  std::vector<Eigen::Vector3d> inward_areas_m2_;  // of each triangle
 };
 
 }  // namespace uwsim

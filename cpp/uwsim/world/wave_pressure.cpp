@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "uwsim/world/wave_polynomial.h"
+#include "uwsim/world/wave_kernels.h"
 #include "uwsim/world/waves.h"
 
 namespace uwsim {
@@ -10,6 +10,22 @@ namespace {
 
 constexpr double kTolerance = 5e-4;     // of the sum of the amplitudes
 constexpr std::size_t kFewPoints = 16;  // up to these, summing the waves at each point is cheaper
+
+void put(WaveTerms* terms, std::size_t k, double real, double imaginary, double x, double y, double z) {
+  WaveTerms& at = terms[k / kWaveLanes];
+  const std::size_t lane = k % kWaveLanes;
+  at.real[lane] = real;
+  at.imaginary[lane] = imaginary;
+  at.number_x_rad_m[lane] = x;
+  at.number_y_rad_m[lane] = y;
+  at.decay_rad_m[lane] = z;
+}
+
+/// Fills the last block up with waves of no height; returns the number of blocks.
+std::size_t blocks(WaveTerms* terms, std::size_t count) {
+  while (count % kWaveLanes != 0) put(terms, count++, 0, 0, 0, 0, 0);
+  return count / kWaveLanes;
+}
 
 }  // namespace
 
@@ -43,52 +59,36 @@ void Waves::heads(std::span<const Eigen::Vector3d> points, double time_s, std::s
     reach.z() = layer / (layer + lowest) * (reach.z() + change);
     order = polynomial_order(reach.norm());
   }
-  switch (order) {
-    case 2:
-      return polynomial_heads<2>(points, centre, height, crests.data(), heads_m);
-    case 3:
-      return polynomial_heads<3>(points, centre, height, crests.data(), heads_m);
-    case 4:
-      return polynomial_heads<4>(points, centre, height, crests.data(), heads_m);
-    case 5:
-      return polynomial_heads<5>(points, centre, height, crests.data(), heads_m);
-    case 6:
-      return polynomial_heads<6>(points, centre, height, crests.data(), heads_m);
-    case 7:
-      return polynomial_heads<7>(points, centre, height, crests.data(), heads_m);
-    case 8:
-      return polynomial_heads<8>(points, centre, height, crests.data(), heads_m);
-    case 9:
-      return polynomial_heads<9>(points, centre, height, crests.data(), heads_m);
-    default:
-      for (std::size_t k = 0; k < points.size(); ++k) heads_m[k] = head_at(points[k], time_s);
+  if (order == 0) {
+    for (std::size_t k = 0; k < points.size(); ++k) heads_m[k] = head_at(points[k], time_s);
+    return;
   }
+  const WaveKernels::Order& kernels = wave_kernels().of_order(order);
+  const WavePatch patch = patch_about(centre, height, crests.data(), kernels);
+  kernels.heads(patch, points[0].data(), points.size(), heads_m.data());
 }
 
-template <int kOrder>
-void Waves::polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double height_m,
-                             const Crest* crests, std::span<double> heads_m) const {
-  std::array<WaveTerm, kMaxComponents> flat;
-  std::array<WaveTerm, 2 * kMaxComponents> deep;
+WavePatch Waves::patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests,
+                             const WaveKernels::Order& kernels) const {
+  std::array<WaveTerms, kMaxComponents / kWaveLanes> surface;
+  std::array<WaveTerms, 2 * kMaxComponents / kWaveLanes> below;
   const double middle = unstretched(centre.z(), height_m);
-  std::size_t count = 0;
+  std::size_t flat = 0, deep = 0;
   for (std::size_t k = 0; k < waves_.size(); ++k) {
     const Wave& w = waves_[k];
     const Crest& crest = crests[k];
-    flat[k] = {crest.cosine, crest.sine, w.number_x_rad_m, w.number_y_rad_m, 0};
+    put(surface.data(), flat++, crest.cosine, crest.sine, w.number_x_rad_m, w.number_y_rad_m, 0);
     const double up = w.deep * std::exp(w.number_rad_m * middle);
-    deep[count++] = {up * crest.cosine, up * crest.sine, w.number_x_rad_m, w.number_y_rad_m, w.number_rad_m};
+    put(below.data(), deep++, up * crest.cosine, up * crest.sine, w.number_x_rad_m, w.number_y_rad_m, w.number_rad_m);
     if (w.deep == 1) continue;
     const double down = w.deep * std::exp(-w.number_rad_m * (middle + 2 * depth_m_));
-    deep[count++] = {down * crest.cosine, down * crest.sine, w.number_x_rad_m, w.number_y_rad_m, -w.number_rad_m};
+    put(below.data(), deep++, down * crest.cosine, down * crest.sine, w.number_x_rad_m, w.number_y_rad_m,
+        -w.number_rad_m);
   }
-  const WavePolynomial<kOrder> surface(std::span(flat.data(), waves_.size())), below(std::span(deep.data(), count));
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Eigen::Vector3d& p = points[k];
-    const double x = p.x() - centre.x(), y = p.y() - centre.y();
-    const double top = surface.flat_at(x, y);
-    heads_m[k] = (p.z() >= top ? top : below.at(x, y, unstretched(p.z(), top) - middle)) - p.z();
-  }
+  WavePatch patch{centre.x(), centre.y(), middle, stretched_m_, kTroughs, depth_m_, {}, {}};
+  kernels.fit_flat(surface.data(), blocks(surface.data(), flat), patch.surface);
+  kernels.fit(below.data(), blocks(below.data(), deep), patch.below);
+  return patch;
 }
 
 }  // namespace uwsim

@@ -12,7 +12,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kTroughs = 2;         // depth of the stretched layer in units of the trough's
 constexpr double kDepthOfMotion = 25;  // in units of 1 / k; deeper, less than 2e-11 of a wave's motion is left
 
 }  // namespace
@@ -120,7 +119,7 @@ double Waves::height_at(double x, double y, double time_s) const {
 
 SurfaceSpan Waves::span_at(double x, double y, double radius_m, double time_s) const {
   const double height = height_at(x, y, time_s), change = slope_ * radius_m;
-  return {std::max(-bound_m_, height - change), std::min(bound_m_, height + change)};
+  return {std::max(-bound_m_, height - change), std::min(bound_m_, height + change), height};
 }
 
 double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "uwsim/core/water_field.h"
+#include "uwsim/world/wave_kernels.h"
 
 namespace uwsim {
 
@@ -100,6 +101,8 @@ class Waves {
                 double time_s, const Eigen::Vector3d& current_m_s) const;
 
  private:
+  static constexpr double kTroughs = 2;  // depth of the stretched layer in units of the trough's
+
   struct Wave {
     double amplitude_m, omega_rad_s, number_rad_m, number_x_rad_m, number_y_rad_m, phase_rad;
     double deep;     // 1 / (1 + exp(-2 k h)): weight of exp(k z) in cosh(k (z + h)) / cosh(k h); 1 in deep water
@@ -122,9 +125,8 @@ class Waves {
   Stretched stretched(double z_m, double height_m) const;
   double unstretched(double z_m, double height_m) const { return stretched(z_m, height_m).z_m; }
   int polynomial_order(double radius_m) const;
-  template <int kOrder>
-  void polynomial_heads(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& centre, double height_m,
-                        const Crest* crests, std::span<double> heads_m) const;
+  WavePatch patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests,
+                        const WaveKernels::Order& kernels) const;
 
   std::vector<Wave> waves_;  // longest first
   double depth_m_;
