@@ -1,92 +1,24 @@
 """The operator's station over its own server: start, fly, watch, take the map home."""
 
 import gc
-import http.client
 import io
 import json
 import time
-from contextlib import contextmanager
 from weakref import ref
 
-import cbor2
 import numpy as np
 import pytest
 import trimesh
 from PIL import Image
-from websockets.sync.client import connect
 
+from station_pages import PATIENCE_S, get, page, serving
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.admission import has_token
-from uwsim.channels.messages import typed_array
 from uwsim.live import LiveSimulator, replay
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.replay import replay as replay_recording
 from uwsim.station import Site, Station
-
-PATIENCE_S = 60.0
-
-
-class Page:
-    """What a browser's page does, without a browser."""
-
-    def __init__(self, socket):
-        self.socket, self.count, self.heard = socket, 0, []
-
-    def send(self, op, **fields):
-        self.socket.send(json.dumps({"op": op, **fields}))
-
-    def call(self, service, **args):
-        self.count += 1
-        self.send("call_service", service=f"/station/{service}", args=args, id=str(self.count))
-        return self.next(lambda o: o.get("id") == str(self.count))["values"]
-
-    def next(self, wanted):
-        deadline = time.monotonic() + PATIENCE_S
-        while time.monotonic() < deadline:
-            frame = self.socket.recv(PATIENCE_S)
-            operation = cbor2.loads(frame, tag_hook=tagged) if isinstance(frame, bytes) else json.loads(frame)
-            self.heard.append(operation)
-            if wanted(operation):
-                return operation
-        raise TimeoutError
-
-    def subscribe(self, topic, **options):
-        self.send("subscribe", topic=topic, compression="cbor", **options)
-
-    def message(self, topic, wanted=lambda message: True):
-        return self.next(lambda o: o.get("topic") == topic and wanted(o["msg"]))["msg"]
-
-
-def tagged(*arguments):
-    return typed_array(next(a for a in arguments if isinstance(a, cbor2.CBORTag)))
-
-
-@contextmanager
-def serving(folder=None, **options):
-    station = Station(folder=folder, **options)
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
-        yield station, server
-
-
-@contextmanager
-def page(server, name="Ada"):
-    with connect(server.url, compression=None, max_size=None) as socket:
-        found = Page(socket)
-        found.id = found.call("join", name=name)["id"]
-        yield found
-
-
-def get(server, path, **headers):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE_S)
-    connection.putrequest("GET", path, skip_host="Host" in headers)
-    for key, value in headers.items():
-        connection.putheader(key.replace("_", "-"), value)
-    connection.endheaders()
-    response = connection.getresponse()
-    body = response.read()
-    connection.close()
-    return response.status, body, response.headers
 
 
 @pytest.fixture(scope="module")

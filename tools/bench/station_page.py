@@ -46,6 +46,7 @@ GOALS = {
 def main(
     seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
     heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 5.0,
+    reading_s: Annotated[float, typer.Option(min=0.0, help="Time at the start screen, before Start [s].")] = 5.0,
     surveyed: Annotated[Path | None, typer.Option("--map", help="A .bt to orbit. Default: the lake's survey.")] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
 ) -> None:
@@ -56,13 +57,13 @@ def main(
             with console.status("surveying the lake"):
                 run_survey("lake", Path(folder) / "survey", report="none")
             surveyed = Path(folder) / "survey" / "map.bt"
-        figures = measure(surveyed, seconds, heap_minutes)
+        figures = measure(surveyed, seconds, heap_minutes, reading_s)
     console.print(goal_table(figures))
     if json_file is not None:
         json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
 
 
-def measure(surveyed: Path, seconds: float, heap_minutes: float) -> dict[str, float]:
+def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: float) -> dict[str, float]:
     """Start a lake from the start screen, fly it, and turn the map; return all figures."""
     station = Station(offered="lake")
     with (
@@ -75,6 +76,8 @@ def measure(surveyed: Path, seconds: float, heap_minutes: float) -> dict[str, fl
         page.goto(server.url.replace("ws", "http", 1))
         until(page, "document.querySelector('#field-scenario')")
         figures = {"first paint [s]": 1e-3 * page.evaluate("performance.getEntriesByName('first-paint')[0].startTime")}
+        with console.status("reading the start screen"):
+            time.sleep(reading_s)
         with console.status("starting"):
             begun = time.perf_counter()
             page.click("button[type=submit]")

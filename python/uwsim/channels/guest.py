@@ -49,6 +49,9 @@ class Node(Protocol):
     def is_awaited(self, name: str) -> bool:
         """Return whether somebody was ready for the last message of a topic, or there has been none."""
 
+    def silence_s(self, client: str) -> float:
+        """Return for how long [s] nothing at all has come from a client, answers to pings included."""
+
 
 class Guest(Protocol):
     """What takes part in a graph under a name."""

@@ -57,6 +57,7 @@ bool collision_warning
     STATION_STATE: """\
 string phase                   # idle, starting, running
 uint32 session                 # changes with each simulator and each restart
+uint32 edition                 # changes with parameters: what describes the simulator is to be asked for again
 string scenario
 string error                   # why the simulation stopped
 float64 time                   # s, simulated

@@ -22,11 +22,13 @@ from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.station.control import CONTROLS
 from uwsim.station.helm import answered
 from uwsim.station.lease import Lease
+from uwsim.station.prepared import Prepared
 from uwsim.station.running import PILOTED, Running
 from uwsim.station.saves import go_on_with_maps, load_saved, saved_names
 
 STATE = "station/state"
 BEAT_S, STATE_S = 0.033, 0.5
+DEAD_S = 3.0  # without anything from a pilot, not even an answer to a ping: others may take the controls
 LOGGER = logging.getLogger("uwsim.station")
 Show = Callable[[LiveSimulator | None, list[Channel], list[Service]], None]
 
@@ -64,8 +66,9 @@ class Station:
         self.changed = threading.Event()
         self._options: dict[str, Any] = {"truth": truth, "wire": wire, "origin": origin}
         self._threads = threads
+        self._prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
         self._show: Show = lambda live, channels, services: None
-        self._phase = "idle"
+        self._phase = "starting" if is_fixed else "idle"  # idle shows the start screen
         self._session = 0
         self._numbers = itertools.count(1)
         self._starting = threading.Lock()
@@ -85,6 +88,8 @@ class Station:
         """A connection is gone; a pilot's takes the efforts with it."""
         if self.lease.leave(client):
             self._let_go()
+        if not self.lease.members:
+            self._prepared.forget()  # nobody is at the start screen
         self.changed.set()
 
     def serving(self, show: Show) -> Self:
@@ -103,6 +108,7 @@ class Station:
         """Stop the simulator."""
         self._closing.set()
         self.changed.set()
+        self._prepared.close()
         if self._beating is not None:
             self._beating.join()
         if self.running is not None:
@@ -120,7 +126,7 @@ class Station:
         scenario, speed = chosen(choice, self._offered)
 
         def make() -> LiveSimulator:
-            return LiveSimulator(Simulator(scenario, threads=self._threads), speed=speed)
+            return LiveSimulator(self._prepared.take(scenario), speed=speed)
 
         try:
             self.run(make)
@@ -130,6 +136,7 @@ class Station:
     def _go_on(self, choice: Values) -> None:
         """Continue a saved session: everything but the speed is as it was."""
         name, speed = chosen_save(choice, saved_names(self.folder))
+        self._prepared.forget()
         folder = self.folder / name
         try:
             self.run(
@@ -227,9 +234,12 @@ class Station:
 
     def _tell_state(self, running: Running | None) -> None:
         live = None if running is None else running.live
+        if running is not None:
+            running.notice_changes()
         state = {
             "phase": self._phase if running is not None or self._phase != "running" else "idle",
             "session": self._session,
+            "edition": 0 if running is None else running.edition,
             "pilot": self.lease.pilot,
             "member_ids": list(self.lease.members),
             "member_names": list(self.lease.members.values()),
@@ -262,16 +272,13 @@ class Station:
             ("command", self._command, "give another command, by the pilot"),
             ("set_view", self._set_view, "change the rate, width and quality of a view"),
         )
-        slow = (
+        start_screen = (
             ("catalog", self._catalog, "what can be chosen on the start screen"),
             ("check", self._check, "say what is wrong with a choice"),
             ("start", self._start, "run a simulator of a choice"),
-            (
-                "control",
-                self._control,
-                "pause, step, restart, save, record and the like; by the pilot",
-            ),
         )
+        control = ("control", self._control, "pause, step, restart, save, record and the like; by the pilot")
+        slow = (control,) if self.is_fixed else (*start_screen, control)
         return [
             GuestService(f"station/{name}", f"uwsim_msgs/srv/Station{_camel(name)}", _said(call), text, brief)
             for calls, brief in ((quick, True), (slow, False))
@@ -279,7 +286,12 @@ class Station:
         ]
 
     def _describe(self, caller: str, request: Values) -> Values:
-        return {"success": True, "session": self._session, "is_fixed": self.is_fixed, **self.present().describe()}
+        running = self.present()
+        said = {"session": self._session, "edition": running.edition, "is_fixed": self.is_fixed}
+        return {"success": True, **said, "controls": self._controls(), **running.describe()}
+
+    def _controls(self) -> list[str]:
+        return [name for name in CONTROLS if not (self.is_fixed and name == "quit")]
 
     def _join(self, caller: str, request: Values) -> Values:
         self.lease.join(caller, request.get("name"))
@@ -289,7 +301,7 @@ class Station:
     def _take_control(self, caller: str, request: Values) -> Values:
         self.changed.set()
         if self.lease.pilot != caller:
-            self.lease.take(caller)
+            self.lease.take(caller, is_silent=self._node.silence_s(self.lease.pilot) > DEAD_S)
             self._let_go()
         return {"success": True, "message": ""}
 
@@ -321,7 +333,9 @@ class Station:
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("saved") is None:
-            chosen(request, self._offered)
+            scenario, _ = chosen(request, self._offered)
+            if self._phase == "idle" and caller in self.lease.members:
+                self._prepared.want(scenario)
         else:
             chosen_save(request, saved_names(self.folder))
         return {"success": True, "message": "", "errors": {}}
@@ -335,8 +349,8 @@ class Station:
     def _control(self, caller: str, request: Values) -> Values:
         self.lease.require_pilot(caller)
         action = request.get("action")
-        if action not in CONTROLS:
-            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(CONTROLS)}")
+        if action not in self._controls():
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(self._controls())}")
         live = self.present().live
         said = CONTROLS[action](self, request)
         self.changed.set()

@@ -32,10 +32,13 @@ class Lease:
             self.pilot = ""
         return was_pilot
 
-    def take(self, client: str) -> None:
-        """Give the controls to a member if nobody has them. Raises ValueError, and takes note of the wish, if not."""
+    def take(self, client: str, *, is_silent: bool = False) -> None:
+        """Give the controls to a member if nobody has them, or a pilot who is silent: whose connection seems dead.
+
+        Raises ValueError, and takes note of the wish, if somebody has them.
+        """
         self._require_member(client)
-        if self.pilot not in ("", client):
+        if self.pilot not in ("", client) and not is_silent:
             if client not in self.asking:
                 self.asking.append(client)
             raise ValueError(f"{self.members[self.pilot]} has the controls; your wish is shown there")

@@ -30,6 +30,7 @@ class Running:
     """A live simulator, which is started here and ended by `stop`.
 
     Its map grows from the start, so that who comes late sees all of it. truth: whether the true position may be seen.
+    edition: a number that changes when a parameter has changed, and `describe` with it: see `notice_changes`.
     """
 
     def __init__(
@@ -46,6 +47,8 @@ class Running:
         self.scene = Scene(sim, self.table.sources)
         self.views = Views(live, self.table, node)
         self.recorder: Recorder | None = None
+        self.edition = 0
+        self._described = sim.parameters.scenario
         self.snapshots: dict[str, Values] = {}  # what the panel said at the last snapshot of a view
 
     def start(self) -> None:
@@ -55,6 +58,14 @@ class Running:
         for name, ping_map in self.maps.items():
             rate_hz = self.table.pings[name].rate_hz
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
+
+    def notice_changes(self) -> None:
+        """Begin another edition if a parameter has changed since the last call."""
+        scenario = self.live.simulator.parameters.scenario
+        if scenario is not self._described:
+            self._described = scenario
+            self.edition += 1
+            self.views.renew()
 
     def stop(self) -> None:
         """Finish the recording, and stop stepping."""
@@ -86,7 +97,7 @@ class Running:
     def describe(self) -> Values:
         """Return what `/station/describe` says, but the session."""
         sim = self.live.simulator
-        scenario, optional = sim.scenario, {channel.name for channel in self.channels}
+        scenario, optional = sim.parameters.scenario, {channel.name for channel in self.channels}
         return {
             "scenario": scenario.name,
             "description": " ".join(scenario.description.split()),

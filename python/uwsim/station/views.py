@@ -16,17 +16,19 @@ from uwsim.channels.pictures import WIDTHS
 from uwsim.channels.table import Table
 from uwsim.live import LiveSimulator, NotRunningError
 from uwsim.simulator import Simulator
+from uwsim.station.fit import Fit
 
 RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
 UNAWAITED_PERIOD_S = 0.5  # of pictures that nobody takes, and of those in which nothing can have changed
+SMALL_PATIENCE_S = 1.0  # after which a small picture no longer gives way to large ones
 JPEG = "sensor_msgs/msg/CompressedImage"
 THREADS = max(1, (os.cpu_count() or 2) - 1)  # the steps keep a core
 
 
 @dataclass(frozen=True)
 class Size:
-    """How a view is rendered, and how often. width 0: the camera's own."""
+    """How a view is rendered, and how often. width 0: the camera's own, or as much of it as the rate allows."""
 
     rate_hz: float = RATE_HZ
     width: int = 0
@@ -42,8 +44,34 @@ class Stream:
     size: Size
     frame_id: str
     due_s: float = 0.0
+    begun_s: float = 0.0
     rendered: int = -1  # the simulator's version in the last picture
     job: Future[Any] | None = None
+    fit: Fit | None = field(init=False)  # of a stream that may be smaller than its camera
+
+    _fitted: Camera | None = None
+
+    def __post_init__(self) -> None:
+        self.show(self.camera, self.size)
+
+    def fitted(self) -> Camera:
+        """Return the camera in the size of the next picture."""
+        width = self.camera.mount.width
+        if self.fit is not None:
+            width = round(self.fit.share * width)
+        if self._fitted is None or self._fitted.mount.width != width:
+            self._fitted = self.camera.resized(width)  # which has a table of rays to be made
+        return self._fitted
+
+    def show(self, camera: Camera, size: Size) -> None:
+        """Take pictures of another camera or size from now on."""
+        self.camera, self.size, self._fitted = camera, size, None
+        self.fit = None if size.width else Fit()
+
+    @property
+    def is_free(self) -> bool:
+        """Whether no picture of it is being made."""
+        return self.job is None or self.job.done()
 
 
 @dataclass(eq=False)
@@ -81,6 +109,7 @@ class Views:
     def __init__(self, live: LiveSimulator, table: Table, node: Node) -> None:
         self._live, self._node = live, node
         self._pictures = table.pictures
+        self._small_s = 0.0  # when the last small picture was begun
         self.views = {view.name: view for view in _views(live.simulator, table)}
 
     def topics(self) -> list[GuestTopic]:
@@ -88,18 +117,26 @@ class Views:
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
     def beat(self) -> None:
-        """Begin the pictures that are due."""
+        """Begin the pictures that are due: small ones one at a time, and while no large one is being made."""
         now_s = time.monotonic()
-        for stream in self._streams():
-            is_free = stream.job is None or stream.job.done()
-            if is_free and now_s >= stream.due_s and self._node.is_wanted(stream.topic):
-                version = self._live.simulator.version
-                is_fresh = version != stream.rendered and self._node.is_awaited(stream.topic)
-                if is_fresh or now_s >= stream.due_s + UNAWAITED_PERIOD_S:
-                    stream.rendered = version
-                    period_s = 1.0 / stream.size.rate_hz
-                    stream.due_s = max(stream.due_s + period_s, now_s - period_s)
-                    self._begin(stream)
+        for view in self.views.values():
+            if self._is_due(view.large, now_s):
+                self._begin(view.large, now_s)
+        if not all(view.small.is_free for view in self.views.values()):
+            return
+        due = [view.small for view in self.views.values() if self._is_due(view.small, now_s)]
+        if due:
+            oldest = min(due, key=lambda stream: stream.begun_s)
+            is_quiet = all(view.large.is_free for view in self.views.values())
+            if is_quiet or now_s - self._small_s > SMALL_PATIENCE_S:
+                self._small_s = now_s
+                self._begin(oldest, now_s)
+
+    def _is_due(self, stream: Stream, now_s: float) -> bool:
+        if not stream.is_free or now_s < stream.due_s or not self._node.is_wanted(stream.topic):
+            return False
+        is_fresh = self._live.simulator.version != stream.rendered and self._node.is_awaited(stream.topic)
+        return is_fresh or now_s >= stream.due_s + UNAWAITED_PERIOD_S
 
     def set_size(self, request: Values) -> None:
         """Change a view's large stream. Raises ValueError."""
@@ -110,8 +147,13 @@ class Views:
         widths = f"0 or in {list(WIDTHS)}"
         _require(size.width == 0 or _is_within(size.width, *WIDTHS, whole=True), "width", size.width, widths)
         _require(_is_within(size.quality, 1, 100, whole=True), "quality", size.quality, "in [1, 100]")
-        camera = view.camera.resized(int(size.width) or view.camera.mount.width)
-        view.large.size, view.large.camera = size, camera
+        view.large.show(view.camera.resized(int(size.width) or view.camera.mount.width), size)
+
+    def renew(self) -> None:
+        """Take note that cameras may have other lenses."""
+        for view in self.views.values():
+            for stream in (view.large, view.small):
+                stream.show(view.camera.resized(int(stream.size.width) or view.camera.mount.width), stream.size)
 
     def view(self, name: object) -> View:
         """Return a view by its name. Raises ValueError."""
@@ -128,23 +170,30 @@ class Views:
     def _streams(self) -> Iterable[Stream]:
         return [stream for view in self.views.values() for stream in (view.large, view.small)]
 
-    def _begin(self, stream: Stream) -> None:
-        camera, quality = stream.camera, int(stream.size.quality)
+    def _begin(self, stream: Stream, now_s: float) -> None:
+        period_s = 1.0 / stream.size.rate_hz
+        stream.rendered, stream.begun_s = self._live.simulator.version, now_s
+        stream.due_s = max(stream.due_s + period_s, now_s - period_s)
+        quality, fit = int(stream.size.quality), stream.fit
+        camera = stream.fitted()
+
+        def make(snapshot: Any) -> None:
+            begun_s = time.monotonic()
+            frame = camera.capture(at=snapshot, threads=THREADS)
+            message = compressed_image(frame.jpeg(quality), frame.time_ns, stream.frame_id)
+            self._node.publish(stream.topic, message, frame.time_ns)
+            if fit is not None:
+                fit.note(time.monotonic() - begun_s, period_s)
 
         def render(snapshot: Future[Any]) -> None:
             if snapshot.exception() is None:
-                stream.job = self._pictures.submit(lambda: self._publish(stream, camera, snapshot.result(), quality))
+                stream.job = self._pictures.submit(lambda: make(snapshot.result()))
 
         try:
             stream.job = self._live.read(lambda sim: camera.snapshot())
             stream.job.add_done_callback(render)
         except NotRunningError:
             stream.due_s += 1.0
-
-    def _publish(self, stream: Stream, camera: Camera, snapshot: Any, quality: int) -> None:
-        frame = camera.capture(at=snapshot, threads=THREADS)
-        message = compressed_image(frame.jpeg(quality), frame.time_ns, stream.frame_id)
-        self._node.publish(stream.topic, message, frame.time_ns)
 
 
 def _views(sim: Simulator, table: Table) -> Iterable[View]:

@@ -14,6 +14,20 @@ from uwsim.bridges.rosbridge.session import Session
 AT_ONCE = 16  # frames after which others get their turn
 
 
+class HeardConnection(ServerConnection):
+    """A connection that knows for how long nothing has come through it, answers to pings included.
+
+    silent_s: somebody must count it up. Time in which the loop stood still is not silence.
+    """
+
+    silent_s = 0.0
+
+    def data_received(self, data: bytes) -> None:
+        """Take note that the other side lives."""
+        self.silent_s = 0.0
+        super().data_received(data)
+
+
 class Allowance:
     """How much a client may send: a second's worth at once, then `rate` a second (a token bucket)."""
 

@@ -56,7 +56,7 @@ class Graph:
     """Topics, services and owners. All methods raise ValueError in words that name what is wrong.
 
     on_demand: each is called with a topic's name and whether anybody subscribes to it now, when that changes. on_leave:
-    each is called with an owner who has left.
+    each is called with an owner who has left. silence_s: for how long nothing at all has come from an owner.
     """
 
     def __init__(self) -> None:
@@ -65,6 +65,7 @@ class Graph:
         self.nodes: dict[str, None] = {}
         self.on_demand: list[Callable[[str, bool], None]] = []
         self.on_leave: list[Callable[[str], None]] = []
+        self.silence_s: Callable[[str], float] = lambda owner: 0.0
 
     def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:
         """Let an owner publish on a topic."""

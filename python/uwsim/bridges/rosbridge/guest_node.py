@@ -53,6 +53,10 @@ class GuestNode:
         newest = self._newest.get(name)
         return newest is None or newest.is_taken
 
+    def silence_s(self, client: str) -> float:
+        """Return for how long [s] nothing at all has come from a client."""
+        return self._graph.silence_s(client)
+
     def _advertise(self, topics: Mapping[str, GuestTopic]) -> None:
         for name in self._topics.keys() - topics.keys():
             self._graph.unadvertise(self._guest.name, name)

@@ -6,6 +6,7 @@ import asyncio
 import itertools
 import threading
 from collections.abc import Awaitable, Callable, Iterable, Sequence
+from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
 from types import TracebackType
@@ -15,7 +16,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.http11 import Request, Response
 
 from uwsim.bridges.rosbridge import admission
-from uwsim.bridges.rosbridge.connection import Allowance, converse
+from uwsim.bridges.rosbridge.connection import Allowance, HeardConnection, converse
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.guest_node import GuestNode
 from uwsim.bridges.rosbridge.limits import Limits
@@ -37,6 +38,9 @@ Site = Callable[[Request], Awaitable[Response]]
 
 STOP_S = 5.0
 HANDSHAKE_S = 60.0  # within which an answer to a request must be made
+PING_S = 1.0  # between pings where guests ask who lives; a connection that does not answer ends after
+PONG_S = 24.0
+BEAT_S = 0.5  # in which silence is counted
 WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
 
 
@@ -91,6 +95,7 @@ class RosbridgeServer:
             self.channels = served_channels(live, wire=wire, origin=origin)
             self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
+        self._connections: dict[str, HeardConnection] = {}
         self._numbers = itertools.count(1)
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread: threading.Thread | None = None
@@ -158,6 +163,7 @@ class RosbridgeServer:
         self._stopping = asyncio.Event()
         ros1_typestore(), typestore()  # a third of a second, which the first client should not wait for
         self.graph = Graph()
+        self.graph.silence_s = lambda name: self._connections[name].silent_s if name in self._connections else 0.0
         self._work_s = Allowance(self._limits.work_share)
         async with self._listen() as server:
             self._port = next(iter(server.sockets)).getsockname()[1]
@@ -169,12 +175,20 @@ class RosbridgeServer:
             republisher = offer_tf(self.graph, self._loop)
             guests = [GuestNode(guest, self.graph, self._loop) for guest in self._guests]
             ready.set()
-            await self._stopping.wait()
+            await self._count_silence()
             republisher.close()
             for guest in guests:
                 guest.close()
             if self._node is not None:
                 self._node.close()
+
+    async def _count_silence(self) -> None:
+        """Count for how long each connection has been silent, until the server stops."""
+        while not self._stopping.is_set():
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._stopping.wait(), BEAT_S if self._guests else None)
+            for connection in self._connections.values():
+                connection.silent_s += BEAT_S
 
     def show(self, live: LiveSimulator | None, channels: list[Channel], services: list[Service]) -> None:
         """Give clients another simulator to see, or none; they stay connected and subscribed.
@@ -207,8 +221,9 @@ class RosbridgeServer:
             max_size=self._limits.frame_bytes,
             max_queue=4,
             write_limit=WRITE_LIMIT,
-            ping_interval=10 if self._guests else 20,  # a pilot whose connection is dead keeps the controls until then
-            ping_timeout=15 if self._guests else 40,
+            create_connection=HeardConnection,
+            ping_interval=PING_S if self._guests else 20,
+            ping_timeout=PONG_S if self._guests else 40,
             open_timeout=HANDSHAKE_S if self._site else 10,
             close_timeout=1,
             server_header=None,
@@ -225,6 +240,7 @@ class RosbridgeServer:
         return None if reason is None else connection.respond(*reason)
 
     async def _handle(self, connection: ServerConnection) -> None:
+        assert isinstance(connection, HeardConnection)
         if len(self.sessions) >= self._limits.connections:  # others came while this one shook hands
             await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
             return
@@ -240,9 +256,9 @@ class RosbridgeServer:
             wake=wakes.set,
             give_up=connection.transport.abort,  # a closing handshake would wait behind what is not read
         )
-        self.sessions[name] = session
+        self.sessions[name], self._connections[name] = session, connection
         try:
             await converse(connection, session, wakes, self._limits, self._work_s)
         finally:
-            del self.sessions[name]
+            del self.sessions[name], self._connections[name]
             session.close()

@@ -75,7 +75,7 @@ station.addEventListener('state', () => {
   const isRunning = station.isRunning && station.description !== null;
   byId('station').hidden = !isRunning;
   byId('start').hidden = isRunning || station.state.phase === '';
-  if (!isRunning && station.state.phase !== '') start.show();
+  if (station.state.phase === 'idle') start.show();
   document.title = isRunning ? `${station.description.scenario} – uwsim station` : 'uwsim station';
   if (isRunning) lease.takeOnce();
   showBanner();
@@ -84,16 +84,23 @@ station.addEventListener('close', showBanner);
 station.addEventListener('open', showBanner);
 station.addEventListener('trouble', (event) => toast(event.detail, 'error'));
 station.addEventListener('session', begin);
+station.addEventListener('description', describe);
+
+// Say what the controls act on.
+function describe() {
+  const { description } = station;
+  vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];
+  topbar.begin(vehicle, description, SPEEDS);
+  panel.begin(vehicle, description);
+}
 
 // Show another simulator, or the same one from its start.
 function begin() {
   const { description } = station;
   for (const end of ends) end();
-  vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];
+  describe();
   pilot.vehicle = vehicle.name;
   telemetry.watch(vehicle.telemetry);
-  topbar.begin(vehicle, description, SPEEDS);
-  panel.begin(vehicle, description);
   aim.begin(vehicle);
   fan.clear();
   views.fill(

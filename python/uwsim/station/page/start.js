@@ -39,7 +39,7 @@ export class StartScreen {
     }
     this.#build();
     this.#say('');
-    this.#later();
+    this.#check(); // the server makes the simulator of what is checked, so that Start finds it ready
   }
 
   #build() {

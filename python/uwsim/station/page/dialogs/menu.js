@@ -14,18 +14,22 @@ export function showMenu(station, { keys }) {
     dialog.close();
     act?.();
   };
-  const item = (text, act, { forAll = false, isOff = false, hint = '', className = '' } = {}) =>
+  const item = (text, act, { forAll = false, hint = '', className = '' } = {}) =>
     el(
       'button',
       {
         type: 'button',
-        disabled: isOff || (!forAll && !isPilot),
+        disabled: !forAll && !isPilot,
         className,
         onclick: act,
       },
       text,
       hint ? el('small', { className: 'caption' }, hint) : null,
     );
+
+  const quit = item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
+    className: 'danger',
+  });
 
   openDialog(
     dialog,
@@ -47,15 +51,7 @@ export function showMenu(station, { keys }) {
     saveForm(station, isPilot, leave),
     el('hr'),
     colours(),
-    el('hr'),
-    el(
-      'div',
-      { className: 'stack' },
-      item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
-        className: 'danger',
-        isOff: station.description?.is_fixed, // there is no start screen
-      }),
-    ),
+    ...(station.description?.is_fixed ? [] : [el('hr'), el('div', { className: 'stack' }, quit)]),
   );
   dialog.querySelector('.stack button:not(:disabled)')?.focus();
   dialog.addEventListener(

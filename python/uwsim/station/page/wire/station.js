@@ -13,7 +13,8 @@ export function bridgeUrl(location) {
   return `${scheme}://${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ''}`;
 }
 
-// Events: 'open', 'close', 'state', 'session' (another simulator, or the same one anew), 'trouble' (detail: a sentence).
+// Events: 'open', 'close', 'state', 'session' (another simulator, or the same one anew), 'description' (its
+// parameters have changed), 'trouble' (detail: a sentence).
 export class Station extends EventTarget {
   state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [] };
   description = null;
@@ -129,7 +130,7 @@ export class Station extends EventTarget {
 
   async #learn(state) {
     this.state = state;
-    if (state.phase === 'running' && this.description?.session !== state.session) await this.#describe();
+    if (state.phase === 'running' && !isOf(state, this.description)) await this.#describe();
     if (state.phase !== 'running') this.description = null;
     this.dispatchEvent(new Event('state'));
   }
@@ -140,8 +141,9 @@ export class Station extends EventTarget {
     try {
       const description = await this.#backend.describe();
       if (description.success) {
+        const isSame = this.description?.session === description.session;
         this.description = description;
-        this.dispatchEvent(new Event('session'));
+        this.dispatchEvent(new Event(isSame ? 'description' : 'session'));
       }
     } catch (error) {
       this.#complain(error.message);
@@ -149,4 +151,9 @@ export class Station extends EventTarget {
       this.#isAsking = false;
     }
   }
+}
+
+// Whether a description is of the simulator and the parameters that a state tells of. A server may have no editions.
+function isOf({ session, edition }, description) {
+  return description?.session === session && description.edition === edition;
 }

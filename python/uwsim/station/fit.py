@@ -1,0 +1,44 @@
+"""How large a picture can be so that its stream keeps its rate on the machine as it is now."""
+
+from __future__ import annotations
+
+SHARES = (1.0, 0.75, 0.5)  # of the width
+TOO_LONG, SHORT = 0.8, 0.65  # shares of a period: below the second a larger size is tried
+SMOOTHING = 0.25
+LEAST_PICTURES = 4  # before another size; the first one fills caches
+PATIENCE, PATIENCE_MAX = 20, 640  # pictures before a larger size is tried; twice as many after each that failed
+
+
+class Fit:
+    """Chooses the share of the full width from how long pictures take; their time goes with the number of pixels."""
+
+    def __init__(self) -> None:
+        self._step = 0
+        self._patience = PATIENCE
+        self._has_grown = False
+        self._pictures, self._took_s = 0, 0.0  # of the present share
+
+    @property
+    def share(self) -> float:
+        """Of the full width, in (0, 1]."""
+        return SHARES[self._step]
+
+    def note(self, took_s: float, period_s: float) -> None:
+        """Take note of how long a picture of the present share took, and choose the share of the next."""
+        self._pictures += 1
+        self._took_s = took_s if self._pictures <= 2 else self._took_s + SMOOTHING * (took_s - self._took_s)
+        if self._pictures < LEAST_PICTURES:
+            return
+        if self._took_s > TOO_LONG * period_s and self._step < len(SHARES) - 1:
+            if self._has_grown:
+                self._patience = min(2 * self._patience, PATIENCE_MAX)
+            self._turn(1)
+        elif self._pictures >= self._patience and self._step > 0:
+            growth = (SHARES[self._step - 1] / self.share) ** 2
+            if growth * self._took_s < SHORT * period_s:
+                self._turn(-1)
+
+    def _turn(self, steps: int) -> None:
+        self._step += steps
+        self._has_grown = steps < 0
+        self._pictures, self._took_s = 0, 0.0
