@@ -1,5 +1,6 @@
 """Samples of the true surface leave no gap, and come in tiles."""
 
+import threading
 import tracemalloc
 
 import numpy as np
@@ -8,8 +9,10 @@ from scipy.spatial import cKDTree
 
 from uwsim import _core
 from uwsim.mapping.voxel_keys import pack_keys, voxel_keys
-from uwsim.scoring import sampled_triangles, true_surface
+from uwsim.scoring import sampled_triangles, surface_ahead, true_surface
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.true_surface import sample_surface, surface_tiles
+from uwsim.scoring.visible_voxels import visible_voxels
 
 SQUARE = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
 
@@ -91,3 +94,33 @@ def test_too_many_voxels_are_refused_before_the_first_tile():
         sample_surface(vast_floor(), 0.005, SQUARE)
     triangle = SQUARE[:3]
     assert next(surface_tiles(vast_floor(), 0.005, triangle)), "half of them are not too many"
+
+
+def slope_with_box():
+    world = _core.World()
+    heights = np.tile(np.linspace(-12.0, -6.0, 41, dtype=np.float32), (41, 1))
+    world.set_terrain(heights, 1.0, (-20.0, -20.0))
+    corners = np.array([[2.0, 2.0, -12.0], [6.0, 2.0, -12.0], [2.0, 6.0, -12.0], [2.0, 2.0, -4.0]])
+    world.add_solid("tetrahedron", corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    return world
+
+
+def test_a_surface_sampled_ahead_shows_the_same_voxels_as_one_sampled_round_the_path():
+    world, path = slope_with_box(), np.linspace([-10.0, -8.0, -3.0], [-2.0, 0.0, -3.0], 30)
+    seen = visible_voxels(world, _core.RayScene(world), 0.1, path, SQUARE, 9.0)
+    with SurfaceAhead(world, 0.1, SQUARE) as ahead:
+        assert len(ahead.tile_jobs()) > 1
+        np.testing.assert_array_equal(visible_voxels(world, _core.RayScene(world), 0.1, path, SQUARE, 9.0, ahead), seen)
+    assert 0 < len(seen) < len(sample_surface(world, 0.1, SQUARE).voxel_keys)
+
+
+def test_a_surface_that_is_too_large_to_be_kept_is_not_sampled_ahead(monkeypatch):
+    monkeypatch.setattr(surface_ahead, "MAX_KEPT_VOXELS", 1000)
+    with SurfaceAhead(slope_with_box(), 0.1, SQUARE) as ahead:
+        assert ahead.tile_jobs() is None
+
+
+def test_leaving_a_surface_ahead_ends_its_thread():
+    with SurfaceAhead(slope_with_box(), 0.02, SQUARE):
+        pass
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("surface")]

@@ -20,6 +20,10 @@ TILE_VOXELS, TILE_BITS = 256, 9
 PLACE_BITS = 63 - 3 * TILE_BITS - 3
 
 
+class TooManyVoxelsError(ValueError):
+    """A surface has more voxels than can be sampled."""
+
+
 @dataclass(frozen=True, eq=False)
 class SurfaceSamples:
     """Points on the true surface, sorted by voxel.
@@ -53,7 +57,11 @@ def surface_tiles(
 
 
 def surface_tile_jobs(
-    world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64], within_m: Box | None = None
+    world: _core.World,
+    resolution_m: float,
+    area_world_m: NDArray[np.float64],
+    within_m: Box | None = None,
+    max_voxels: int | None = None,
 ) -> Iterator[Callable[[], SurfaceSamples]]:
     """Sample every triangle of terrain and solids, where it lies inside the polygon, at half a voxel or closer.
 
@@ -65,7 +73,8 @@ def surface_tile_jobs(
 
     The samples come in tiles of at most TILE_VOXELS on a side that share no voxel, so memory depends neither on the
     size of the area nor on the triangles outside it. within_m: a box, corners (3,), beyond which nothing is sampled.
-    Raises ValueError, before the first tile, when the surface is estimated to have more than MAX_VOXELS voxels.
+    Raises TooManyVoxelsError, before the first tile, when the surface is estimated to have more than max_voxels
+    (default: MAX_VOXELS).
     """
     vertices, triangles, labels = world.surface_mesh()
     low, high = np.append(area_world_m.min(axis=0), -np.inf), np.append(area_world_m.max(axis=0), np.inf)
@@ -85,7 +94,8 @@ def surface_tile_jobs(
         return
     low = np.maximum(low, np.min([part.low.min(axis=0, initial=np.inf) for part in parts], axis=0))
     high = np.minimum(high, np.max([part.high.max(axis=0, initial=-np.inf) for part in parts], axis=0))
-    _require_scorable(sum(_voxel_estimate(part, low, high, resolution_m) for part in parts), low, high, area_world_m)
+    box_voxels = sum(_voxel_estimate(part, low, high, resolution_m) for part in parts)
+    _require_scorable(box_voxels, low, high, area_world_m, MAX_VOXELS if max_voxels is None else max_voxels)
     lowest, highest = voxel_keys(np.stack([low, high]), resolution_m)
     for first, last, near_parts in _tiles(parts, lowest - 1, highest + 2, resolution_m):  # one voxel more, for rounding
         yield partial(_sample_tile, world, near_parts, first, last, resolution_m, area_world_m)
@@ -116,14 +126,18 @@ def _voxel_estimate(
 
 
 def _require_scorable(
-    box_voxels: float, low_m: NDArray[np.float64], high_m: NDArray[np.float64], area_world_m: NDArray[np.float64]
+    box_voxels: float,
+    low_m: NDArray[np.float64],
+    high_m: NDArray[np.float64],
+    area_world_m: NDArray[np.float64],
+    max_voxels: int,
 ) -> None:
     x, y = (low + (high - low) * (np.arange(128) + 0.5) / 128 for low, high in zip(low_m[:2], high_m[:2], strict=True))
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     voxels = box_voxels * float(inside_polygon(grid, area_world_m).mean())
-    if voxels > MAX_VOXELS:
-        rule = f"must be at most {MAX_VOXELS / 1e6:g} million to be scored: choose larger voxels or a smaller area"
-        raise ValueError(f"voxels of the true surface = about {voxels / 1e6:.0f} million: {rule}")
+    if voxels > max_voxels:
+        rule = f"must be at most {max_voxels / 1e6:g} million to be scored: choose larger voxels or a smaller area"
+        raise TooManyVoxelsError(f"voxels of the true surface = about {voxels / 1e6:.0f} million: {rule}")
 
 
 def _tiles(

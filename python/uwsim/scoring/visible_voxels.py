@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.voxel_keys import pack_keys
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 
 Item = TypeVar("Item")
@@ -29,10 +30,12 @@ def visible_voxels(
     path_world_m: NDArray[np.float64],
     area_world_m: NDArray[np.float64],
     range_max_m: float,
+    ahead: SurfaceAhead | None = None,
 ) -> NDArray[np.int64]:
     """Return the packed keys (v,), sorted, of the truth voxels that are visible from any pose of the path.
 
-    path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts.
+    path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts. ahead: the surface of this
+    world, resolution and area, if it has been sampled already; the result is the same.
     """
     poses = _thinned_path(path_world_m, POSE_SPACING_M)
     if not len(poses):
@@ -45,6 +48,8 @@ def visible_voxels(
             return np.empty(0, np.int64)
         low, high = tile.points_world_m.min(axis=0), tile.points_world_m.max(axis=0)
         near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
+        if not near.any():
+            return np.empty(0, np.int64)
         seen = rays.seen_groups(
             poses[near],
             tile.points_world_m,
@@ -55,7 +60,8 @@ def visible_voxels(
         )
         return pack_keys(tile.voxel_keys[seen])
 
-    visible = list(_in_parallel(visible_in, surface_tile_jobs(world, resolution_m, area_world_m, box)))
+    jobs = None if ahead is None else ahead.tile_jobs()
+    visible = list(_in_parallel(visible_in, jobs or surface_tile_jobs(world, resolution_m, area_world_m, box)))
     return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))
 
 
