@@ -1,5 +1,6 @@
 """A recording holds what a run said and was told, for others to read and to be repeated, however the run ends."""
 
+import itertools
 import json
 import logging
 import signal
@@ -19,7 +20,9 @@ from channel_tools import stamp_ns
 from command_line import UWSIM, error_line, files_limited_to, uwsim
 from uwsim import Simulator, recording
 from uwsim.bridges import RosbridgeServer
-from uwsim.channels import channels
+from uwsim.channels import Channel, channels
+from uwsim.channels.build import message
+from uwsim.channels.feed import Feed, Reading
 from uwsim.cli.recording import recording as list_recording
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
@@ -304,6 +307,27 @@ def test_a_recording_plays_to_rosbridge_clients(run: Path) -> None:
     topics = Counter(str(message["topic"]) for message in heard)
     assert topics["/tf_static"] == 1 and topics["/odom"] == 39  # what is latched comes even from before --from
     assert "messages of" in output and process.returncode == 0
+
+
+def test_other_sinks_get_the_recorded_readings(tmp_path: Path) -> None:
+    numbers, heard = itertools.count(), list[Reading]()
+    counted = Channel(
+        "counted", "std_msgs/msg/UInt32", "out", "", rate_hz=10.0,
+        read=lambda sim: message("std_msgs/msg/UInt32", data=next(numbers)),
+    )  # fmt: skip
+    path = tmp_path / "shared.mcap"
+    with LiveSimulator("pool", speed="max") as live:
+        feed = Feed(live)
+        with Recorder(live, path, topics=["counted"], shared=[counted], feed=feed):
+            end = feed.listen(counted, heard.append)
+            deadline_s = time.monotonic() + 60.0
+            while len(heard) <= 10 and time.monotonic() < deadline_s:
+                time.sleep(0.01)
+            end()
+    recorded = {found.message.data: (found.time_ns, found.data) for found in recording.open(path).messages("counted")}
+    assert len(heard) > 10
+    for reading in heard[1:]:  # the first listener in a tick reads by itself
+        assert recorded[reading.message.data] == (reading.time_ns, reading.cdr)
 
 
 def test_a_run_flown_over_rosbridge_replays_to_the_same_bytes(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any, Protocol
 
@@ -74,6 +74,7 @@ class Feed:
         self._live = live
         self._lock = threading.Lock()
         self._taps: dict[str, _Tap] = {}
+        self._fresh: dict[str, Reading] = {}
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Hand each reading of a channel to a sink from now on; return what ends that.
@@ -84,7 +85,7 @@ class Feed:
         with self._lock:
             tap = self._taps.get(channel.name)
             if tap is None:
-                tap = self._taps[channel.name] = _Tap(self._live, channel)
+                tap = self._taps[channel.name] = _Tap(self._live, channel, self._fresh)
             newest = tap.late()
             tap.sinks = (*tap.sinks, sink)
             if len(tap.sinks) == 1:
@@ -103,6 +104,10 @@ class Feed:
             tap = self._taps.get(channel.name)
             return None if tap is None else tap.late()
 
+    def share(self, reading: Reading) -> None:
+        """Hand on a reading that a recorder has just taken, not one more of that tick. On the stepping thread."""
+        self._fresh[reading.channel.name] = reading
+
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
         """Tell a sink the simulated time [ns] at each period of it; return what ends that. Raises NotRunningError."""
         return self._live.every(period_s, lambda sim: sim.time_ns, sink).cancel
@@ -117,15 +122,19 @@ class Feed:
 class _Tap:
     """One channel's subscription. sinks: replaced as a whole, for the stepping thread reads them without a lock."""
 
-    def __init__(self, live: LiveSimulator, channel: Channel) -> None:
+    def __init__(self, live: LiveSimulator, channel: Channel, fresh: Mapping[str, Reading]) -> None:
+        """fresh: what others have just read, by the channel's name."""
+        self._fresh = fresh
         self.newest: Reading | None = None
         self.sinks: tuple[Sink, ...] = ()
         self._live = live
         self._channel = channel
         self._subscription: Subscription | None = None
+        self._is_first = True
 
     def open(self) -> None:
         """Begin to read. A channel without a rate is read once."""
+        self._is_first = True  # while paused, a reading of this tick may be older than the commands since
         if self._channel.rate_hz is not None:
             self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
         elif self.newest is None:
@@ -145,6 +154,10 @@ class _Tap:
             self._subscription = None
 
     def _read(self, sim: Simulator) -> Reading | None:
+        shared = None if self._is_first else self._fresh.get(self._channel.name)
+        self._is_first = False
+        if shared is not None and shared.tick == sim.tick:
+            return shared
         message = self._channel.read(sim)
         return None if message is None else Reading(self._channel, message, sim.time_ns, sim.tick)
 

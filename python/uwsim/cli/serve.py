@@ -107,7 +107,7 @@ def serve(
                 return channels
             from uwsim.recording import Recorder
 
-            recorder = Recorder(live, record, topics=record_topic or None, shared=channels)
+            recorder = Recorder(live, record, topics=record_topic or None, shared=channels, feed=feed)
             heard = recorder.hear(channels)
             sinks.enter_context(recorder)
             return heard

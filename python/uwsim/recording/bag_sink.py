@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer
 
 from uwsim.channels import Channel
+from uwsim.channels.feed import Reading
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import to_bytes
 
@@ -27,9 +27,9 @@ class BagSink:
         self._writer.open()
         self._connections: dict[str, Connection] = {}
 
-    def encode(self, message: Any) -> bytes:
+    def encode(self, reading: Reading) -> bytes:
         """Return a message in ROS 1's bytes."""
-        return to_bytes(message, ros=1)
+        return to_bytes(reading.message, ros=1)
 
     def add_channel(self, channel: Channel) -> None:
         """Announce a channel, before its first message."""

@@ -19,7 +19,8 @@ from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 from ruamel.yaml import YAML
 
 from uwsim.channels import Channel
-from uwsim.channels.cdr import encode, schema
+from uwsim.channels.cdr import schema
+from uwsim.channels.feed import Reading
 
 CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
@@ -56,9 +57,9 @@ class McapSink:
                 path.unlink()
             raise
 
-    def encode(self, message: Any) -> memoryview:
-        """Return a message in CDR."""
-        return encode(message)
+    def encode(self, reading: Reading) -> memoryview:
+        """Return a message in CDR, which other sinks may share."""
+        return reading.cdr
 
     def add_channel(self, channel: Channel) -> None:
         """Announce a channel, before its first message."""

@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from uwsim.channels import Channel, channels
+from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.table import table_of
 from uwsim.live import LiveSimulator
 from uwsim.live.commands import plain
@@ -46,7 +47,8 @@ class Recorder:
     path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
     are recorded (by default all; of a survey all but pictures and map), and that are not, such as "camera/*".
     shared: what the simulator's last `uwsim.channels.channels` gave to a server, so that pings and pictures are made
-    once for both; by default channels of its own. kind: LIVE or SURVEY. written: channels that only
+    once for both; by default channels of its own. feed: of other sinks, such as a node of ROS 2, which then get the
+    recorder's readings with their bytes instead of taking their own. kind: LIVE or SURVEY. written: channels that only
     `write` gives messages to. notes: plain values for the metadata.
 
     Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait: what
@@ -62,6 +64,7 @@ class Recorder:
         topics: Sequence[str] | None = None,
         without: Sequence[str] = (),
         shared: Iterable[Channel] | None = None,
+        feed: Feed | None = None,
         kind: str = LIVE,
         written: Sequence[Channel] = (),
         notes: Mapping[str, Any] | None = None,
@@ -72,6 +75,7 @@ class Recorder:
         self.path = Path(path)
         if self.path.suffix not in (".mcap", ".bag"):
             raise ValueError(f"recording '{path}': must end in .mcap, or in .bag for ROS 1")
+        self._feed = feed
         self._kind = kind
         self._queue_bytes = queue_bytes
         self._notes = dict(notes or {})
@@ -180,7 +184,7 @@ class Recorder:
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
-        self._watch = Watch(sim, self._channels, self._take, self._take_command)
+        self._watch = Watch(sim, self._channels, self._take_read, self._take_command)
         self._watch.start()
 
     def _end(self, sim: Simulator) -> dict[str, str]:
@@ -225,19 +229,29 @@ class Recorder:
             "begun": datetime.now(UTC).isoformat(timespec="seconds"),
         }
 
+    def _take_read(self, channel: Channel, message: Any) -> None:
+        reading = self._reading(channel, message)
+        if self._feed is not None:
+            self._feed.share(reading)
+        self._put(reading, needed=False)
+
     def _take(self, channel: Channel, message: Any) -> None:
-        self._put(channel.name, message, needed=False)
+        self._put(self._reading(channel, message), needed=False)
 
     def _take_command(self, name: str, arguments: dict[str, Any]) -> None:
-        self._put(COMMANDS, command_message(Command(self._sim.tick, name, plain(arguments, name))), needed=True)
+        message = command_message(Command(self._sim.tick, name, plain(arguments, name)))
+        self._put(self._reading(self._commands, message), needed=True)
 
-    def _put(self, topic: str, message: Any, *, needed: bool) -> None:
+    def _reading(self, channel: Channel, message: Any) -> Reading:
+        return Reading(channel, message, self._sim.time_ns, self._sim.tick)
+
+    def _put(self, reading: Reading, *, needed: bool) -> None:
         queue, sink = self._queue, self._sink
         if queue is None or sink is None:
             return
-        data = sink.encode(message)
+        topic, data = reading.channel.name, sink.encode(reading)
         with self._lock:  # messages that are heard come from other threads
-            item = (topic, self._sim.time_ns, self._sequences[topic], data)
+            item = (topic, reading.time_ns, self._sequences[topic], data)
             self._sequences[topic] += 1
         if not queue.put(item, waits=self._may_wait(), needed=needed):
             if not self.dropped:

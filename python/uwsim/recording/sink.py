@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 from uwsim.channels import Channel
+from uwsim.channels.feed import Reading
 
 
 class Sink(Protocol):
     """A file that takes messages. All calls but `encode` come from one thread at a time."""
 
-    def encode(self, message: Any) -> bytes | memoryview:
+    def encode(self, reading: Reading) -> bytes | memoryview:
         """Return a message in the format's bytes."""
 
     def add_channel(self, channel: Channel) -> None:
