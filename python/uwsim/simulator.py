@@ -229,8 +229,11 @@ class Simulator(Sealed):
         self.step(round(steps))
 
     def wait(self, duration_s: float) -> None:
-        """Advance, as the clock of a mission: see uwsim.control.Clock."""
-        self.advance(duration_s)
+        """Advance, as the clock of a mission, by a duration rounded to whole steps, at least one. Raises ValueError."""
+        steps = number(duration_s, "duration_s", "s") / self.step_s
+        if not 0.0 <= steps < 2**53:
+            raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
+        self.step(max(1, round(steps)) if steps else 0)
 
     def reset(self, seed: int | None = None) -> None:
         """Begin anew, as a Simulator of this scenario and a seed would that is made now; by default of the same seed.

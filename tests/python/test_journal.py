@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from uwsim import Simulator
-from uwsim.live.commands import bound_command, plain
+from uwsim.arguments import plain
+from uwsim.live.commands import bound_command
 
 
 class Watcher:

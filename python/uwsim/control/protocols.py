@@ -8,12 +8,16 @@ from typing import Any, Protocol
 from numpy.typing import NDArray
 
 
-class Clock(Protocol):
-    """Lets time pass: a simulator advances, a remote vehicle's clock sleeps."""
+class Watch(Protocol):
+    """Tells the time."""
 
     @property
     def time_s(self) -> float:
         """Seconds since any fixed time."""
+
+
+class Clock(Watch, Protocol):
+    """Lets time pass: a simulator advances, a remote vehicle's clock sleeps."""
 
     def wait(self, duration_s: float) -> None:
         """Return after duration_s seconds."""
@@ -74,13 +78,18 @@ class PanelLike(Protocol):
     def battery_percent(self) -> float: ...
 
 
-class SteeredVehicle(Protocol):
-    """A vehicle that takes efforts."""
+class EstimateLike(Protocol):
+    """Where a vehicle is and how it moves, as a filter or the truth has it; a simulated vehicle is its own truth."""
 
     @property
     def pose(self) -> PoseLike: ...
     @property
     def velocity(self) -> VelocityLike: ...
+
+
+class SteeredVehicle(EstimateLike, Protocol):
+    """A vehicle that takes efforts."""
+
     def set_effort(
         self,
         surge: float = 0.0,

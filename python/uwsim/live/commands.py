@@ -10,8 +10,6 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
-import numpy as np
-
 from uwsim.simulator import Simulator
 from uwsim.vehicle import Vehicle
 
@@ -147,19 +145,6 @@ def bound_command(name: str, arguments: Mapping[str, Any]) -> Callable[[Simulato
     except TypeError as error:
         raise ValueError(f"command '{name}': {error}") from None
     return lambda sim: command(sim, **arguments)
-
-
-def plain(value: Any, path: str) -> Any:
-    """Return a copy that nobody else can change, of JSON's types and bytes. Raises ValueError for other types."""
-    if value is None or isinstance(value, bool | int | float | str | bytes):
-        return value
-    if isinstance(value, np.generic | np.ndarray):
-        return plain(value.tolist(), path)
-    if isinstance(value, Mapping):
-        return {str(key): plain(item, f"{path}.{key}") for key, item in value.items()}
-    if isinstance(value, Sequence):
-        return [plain(item, f"{path}[{k}]") for k, item in enumerate(value)]
-    raise ValueError(f"{path} is {type(value).__name__}: must be a number, text, a list or a dict")
 
 
 def _vehicle(sim: Simulator, name: str) -> Vehicle:

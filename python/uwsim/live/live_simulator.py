@@ -12,9 +12,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
+from uwsim.arguments import plain
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
-from uwsim.live.commands import bound_command, plain
+from uwsim.live.commands import bound_command
 from uwsim.live.pace import Pace, Speed
 from uwsim.live.requests import Request
 from uwsim.live.step_loop import StepLoop

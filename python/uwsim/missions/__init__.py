@@ -1,18 +1,44 @@
-"""Missions: Python programs that fly a vehicle. Copy one and change it."""
+"""Missions: Python programs that fly a vehicle, in simulated time. docs/missions.md says how to write one."""
 
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.mission import Mission, ResumableMission
+from uwsim.missions.moves import dive_to, follow, goto, hold, turn_to
+from uwsim.missions.mow import mow
 from uwsim.missions.obstacle_memory import ObstacleMemory
+from uwsim.missions.own_vehicle import Event, OwnVehicle
+from uwsim.missions.run import begin, run
+from uwsim.missions.steps import Steps, Wait, drive, parallel, race, until, wait
+from uwsim.missions.stopped import StoppedError
+from uwsim.missions.vehicle import Vehicle
 
 __all__ = [
     "COVERED",
     "AdaptiveLawnMower",
+    "Event",
     "Lane",
     "LawnMowerPlan",
     "Mission",
     "ObstacleMemory",
+    "OwnVehicle",
     "ResumableMission",
+    "Steps",
+    "StoppedError",
+    "Vehicle",
+    "Wait",
+    "begin",
+    "dive_to",
+    "drive",
+    "follow",
+    "goto",
+    "hold",
     "lawn_mower_lanes",
+    "mow",
+    "parallel",
+    "race",
+    "run",
+    "turn_to",
+    "until",
+    "wait",
 ]

@@ -13,19 +13,21 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.control.autopilot import Autopilot, wrap_angle
-from uwsim.control.protocols import Clock, PingLike, SurveyVehicle
+from uwsim.control.protocols import Clock, PingLike, SurveyVehicle, Watch
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.mission_state import checked_state
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.shoal_chart import ShoalChart
+from uwsim.missions.steps import Steps, Wait, drive, wait
+from uwsim.missions.stopped import StoppedError
 from uwsim.sealed import Sealed
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
@@ -41,12 +43,8 @@ TILT_TOLERANCE_RAD = np.radians(0.5)
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
 
 
-class StoppedError(Exception):
-    """The mission ended before its last lane; the message says why."""
-
-
 class AdaptiveLawnMower(Sealed):
-    """Flies a plan with a vehicle and a clock, which need the names in uwsim.control.protocols.
+    """Flies a plan with a vehicle and a clock, which need the names in uwsim.control.protocols; for `run` it must wait.
 
     The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for each lane; before a lane that is
     far away come a "transit" and another "tilt". On a long way to a lane the sonar looks farther ahead than on lanes.
@@ -55,7 +53,7 @@ class AdaptiveLawnMower(Sealed):
     """
 
     vehicle: SurveyVehicle
-    clock: Clock
+    clock: Watch
     plan: LawnMowerPlan
     period_s: float
     autopilot: Autopilot
@@ -64,7 +62,7 @@ class AdaptiveLawnMower(Sealed):
     _fixed_when = "the mission is made"
     _changed_by = MappingProxyType({"state": "restore()", "lanes": "the plan's lanes"})
 
-    def __init__(self, vehicle: SurveyVehicle, clock: Clock, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
+    def __init__(self, vehicle: SurveyVehicle, clock: Watch, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
         for sensor in ("altitude", "proximity_port"):
             if sensor not in vehicle.sensors:
                 raise ValueError(f"the vehicle has no sensor '{sensor}': the lawn-mower steers by it")
@@ -72,6 +70,7 @@ class AdaptiveLawnMower(Sealed):
         self.clock = clock
         self.plan = plan
         self.period_s = period_s
+        self._pause = wait(period_s)
         self.autopilot = Autopilot(vehicle, period_s)
         self.obstacles_ahead = ObstacleMemory(ahead_m=max(20.0, 1.3 * plan.transit_view_m))
         self.shoals = ShoalChart(PASSABLE_Z_M)
@@ -111,7 +110,13 @@ class AdaptiveLawnMower(Sealed):
 
     def run(self) -> str:
         """Fly until the last lane ends (COVERED) or something else ends the mission; return the reason."""
-        legs: dict[LegName, Callable[[LegStart], LegName]] = {
+        if not hasattr(self.clock, "wait"):
+            raise ValueError("run: the clock cannot wait: use `yield from mower.steps()`")
+        return drive(self.steps(), cast(Clock, self.clock))
+
+    def steps(self) -> Steps[str]:
+        """Return the mission as steps, which do what `run` does: `ended = yield from mower.steps()`."""
+        legs: dict[LegName, Callable[[LegStart], Steps[LegName]]] = {
             "undock": self._undock,
             "approach": self._approach,
             "transit": self._transit,
@@ -128,7 +133,7 @@ class AdaptiveLawnMower(Sealed):
                 if state.leg_start is None:
                     state.leg_start = self._leg_start()
                 self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
-                state.leg = legs[state.leg](state.leg_start)
+                state.leg = yield from legs[state.leg](state.leg_start)
                 state.leg_start = None
         except StoppedError as stop:
             return str(stop)
@@ -159,18 +164,18 @@ class AdaptiveLawnMower(Sealed):
 
     # The legs: each one flies until it is done and returns the name of the next.
 
-    def _undock(self, start: LegStart) -> LegName:
+    def _undock(self, start: LegStart) -> Steps[LegName]:
         """Go straight ahead and level until clear of the dock."""
         ahead = (UNDOCK_SPEED_M_S * math.cos(start.yaw_rad), UNDOCK_SPEED_M_S * math.sin(start.yaw_rad))
         while math.dist(self._position(), start.position_world_m) < UNDOCK_M:
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
                 raise StoppedError("stuck in the station's dock")
-            self._command(start.yaw_rad, ahead, start.position_world_m[2])
+            yield self._command(start.yaw_rad, ahead, start.position_world_m[2])
         return "approach"
 
-    def _approach(self, start: LegStart) -> LegName:
+    def _approach(self, start: LegStart) -> Steps[LegName]:
         """Go to the first lane, facing it."""
-        if not self._go_to(self.lanes[self.state.lane].start_m, start, heading_rad=None):
+        if not (yield from self._go_to(self.lanes[self.state.lane].start_m, start, heading_rad=None)):
             return self._skip_lane("approach")
         return "tilt"
 
@@ -180,16 +185,16 @@ class AdaptiveLawnMower(Sealed):
         self.state.skipped += 1
         return leg
 
-    def _wait_for_tilt(self, start: LegStart) -> LegName:
+    def _wait_for_tilt(self, start: LegStart) -> Steps[LegName]:
         """Wait on the spot until the sonar's head has turned to its elevation, if the sonar reports one."""
         target_rad = -math.radians(self.plan.tilt_deg)
         while abs(getattr(self.vehicle.sonar, "elevation_rad", target_rad) - target_rad) > TILT_TOLERANCE_RAD:
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
                 break  # a survey with another tilt is better than none
-            self._steer(start.yaw_rad, self._back_to(start))
+            yield self._steer(start.yaw_rad, self._back_to(start))
         return "turn"
 
-    def _turn(self, start: LegStart) -> LegName:
+    def _turn(self, start: LegStart) -> Steps[LegName]:
         """Turn on the spot to the lane's heading: half turns to port and to starboard alternate."""
         lane = self.lanes[self.state.lane]
         direction = 1.0 if self.state.lane % 2 == 0 else -1.0
@@ -198,7 +203,7 @@ class AdaptiveLawnMower(Sealed):
                 raise StoppedError(f"stuck in a turn, {math.degrees(left):.0f} degrees before its end")
             half_turn_ahead = abs(left) > math.radians(120.0)
             aside = self.vehicle.pose.yaw_rad + direction * math.radians(60.0)
-            self._steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
+            yield self._steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
         if self.state.lane > 0:
             self._require_clearance_to_port()
         return "abreast"
@@ -209,18 +214,18 @@ class AdaptiveLawnMower(Sealed):
         if port_m < TURN_RANGE_M:
             raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
 
-    def _side_step(self, start: LegStart) -> LegName:
+    def _side_step(self, start: LegStart) -> Steps[LegName]:
         """Side-step to the lane: to its start, or further along it if the last lane was cut short."""
         point_m = self._nearest_on_lane(start)
         if math.dist(point_m, start.position_world_m[:2]) > SIDE_STEPS * self.plan.line_spacing_m:
             return "transit"
-        if not self._go_to(point_m, start, self.lanes[self.state.lane].heading_rad):
+        if not (yield from self._go_to(point_m, start, self.lanes[self.state.lane].heading_rad)):
             return self._skip_lane("turn")
         return "mow"
 
-    def _transit(self, start: LegStart) -> LegName:
+    def _transit(self, start: LegStart) -> Steps[LegName]:
         """Go to a lane that is far away, facing the way."""
-        if not self._go_to(self._nearest_on_lane(start), start, heading_rad=None):
+        if not (yield from self._go_to(self._nearest_on_lane(start), start, heading_rad=None)):
             return self._skip_lane("tilt")
         return "tilt"
 
@@ -230,7 +235,7 @@ class AdaptiveLawnMower(Sealed):
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
         return lane.start_m + along_m * lane.direction
 
-    def _mow(self, start: LegStart) -> LegName:
+    def _mow(self, start: LegStart) -> Steps[LegName]:
         """Go forward along the lane while there is water ahead."""
         state, lane = self.state, self.lanes[self.state.lane]
         (ahead_x, ahead_y), speed = lane.direction.tolist(), self.plan.speed_m_s
@@ -245,7 +250,7 @@ class AdaptiveLawnMower(Sealed):
                 raise StoppedError(f"stuck {along:.0f} m into a lane")
             port_m_s = -0.5 * _clip(across, -2.0, 2.0)  # back to the line
             velocity = (speed * ahead_x - port_m_s * ahead_y, speed * ahead_y + port_m_s * ahead_x)
-            self._steer(lane.heading_rad, velocity)
+            yield self._steer(lane.heading_rad, velocity)
         state.lane, state.along_m = state.lane + 1, 0.0
         return "turn"
 
@@ -259,7 +264,7 @@ class AdaptiveLawnMower(Sealed):
         ahead_x, ahead_y = lane.direction.tolist()
         return self.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 
-    def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> bool:
+    def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
         """Go to a point, round shoals; return whether there is a way. On a long way the sonar looks farther ahead.
 
         The vehicle holds the heading, if one is given and the way is straight; else it faces where it goes.
@@ -287,11 +292,11 @@ class AdaptiveLawnMower(Sealed):
             speed = min(self.plan.speed_m_s, 0.2 + 0.3 * distance)
             if abs(wrap_angle(heading - self.vehicle.pose.yaw_rad)) > math.radians(30.0):
                 speed = 0.0  # turn first, so that the sonar sees what lies ahead
-            self._steer(heading, (speed * (aim_x - x) / ahead_m, speed * (aim_y - y) / ahead_m))
+            yield self._steer(heading, (speed * (aim_x - x) / ahead_m, speed * (aim_y - y) / ahead_m))
 
     # One control period.
 
-    def _steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> None:
+    def _steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Wait:
         """Steer at a safe height above the bed and the known obstacles ahead."""
         pose = self.vehicle.pose
         position, yaw = pose.position_world_m, pose.yaw_rad
@@ -305,16 +310,16 @@ class AdaptiveLawnMower(Sealed):
         # Slow down while a climb is still to be made.
         slower = _clip(1.0 - (target_m - height_m - 1.0) / 4.0, 0.1, 1.0)
         east_m_s, north_m_s = velocity_world_m_s
-        self._command(heading_rad, (slower * east_m_s, slower * north_m_s), target_m)
+        return self._command(heading_rad, (slower * east_m_s, slower * north_m_s), target_m)
 
-    def _command(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> None:
-        """Steer for one control period. Raises StoppedError if the battery is empty or the vehicle has capsized."""
+    def _command(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> Wait:
+        """Steer; return one control period. Raises StoppedError if the battery is empty or the vehicle has capsized."""
         if self.vehicle.telemetry().battery_percent <= 0.0:
             raise StoppedError("the battery is used up")
         if self.vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
             raise StoppedError("capsized: the vehicle has nosed or rolled over")
         self.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
-        self.clock.wait(self.period_s)
+        return self._pause
 
     def _position(self) -> NDArray[np.float64]:
         return np.asarray(self.vehicle.pose.position_world_m, np.float64)

@@ -15,11 +15,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from uwsim.arguments import plain
 from uwsim.channels import Channel, channels
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.table import table_of
 from uwsim.live import LiveSimulator
-from uwsim.live.commands import plain
 from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
 from uwsim.recording.commands import COMMANDS, Command, command_message

@@ -1,0 +1,203 @@
+"""Steps that move a vehicle: goto, hold, turn_to, dive_to, follow. Each steers by the vehicle's estimate.
+
+They keep off nothing: a way must be free. They raise StoppedError if the vehicle does not get on, its battery is
+empty or it has capsized. Positions are in the world's frame (ENU, z up).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control.autopilot import wrap_angle
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.steps import Steps, wait
+from uwsim.missions.stopped import StoppedError
+
+Point = Sequence[float] | NDArray[Any]
+GRACE_S = 60.0  # time that a move may take beside three times what its length needs
+SLOWEST_M_S, SLOW_DOWN_PER_S = 0.1, 0.4  # speed near the end: SLOWEST + SLOW_DOWN x distance
+FACE_FROM_M = 1.0  # farther away, it faces the way
+TURN_FIRST_RAD = math.radians(45.0)
+BACK_PER_S = 0.5  # speed back to a point or a line, per metre
+CAPSIZED_COSINE = 0.3  # of the tilt from upright
+
+
+def goto(
+    vehicle: OwnVehicle,
+    position_world_m: Point,
+    *,
+    altitude_m: float | None = None,
+    heading_rad: float | None = None,
+    speed_m_s: float = 0.5,
+    within_m: float = 0.5,
+) -> Steps[None]:
+    """Go straight to a position (3,), or (2,) with altitude_m above the bed; arrive within_m of it.
+
+    heading_rad: held on the way; by default it faces the way.
+    """
+    x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
+    _require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
+    start = vehicle.pose
+    start_x, start_y, start_z = start.position_world_m.tolist()
+    whole_m = math.hypot(x - start_x, y - start_y)
+    facing = start.yaw_rad
+    deadline_s = vehicle.time_s + GRACE_S + 3.0 * math.hypot(whole_m, height() - start_z) / speed_m_s
+    while True:
+        at_x, at_y, at_z = vehicle.pose.position_world_m.tolist()
+        left_m, z_m = math.hypot(x - at_x, y - at_y), height()
+        if math.hypot(left_m, z_m - at_z) <= within_m:
+            return
+        if vehicle.time_s > deadline_s:
+            raise StoppedError(f"stuck {math.hypot(left_m, z_m - at_z):.1f} m before ({x:.1f}, {y:.1f}, {z_m:.1f}) m")
+        if left_m > FACE_FROM_M:
+            facing = math.atan2(y - at_y, x - at_x)
+        heading = facing if heading_rad is None else heading_rad
+        speed = min(speed_m_s, SLOWEST_M_S + SLOW_DOWN_PER_S * left_m)
+        if heading_rad is None and abs(wrap_angle(heading - vehicle.pose.yaw_rad)) > TURN_FIRST_RAD:
+            speed = 0.0
+        share = 0.0 if altitude_m is not None or whole_m < 1e-6 else min(left_m / whole_m, 1.0)
+        ahead = min(speed, BACK_PER_S * left_m) / max(left_m, 1e-9)
+        velocity = (ahead * (x - at_x), ahead * (y - at_y))
+        yield from _steer(vehicle, heading, velocity, z_m + share * (start_z - z_m))
+
+
+def hold(
+    vehicle: OwnVehicle,
+    duration_s: float = math.inf,
+    *,
+    position_world_m: Point | None = None,
+    heading_rad: float | None = None,
+) -> Steps[None]:
+    """Stay at a position (3,) and heading, by default the present ones, for a time, by default for ever."""
+    if not duration_s > 0.0:
+        raise ValueError(f"hold: duration_s = {duration_s} s: must be positive")
+    pose = vehicle.pose
+    x, y, height = _target(vehicle, "hold", pose.position_world_m if position_world_m is None else position_world_m)
+    heading = pose.yaw_rad if heading_rad is None else heading_rad
+    end_s = vehicle.time_s + duration_s - 1e-6
+    while vehicle.time_s < end_s:
+        yield from _steer(vehicle, heading, _back_to(vehicle, x, y), height())
+
+
+def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
+    """Turn on the spot to a heading, counter-clockwise from east."""
+    _require_positive("turn_to", within_rad=within_rad)
+    x, y, z = vehicle.pose.position_world_m.tolist()
+    deadline_s = vehicle.time_s + GRACE_S
+    while abs(left_rad := wrap_angle(heading_rad - vehicle.pose.yaw_rad)) > within_rad:
+        if vehicle.time_s > deadline_s:
+            raise StoppedError(f"stuck in a turn, {abs(math.degrees(left_rad)):.0f} degrees before its end")
+        yield from _steer(vehicle, heading_rad, _back_to(vehicle, x, y), z)
+
+
+def dive_to(vehicle: OwnVehicle, depth_m: float, *, within_m: float = 0.2) -> Steps[None]:
+    """Dive or climb on the spot to a depth, positive down."""
+    _require_positive("dive_to", within_m=within_m)
+    pose = vehicle.pose
+    x, y, z = pose.position_world_m.tolist()
+    heading, deadline_s = pose.yaw_rad, vehicle.time_s + GRACE_S + abs(depth_m + z) / 0.1
+    while abs(left_m := depth_m + float(vehicle.pose.position_world_m[2])) > within_m:
+        if vehicle.time_s > deadline_s:
+            raise StoppedError(f"stuck {abs(left_m):.1f} m from a depth of {depth_m:g} m")
+        yield from _steer(vehicle, heading, _back_to(vehicle, x, y), -depth_m)
+
+
+def follow(
+    vehicle: OwnVehicle,
+    path_world_m: Sequence[Point] | NDArray[Any],
+    *,
+    altitude_m: float | None = None,
+    speed_m_s: float = 0.5,
+) -> Steps[None]:
+    """Follow a path of straight legs through points (n, 3), or (n, 2) with altitude_m above the bed, from the first."""
+    points = np.asarray(path_world_m, np.float64)
+    if points.ndim != 2 or len(points) < 2:
+        raise ValueError(f"follow: path_world_m.shape = {points.shape}: must be (n, 3) or (n, 2), n at least 2")
+    yield from goto(vehicle, points[0], altitude_m=altitude_m, speed_m_s=speed_m_s)
+    for start, end in pairwise(points):
+        yield from _along(vehicle, start, end, altitude_m, speed_m_s)
+
+
+def _along(
+    vehicle: OwnVehicle, start: NDArray[Any], end: NDArray[Any], altitude_m: float | None, speed_m_s: float
+) -> Steps[None]:
+    """Go along one leg, keeping to its line."""
+    x, y, height = _target(vehicle, "follow", end, altitude_m)
+    start_x, start_y = float(start[0]), float(start[1])
+    length_m = math.hypot(x - start_x, y - start_y)
+    if length_m < 1e-3:
+        yield from goto(vehicle, end, altitude_m=altitude_m, speed_m_s=speed_m_s)
+        return
+    east, north = (x - start_x) / length_m, (y - start_y) / length_m
+    heading, deadline_s = math.atan2(north, east), vehicle.time_s + GRACE_S + 3.0 * length_m / speed_m_s
+    while True:
+        at_x, at_y, _ = vehicle.pose.position_world_m.tolist()
+        along_m = (at_x - start_x) * east + (at_y - start_y) * north
+        across_m = (at_y - start_y) * east - (at_x - start_x) * north  # to port of the line
+        if along_m >= length_m:
+            return
+        if vehicle.time_s > deadline_s:
+            raise StoppedError(f"stuck {length_m - along_m:.1f} m before ({x:.1f}, {y:.1f}) m")
+        turned = abs(wrap_angle(heading - vehicle.pose.yaw_rad)) <= TURN_FIRST_RAD
+        ahead, aside = (speed_m_s if turned else 0.0), -BACK_PER_S * min(max(across_m, -1.0), 1.0)
+        share = 0.0 if altitude_m is not None else 1.0 - min(max(along_m / length_m, 0.0), 1.0)
+        z_m = height()
+        z_m += share * (float(start[2]) - z_m) if share else 0.0
+        yield from _steer(vehicle, heading, (ahead * east - aside * north, ahead * north + aside * east), z_m)
+
+
+def _target(
+    vehicle: OwnVehicle, step: str, position_world_m: Point, altitude_m: float | None = None
+) -> tuple[float, float, Callable[[], float]]:
+    """Return x, y and a function that returns the height z to keep now. Raises ValueError."""
+    point = np.asarray(position_world_m, np.float64)
+    expected = (3,) if altitude_m is None else (2,)
+    if point.shape != expected or not np.isfinite(point).all():
+        rule = "(3,), or (2,) with altitude_m" if altitude_m is None else "(2,) with altitude_m"
+        raise ValueError(f"{step}: position_world_m = {point.tolist()}: must be finite and of shape {rule}")
+    x, y = float(point[0]), float(point[1])
+    if altitude_m is None:
+        z = float(point[2])
+        return x, y, lambda: z
+    if "altitude" not in vehicle.sensors:
+        raise ValueError(f"{step}: altitude_m: the vehicle has no sensor 'altitude'")
+    _require_positive(step, altitude_m=altitude_m)
+    above_m, altitude = float(altitude_m), vehicle.sensors["altitude"]
+
+    def height() -> float:
+        bed_m = float(altitude.read())
+        z = float(vehicle.pose.position_world_m[2])
+        return min(z - bed_m + above_m, 0.0) if math.isfinite(bed_m) else z
+
+    return x, y, height
+
+
+def _back_to(vehicle: OwnVehicle, x: float, y: float) -> tuple[float, float]:
+    """Return the velocity towards a point nearby."""
+    at_x, at_y, _ = vehicle.pose.position_world_m.tolist()
+    share = min(BACK_PER_S, 0.5 / max(math.hypot(x - at_x, y - at_y), 1e-9))
+    return share * (x - at_x), share * (y - at_y)
+
+
+def _steer(
+    vehicle: OwnVehicle, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float
+) -> Steps[None]:
+    """Steer for one control period. Raises StoppedError if the battery is empty or the vehicle has capsized."""
+    if vehicle.telemetry().battery_percent <= 0.0:
+        raise StoppedError("the battery is used up")
+    if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
+        raise StoppedError("capsized: the vehicle has nosed or rolled over")
+    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
+    yield wait(vehicle.autopilot.period_s)
+
+
+def _require_positive(step: str, **values: float) -> None:
+    for name, value in values.items():
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{step}: {name} = {value}: must be positive")

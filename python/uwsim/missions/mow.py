@@ -1,0 +1,16 @@
+"""mow: the adaptive lawn-mower as a step of a mission."""
+
+from __future__ import annotations
+
+from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.steps import Steps
+from uwsim.missions.stopped import StoppedError
+
+
+def mow(vehicle: OwnVehicle, plan: LawnMowerPlan) -> Steps[None]:
+    """Fly a plan's lanes with the adaptive lawn-mower. Raises StoppedError if it does not fly all of them."""
+    ended = yield from AdaptiveLawnMower(vehicle, vehicle, plan).steps()
+    if ended != COVERED:
+        raise StoppedError(ended)

@@ -1,0 +1,145 @@
+"""OwnVehicle: gives a mission the Vehicle that it sees, made of a simulated or remote one, a clock and an estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from uwsim.arguments import plain
+from uwsim.control.autopilot import Autopilot
+from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
+from uwsim.missions.vehicle import CameraLike, LampLike
+from uwsim.sealed import Sealed
+
+CONTROL_PERIOD_S = 0.1
+
+
+class Event(NamedTuple):
+    """An entry of a mission's log."""
+
+    time_s: float
+    vehicle: str
+    name: str
+    values: dict[str, Any]
+
+
+class OwnVehicle(Sealed):
+    """A mission's vehicle; see Vehicle.
+
+    hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: tells time_s. estimate: by default the
+    hull itself, which is the truth. hear: called with each event of the log.
+    """
+
+    name: str
+    estimate: EstimateLike
+    _fixed_when = "the mission begins"
+
+    def __init__(
+        self,
+        hull: Any,
+        clock: Watch,
+        *,
+        estimate: EstimateLike | None = None,
+        hear: Callable[[Event], object] = lambda event: None,
+    ) -> None:
+        self._hull, self._clock, self._hear = hull, clock, hear
+        self.name = str(getattr(hull, "name", "vehicle"))
+        self.estimate = hull if estimate is None else estimate
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds."""
+        return self._clock.time_s
+
+    @property
+    def pose(self) -> PoseLike:
+        """The estimated pose."""
+        return self.estimate.pose
+
+    @property
+    def velocity(self) -> VelocityLike:
+        """The estimated velocity."""
+        return self.estimate.velocity
+
+    @cached_property
+    def _autopilot(self) -> Autopilot:
+        return Autopilot(self, CONTROL_PERIOD_S)
+
+    @property
+    def autopilot(self) -> Autopilot:
+        """The autopilot of goto, hold and the others: one, so that it keeps what it has learnt of trim and current."""
+        return self._autopilot
+
+    @property
+    def authority(self) -> Any:
+        """What full efforts do, (6,), or None if that is not known; see uwsim.vehicle.Vehicle."""
+        return getattr(self._hull, "authority", None)
+
+    @property
+    def sensors(self) -> Mapping[str, SensorLike]:
+        """The sensors by name."""
+        return self._hull.sensors  # type: ignore[no-any-return]
+
+    @property
+    def sonar(self) -> SonarLike:
+        """The first of the sonars. Raises ValueError if there is none."""
+        return self._hull.sonar  # type: ignore[no-any-return]
+
+    @property
+    def sonars(self) -> Mapping[str, SonarLike]:
+        """The multibeam sonars by name."""
+        return self._hull.sonars  # type: ignore[no-any-return]
+
+    @property
+    def imaging_sonars(self) -> Mapping[str, Any]:
+        """The imaging sonars by name."""
+        return self._hull.imaging_sonars  # type: ignore[no-any-return]
+
+    @property
+    def cameras(self) -> Mapping[str, CameraLike]:
+        """The cameras by name."""
+        return self._hull.cameras  # type: ignore[no-any-return]
+
+    @property
+    def lamps(self) -> Mapping[str, LampLike]:
+        """The lamps by their switch's name."""
+        return self._hull.lamps  # type: ignore[no-any-return]
+
+    @property
+    def released(self) -> bool:
+        """Whether it is free of the station."""
+        return bool(self._hull.released)
+
+    def release(self) -> None:
+        """Let go of the station; the mission time starts."""
+        self._hull.release()
+
+    def undock(self) -> None:
+        """Leave the station for free water."""
+        self._hull.undock()
+
+    def dock(self) -> None:
+        """Enter the station's dock from close by. Raises ValueError if it is too far away or too fast."""
+        self._hull.dock()
+
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Command efforts in [-1, 1] along and about the body's axes, held until the next call."""
+        self._hull.set_effort(surge, sway, heave, roll, pitch, yaw)
+
+    def telemetry(self) -> PanelLike:
+        """Read the vehicle's panel."""
+        return self._hull.telemetry()  # type: ignore[no-any-return]
+
+    def log(self, event: str, **values: Any) -> None:
+        """Write an event with values of JSON's types into the mission's log. Raises ValueError for other values."""
+        kept = {key: plain(value, f"log '{event}': {key}") for key, value in values.items()}
+        self._hear(Event(self.time_s, self.name, str(event), kept))

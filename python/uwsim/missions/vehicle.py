@@ -1,0 +1,81 @@
+"""Vehicle: all that a mission sees of a vehicle, simulated or remote."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
+
+
+class LampLike(Protocol):
+    """Lamps on one switch."""
+
+    on: bool
+
+
+class CameraLike(Protocol):
+    """A camera."""
+
+    def capture(self) -> Any:
+        """Take a picture; see uwsim.cameras.Camera."""
+
+
+class Vehicle(Protocol):
+    """A vehicle as missions see it. Reading does not let time pass: only `yield` does.
+
+    estimate: where it is and how it moves, to the best of its knowledge: the truth, or a filter's estimate. pose,
+    velocity: the estimate's. sonar: the first multibeam; sonars, sensors, cameras, lamps: by name.
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds."""
+
+    @property
+    def estimate(self) -> EstimateLike: ...
+    @property
+    def pose(self) -> PoseLike: ...
+    @property
+    def velocity(self) -> VelocityLike: ...
+    @property
+    def sensors(self) -> Mapping[str, SensorLike]: ...
+    @property
+    def sonar(self) -> SonarLike: ...
+    @property
+    def sonars(self) -> Mapping[str, SonarLike]: ...
+    @property
+    def cameras(self) -> Mapping[str, CameraLike]: ...
+    @property
+    def lamps(self) -> Mapping[str, LampLike]: ...
+    @property
+    def released(self) -> bool:
+        """Whether it is free of the station."""
+
+    def release(self) -> None:
+        """Let go of the station; the mission time starts."""
+
+    def undock(self) -> None:
+        """Leave the station for free water."""
+
+    def dock(self) -> None:
+        """Enter the station's dock from close by. Raises ValueError if it is too far away or too fast."""
+
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Command efforts in [-1, 1] along and about the body's axes, held until the next call."""
+
+    def telemetry(self) -> PanelLike:
+        """Read the vehicle's panel."""
+
+    def log(self, event: str, **values: Any) -> None:
+        """Write an event with values of JSON's types into the mission's log."""

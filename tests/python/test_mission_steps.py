@@ -1,0 +1,260 @@
+"""Missions as generators: time passes where they yield, steps compose, and the same mission flies to the same bits."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.live import LiveSimulator
+from uwsim.missions import (
+    AdaptiveLawnMower,
+    LawnMowerPlan,
+    OwnVehicle,
+    StoppedError,
+    dive_to,
+    drive,
+    follow,
+    goto,
+    hold,
+    mow,
+    parallel,
+    race,
+    run,
+    turn_to,
+    until,
+    wait,
+)
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.time_s = 0.0
+
+    def wait(self, duration_s: float) -> None:
+        self.time_s = round(self.time_s + duration_s, 9)
+
+
+def test_time_passes_only_where_a_mission_yields() -> None:
+    clock, times = Clock(), []
+
+    def steps():
+        times.append(clock.time_s)
+        yield wait(0.5)
+        times.append(clock.time_s)
+        yield from wait(0.25)  # the same
+        times.append(clock.time_s)
+        return "done"
+
+    assert drive(steps(), clock) == "done"
+    assert times == [0.0, 0.5, 0.75]
+
+
+def ticking(clock: Clock, name: str, period_s: float, times: int, log: list) -> object:
+    for _ in range(times):
+        yield wait(period_s)
+        log.append((clock.time_s, name))
+    return name
+
+
+def test_branches_run_at_their_own_times_and_in_the_order_of_the_arguments_at_one_time() -> None:
+    clock, log = Clock(), []
+    both = parallel(ticking(clock, "a", 0.2, 3, log), ticking(clock, "b", 0.3, 2, log))
+    assert drive(both, clock) == ["a", "b"]
+    assert log == [(0.2, "a"), (0.3, "b"), (0.4, "a"), (0.6, "a"), (0.6, "b")]
+
+
+def test_the_first_branch_to_end_wins_and_the_others_are_closed() -> None:
+    clock, closed = Clock(), []
+
+    def slow():
+        try:
+            yield wait(10.0)
+        finally:
+            closed.append(clock.time_s)
+
+    assert drive(race(slow(), ticking(clock, "b", 1.0, 2, [])), clock) == (1, "b")
+    assert closed == [2.0]
+    assert clock.time_s == 2.0
+
+
+def test_an_error_in_a_branch_ends_the_others_and_reaches_the_mission() -> None:
+    closed = []
+
+    def failing():
+        yield wait(1.0)
+        raise ValueError("broken")
+
+    def other():
+        try:
+            yield wait(5.0)
+        finally:
+            closed.append(True)
+
+    with pytest.raises(ValueError, match="broken"):
+        drive(parallel(other(), failing()), Clock())
+    assert closed == [True]
+
+
+def test_until_ends_with_its_condition_or_its_time() -> None:
+    clock = Clock()
+    assert drive(until(lambda: clock.time_s >= 1.0), clock) is True
+    assert clock.time_s == pytest.approx(1.0)
+    assert drive(until(lambda: False, timeout_s=2.0), clock) is False
+    assert clock.time_s == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(
+    ("yielded", "words"),
+    [
+        (lambda: ticking(Clock(), "", 1.0, 1, []), "yield from ticking"),
+        (lambda: 0.1, "yield wait"),
+        (lambda: None, "yield wait"),
+    ],
+)
+def test_what_is_no_wait_is_refused_with_what_to_write(yielded, words: str) -> None:
+    def steps():
+        yield yielded()
+
+    with pytest.raises(TypeError, match=words):
+        drive(steps(), Clock())
+
+
+@pytest.mark.parametrize("duration_s", [0.0, -1.0, math.nan, math.inf])
+def test_a_wait_must_be_positive(duration_s: float) -> None:
+    with pytest.raises(ValueError, match="must be positive"):
+        wait(duration_s)
+
+
+def test_a_simulator_rounds_waits_to_whole_steps() -> None:
+    sim = Simulator("pool")
+
+    def mission(vehicle):
+        for duration_s in (0.1, 0.0333, 0.001):
+            yield wait(duration_s)
+            vehicle.log("waited")
+
+    events = []
+    run(mission, sim.rov, sim, hear=events.append)
+    assert [event.time_s for event in events] == pytest.approx([0.1, 0.135, 0.14])
+
+
+def test_a_mission_must_be_a_generator_of_one_argument() -> None:
+    vehicle = SimpleNamespace(name="rov")
+
+    def without_yield(vehicle):
+        return 1
+
+    def of_two(vehicle, depth_m):
+        yield wait(1.0)
+
+    with pytest.raises(ValueError, match="without_yield: has no `yield`"):
+        run(without_yield, vehicle, Clock())
+    with pytest.raises(ValueError, match="must take one argument"):
+        run(of_two, vehicle, Clock())
+
+
+def tour(vehicle):
+    """Fly through every kind of move."""
+    vehicle.undock()
+    vehicle.log("undocked", position_m=vehicle.pose.position_world_m)
+    yield from dive_to(vehicle, 3.0)
+    yield from turn_to(vehicle, 1.0)
+    turned = vehicle.pose.yaw_rad
+    yield from goto(vehicle, (0.0, 3.0, -2.5), speed_m_s=0.5, within_m=0.3)
+    there = vehicle.pose.position_world_m
+    yield from hold(vehicle, 20.0, position_world_m=(0.0, 3.0, -2.5))
+    held = vehicle.pose.position_world_m
+    yield from follow(vehicle, [(0.0, 3.0), (-3.0, 3.0), (-3.0, -3.0)], altitude_m=1.5)
+    return turned, there, held, vehicle.sensors["altitude"].read()
+
+
+def test_a_vehicle_gets_where_the_moves_send_it() -> None:
+    sim, events = Simulator("pool"), []
+    turned, there, held, altitude_m = run(tour, sim.rov, sim, hear=events.append)
+    assert turned == pytest.approx(1.0, abs=math.radians(4.0))
+    assert np.linalg.norm(there - [0.0, 3.0, -2.5]) <= 0.3
+    assert np.linalg.norm(held - [0.0, 3.0, -2.5]) < 0.1
+    assert altitude_m == pytest.approx(1.5, abs=0.3)
+    assert sim.rov.pose.position_world_m[:2] == pytest.approx([-3.0, -3.0], abs=0.5)
+    assert sim.rov.collisions == 0
+    assert [event.name for event in events] == ["undocked"]
+    assert len(events[0].values["position_m"]) == 3
+
+
+def test_the_same_mission_flies_to_the_same_bits_live() -> None:
+    sim = Simulator("pool")
+    run(tour, sim.rov, sim)
+    with LiveSimulator("pool", speed="max", paused=True) as live, live.mission_clock() as clock:
+        live.resume()
+        run(tour, live.rov, clock)
+        live.pause()
+        assert live.simulator.save_state() == sim.save_state()
+
+
+def test_a_way_that_is_blocked_ends_the_mission() -> None:
+    def mission(vehicle):
+        vehicle.undock()
+        yield from goto(vehicle, (25.0, 0.0, -3.0))  # beyond the pool's wall
+
+    sim = Simulator("pool")
+    sim.rov.release()
+    sim.rov.place([0.0, 6.0, -3.0])
+
+    def into_the_box(vehicle):
+        yield from goto(vehicle, (3.0, 0.0, -4.5), within_m=0.1)  # the middle of the box
+
+    with pytest.raises(StoppedError, match=r"stuck .* m before \(3.0, 0.0, -4.5\) m"):
+        run(into_the_box, sim.rov, sim)
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        (lambda v: goto(v, (1.0, 2.0)), "must be finite and of shape"),
+        (lambda v: goto(v, (1.0, 2.0, math.nan)), "must be finite"),
+        (lambda v: goto(v, (1.0, 2.0, -3.0), speed_m_s=0.0), "speed_m_s = 0.0: must be positive"),
+        (lambda v: goto(v, (1.0, 2.0), altitude_m=-1.0), "altitude_m = -1.0: must be positive"),
+        (lambda v: follow(v, [(1.0, 2.0, -3.0)]), "n at least 2"),
+        (lambda v: hold(v, -1.0), "must be positive"),
+    ],
+)
+def test_moves_refuse_bad_figures(step, words: str) -> None:
+    sim = Simulator("pool")
+    sim.rov.release()
+    with pytest.raises(ValueError, match=words):
+        next(step(OwnVehicle(sim.rov, sim)))
+
+
+def test_the_lawn_mower_flies_as_a_step_as_it_does_alone() -> None:
+    plan = LawnMowerPlan(area_m=[[-4, -4], [4, -4], [4, 4], [-4, 4]], altitude_m=2.0, line_spacing_m=4.0, speed_m_s=0.5)
+    alone, as_step = Simulator("pool"), Simulator("pool")
+    AdaptiveLawnMower(alone.rov, alone, plan).run()
+
+    def mission(vehicle):
+        yield from mow(vehicle, plan)
+
+    run(mission, as_step.rov, as_step)
+    assert as_step.save_state() == alone.save_state()
+
+
+def test_several_vehicles_fly_one_mission_in_one_process() -> None:
+    sim = Simulator("pair")
+
+    def mission(vehicles):
+        first, second = vehicles["rov"], vehicles["scout"]
+        first.undock()
+        yield from parallel(goto(first, (-5.0, 10.0, -4.0)), goto(second, (5.0, -10.0, -6.0)))
+
+    run(mission, sim.vehicles, sim)
+    for name, place in (("rov", (-5.0, 10.0, -4.0)), ("scout", (5.0, -10.0, -6.0))):
+        assert np.linalg.norm(sim.vehicles[name].pose.position_world_m - place) < 1.0, name
+
+    def alike(vehicle):
+        vehicle.log("here")
+        yield wait(1.0)
+
+    events = []
+    run(alike, sim.vehicles, sim, hear=events.append)
+    assert [event.vehicle for event in events] == ["rov", "scout"]
