@@ -1,0 +1,16 @@
+#pragma once
+
+namespace uwsim {
+
+/// What makes the sea loud.
+struct NoiseSources {
+  double wind_m_s = 0;    ///< 0 to 40
+  double shipping = 0.5;  ///< activity, 0 to 1
+};
+
+/// Ambient noise in the sea [dB re 1 uPa^2/Hz]: turbulence, distant shipping, wind and thermal noise, Wenz's (1962)
+/// curves as Coates (1990, "Underwater Acoustic Systems") fitted them and Stojanovic (2007, ACM MC2R 11:34) prints
+/// them; cited from memory. For 10 Hz to 1 MHz.
+double ambient_noise_db_hz(double frequency_hz, const NoiseSources& sources);
+
+}  // namespace uwsim

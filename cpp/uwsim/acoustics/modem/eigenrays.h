@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "uwsim/acoustics/sound_speed_profile.h"
+
+namespace uwsim {
+
+/// A ray of sound that connects two points.
+struct Eigenray {
+  int surface_bounces = 0;
+  int bottom_bounces = 0;
+  double launch_dip_rad = 0;   ///< below the horizontal, where it starts
+  double arrival_dip_rad = 0;  ///< below the horizontal, where it ends, in the direction of travel
+  double time_s = 0;
+  double length_m = 0;
+  double surface_grazing_rad = 0;    ///< angle between ray and surface where it bounces
+  double bottom_grazing_rad = 0;     ///< the same at the bottom
+  int legs = 0;                      ///< between bounces
+  std::array<double, 3> across_m{};  ///< horizontal length of each leg
+};
+
+/// The ends of eigenrays. Depths [m] are in [0, bottom_m]; bottom_m may be infinite: then nothing bounces there.
+struct RayEnds {
+  double from_depth_m;
+  double to_depth_m;
+  double across_m;
+  double bottom_m;
+};
+
+/// The rays between two points through a layered profile, between a flat surface and a flat bottom: direct ones, and
+/// those that bounce off the surface, the bottom, or once off each. Snell's law, cos(dip) / c = p: the horizontal
+/// distance of a leg that keeps its sense is the integral of p c / sqrt(1 - p^2 c^2) over depth, a closed form in each
+/// layer (as in SoundPath), of which p is found. Where no such leg reaches as far, a direct ray turns at the depth
+/// where c = 1 / p; where none does, there is a shadow zone, and no direct ray is returned. High-frequency limit: no
+/// diffraction, no focusing. A profile with several extremes may have more rays of one kind: only the first found on
+/// each side is returned. Sorted by travel time. Throws InvalidValue for ends out of the water.
+std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& ends, bool with_bounces = true);
+
+}  // namespace uwsim

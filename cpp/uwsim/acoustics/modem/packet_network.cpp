@@ -1,0 +1,289 @@
+#include "uwsim/acoustics/modem/packet_network.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "uwsim/core/check.h"
+#include "uwsim/core/stream_name.h"
+
+namespace uwsim {
+namespace {
+
+constexpr std::uint64_t kNever = ~std::uint64_t{0};
+constexpr std::size_t kDeliveriesKept = 512;
+constexpr std::uint32_t kByNoise = 0, kByFault = 1;  // indices of draws
+
+std::uint64_t ns(double seconds) { return static_cast<std::uint64_t>(std::llround(1e9 * seconds)); }
+
+}  // namespace
+
+PacketNetwork::PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults,
+                             std::uint64_t seed, std::uint64_t step_ns)
+    : modem_((modem.check(), modem)),
+      faults_(std::move(faults)),
+      step_ns_(step_ns),
+      losses_(seed, stream_name("link", "loss")),
+      waits_(seed, stream_name("link", "wait")),
+      nodes_(nodes),
+      quality_(nodes * nodes) {}
+
+std::uint64_t PacketNetwork::topic(const std::string& name) {
+  const auto found = std::find(topics_.begin(), topics_.end(), name);
+  if (found == topics_.end()) {
+    topics_.push_back(name);
+    counts_.emplace_back(nodes_.size());
+    return topics_.size() - 1;
+  }
+  return static_cast<std::uint64_t>(found - topics_.begin());
+}
+
+bool PacketNetwork::send(std::size_t from, LinkMessage message, std::uint64_t now_ns) {
+  require(from < nodes_.size(), "link.from", from, "must be a node");
+  require(message.to < nodes_.size() && message.to != from, "link.to", message.to, "must be another node");
+  require(message.topic < topics_.size(), "link.topic", message.topic, "must be a topic");
+  TopicCounts& counts = counts_[message.topic][from];
+  message.number = next_message_++;
+  message.given_ns = now_ns;
+  message.packets_sent = 0;
+  ++counts.given;
+  switch (nodes_[from].queue.add(std::move(message), modem_.queue_bytes)) {
+    case PacketQueue::Added::kRefused:
+      ++counts.refused;
+      return false;
+    case PacketQueue::Added::kReplaced:
+      ++counts.replaced;
+      return true;
+    default:
+      ++waiting_;
+      return true;
+  }
+}
+
+void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
+  if (waiting_ == 0) return;
+  for (std::size_t index = 0; index < nodes_.size(); ++index) {
+    Node& node = nodes_[index];
+    if (node.queue.empty()) continue;
+    node.queue.expire(now_ns, [&](const LinkMessage& message) {
+      ++counts_[message.topic][index].late;
+      --waiting_;
+    });
+    while (!node.queue.empty()) {
+      const LinkMessage& next = node.queue.front();
+      const std::uint64_t sent = next.packets_sent * modem_.packet_bytes;
+      const std::uint64_t bytes = std::min<std::uint64_t>(next.payload.size() - sent, modem_.packet_bytes);
+      const std::uint64_t length_ns = ns(modem_.packet_s(bytes));
+      std::uint64_t start_ns = 0;
+      if (!may_send(index, now_ns, length_ns, start_ns)) break;
+      send_packet(index, start_ns, length_ns, medium);
+    }
+  }
+}
+
+/// Whether the next packet may begin within this step, and when.
+bool PacketNetwork::may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns,
+                             std::uint64_t& start_ns) {
+  Node& node = nodes_[index];
+  start_ns = std::max(now_ns, node.sending_until_ns);
+  if (modem_.takes_turns()) {
+    const std::uint64_t slot_ns = ns(modem_.slot_s), period_ns = slot_ns + ns(modem_.guard_s);
+    const std::uint64_t slot = start_ns / period_ns, within_ns = start_ns % period_ns;
+    return start_ns < now_ns + step_ns_ && slot % nodes_.size() == index && within_ns + length_ns <= slot_ns;
+  }
+  if (modem_.kind == LinkKind::kModem && modem_.backoff_s > 0) {
+    if (!node.waits) {
+      node.waits = true;
+      node.may_send_ns =
+          start_ns + ns(modem_.backoff_s * waits_.uniform(next_packet_, static_cast<std::uint32_t>(index)));
+    }
+    start_ns = std::max(start_ns, node.may_send_ns);
+  }
+  return start_ns < now_ns + step_ns_;
+}
+
+void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::uint64_t length_ns,
+                                const LinkMedium& medium) {
+  Node& node = nodes_[index];
+  LinkMessage& message = node.queue.front();
+  TopicCounts& counts = counts_[message.topic][index];
+  if (message.packets_sent == 0) ++counts.sent;
+  Flight flight;
+  flight.packet = next_packet_++;
+  flight.from = index;
+  flight.at = message.to;
+  flight.is_meant = true;
+  flight.heard = medium.hear(index, message.to);
+  flight.level_db = flight.heard.signal_db;
+  flight.starts_ns = start_ns + ns(flight.heard.delay_s);
+  flight.ends_ns = flight.starts_ns + length_ns;
+  const std::uint64_t first = message.packets_sent * modem_.packet_bytes;
+  flight.bytes = std::min<std::uint64_t>(message.payload.size() - first, modem_.packet_bytes);
+  flight.is_last = first + flight.bytes == message.payload.size();
+  counts.bytes_sent += flight.bytes;
+  node.waits = false;
+  node.sending_until_ns = start_ns + length_ns;
+  if (node.sending_until_ns > busy_until_ns_) {
+    sending_s_ += 1e-9 * static_cast<double>(node.sending_until_ns - std::max(busy_until_ns_, start_ns));
+    busy_until_ns_ = node.sending_until_ns;
+  }
+  if (modem_.kind == LinkKind::kModem) {
+    flight.deaf = nodes_[message.to].sending_until_ns > flight.starts_ns;
+    deafen(index, start_ns, node.sending_until_ns);
+    let_others_hear(index, message.to, start_ns, length_ns, medium);
+  }
+  if (flight.is_last) {
+    flight.message = node.queue.take_front();
+    --waiting_;
+  } else {
+    ++message.packets_sent;
+    flight.message.number = message.number;
+    flight.message.topic = message.topic;
+  }
+  next_end_ns_ = std::min(next_end_ns_, flight.ends_ns);
+  flights_.push_back(std::move(flight));
+}
+
+void PacketNetwork::let_others_hear(std::size_t from, std::uint64_t to, std::uint64_t start_ns, std::uint64_t length_ns,
+                                    const LinkMedium& medium) {
+  for (std::size_t at = 0; at < nodes_.size(); ++at) {
+    if (at == from || at == to) continue;
+    const auto [delay_s, level_db] = medium.overhear(from, at);
+    Flight flight;
+    flight.from = from;
+    flight.at = at;
+    flight.starts_ns = start_ns + ns(delay_s);
+    flight.ends_ns = flight.starts_ns + length_ns;
+    flight.level_db = level_db;
+    flights_.push_back(std::move(flight));
+  }
+}
+
+/// A node that sends hears nothing meanwhile.
+void PacketNetwork::deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns) {
+  for (Flight& flight : flights_) {
+    if (flight.is_meant && flight.at == index && flight.starts_ns < until_ns && flight.ends_ns > from_ns) {
+      flight.deaf = true;
+    }
+  }
+}
+
+void PacketNetwork::receive(std::uint64_t now_ns) {
+  if (now_ns < next_end_ns_) return;
+  next_end_ns_ = kNever;
+  std::vector<std::size_t>& order = arrived_;
+  order.clear();
+  for (std::size_t k = 0; k < flights_.size(); ++k) {
+    const Flight& flight = flights_[k];
+    if (!flight.is_meant || flight.done) continue;
+    if (flight.ends_ns <= now_ns) {
+      order.push_back(k);
+    } else {
+      next_end_ns_ = std::min(next_end_ns_, flight.ends_ns);
+    }
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(flights_[a].ends_ns, flights_[a].packet) < std::pair(flights_[b].ends_ns, flights_[b].packet);
+  });
+  for (const std::size_t k : order) arrive(flights_[k]);
+  for (const std::size_t k : order) flights_[k].done = true;
+  forget_flights(now_ns);
+}
+
+void PacketNetwork::arrive(Flight& flight) {
+  const Loss loss = fate(flight);
+  LinkQuality& quality = quality_[flight.from * nodes_.size() + flight.at];
+  ++quality.packets;
+  quality.packets_lost += loss != Loss::kNone;
+  quality.delay_s = flight.heard.delay_s;
+  quality.snr_db = flight.heard.snr_db();
+  quality.closing_m_s = flight.heard.closing_m_s;
+  quality.spread_s = flight.heard.spread_s;
+  const auto known = std::find_if(partials_.begin(), partials_.end(),
+                                  [&](const Partial& other) { return other.number == flight.message.number; });
+  Loss so_far = known == partials_.end() ? Loss::kNone : static_cast<Loss>(known->fate);
+  if (so_far == Loss::kNone) so_far = loss;
+  if (flight.is_last) {
+    if (known != partials_.end()) partials_.erase(known);
+    finish(flight, so_far);
+  } else if (known != partials_.end()) {
+    known->fate = static_cast<std::uint64_t>(so_far);
+  } else {
+    partials_.push_back({flight.message.number, static_cast<std::uint64_t>(so_far)});
+  }
+}
+
+Loss PacketNetwork::fate(const Flight& flight) const {
+  const double arrives_s = 1e-9 * static_cast<double>(flight.starts_ns);
+  for (const LinkFault& fault : faults_) {
+    if (arrives_s >= fault.from_s && arrives_s < fault.until_s &&
+        losses_.uniform(flight.packet, kByFault) < fault.loss) {
+      return Loss::kFault;
+    }
+  }
+  if (!flight.heard.reached) return Loss::kUnheard;
+  if (modem_.kind != LinkKind::kModem) return Loss::kNone;
+  if (flight.deaf) return Loss::kDeaf;
+  if (std::abs(flight.heard.closing_m_s) > modem_.speed_max_m_s) return Loss::kDoppler;
+  const double draw = losses_.uniform(flight.packet, kByNoise);
+  if (draw < packet_loss(modem_, flight.heard, -300, flight.bytes)) return Loss::kNoise;
+  const double interference = interference_db(flight);
+  if (interference > -300 && draw < packet_loss(modem_, flight.heard, interference, flight.bytes)) {
+    return Loss::kCollision;
+  }
+  return Loss::kNone;
+}
+
+/// The level of all other packets that overlap at the receiver.
+double PacketNetwork::interference_db(const Flight& flight) const {
+  double power = 0;
+  for (const Flight& other : flights_) {
+    if (&other == &flight || other.at != flight.at || other.starts_ns >= flight.ends_ns ||
+        other.ends_ns <= flight.starts_ns) {
+      continue;
+    }
+    power += std::pow(10, 0.1 * other.level_db);
+  }
+  return power > 0 ? 10 * std::log10(power) : -300;
+}
+
+void PacketNetwork::finish(const Flight& flight, Loss loss) {
+  const LinkMessage& message = flight.message;
+  TopicCounts& counts = counts_[message.topic][flight.from];
+  if (loss != Loss::kNone) {
+    ++counts.lost[static_cast<std::size_t>(loss)];
+    return;
+  }
+  ++counts.delivered;
+  counts.bytes_delivered += message.payload.size();
+  counts.delay_s += 1e-9 * static_cast<double>(flight.ends_ns - message.given_ns);
+  quality_[flight.from * nodes_.size() + flight.at].heard_ns = flight.ends_ns;
+  deliveries_.push_back(
+      {message.number, flight.from, flight.at, message.topic, message.given_ns, flight.ends_ns, message.payload});
+  if (deliveries_.size() > kDeliveriesKept) deliveries_.pop_front();
+}
+
+/// Drops the flights with which nothing that is still to come can overlap.
+void PacketNetwork::forget_flights(std::uint64_t now_ns) {
+  const auto is_over = [&](const Flight& old) {
+    if (old.ends_ns > now_ns || (old.is_meant && !old.done)) return false;
+    return std::none_of(flights_.begin(), flights_.end(), [&](const Flight& other) {
+      return other.is_meant && !other.done && other.at == old.at && other.starts_ns < old.ends_ns;
+    });
+  };
+  over_.clear();
+  for (const Flight& flight : flights_) over_.push_back(is_over(flight));
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < flights_.size(); ++k) {
+    if (over_[k]) continue;
+    if (kept != k) flights_[kept] = std::move(flights_[k]);
+    ++kept;
+  }
+  flights_.resize(kept);
+}
+
+std::uint64_t PacketNetwork::next_arrival_ns(std::uint64_t now_ns) const {
+  return waiting_ > 0 ? now_ns : next_end_ns_;
+}
+
+}  // namespace uwsim

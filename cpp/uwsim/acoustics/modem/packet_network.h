@@ -1,0 +1,155 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "uwsim/acoustics/modem/modem_spec.h"
+#include "uwsim/acoustics/modem/packet_queue.h"
+#include "uwsim/acoustics/modem/reception.h"
+#include "uwsim/core/random.h"
+
+namespace uwsim {
+
+/// A time in which packets are lost with a probability, whatever the water does: 1 is a blackout.
+struct LinkFault {
+  double from_s = 0;
+  double until_s = 0;
+  double loss = 1;
+};
+
+/// Why a packet was lost.
+enum class Loss { kNone, kUnheard, kNoise, kCollision, kDeaf, kDoppler, kFault };
+inline constexpr std::size_t kLossKinds = 7;
+
+/// The surroundings of a network: where its nodes are now.
+class LinkMedium {
+ public:
+  virtual ~LinkMedium() = default;
+  /// How a packet that is sent now reaches another node.
+  virtual Reception hear(std::size_t from, std::size_t to) const = 0;
+  /// The delay [s] and level [dB re 1 uPa] of the direct path, roughly: for a packet that is not meant for that node.
+  virtual std::array<double, 2> overhear(std::size_t from, std::size_t to) const = 0;
+};
+
+/// A message that has arrived.
+struct LinkDelivery {
+  std::uint64_t number = 0, from = 0, to = 0, topic = 0, given_ns = 0, arrived_ns = 0;
+  std::string payload;
+  void exchange_state(StateArchive& archive);
+};
+
+/// What happened to the messages of a topic that a node gave. replaced: by newer ones before they were sent. refused:
+/// the queue was full. late: the deadline passed before they could be sent. lost: by the loss of their first packet
+/// that was lost. Bytes are those of payloads.
+struct TopicCounts {
+  std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0;
+  std::uint64_t bytes_sent = 0, bytes_delivered = 0;
+  std::array<std::uint64_t, kLossKinds> lost{};
+  double delay_s = 0;  ///< sum over all that were delivered, from when they were given
+  void exchange_state(StateArchive& archive);
+};
+
+/// The last that one node heard of another.
+struct LinkQuality {
+  std::uint64_t packets = 0, packets_lost = 0;
+  std::uint64_t heard_ns = 0;                                     ///< when the last message arrived; 0: none yet
+  double delay_s = 0, snr_db = 0, closing_m_s = 0, spread_s = 0;  ///< of the last packet, lost or not
+  void exchange_state(StateArchive& archive);
+};
+
+/// Nodes that send each other messages through one channel, packet by packet, in simulated time. Everything is heard by
+/// everybody. Nodes are half-duplex: deaf while they send. Packets that overlap at a receiver are noise to each other.
+/// There is no acknowledgement: a message whose packets do not all arrive is lost. A message arrives with its last
+/// packet. Draws are keyed by the number of the packet. Motion during a packet's flight is neglected.
+class PacketNetwork {
+ public:
+  PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults, std::uint64_t seed,
+                std::uint64_t step_ns);
+
+  const ModemSpec& modem() const { return modem_; }
+  std::size_t nodes() const { return nodes_.size(); }
+  /// The index of a topic, for send() and counts().
+  std::uint64_t topic(const std::string& name);
+  const std::vector<std::string>& topics() const { return topics_; }
+  /// What happened to a topic's messages that a node gave.
+  const TopicCounts& counts(std::uint64_t topic, std::size_t from) const { return counts_[topic][from]; }
+
+  /// Queues a message from a node at a time; returns whether there was room. Throws InvalidValue for an unknown node.
+  bool send(std::size_t from, LinkMessage message, std::uint64_t now_ns);
+  /// Begins to send what may be sent within a step from now on.
+  void transmit(std::uint64_t now_ns, const LinkMedium& medium);
+  /// Receives everything that has arrived by now.
+  void receive(std::uint64_t now_ns);
+  /// The earliest time at which a message may arrive, as far as is known: no earlier one will.
+  std::uint64_t next_arrival_ns(std::uint64_t now_ns) const;
+
+  /// The newest messages that arrived, in the order in which they did.
+  const std::deque<LinkDelivery>& deliveries() const { return deliveries_; }
+  /// What `at` last heard of `from`.
+  const LinkQuality& quality(std::size_t from, std::size_t at) const { return quality_[from * nodes_.size() + at]; }
+  std::uint64_t waiting_messages(std::size_t node) const { return nodes_[node].queue.size(); }
+  std::uint64_t waiting_bytes(std::size_t node) const { return nodes_[node].queue.bytes(); }
+  /// For how long somebody has sent, in all.
+  double sending_s() const { return sending_s_; }
+
+  void exchange_state(StateArchive& archive);
+
+ private:
+  struct Node {
+    PacketQueue queue;
+    std::uint64_t may_send_ns = 0;       // ALOHA: the end of the wait
+    bool waits = false;                  // ALOHA: the wait of the next packet has been drawn
+    std::uint64_t sending_until_ns = 0;  // its newest packet
+  };
+  /// A packet on its way to a node: to whom it is meant for, or to one who overhears it.
+  struct Flight {
+    std::uint64_t packet = 0, from = 0, at = 0, starts_ns = 0, ends_ns = 0;
+    double level_db = 0;
+    bool is_meant = false;
+    // The rest for whom it is meant.
+    Reception heard;
+    LinkMessage message;  // its payload with the last packet only
+    std::uint64_t bytes = 0;
+    bool is_last = false, deaf = false, done = false;
+    void exchange_state(StateArchive& archive);
+  };
+  /// A message of which packets have come. fate: of its first packet that was lost, or none.
+  struct Partial {
+    std::uint64_t number = 0, fate = 0;
+  };
+
+  bool may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns, std::uint64_t& start_ns);
+  void send_packet(std::size_t index, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
+  void let_others_hear(std::size_t from, std::uint64_t to, std::uint64_t start_ns, std::uint64_t length_ns,
+                       const LinkMedium& medium);
+  void deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns);
+  void arrive(Flight& flight);
+  Loss fate(const Flight& flight) const;
+  double interference_db(const Flight& flight) const;
+  void finish(const Flight& flight, Loss fate);
+  void forget_flights(std::uint64_t now_ns);
+
+  ModemSpec modem_;
+  std::vector<LinkFault> faults_;
+  std::uint64_t step_ns_;
+  RandomStream losses_, waits_;
+  std::vector<Node> nodes_;
+  std::vector<std::string> topics_;
+  std::vector<std::vector<TopicCounts>> counts_;  // by topic, then by sender
+  std::vector<LinkQuality> quality_;
+  std::vector<Flight> flights_;
+  std::vector<Partial> partials_;
+  std::deque<LinkDelivery> deliveries_;
+  std::vector<std::size_t> arrived_;  // kept from step to step for their memory, as is the next
+  std::vector<bool> over_;
+  std::uint64_t next_message_ = 0, next_packet_ = 0;
+  std::uint64_t next_end_ns_ = ~std::uint64_t{0};  // of the flights
+  std::uint64_t waiting_ = 0;                      // messages in all queues
+  std::uint64_t busy_until_ns_ = 0;
+  double sending_s_ = 0;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,257 @@
+#include "uwsim/acoustics/modem/packet_network.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr std::uint64_t kStep_ns = 5000000;
+
+/// Nodes at equal distances: every packet comes with the same level.
+class Ring final : public LinkMedium {
+ public:
+  double delay_s = 0.1, signal_db = 130, noise_db = 76, closing_m_s = 0;
+  Reception hear(std::size_t, std::size_t) const override {
+    return {true, delay_s, signal_db, noise_db, closing_m_s, 0};
+  }
+  std::array<double, 2> overhear(std::size_t, std::size_t) const override { return {delay_s, signal_db}; }
+};
+
+ModemSpec aloha() {
+  ModemSpec modem;
+  modem.access = MediumAccess::kAloha;
+  modem.bit_rate_bit_s = 1000;
+  modem.packet_bytes = 60;
+  modem.header_bytes = 4;  // 0.512 s a packet
+  modem.queue_bytes = 1000000;
+  return modem;
+}
+
+ModemSpec tdma() {
+  ModemSpec modem = aloha();
+  modem.access = MediumAccess::kTdma;
+  modem.slot_s = 0.6;
+  modem.guard_s = 0.15;
+  return modem;
+}
+
+LinkMessage message(std::uint64_t to, std::uint64_t topic, const std::string& payload) {
+  LinkMessage made;
+  made.to = to;
+  made.topic = topic;
+  made.payload = payload;
+  return made;
+}
+
+struct Network {
+  PacketNetwork network;
+  Ring medium;
+  std::uint64_t now_ns = 0;
+
+  explicit Network(const ModemSpec& modem, std::size_t nodes = 2, std::vector<LinkFault> faults = {})
+      : network(modem, nodes, std::move(faults), 7, kStep_ns) {}
+
+  void step() {
+    network.transmit(now_ns, medium);
+    now_ns += kStep_ns;
+    network.receive(now_ns);
+  }
+  void run(double seconds) {
+    for (auto k = std::llround(seconds * 1e9 / kStep_ns); k > 0; --k) step();
+  }
+  TopicCounts sum(std::uint64_t topic) const {
+    TopicCounts all;
+    for (std::size_t node = 0; node < network.nodes(); ++node) {
+      const TopicCounts& one = network.counts(topic, node);
+      all.given += one.given;
+      all.sent += one.sent;
+      all.delivered += one.delivered;
+      for (std::size_t k = 0; k < kLossKinds; ++k) all.lost[k] += one.lost[k];
+    }
+    return all;
+  }
+};
+
+/// Poisson arrivals at all nodes but node 0, to which they are sent; `rate_1_s` of each.
+double throughput(Network& run, double rate_1_s, double seconds) {
+  const RandomStream arrivals(3, "arrivals");
+  const std::uint64_t topic = run.network.topic("load");
+  const double chance = rate_1_s * 1e-9 * kStep_ns;
+  for (std::uint64_t tick = 0; tick < static_cast<std::uint64_t>(seconds * 1e9 / kStep_ns); ++tick) {
+    for (std::size_t node = 1; node < run.network.nodes(); ++node) {
+      if (arrivals.uniform(tick, static_cast<std::uint32_t>(node)) < chance) {
+        run.network.send(node, message(0, topic, std::string(60, 'x')), run.now_ns);
+      }
+    }
+    run.step();
+  }
+  return static_cast<double>(run.sum(topic).delivered) * run.network.modem().packet_s(60) / seconds;
+}
+
+TEST(PacketNetwork, AMessageArrivesAfterItsTravelTimeAndItsDuration) {
+  Network run(aloha());
+  const auto topic = run.network.topic("key");
+  run.network.send(0, message(1, topic, "hello"), 0);
+  run.run(1);
+  ASSERT_EQ(run.network.deliveries().size(), 1u);
+  const LinkDelivery& got = run.network.deliveries().front();
+  EXPECT_EQ(got.payload, "hello");
+  EXPECT_EQ(got.arrived_ns, 100000000u + 8 * 9 * 1000000u);
+  EXPECT_EQ(run.network.quality(0, 1).heard_ns, got.arrived_ns);
+}
+
+TEST(PacketNetwork, ALongMessageArrivesWithItsLastPacketOrNotAtAll) {
+  Network run(aloha(), 2, {{0.6, 0.7, 1}});  // loses the second packet
+  const auto topic = run.network.topic("picture");
+  run.network.send(0, message(1, topic, std::string(150, 'a')), 0);
+  run.run(3);
+  EXPECT_EQ(run.network.deliveries().size(), 0u);
+  EXPECT_EQ(run.network.counts(topic, 0).lost[static_cast<std::size_t>(Loss::kFault)], 1u);
+  EXPECT_EQ(run.network.counts(topic, 0).bytes_sent, 150u);
+  run.network.send(0, message(1, topic, std::string(150, 'b')), run.now_ns);
+  run.run(3);
+  ASSERT_EQ(run.network.deliveries().size(), 1u);
+  EXPECT_EQ(run.network.deliveries().front().payload, std::string(150, 'b'));
+}
+
+TEST(PacketNetwork, UrgentMessagesOvertakeAndNewerOnesReplaceAndOldOnesExpire) {
+  Network run(aloha());
+  const auto slow = run.network.topic("slow"), urgent = run.network.topic("urgent");
+  LinkMessage first = message(1, slow, std::string(180, 's'));
+  first.priority = 3;
+  run.network.send(0, first, 0);
+  run.run(0.1);  // its first packet is on its way
+  for (const char* text : {"1", "2"}) {
+    LinkMessage command = message(1, urgent, text);
+    command.replaces = true;
+    run.network.send(0, command, run.now_ns);
+  }
+  LinkMessage stale = message(1, slow, "stale");
+  stale.priority = 4;
+  stale.deadline_ns = run.now_ns + 500000000;
+  run.network.send(0, stale, run.now_ns);
+  run.run(5);
+  ASSERT_EQ(run.network.deliveries().size(), 2u);
+  EXPECT_EQ(run.network.deliveries()[0].payload, "2");
+  EXPECT_EQ(run.network.counts(urgent, 0).replaced, 1u);
+  EXPECT_EQ(run.network.counts(slow, 0).late, 1u);
+  EXPECT_EQ(run.network.waiting_messages(0), 0u);
+}
+
+TEST(PacketNetwork, AFullQueueRefuses) {
+  ModemSpec modem = aloha();
+  modem.queue_bytes = 100;
+  Network run(modem);
+  const auto topic = run.network.topic("t");
+  EXPECT_TRUE(run.network.send(0, message(1, topic, std::string(60, 'x')), 0));
+  EXPECT_FALSE(run.network.send(0, message(1, topic, std::string(60, 'x')), 0));
+  EXPECT_EQ(run.network.counts(topic, 0).refused, 1u);
+}
+
+TEST(PacketNetwork, WhoSendsIsDeaf) {
+  Network run(aloha());
+  const auto topic = run.network.topic("t");
+  run.network.send(0, message(1, topic, std::string(60, 'x')), 0);
+  run.network.send(1, message(0, topic, std::string(60, 'x')), 0);
+  run.run(2);
+  EXPECT_EQ(run.sum(topic).lost[static_cast<std::size_t>(Loss::kDeaf)], 2u);
+}
+
+TEST(PacketNetwork, TooFastIsFatalAndIsReported) {
+  Network run(aloha());
+  run.medium.closing_m_s = -6;
+  const auto topic = run.network.topic("t");
+  run.network.send(0, message(1, topic, "x"), 0);
+  run.run(1);
+  EXPECT_EQ(run.sum(topic).lost[static_cast<std::size_t>(Loss::kDoppler)], 1u);
+  EXPECT_EQ(run.network.quality(0, 1).closing_m_s, -6);
+}
+
+TEST(PacketNetwork, PureAlohaDeliversGExpMinus2GAndPeaksNear18Percent) {
+  // Abramson 1970: S = G exp(-2 G). Many nodes, so that few of them have two packets at a time.
+  for (const double load : {0.1, 0.25, 0.5, 1.0}) {
+    Network run(aloha(), 41);
+    const double rate = load / 40 / run.network.modem().packet_s(60);
+    const double got = throughput(run, rate, 6000);
+    EXPECT_NEAR(got, load * std::exp(-2 * load), 0.012) << "G = " << load;
+  }
+}
+
+TEST(PacketNetwork, TdmaNeverCollides) {
+  Network run(tdma(), 5);
+  throughput(run, 2.0, 600);  // far more than it can carry
+  const auto all = run.sum(0);
+  EXPECT_EQ(all.lost[static_cast<std::size_t>(Loss::kCollision)] + all.lost[static_cast<std::size_t>(Loss::kDeaf)], 0u);
+  // Four of five slots are used, one packet each.
+  EXPECT_NEAR(static_cast<double>(all.delivered), 600 / 0.75 * 0.8, 6);
+}
+
+TEST(PacketNetwork, AQueueWaitsAsLongAsPollaczekAndKhinchineSay) {
+  // M/D/1: mean wait in the queue = rho / (2 (1 - rho)) x service time.
+  ModemSpec cable;
+  cable.kind = LinkKind::kCable;
+  cable.bit_rate_bit_s = 1000;
+  cable.packet_bytes = 60;
+  cable.header_bytes = 4;
+  cable.queue_bytes = 1000000;
+  for (const double rho : {0.3, 0.6, 0.8}) {
+    Network run(cable);
+    run.medium.delay_s = 0;
+    const double service = cable.packet_s(60);
+    throughput(run, rho / service, 40000);
+    const TopicCounts& counts = run.network.counts(0, 1);
+    const double load = static_cast<double>(counts.given) * service / 40000;  // as drawn
+    const double mean = counts.delay_s / static_cast<double>(counts.delivered) - service;
+    EXPECT_NEAR(mean / (load / (2 * (1 - load)) * service), 1, 0.05) << "rho = " << rho;
+  }
+}
+
+TEST(PacketNetwork, NoiseLosesWhatTheCurveSays) {
+  Network run(aloha());
+  run.medium.signal_db = 77;
+  run.medium.noise_db = 74;
+  const auto topic = run.network.topic("t");
+  const double expected = packet_loss(run.network.modem(), run.medium.hear(0, 1), -300, 2);
+  ASSERT_GT(expected, 0.1);
+  ASSERT_LT(expected, 0.9);
+  const int count = 4000;
+  for (int k = 0; k < count; ++k) {
+    run.network.send(0, message(1, topic, "ab"), run.now_ns);
+    run.run(0.2);
+  }
+  const double lost = static_cast<double>(run.sum(topic).lost[static_cast<std::size_t>(Loss::kNoise)]) / count;
+  EXPECT_NEAR(lost, expected, 4 * std::sqrt(expected * (1 - expected) / count));
+}
+
+TEST(PacketNetwork, RestoredItGoesOnToTheSameEnd) {
+  const auto load = [](Network& run, double seconds) { throughput(run, 0.3, seconds); };
+  Network whole(aloha(), 6);
+  load(whole, 20);
+  StateArchive saved;
+  whole.network.exchange_state(saved);
+  Network other(aloha(), 6);
+  StateArchive restored(saved.bytes());
+  other.network.exchange_state(restored);
+  restored.finish();
+  other.now_ns = whole.now_ns;
+  load(whole, 20);
+  load(other, 20);
+  StateArchive a, b;
+  whole.network.exchange_state(a);
+  other.network.exchange_state(b);
+  EXPECT_EQ(a.bytes(), b.bytes());
+}
+
+TEST(PacketNetwork, RefusesASlotThatHoldsNoPacket) {
+  ModemSpec modem = tdma();
+  modem.slot_s = 0.5;
+  EXPECT_THROW(PacketNetwork(modem, 2, {}, 0, kStep_ns), InvalidValue);
+}
+
+}  // namespace
+}  // namespace uwsim
