@@ -7,7 +7,11 @@ import pytest
 
 from command_line import uwsim
 from uwsim import Simulator, recording
+from uwsim.bridges.played_feed import channels_of
 from uwsim.channels import services
+from uwsim.channels.cdr import encode
+from uwsim.channels.messages import from_bytes
+from uwsim.channels.scans import PING_TOPICS
 from uwsim.channels.table import table_of
 from uwsim.cli.diff import diff as diff_command
 from uwsim.cli.map import from_recording
@@ -17,7 +21,10 @@ from uwsim.recording import Recorder
 from uwsim.recording.diff import diff
 from uwsim.recording.live_map import live_map
 from uwsim.recording.replay import replay
+from uwsim.survey.from_recording import record_ping, survey_recorder
+from uwsim.survey.request import SurveyRequest
 
+SCAN = "sensor_msgs/msg/LaserScan"
 TOPICS = ("odom", "scan", "points", "imu", "dvl", "tf*", "stateData", "octomap_binary", "sonar_ping")
 
 
@@ -125,6 +132,48 @@ def test_a_survey_s_map_and_report_come_from_its_recording_and_it_replays(tmp_pa
     assert OccupancyMap.read(tmp_path / "again.bt").statistics().occupied_voxels > 100
     result = replay(run)
     assert result.difference is None and result.state_compared and result.commands > 100
+
+
+def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: Path) -> None:
+    path, sim = tmp_path / "run.mcap", survey_simulator(tmp_path)
+    request = SurveyRequest("small.yaml", 2, None, None, None, 0.4, "bricks", verify_map=False)
+    pings = table_of(sim).pings["rov"]
+    live = {topic.name: topic.channel(table_of(sim).sources[0], pings) for topic in PING_TOPICS}
+    said: dict[str, list[bytes]] = {name: [] for name in live}
+    with survey_recorder(sim, path, request, None) as recorder:
+        sim.rov.undock()
+        sim.rov.sonar.aim(-0.6)
+        for _ in range(20):
+            sim.advance(0.1)  # at which the head, whose pings are 0.08 s apart, pings anew
+            taken = pings.newest(sim)
+            record_ping(recorder, taken.ping, sim.rov.telemetry(), sim.rov.pose.world_from_body)
+            for name, channel in live.items():
+                said[name].append(bytes(encode(channel.read(sim))))
+    run = recording.open(path)
+    assert set(run.derived) == {*live, "map_changes"} and not set(run.derived) & set(run.channels)
+    assert {info.message_count for info in run.derived.values()} == {20} and "odom" in run.channels
+    for name in live:
+        found = [recorded.data for recorded in run.messages("sonar_ping", name) if recorded.topic == name]
+        assert len(found) == 20 and run.metadata(name)["description"]
+        if name in ("points", "depthArray"):
+            assert found == said[name]
+        else:  # but for the interval between pings, which is the survey's
+            assert run.xarray(name).sizes["time"] == 20
+    assert (run.xarray("scan")["ranges"].values == np.array([from_bytes(s, SCAN).ranges for s in said["scan"]])).all()
+    assert np.unique(run.xarray("scan")["scan_time"]).tolist() == [np.float32(0.1)]
+    played = {channel.name: channel for channel in channels_of(run)}
+    assert played["map_changes"].latched and played["scan"].type == SCAN
+    changes = [recorded.message for recorded in run.messages("map_changes")]
+    occupied = sum(int(np.where(m.cells & 0x8000, 1, -1).sum()) for m in changes)
+    assert occupied == live_map(run)[0].statistics().occupied_voxels > 10
+    assert replay(run).difference is None
+    with pytest.raises(ValueError, match=r"topic 'scam': must be one of .*scan"):
+        next(run.messages("scam"))
+
+
+def survey_simulator(folder: Path) -> Simulator:
+    (folder / "small.yaml").write_text(SURVEY)
+    return Simulator(folder / "small.yaml")
 
 
 def test_a_diff_names_tick_channel_and_amount_and_draws(folder: Path, tmp_path: Path) -> None:

@@ -16,9 +16,9 @@ logger = logging.getLogger("uwsim.bridges")
 
 
 def channels_of(recording: Recording) -> list[Channel]:
-    """Return what bridges offer of a recording: all its channels but the commands, also those that were heard."""
+    """Return what bridges offer of a recording: all its channels but the commands, also heard and derived ones."""
     found = []
-    for info in recording.channels.values():
+    for info in (*recording.channels.values(), *recording.derived.values()):
         if info.name != COMMANDS:
             about = recording.metadata(info.name)
             description, latched = about.get("description", ""), is_latched(about)

@@ -48,6 +48,7 @@ float32[] ranges               # m, of each beam; inf: no echo
 float32[] angles               # rad, positive to port
 bool[] valid
 int32[] labels                 # of what each beam met
+float32[] intensities          # dB, the echo's level below that of the source; -inf: no echo
 float64[16] frame_from_body    # rows of (4, 4), in header.frame_id
 float64[16] frame_from_sonar
 bool range_warning

@@ -17,6 +17,7 @@ from uwsim.channels.cameras import jpeg_message
 from uwsim.channels.channel import Channel
 from uwsim.channels.pictures import RATE_HZ, Pictures
 from uwsim.channels.pings import Pings
+from uwsim.channels.scans import DEPTH_ARRAY
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
 from uwsim.live import LiveSimulator
@@ -122,23 +123,13 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
             topic("modelTrigger"), TEXT, "out", "the sonar's model, 1 to 4", rate_hz=SLOW_HZ, latched=True,
             over_link=True, read=lambda sim: _model_number(source, sim),
         ),
-        Channel(
-            topic("depthArray"), TEXT, "out", "every beam's range [m], each followed by a; once for each ping",
-            rate_hz=pings.rate_hz, over_link=True,
-            read=lambda sim: _depths(pings, sim),
-        ),
+        DEPTH_ARRAY.channel(source, pings),
     ]  # fmt: skip
 
 
 def _model_number(source: Source, sim: Simulator) -> Any:
     number = source.of(sim).sonar.model.number
     return build.text(str(number)) if number in ranging.MODELS else None  # its parameters may make it another
-
-
-def _depths(pings: Pings, sim: Simulator) -> Any:
-    ranges_m = pings.newest(sim).ping.ranges_m
-    on_the_wire = pings.model.number in ranging.MODELS
-    return build.text(ranging.encode_depth_string(ranges_m, pings.model)) if on_the_wire else None
 
 
 def _fov_deg(source: Source, sim: Simulator) -> float:

@@ -1,8 +1,9 @@
-"""The multibeam's channels: /scan, /laserPointCloud and /points."""
+"""The multibeam's channels, and how a ping becomes the messages that follow from it alone."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -30,6 +31,30 @@ class Head(Protocol):
         """The interval."""
 
 
+@dataclass(frozen=True)
+class PingTopic:
+    """A topic whose messages follow from a ping: live, from the newest; of a recording, from each that it holds.
+
+    rate_hz: at which the newest is said; None: each ping once. make: of head, ping and frame; None if nothing is said.
+    """
+
+    name: str
+    type: str
+    description: str
+    make: Callable[[Head, TakenPing, str], Any]
+    rate_hz: float | None = None
+    frame: str = "base_scan"
+
+    def channel(self, source: Source, pings: Pings) -> Channel:
+        """Return the channel that says a vehicle's newest ping."""
+        frame_id = source.frame(self.frame) if self.frame else ""
+        make = _once_a_ping(lambda taken: self.make(pings, taken, frame_id))
+        return Channel(
+            source.topic(self.name), self.type, "out", self.description, rate_hz=self.rate_hz or pings.rate_hz,
+            frame_id=frame_id, over_link=True, read=lambda sim: make(pings.newest(sim)),
+        )  # fmt: skip
+
+
 def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
     """Return a ping as a LaserScan: ranges beyond the model's limit are infinite, as the published decoder has it."""
     ranges = np.where(taken.ping.ranges_m > head.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
@@ -38,33 +63,7 @@ def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
 
 def scan_channels(source: Source, pings: Pings) -> list[Channel]:
     """Return the channels of a vehicle's multibeam."""
-    frame_id = source.frame("base_scan")
-
-    def channel(name: str, kind: str, hz: float, description: str, make: Callable[[TakenPing], Any]) -> Channel:
-        make = _once_a_ping(make)
-        return Channel(
-            source.topic(name), f"sensor_msgs/msg/{kind}", "out", description, rate_hz=hz, frame_id=frame_id,
-            over_link=True, read=lambda sim: make(pings.newest(sim)),
-        )  # fmt: skip
-
-    return [
-        channel(
-            "scan", "LaserScan", SCAN_HZ, "the newest ping, stamped with its time",
-            lambda p: _scan(pings, p, frame_id),
-        ),
-        channel(
-            "ping", "LaserScan", pings.rate_hz, "each ping once, as /scan says it",
-            lambda p: _scan(pings, p, frame_id),
-        ),
-        channel(
-            "laserPointCloud", "PointCloud2", SCAN_HZ, "the scan as laser_geometry projects it",
-            lambda p: cloud({"xyz": ranging.to_point_cloud(scan_of(pings, p))}, p.ping.time_ns, frame_id),
-        ),
-        channel(
-            "points", "PointCloud2", pings.rate_hz, "each ping's echoes with their intensity [dB]",
-            lambda p: cloud(_echoes(p), p.ping.time_ns, frame_id),
-        ),
-    ]  # fmt: skip
+    return [topic.channel(source, pings) for topic in SCAN_TOPICS]
 
 
 def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]:
@@ -80,8 +79,8 @@ def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]
     return made
 
 
-def _scan(pings: Pings, taken: TakenPing, frame_id: str) -> Any:
-    scan = scan_of(pings, taken)
+def _scan(head: Head, taken: TakenPing, frame_id: str) -> Any:
+    scan = scan_of(head, taken)
     return build.message(
         "sensor_msgs/msg/LaserScan",
         header=build.header(taken.ping.time_ns, frame_id),
@@ -96,9 +95,21 @@ def _scan(pings: Pings, taken: TakenPing, frame_id: str) -> Any:
     )
 
 
-def _echoes(taken: TakenPing) -> dict[str, NDArray[np.float32]]:
-    ping = taken.ping
-    return {"xyz": ping.points_sonar_m[ping.valid], "intensity": ping.intensity_db[ping.valid]}
+def _projected(head: Head, taken: TakenPing, frame_id: str) -> Any:
+    return cloud({"xyz": ranging.to_point_cloud(scan_of(head, taken))}, taken.ping.time_ns, frame_id)
+
+
+def _echoes(head: Head, taken: TakenPing, frame_id: str) -> Any:
+    ping, valid = taken.ping, taken.ping.valid
+    ranges_m, angles_rad = ping.ranges_m[valid].astype(float), ping.angles_rad[valid].astype(float)
+    xyz = np.column_stack([ranges_m * np.cos(angles_rad), ranges_m * np.sin(angles_rad), np.zeros(len(ranges_m))])
+    return cloud({"xyz": xyz.astype(np.float32), "intensity": ping.intensity_db[valid]}, ping.time_ns, frame_id)
+
+
+def _depths(head: Head, taken: TakenPing, frame_id: str) -> Any:
+    if head.model.number not in ranging.MODELS:  # its parameters may have made it another
+        return None
+    return build.text(ranging.encode_depth_string(taken.ping.ranges_m, head.model))
 
 
 def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str) -> Any:
@@ -120,3 +131,19 @@ def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str)
         data=data.view(np.uint8).ravel(),
         is_dense=True,
     )
+
+
+SCAN_TOPICS = (
+    PingTopic("scan", "sensor_msgs/msg/LaserScan", "the newest ping, stamped with its time", _scan, SCAN_HZ),
+    PingTopic("ping", "sensor_msgs/msg/LaserScan", "each ping once, as /scan says it", _scan),
+    PingTopic(
+        "laserPointCloud", "sensor_msgs/msg/PointCloud2", "the scan as laser_geometry projects it", _projected, SCAN_HZ
+    ),
+    PingTopic("points", "sensor_msgs/msg/PointCloud2", "each ping's echoes with their intensity [dB]", _echoes),
+)
+DEPTH_ARRAY = PingTopic(
+    "depthArray", "std_msgs/msg/String", "every beam's range [m], each followed by a; once for each ping", _depths,
+    frame="",
+)  # fmt: skip
+PING_TOPICS = (*SCAN_TOPICS, DEPTH_ARRAY)
+"""Everything that follows from a ping."""

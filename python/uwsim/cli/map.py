@@ -64,8 +64,8 @@ def from_recording(
 ) -> None:
     """Make the map from a recording alone, with the run's own bytes."""
     from uwsim.mapping.files.map_files import MAP_SUFFIXES
+    from uwsim.recording.mcap_sink import SURVEY
     from uwsim.recording.reader import Recording
-    from uwsim.recording.recorder import SURVEY
 
     if out.suffix not in MAP_SUFFIXES:
         raise ValueError(f"--out {out}: must end in {' or '.join(MAP_SUFFIXES)}")

@@ -41,6 +41,14 @@ RecordTopics = Annotated[
     list[str] | None,
     typer.Option("--record-topic", help="Channels to record, such as scan or 'camera/*'. Default: all."),
 ]
+SurveyTopics = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--record-topic",
+        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and what follows from the survey's "
+        "pings, which the recording has without them: scan, ping, laserPointCloud, points, depthArray and the map.",
+    ),
+]
 Threads = Annotated[
     int | None, typer.Option(help="Number of threads; the result does not depend on it. Default: one per core.")
 ]

@@ -31,7 +31,8 @@ def recording(
     ]
     for name, value in rows:
         typer.echo(f"{name:<10}{value}")
-    width = max((len(name) for name in run.channels), default=0)
-    for info in run.channels.values():
+    width = max((len(name) for name in (*run.channels, *run.derived)), default=0)
+    for info in (*run.channels.values(), *run.derived.values()):
         rate = f"{info.rate_hz:g} Hz" if info.rate_hz else ""
-        typer.echo(f"{info.message_count:>8}  /{info.name:<{width}}  {rate:>7}  {info.type}")
+        made = "  (from /sonar_ping)" if info.name in run.derived else ""
+        typer.echo(f"{info.message_count:>8}  /{info.name:<{width}}  {rate:>7}  {info.type}{made}")

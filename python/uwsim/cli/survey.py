@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Frequency, MissionTime, Record, RecordTopics, Seed, SonarModel, Threads
+from uwsim.cli.options import Frequency, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -53,7 +53,7 @@ def survey(
         ),
     ] = None,
     record: Record = None,
-    record_topic: RecordTopics = None,
+    record_topic: SurveyTopics = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the survey last saved in --out.")] = False,
 ) -> None:
     """Fly the survey of a scenario, map what is seen, and report.

@@ -25,6 +25,8 @@ from uwsim.channels.feed import Reading
 CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
 """Names of metadata records: what the recording begins with, what it ends with, and rosbag2's own."""
+LIVE, SURVEY = "live", "survey"
+"""Kinds of runs: the pings of a survey tell all that its sonar said."""
 ROSBAG2_VERSION = 9
 FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's infinite duration
 DEPTH = 10
@@ -66,13 +68,7 @@ class McapSink:
         known = schema(channel.type)
         if channel.type not in self._schemas:
             self._schemas[channel.type] = self._writer.register_schema(known.name, "ros2msg", known.text.encode())
-        metadata = {
-            QOS: _yaml(dump_qos_v9([qos(channel)])),
-            "topic_type_hash": known.type_hash,
-            "rate_hz": "" if channel.rate_hz is None else repr(channel.rate_hz),
-            "description": channel.description,
-        }
-        topic = "/" + channel.name
+        topic, metadata = "/" + channel.name, metadata_of(channel)
         self._ids[channel.name] = self._writer.register_channel(topic, "cdr", self._schemas[channel.type], metadata)
         self._channels[channel.name] = channel
         self._counts[channel.name] = 0
@@ -129,6 +125,16 @@ class McapSink:
             "custom_data": None,
             "ros_distro": "jazzy",
         }
+
+
+def metadata_of(channel: Channel) -> dict[str, str]:
+    """Return what a file says about a channel: as rosbag2 does, and its rate and description."""
+    return {
+        QOS: _yaml(dump_qos_v9([qos(channel)])),
+        "topic_type_hash": schema(channel.type).type_hash,
+        "rate_hz": "" if channel.rate_hz is None else repr(channel.rate_hz),
+        "description": channel.description,
+    }
 
 
 def qos(channel: Channel) -> Qos:

@@ -54,6 +54,7 @@ def ping_message(
         angles=np.asarray(ping.angles_rad, np.float32),
         valid=np.asarray(ping.valid, bool),
         labels=np.asarray(ping.labels, np.int32),
+        intensities=np.asarray(ping.intensity_db, np.float32),
         frame_from_body=np.asarray(frame_from_body, np.float64).ravel(),
         frame_from_sonar=np.asarray(frame_from_sonar, np.float64).ravel(),
         range_warning=bool(panel.range_warning),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +12,24 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.channels.pings import TakenPing
 from uwsim.recording.ping_channel import NAME
-from uwsim.recording.reader import Recording
+
+if TYPE_CHECKING:
+    from uwsim.recording.reader import Recording
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedPing:
-    """A ping with the names of _core.Ping: ranges_m, angles_rad, valid, labels (beams,); world_from_sonar (4, 4)."""
+    """A ping with the names of _core.Ping.
+
+    ranges_m, angles_rad, valid, labels, intensity_db: (beams,); world_from_sonar (4, 4).
+    """
 
     time_ns: int
     ranges_m: NDArray[np.float32]
     angles_rad: NDArray[np.float32]
     valid: NDArray[np.bool_]
     labels: NDArray[np.int32]
+    intensity_db: NDArray[np.float32]
     world_from_sonar: NDArray[np.float64]
 
 
@@ -51,16 +57,22 @@ def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
 def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing, Panel]]:
     """Yield the pings of a channel in their order, each with the poses at which it was taken."""
     for recorded in recording.messages(topic):
-        message: Any = recorded.message
-        body, sonar = message.frame_from_body.reshape(4, 4), message.frame_from_sonar.reshape(4, 4)
-        stamp = message.header.stamp
-        ping = RecordedPing(
-            stamp.sec * 1_000_000_000 + stamp.nanosec,
-            message.ranges,
-            message.angles,
-            np.asarray(message.valid, bool),
-            message.labels,
-            sonar,
-        )
+        message = recorded.message
         panel = Panel(message.range_warning, message.proximity_warning, message.collision_warning)
-        yield TakenPing(cast(_core.Ping, ping), body, sonar), panel
+        yield taken_ping(message), panel
+
+
+def taken_ping(message: Any) -> TakenPing:
+    """Return the ping of a message of the type SONAR_PING."""
+    body, sonar = message.frame_from_body.reshape(4, 4), message.frame_from_sonar.reshape(4, 4)
+    stamp = message.header.stamp
+    ping = RecordedPing(
+        stamp.sec * 1_000_000_000 + stamp.nanosec,
+        message.ranges,
+        message.angles,
+        np.asarray(message.valid, bool),
+        message.labels,
+        message.intensities,
+        sonar,
+    )
+    return TakenPing(cast(_core.Ping, ping), body, sonar)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
@@ -13,15 +13,21 @@ from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, Chunk, Footer, Message, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
+from uwsim.channels.cdr import encode, schema
 from uwsim.channels.messages import from_bytes
+from uwsim.channels.own_types import OWN_TYPES
 from uwsim.recording import tables
 from uwsim.recording.commands import COMMANDS, Command, command_of
-from uwsim.recording.mcap_sink import END, START
+from uwsim.recording.mcap_sink import END, START, SURVEY, metadata_of
+from uwsim.recording.ping_channel import NAME as PINGS
+from uwsim.recording.pings import taken_ping
 
 if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
+
+    from uwsim.recording.derived import Derived, Make
 
 DAMAGED = (McapError, CRCValidationError, struct.error, RuntimeError, UnicodeDecodeError, EOFError)
 """What reading a file that ends in the middle of a record raises; RuntimeError is lz4's."""
@@ -54,7 +60,8 @@ class Recording:
     """A recording that was written by a Recorder, from .mcap.
 
     start, end: the metadata at both ends; end is empty if the recording was killed. complete: whether it ended in
-    order. attachments: by name.
+    order. attachments: by name. channels: what was recorded; derived: what else can be read by its name, since it
+    follows from a survey's pings.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -73,6 +80,7 @@ class Recording:
             self._read_frame(file)
         if not self.start:
             raise ValueError(f"recording '{path}': was not written by uwsim, or holds nothing yet")
+        self._require_our_types()
 
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:
@@ -86,10 +94,39 @@ class Recording:
             found[name] = ChannelInfo(name, kind, count, None if rate is None else float(rate))
         return found
 
+    @cached_property
+    def derived(self) -> dict[str, ChannelInfo]:
+        """The channels by name that were not recorded, but follow from a survey's pings."""
+        if self._derived is None:
+            return {}
+        count = self.channels[PINGS].message_count
+        return {
+            channel.name: ChannelInfo(channel.name, channel.type, count, channel.rate_hz)
+            for channel in self._derived.channels.values()
+            if channel.name not in self.channels
+        }
+
+    @cached_property
+    def _derived(self) -> Derived | None:
+        if self.start["kind"] != SURVEY or PINGS not in self.channels:
+            return None
+        from uwsim.recording.derived import Derived  # here, since few need it, and it builds a sonar
+
+        return Derived(self)
+
+    def info(self, topic: str) -> ChannelInfo:
+        """Return what is known of a channel, recorded or derived. Raises ValueError."""
+        name = self._named(topic)
+        return self.channels[name] if name in self.channels else self.derived[name]
+
     def metadata(self, topic: str) -> dict[str, str]:
         """Return what the file says about a channel: QoS, type hash, rate, description. Raises ValueError."""
-        (number,) = self._numbers((topic,))
-        return dict(self._channels[number].metadata)
+        name = self._named(topic)
+        if name in self.channels:
+            (number,) = self._numbers((name,))
+            return dict(self._channels[number].metadata)
+        assert self._derived is not None
+        return metadata_of(self._derived.channels[name])
 
     @property
     def step_ns(self) -> int:
@@ -107,18 +144,36 @@ class Recording:
         return dict(json.loads(self.end.get("notes", self.start.get("notes", "{}"))))
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
-        """Yield the messages in the order in which they were recorded; of these topics, by default of all.
+        """Yield the messages in the order in which they were recorded; of these topics, by default of all recorded.
 
-        Raises ValueError for a topic that was not recorded.
+        Those that are derived from a ping follow it. Raises ValueError for a topic that there is not.
         """
-        wanted = self._numbers(topics)
+        names = [self._named(topic) for topic in topics]
+        made = [name for name in names if name not in self.channels]
+        wanted = self._numbers(name for name in names if name in self.channels) if names else set(self._channels)
+        makers = self._derived.makers(made) if made and self._derived is not None else {}
+        sources = self._numbers((PINGS,)) if makers else set()
+        for record in self._read_messages(wanted | sources):
+            recorded = self._recorded(record)
+            if record.channel_id in wanted:
+                yield recorded
+            if record.channel_id in sources:
+                yield from self._made(recorded, makers)
+
+    def _read_messages(self, wanted: Collection[int]) -> Iterator[Message]:
         with self.path.open("rb") as file:
             for chunk in _records(file, chunks=True):
                 if not isinstance(chunk, Chunk):
                     continue
                 for record in breakup_chunk(chunk):
                     if isinstance(record, Message) and record.channel_id in wanted:
-                        yield self._recorded(record)
+                        yield record
+
+    def _made(self, ping: Recorded, makers: Mapping[str, Make]) -> Iterator[Recorded]:
+        """Yield what follows from a ping."""
+        taken = taken_ping(ping.message)
+        for name, make in makers.items():
+            yield Recorded(name, self.derived[name].type, ping.time_ns, bytes(encode(make(taken))))
 
     def commands(self) -> Iterator[Command]:
         """Yield the commands in the order in which they took effect."""
@@ -138,20 +193,29 @@ class Recording:
         return tables.dataset(self, self._named(topic))
 
     def _named(self, topic: str) -> str:
-        self._numbers((topic,))
-        return topic.removeprefix("/")
+        name = topic.removeprefix("/")
+        if name not in self.channels and name not in self.derived:
+            names = ", ".join((*self.channels, *self.derived))
+            raise ValueError(f"recording '{self.path}': topic '{topic}': must be one of {names}")
+        return name
 
     def _recorded(self, record: Message) -> Recorded:
         channel = self._channels[record.channel_id]
         kind = self._schemas[channel.schema_id].name
         return Recorded(channel.topic.removeprefix("/"), kind, record.log_time, record.data)
 
-    def _numbers(self, topics: Collection[str]) -> set[int]:
+    def _numbers(self, names: Iterable[str]) -> set[int]:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
-        for topic in topics:
-            if topic.removeprefix("/") not in numbers:
-                raise ValueError(f"recording '{self.path}': topic '{topic}': must be one of {', '.join(numbers)}")
-        return {numbers[topic.removeprefix("/")] for topic in topics} if topics else set(numbers.values())
+        return {numbers[name] for name in names}
+
+    def _require_our_types(self) -> None:
+        """Raise ValueError if a type of our own had other fields when the file was written."""
+        for found in self._schemas.values():
+            if found.name in OWN_TYPES and found.data.decode() != schema(found.name).text:
+                raise ValueError(
+                    f"recording '{self.path}': {found.name} has other fields in this version of uwsim than in the "
+                    f"build that wrote it, {self.start['build']}"
+                )
 
     def _read_frame(self, file: IO[bytes]) -> None:
         """Read channels, counts, metadata and attachments."""

@@ -23,7 +23,8 @@ from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
 from uwsim.recording.commands import COMMANDS, Command, command_message
-from uwsim.recording.mcap_sink import McapSink
+from uwsim.recording.derived import FROM_PINGS
+from uwsim.recording.mcap_sink import LIVE, McapSink
 from uwsim.recording.ping_channel import ping_channel
 from uwsim.recording.queue import WAITING_BYTES, WritingQueue
 from uwsim.recording.sink import Sink
@@ -32,7 +33,6 @@ from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator import Simulator
 
 STATE = "start.state"
-LIVE, SURVEY = "live", "survey"
 MAP_TYPE = "octomap_msgs/msg/Octomap"
 
 logger = logging.getLogger("uwsim.recording")
@@ -45,7 +45,8 @@ class Recorder:
             ...
 
     path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
-    are recorded (by default all; of a survey all but pictures and map), and that are not, such as "camera/*".
+    are recorded, and that are not, such as "camera/*". By default all are; of a survey all but pictures and what
+    follows from its pings (FROM_PINGS, and the map), which readers get nevertheless, see Recording.derived.
     shared: what the simulator's last `uwsim.channels.channels` gave to a server, so that pings and pictures are made
     once for both; by default channels of its own. feed: of other sinks, such as a node of ROS 2, which then get the
     recorder's readings with their bytes instead of taking their own. kind: LIVE or SURVEY. written: channels that only
@@ -99,7 +100,7 @@ class Recorder:
         if self._kind == LIVE:
             said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
         elif topics is None:
-            said = [channel for channel in said if not channel.late and channel.type != MAP_TYPE]
+            said = [channel for channel in said if not self._follows(channel)]
         names = [channel.name for channel in said] + [channel.name for channel in given if channel.direction == "in"]
         for pattern in (*(topics or ()), *without):
             if not fnmatch.filter(names, pattern.removeprefix("/")):
@@ -107,6 +108,11 @@ class Recorder:
                     f"recording: topic '{pattern}': no channel has that name; there are {', '.join(names)}"
                 )
         return [channel for channel in said if self._is_chosen(channel)]
+
+    def _follows(self, channel: Channel) -> bool:
+        """Whether a survey's channel follows from its pings or, as pictures do, from the rest."""
+        from_pings = {table_of(self._sim).sources[0].topic(name) for name in FROM_PINGS}
+        return channel.late or channel.type == MAP_TYPE or channel.name in from_pings
 
     def _is_chosen(self, channel: Channel) -> bool:
         topics, without = self._patterns

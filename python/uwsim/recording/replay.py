@@ -22,9 +22,10 @@ from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.difference import differences
+from uwsim.recording.mcap_sink import SURVEY
 from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Recorded, Recording
-from uwsim.recording.recorder import MAP_TYPE, STATE, SURVEY, state_digest
+from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
 from uwsim.recording.watch import JUMPS, Watch
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator import Simulator

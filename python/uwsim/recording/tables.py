@@ -32,7 +32,7 @@ def arrow(recording: Recording, topic: str) -> pyarrow.Table:
     need_extra("pyarrow", "tables", "a recording as a table")
     import pyarrow
 
-    kind = recording.channels[topic].type
+    kind = recording.info(topic).type
     columns = list(_columns(kind))
     rows: dict[str, list[Any]] = {name: [] for name, _, _ in columns}
     times_s = []
@@ -63,7 +63,7 @@ def dataset(recording: Recording, topic: str) -> xarray.Dataset:
     need_extra("xarray", "tables", "a recording as a dataset")
     import xarray
 
-    kind = recording.channels[topic].type
+    kind = recording.info(topic).type
     messages, times_s = [], []
     for recorded in recording.messages(topic):
         messages.append(recorded.message)

@@ -120,7 +120,7 @@ class _Flight:
             self._sim,
             chain,
             self._log,
-            _ping_interval_s(self._sim, survey),
+            ping_interval_s(self._sim, survey),
             lambda: on_progress(self._mission.progress),
             self._on_pause,
             self._on_ping_taken,
@@ -181,7 +181,7 @@ class _Flight:
             path_world_m=log.path_world_m,
             area_world_m=log.area_world_m,
             range_max_m=sim.rov.sonar.model.range_limit_m,
-            ping_interval_s=_ping_interval_s(sim, survey),
+            ping_interval_s=ping_interval_s(sim, survey),
             ping_interval_requested_s=1.0 / survey.ping_rate_hz,
             sample_ping=log.sample,
             stage_wall_s=self.timer.wall_s,
@@ -231,7 +231,7 @@ def _max_uncertainty_m(sim: Simulator, occupancy: OccupancyMap) -> float | None:
     return occupancy.resolution_m / 2.0 if asked_m is None else asked_m
 
 
-def _ping_interval_s(sim: Simulator, survey: Survey) -> float:
+def ping_interval_s(sim: Simulator, survey: Survey) -> float:
     """Return the scenario's ping interval, or the two-way travel time in whole steps where that is longer."""
     least_s = 1.0 / sim.rov.sonar.ping_rate_max_hz
     return max(1.0 / survey.ping_rate_hz, math.ceil(least_s / sim.step_s) * sim.step_s)

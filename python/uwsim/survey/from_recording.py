@@ -13,13 +13,14 @@ from uwsim import _core
 from uwsim.channels import Channel
 from uwsim.channels.own_types import SONAR_PING
 from uwsim.mapping import OccupancyMap
+from uwsim.recording.mcap_sink import SURVEY
 from uwsim.recording.ping_channel import NAME, ping_message
 from uwsim.recording.pings import recorded_pings
 from uwsim.recording.reader import Recording
-from uwsim.recording.recorder import SURVEY, Recorder
+from uwsim.recording.recorder import Recorder
 from uwsim.recording.replay import new_simulator
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import hull_box, required_survey
+from uwsim.survey.fly import hull_box, ping_interval_s, required_survey
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import PingToMap
 from uwsim.survey.record import SurveyRecord
@@ -33,12 +34,14 @@ FROM_PINGS = ("path_world_m", "area_world_m", "sample_ping")
 
 
 def survey_recorder(sim: Simulator, path: Path, request: SurveyRequest, topics: tuple[str, ...] | None) -> Recorder:
-    """Return what records a survey: its own pings and, unless topics say otherwise, all channels without pictures.
+    """Return what records a survey: its own pings and, unless topics say otherwise, all channels that do not follow.
 
-    The map is left out, too: it follows from the pings. Raises ValueError.
+    Pictures follow from the rest, scans, clouds and the map from the pings. Raises ValueError.
     """
     notes = {"request": dataclasses.asdict(request)}
-    return Recorder(sim, path, topics=topics, kind=SURVEY, written=[PINGS], notes=notes)
+    rate_hz = 1.0 / ping_interval_s(sim, required_survey(sim.scenario))
+    pings = dataclasses.replace(PINGS, rate_hz=rate_hz)
+    return Recorder(sim, path, topics=topics, kind=SURVEY, written=[pings], notes=notes)
 
 
 def record_ping(recorder: Recorder, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Any) -> None:

@@ -1,0 +1,79 @@
+"""What follows from a survey's pings and so need not be recorded: made of them for whoever reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from uwsim import ranging
+from uwsim.channels import Channel, build
+from uwsim.channels.map import mapped_points
+from uwsim.channels.map_changes import MapChanges
+from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels.pings import TakenPing
+from uwsim.channels.scans import DEPTH_ARRAY, PING_TOPICS, PingTopic
+from uwsim.recording.head import RecordedHead, recorded_head
+from uwsim.recording.ping_channel import NAME
+
+if TYPE_CHECKING:
+    from uwsim.recording.reader import Recording
+
+MAP_TOPIC = "map_changes"
+FROM_PINGS = frozenset({*(topic.name for topic in PING_TOPICS), MAP_TOPIC})
+"""The names of the topics, without the vehicle's."""
+
+Make = Callable[[TakenPing], Any]
+"""Returns the message of a ping; called with each, in their order."""
+
+
+class Derived:
+    """The topics of a survey's recording that follow from its pings: each ping gives one message of each.
+
+    The map is that which a live run makes of these pings. channels: by name.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        """Take the multibeam from the recording's scenario. Raises ValueError, OSError."""
+        self._head = head = recorded_head(recording, NAME)
+        rate_hz = recording.channels[NAME].rate_hz
+        self.channels: dict[str, Channel] = {}
+        self._begin: dict[str, Callable[[], Make]] = {}
+        for topic in PING_TOPICS:
+            if topic is DEPTH_ARRAY and head.model.number not in ranging.MODELS:
+                continue
+            self._offer(
+                Channel(head.prefix + topic.name, topic.type, "out", f"{topic.description}; once a ping", rate_hz),
+                partial(_of_ping, head, topic),
+            )
+        about = "the voxels that each ping made occupied, or no longer so"
+        self._offer(
+            Channel(head.prefix + MAP_TOPIC, MAP_CHANGES, "out", about, rate_hz, latched=True), partial(_of_map, head)
+        )
+
+    def makers(self, names: Collection[str]) -> dict[str, Make]:
+        """Return what makes the messages of some of the topics, from the first ping on."""
+        return {name: self._begin[name]() for name in names}
+
+    def _offer(self, channel: Channel, begin: Callable[[], Make]) -> None:
+        self.channels[channel.name] = channel
+        self._begin[channel.name] = begin
+
+
+def _of_ping(head: RecordedHead, topic: PingTopic) -> Make:
+    frame_id = head.prefix + topic.frame if topic.frame else ""
+    return lambda taken: topic.make(head, taken, frame_id)
+
+
+def _of_map(head: RecordedHead) -> Make:
+    occupancy, changes = head.new_map(), MapChanges()
+    changes.forget(occupancy.resolution_m)
+
+    def make(taken: TakenPing) -> Any:
+        points = mapped_points(head, taken, head.hull_m)
+        occupancy.insert_scan(points, taken.odom_from_sonar[:3, 3], head.model.range_max_m)
+        part = changes.note(occupancy.changed_occupancy())
+        header = build.header(taken.ping.time_ns, head.prefix + "odom")
+        return build.message(MAP_CHANGES, header=header, **part._asdict())
+
+    return make

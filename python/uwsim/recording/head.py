@@ -1,0 +1,48 @@
+"""The multibeam whose pings a recording holds, as the recording's own scenario has it."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from uwsim import _core
+from uwsim.channels.map import Box, empty_map, hull_box_m
+from uwsim.mapping import OccupancyMap
+from uwsim.recording.capsule import unpack
+from uwsim.scenario import Scenario
+from uwsim.scenario.build.vehicle import vehicle_spec
+
+if TYPE_CHECKING:
+    from uwsim.recording.reader import Recording
+
+
+@dataclass(frozen=True)
+class RecordedHead:
+    """A multibeam. interval_s: from ping to ping. prefix: of its vehicle's topics and frames. hull_m: its vehicle's."""
+
+    model: _core.MultibeamModel
+    interval_s: float
+    prefix: str
+    hull_m: Box
+    scenario: Scenario
+
+    def new_map(self) -> OccupancyMap:
+        """Return an empty map, as a live run of the scenario begins with."""
+        return empty_map(self.scenario)
+
+
+def recorded_head(recording: Recording, topic: str) -> RecordedHead:
+    """Return the multibeam of a channel of pings. Raises ValueError, OSError."""
+    name, _, _ = topic.rpartition("/")
+    with tempfile.TemporaryDirectory(prefix="uwsim-head-") as folder:  # for meshes that are no longer where they were
+        scenario = unpack(recording.attachments, Path(folder))
+        entry = next(each for each in scenario.vehicles if each.model.sonar is not None and name in ("", each.name))
+        return RecordedHead(
+            model=vehicle_spec(scenario, entry).sonars[0].model,
+            interval_s=1.0 / (recording.channels[topic].rate_hz or 1.0),
+            prefix="" if len(scenario.vehicles) == 1 else f"{entry.name}/",
+            hull_m=hull_box_m(entry.model),
+            scenario=scenario,
+        )
