@@ -7,7 +7,6 @@ from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.arguments import number
@@ -15,6 +14,7 @@ from uwsim.cameras.effects import EFFECTS, effects_on
 from uwsim.cameras.frame import CameraInfo, Frame
 from uwsim.cameras.pan_tilt import PanTiltHead
 from uwsim.cameras.shared_scene import SharedScene, Snapshot
+from uwsim.quaternions import about_y, about_z, heading_rad, product
 from uwsim.scenario.build.camera import core_camera, intrinsic_matrix, mount_orientation_xyzw
 from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
@@ -112,6 +112,11 @@ class Camera(Sealed):
         return self._pose(self._scene.snapshot(with_lamps=False))[2]
 
     @property
+    def pose(self) -> tuple[Floats, Floats]:
+        """The same as position (3,) and orientation x, y, z, w (4,) in the world."""
+        return self._pose(self._scene.snapshot(with_lamps=False))[:2]
+
+    @property
     def aim_rad(self) -> tuple[float, float]:
         """The present pan, positive to port, and tilt, positive down; 0 without a motor."""
         return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
@@ -192,8 +197,7 @@ class Camera(Sealed):
         if self._head is None:
             return self._orientation_xyzw
         pan_tilt = self.aim_rad if snapshot is None else snapshot.aims_rad[self.name]
-        turned = Rotation.from_quat(self._orientation_xyzw) * Rotation.from_euler("ZY", pan_tilt)
-        return np.asarray(turned.as_quat(), np.float64)
+        return product(self._orientation_xyzw, product(about_z(pan_tilt[0]), about_y(pan_tilt[1])))
 
     def _carrier_pose(self, snapshot: Snapshot) -> tuple[Floats, Floats]:
         if not isinstance(self._carrier, int):
@@ -204,8 +208,7 @@ class Camera(Sealed):
 
 def heading_xyzw(orientation_xyzw: Floats) -> Floats:
     """Return the rotation about the vertical that turns east to the heading of a body's x axis, (4,) x, y, z, w."""
-    x, y, _ = Rotation.from_quat(orientation_xyzw).apply((1.0, 0.0, 0.0))
-    return np.asarray(Rotation.from_euler("z", np.arctan2(y, x)).as_quat(), np.float64)
+    return about_z(heading_rad(orientation_xyzw))
 
 
 def _camera_info(name: str, mount: CameraMount) -> CameraInfo:

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from uwsim.channels.message_out import default_message, default_value
 from uwsim.channels.message_types import fields as fields_of
 from uwsim.channels.message_types import typestore
+from uwsim.quaternions import product
 
 IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
 # Frames of instruments in that of their mount (x ahead, y left, z up):
@@ -31,6 +32,8 @@ def message(name: str, /, **fields: Any) -> Any:
     cls, defaults = _plan(name)
     if not fields.keys() <= defaults.keys():
         raise AttributeError(f"{name}: has no field {min(fields.keys() - defaults.keys())!r}")
+    if len(fields) == len(defaults):
+        return cls(**fields)
     return cls(**{field: fields[field] if field in fields else make() for field, make in defaults.items()})
 
 
@@ -103,7 +106,7 @@ def mount_xyzw(yaw_pitch_roll_deg: ArrayLike) -> NDArray[np.float64]:
 
 def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
     """Return the product of two rotations, (4,)."""
-    return (Rotation.from_quat(first_xyzw) * Rotation.from_quat(then_xyzw)).as_quat()  # type: ignore[no-any-return]
+    return product(first_xyzw, then_xyzw)
 
 
 def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:

@@ -28,7 +28,7 @@ def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) ->
 
 def isotropic(value: float) -> NDArray[np.float64]:
     """Return the covariance (9,), by rows, of three axes with equal and independent errors."""
-    return value * np.eye(3).ravel()
+    return np.array([value, 0.0, 0.0, 0.0, value, 0.0, 0.0, 0.0, value])
 
 
 def of_velocity(beams: NDArray[np.float64], value: float) -> NDArray[np.float64]:

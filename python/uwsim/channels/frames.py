@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from uwsim.cameras import Camera
 from uwsim.channels import build
@@ -141,9 +140,9 @@ def _fixed(sources: Sequence[Source], sim: Simulator) -> Any:
 
 
 def _following(sim: Simulator, child: str, camera: Camera) -> Any:
-    pose = camera.world_from_camera
-    turn = build.turned_xyzw(Rotation.from_matrix(pose[:3, :3]).as_quat(), build.OPTICAL_XYZW)
-    return build.transform(sim.time_ns, "world", child, pose[:3, 3], turn)
+    position_m, orientation_xyzw = camera.pose
+    turn = build.turned_xyzw(orientation_xyzw, build.OPTICAL_XYZW)
+    return build.transform(sim.time_ns, "world", child, position_m, turn)
 
 
 def _optical(sim: Simulator, parent: str, name: str, camera: Camera) -> Any:

@@ -45,8 +45,8 @@ SurveyTopics = Annotated[
     list[str] | None,
     typer.Option(
         "--record-topic",
-        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and what follows from the survey's "
-        "pings, which the recording has without them: scan, ping, laserPointCloud, points, depthArray and the map.",
+        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and what readers get of the "
+        "survey's pings: scan, ping, laserPointCloud, points, depthArray, map_changes and octomap_binary.",
     ),
 ]
 Threads = Annotated[

@@ -1,0 +1,27 @@
+"""Quaternions by hand are SciPy's rotations."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from uwsim.quaternions import about_y, about_z, heading_rad, product
+
+TURNS = Rotation.random(20, rng=np.random.default_rng(1))
+
+
+def same(quaternion: np.ndarray, turn: Rotation) -> bool:
+    return bool((Rotation.from_quat(quaternion) * turn.inv()).magnitude() < 1e-12)
+
+
+def test_products_and_turns_about_axes_are_those_of_scipy() -> None:
+    for first, then in zip(TURNS[:10], TURNS[10:], strict=True):
+        assert same(product(first.as_quat(), then.as_quat()), first * then)
+    for angle_rad in (-3.0, 0.0, 0.4, 3.1):
+        assert same(about_y(angle_rad), Rotation.from_euler("y", angle_rad))
+        assert same(about_z(angle_rad), Rotation.from_euler("z", angle_rad))
+
+
+def test_the_heading_is_that_of_the_x_axis() -> None:
+    for turn in TURNS:
+        x, y, _ = turn.apply((1.0, 0.0, 0.0))
+        assert heading_rad(turn.as_quat()) == pytest.approx(np.arctan2(y, x), abs=1e-12)
