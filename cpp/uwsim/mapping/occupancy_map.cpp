@@ -90,17 +90,17 @@ double OccupancyMap::resolution_m() const { return impl_->resolution_m; }
 Eigen::Vector3d OccupancyMap::origin_world_m() const { return impl_->origin_world_m; }
 MapEngineKind OccupancyMap::engine() const { return impl_->options.engine; }
 
-std::uint64_t OccupancyMap::Impl::count(bool occupied) const {
-  std::uint64_t voxels = 0;
+OccupancyMap::Impl::Voxels OccupancyMap::Impl::count() const {
+  Voxels voxels;
   engine->for_each_leaf([&](const VoxelKey&, int levels, float log_odds) {
-    if (is_occupied(log_odds) == occupied) voxels += std::uint64_t{1} << (3 * levels);
+    (is_occupied(log_odds) ? voxels.occupied : voxels.free) += std::uint64_t{1} << (3 * levels);
   });
   return voxels;
 }
 
 std::vector<double> OccupancyMap::Impl::voxels_world_m(bool occupied) const {
   const std::scoped_lock lock(mutex);
-  const std::uint64_t voxels = count(occupied);
+  const std::uint64_t voxels = occupied ? count().occupied : count().free;
   require(voxels <= kListedVoxelsMax, occupied ? "map.occupied_voxels" : "map.free_voxels", voxels,
           "too many to list (100 million at most): ask state_at for those of interest");
   std::vector<double> centres;

@@ -64,7 +64,10 @@ struct OccupancyMap::Impl {
     occupied_changes.note(latest);
   }
 
-  std::uint64_t count(bool occupied) const;
+  struct Voxels {
+    std::uint64_t occupied = 0, free = 0;
+  };
+  Voxels count() const;
   std::vector<double> voxels_world_m(bool occupied) const;
 
   const double resolution_m;

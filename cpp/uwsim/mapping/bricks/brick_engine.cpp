@@ -91,14 +91,15 @@ class BrickEngine : public MapEngine {
   }
   TreeBytes full_tree() const override { return bricks::full_tree(store_); }
   TreeBytes binary_tree() const override {
-    if (!is_written_by_octomap()) return bricks::binary_tree(store_);
-    return written_by_octomap(likely_tree(store_), resolution_m_, model_);
+    const bricks::LikelyShape shape = bricks::likely_shape(store_);
+    if (!is_written_by_octomap(shape)) return bricks::binary_tree(store_, shape);
+    return written_by_octomap(bricks::likely_tree(store_, shape), resolution_m_, model_);
   }
   void write_tree(MapFormat format, AtomicFile& file) const override {
-    if (format == MapFormat::ot || !is_written_by_octomap()) {
-      return bricks::write_tree(store_, format, resolution_m_, file);
-    }
-    const TreeBytes tree = binary_tree();
+    if (format == MapFormat::ot) return bricks::write_full_tree(store_, resolution_m_, file);
+    const bricks::LikelyShape shape = bricks::likely_shape(store_);
+    if (!is_written_by_octomap(shape)) return bricks::write_binary_tree(store_, shape, resolution_m_, file);
+    const TreeBytes tree = written_by_octomap(bricks::likely_tree(store_, shape), resolution_m_, model_);
     file.append(octree_header(format, tree.nodes, resolution_m_));
     file.append(tree.body);
   }
@@ -109,7 +110,9 @@ class BrickEngine : public MapEngine {
  private:
   /// A .bt is written by an octomap::OcTree, or by us if the map has a limit of memory or if that tree would take
   /// gigabytes. The bytes are the same.
-  bool is_written_by_octomap() const { return !store_.is_limited() && count_nodes(store_) <= kMostOctomapNodes; }
+  bool is_written_by_octomap(const bricks::LikelyShape& shape) const {
+    return !store_.is_limited() && shape.nodes <= kMostOctomapNodes;
+  }
 
   const double resolution_m_;
   const Eigen::Vector3d tree_origin_world_m_;

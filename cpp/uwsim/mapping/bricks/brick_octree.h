@@ -32,14 +32,21 @@ void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& wo
 TreeBytes full_tree(const BrickStore& store);
 std::uint64_t count_nodes(const BrickStore& store);
 
-/// The same tree after OctoMap's toMaxLikelihood and prune, as an .ot. That prune goes up level by level and stops at
-/// the first level where it prunes nothing, even if there is something to prune above; so does this.
-TreeBytes likely_tree(const BrickStore& store);
+/// The same tree after OctoMap's toMaxLikelihood and prune. That prune goes up level by level and stops at the first
+/// level where it prunes nothing, even if there is something to prune above; so does this.
+struct LikelyShape {
+  int pruned_levels;
+  std::uint64_t nodes;
+};
+LikelyShape likely_shape(const BrickStore& store);
+/// The tree of that shape as an .ot.
+TreeBytes likely_tree(const BrickStore& store, const LikelyShape& shape);
 /// The same tree as a .bt: the bytes that an octomap::OcTree writes of it.
-TreeBytes binary_tree(const BrickStore& store);
+TreeBytes binary_tree(const BrickStore& store, const LikelyShape& shape);
 
-/// Writes the whole file, chunk by chunk: how much memory that takes does not depend on the map.
-void write_tree(const BrickStore& store, MapFormat format, double resolution_m, AtomicFile& file);
+/// Write the whole file, chunk by chunk: how much memory that takes does not depend on the map.
+void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file);
+void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file);
 
 // brick_octree_read.cpp
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "uwsim/mapping/bricks/brick_store.h"
+#include "uwsim/mapping/morton.h"
 
 namespace uwsim::bricks {
 
@@ -29,6 +30,17 @@ class OctreeWalk {
   Result run() { return walk_chunks(kTreeDepth, 0, std::span(chunks_), std::span(store_.large_leaves()), nullptr); }
 
  private:
+  /// Whether the voxels of a cube are sure to be equal; not every such cube is found. levels: 1 or 2.
+  bool are_equal(const Brick& brick, int first, int levels) const {
+    const std::uint32_t block = brick.block[first >> 6];
+    if (block == kNone) return true;  // all at clamping_min
+    if (levels == 2) return false;    // found by its eighths
+    const float* const log_odds = store_.block(block) + (first & 63);
+    bool equal = true;
+    for (int i = 1; i < 8; ++i) equal &= log_odds[i] == log_odds[0];
+    return equal;
+  }
+
   using Chunks = std::span<const BrickStore::ChunkRef>;
   using Leaves = std::span<const BrickStore::LargeLeaf>;
 
@@ -82,7 +94,14 @@ class OctreeWalk {
       if (!(brick.known[first >> 6] >> (first & 63) & 1)) return visitor_.unknown();
       return visitor_.leaf(0, code, log_odds_of(store_, brick, first));
     }
-    if (levels == 2 && brick.known[first >> 6] == 0) return visitor_.unknown();
+    if (levels <= 2) {
+      const auto voxels = morton::bits_in_word(static_cast<std::uint64_t>(first), std::size_t{1} << (3 * levels));
+      const std::uint64_t known = brick.known[first >> 6] & voxels;
+      if (known == 0) return visitor_.unknown();
+      if (known == voxels && are_equal(brick, first, levels)) {
+        return visitor_.leaf(levels, code, log_odds_of(store_, brick, first));
+      }
+    }
     return visitor_.inner(levels, code, [&](unsigned child) {
       const int step = 1 << (3 * (levels - 1));
       return walk_voxels(levels - 1, code + (std::uint64_t{child} << (3 * (levels - 1))), brick,

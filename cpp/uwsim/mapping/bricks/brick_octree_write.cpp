@@ -123,11 +123,7 @@ OctreeWriter write(const BrickStore& store, OctreeWriter writer) {
   return writer;
 }
 
-/// The tree of most likely values after OctoMap's prune.
-struct LikelyShape {
-  int pruned_levels;
-  std::uint64_t nodes;
-};
+}  // namespace
 
 LikelyShape likely_shape(const BrickStore& store) {
   const OctreeWriter all = write(store, OctreeWriter(nullptr, MapFormat::ot, store.model(), kTreeDepth));
@@ -140,15 +136,6 @@ LikelyShape likely_shape(const BrickStore& store) {
   return shape;
 }
 
-TreeBytes likely_bytes(const BrickStore& store, MapFormat format) {
-  OctreeBuffer buffer;
-  const int pruned_levels = likely_shape(store).pruned_levels;
-  const OctreeWriter written = write(store, OctreeWriter(&buffer, format, store.model(), pruned_levels));
-  return {buffer.release(), written.nodes};
-}
-
-}  // namespace
-
 TreeBytes full_tree(const BrickStore& store) {
   OctreeBuffer buffer;
   const std::uint64_t nodes = write(store, OctreeWriter(&buffer)).nodes;
@@ -157,15 +144,29 @@ TreeBytes full_tree(const BrickStore& store) {
 
 std::uint64_t count_nodes(const BrickStore& store) { return write(store, OctreeWriter(nullptr)).nodes; }
 
-TreeBytes likely_tree(const BrickStore& store) { return likely_bytes(store, MapFormat::ot); }
-TreeBytes binary_tree(const BrickStore& store) { return likely_bytes(store, MapFormat::bt); }
+TreeBytes likely_tree(const BrickStore& store, const LikelyShape& shape) {
+  OctreeBuffer buffer;
+  write(store, OctreeWriter(&buffer, MapFormat::ot, store.model(), shape.pruned_levels));
+  return {buffer.release(), shape.nodes};
+}
 
-void write_tree(const BrickStore& store, MapFormat format, double resolution_m, AtomicFile& file) {
-  const LikelyShape shape = format == MapFormat::bt ? likely_shape(store) : LikelyShape{kTreeDepth, count_nodes(store)};
-  file.append(octree_header(format, shape.nodes, resolution_m));
+TreeBytes binary_tree(const BrickStore& store, const LikelyShape& shape) {
+  OctreeBuffer buffer;
+  write(store, OctreeWriter(&buffer, MapFormat::bt, store.model(), shape.pruned_levels));
+  return {buffer.release(), shape.nodes};
+}
+
+void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file) {
+  file.append(octree_header(MapFormat::ot, count_nodes(store), resolution_m));
   OctreeBuffer buffer(&file);
-  write(store, format == MapFormat::bt ? OctreeWriter(&buffer, MapFormat::bt, store.model(), shape.pruned_levels)
-                                       : OctreeWriter(&buffer));
+  write(store, OctreeWriter(&buffer));
+  buffer.flush();
+}
+
+void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file) {
+  file.append(octree_header(MapFormat::bt, shape.nodes, resolution_m));
+  OctreeBuffer buffer(&file);
+  write(store, OctreeWriter(&buffer, MapFormat::bt, store.model(), shape.pruned_levels));
   buffer.flush();
 }
 
