@@ -20,14 +20,18 @@ class Page:
 
     def __init__(self, socket):
         self.socket, self.count, self.heard = socket, 0, []
+        self.meanwhile = []  # what came before the answer to the last call
 
     def send(self, op, **fields):
         self.socket.send(json.dumps({"op": op, **fields}))
 
     def call(self, service, **args):
         self.count += 1
+        began = len(self.heard)
         self.send("call_service", service=f"/station/{service}", args=args, id=str(self.count))
-        return self.next(lambda o: o.get("id") == str(self.count))["values"]
+        answer = self.next(lambda o: o.get("id") == str(self.count))
+        self.meanwhile = self.heard[began:]
+        return answer["values"]
 
     def next(self, wanted):
         deadline = time.monotonic() + PATIENCE_S
@@ -43,7 +47,11 @@ class Page:
         self.send("subscribe", topic=topic, compression="cbor", **options)
 
     def message(self, topic, wanted=lambda message: True):
-        return self.next(lambda o: o.get("topic") == topic and wanted(o["msg"]))["msg"]
+        def is_it(operation):
+            return operation.get("topic") == topic and wanted(operation["msg"])
+
+        meanwhile, self.meanwhile = self.meanwhile, []
+        return (next(filter(is_it, meanwhile), None) or self.next(is_it))["msg"]
 
 
 def tagged(*arguments):

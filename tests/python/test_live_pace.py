@@ -4,18 +4,23 @@ import math
 
 import pytest
 
-from uwsim.live.pace import SLIP_S, Pace
+from uwsim.live.pace import REST_S, SLIP_S, Pace
 
 STEP_S = 0.005
 
 
-def run(pace: Pace, wall_s: float, *, step_cost_s: float = 0.0, start_s: float = 100.0) -> tuple[int, float]:
-    """Step as the loop does for wall_s seconds; return the steps made and the time at the end."""
+def run(
+    pace: Pace, wall_s: float, *, step_cost_s: float = 0.0, start_s: float = 100.0, awaited: int | None = 1
+) -> tuple[int, float]:
+    """Step as the loop does for wall_s seconds; return the steps made and the time at the end.
+
+    awaited: after so many steps somebody waits for them.
+    """
     now_s, steps = start_s, 0
     while now_s < start_s + wall_s:
         due = pace.due(now_s)
         if due == 0:
-            now_s += max(pace.wait_s(now_s), 1e-9)
+            now_s += max(pace.wait_s(now_s, awaited), 1e-9)
             continue
         end_s = now_s + due * step_cost_s + 1e-9
         pace.made(due, now_s, end_s)
@@ -54,6 +59,19 @@ def test_short_delays_are_made_up_for_and_long_ones_are_not(delay_s: float, made
     assert pace.slipped_s == pytest.approx(0.0 if made_up else delay_s, abs=STEP_S)
     pace.forget_delays()
     assert (pace.lateness_s, pace.slipped_s) == (0.0, 0.0)
+
+
+def test_steps_that_nobody_waits_for_rest_without_being_late() -> None:
+    pace = Pace(1.0, STEP_S)
+    assert pace.due(100.0) == 1  # the first
+    pace.made(1, 100.0, 100.0)
+    assert pace.wait_s(100.0, None) == pytest.approx(REST_S)  # a wake makes several
+    assert pace.wait_s(100.0, 2) == pytest.approx(2 * STEP_S)  # somebody waits for the second
+    assert pace.wait_s(100.0, None) == pytest.approx(REST_S)
+    assert pace.due(100.0 + REST_S + 1e-6) == round(REST_S / STEP_S)
+    assert pace.lateness_s < 1e-5
+    assert pace.due(100.0 + REST_S + 0.2) > round(REST_S / STEP_S)
+    assert (pace.lateness_s, pace.slipped_s) == (pytest.approx(0.2), 0.0)
 
 
 def test_at_max_something_is_always_due() -> None:

@@ -68,6 +68,9 @@ class Parrot:
         self.node = node
         node.offer_topics([GuestTopic("parrot/says", "std_msgs/msg/String", latched=True)])
 
+    def demanded(self):
+        pass
+
     def left(self, client):
         self.gone.append(client)
 

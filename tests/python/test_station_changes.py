@@ -13,29 +13,29 @@ def test_start_finds_the_simulator_that_was_checked_ready():
     with serving() as (station, server), page(server) as ada:
         assert ada.call("check", scenario="pool", seed=4)["success"]
         deadline = time.monotonic() + PATIENCE_S
-        while not station._prepared._made.done():
+        while not station.prepared._made.done():
             assert time.monotonic() < deadline
             time.sleep(0.01)
-        ready = station._prepared._made.result()
+        ready = station.prepared._made.result()
         assert ada.call("start", scenario="pool", seed=4)["success"]
-        assert station.running.live.simulator is ready and station._prepared._made is None
+        assert station.running.live.simulator is ready and station.prepared._made is None
         ada.call("check", scenario="pool", seed=5)
-        assert station._prepared._made is None  # one simulator is enough while it runs
+        assert station.prepared._made is None  # one simulator is enough while it runs
 
 
 def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
     with serving() as (station, server):
         with page(server) as ada:
             ada.call("check", scenario="pool")
-            assert station._prepared._made is not None
+            assert station.prepared._made is not None
         deadline = time.monotonic() + PATIENCE_S
-        while station._prepared._made is not None:
+        while station.prepared._made is not None:
             assert time.monotonic() < deadline
             time.sleep(0.01)
 
 
 def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
-    monkeypatch.setattr("uwsim.station.hub.DEAD_S", 1.4)  # pings come every second
+    monkeypatch.setattr("uwsim.station.services.DEAD_S", 1.4)  # pings come every second
     with (
         serving() as (_, server),
         page(server, "Bob") as bob,

@@ -39,6 +39,9 @@ class Player:
             for channel in self.channels.values()
         )
 
+    def demanded(self) -> None:
+        """Take note of nothing: a recording is read as it plays."""
+
     def left(self, client: str) -> None:
         """Do nothing: it plays to whoever listens."""
 

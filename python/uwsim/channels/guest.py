@@ -67,5 +67,8 @@ class Guest(Protocol):
     def connect(self, node: Node) -> None:
         """Take its node, once."""
 
+    def demanded(self) -> None:
+        """Take note, on the network's thread, that a topic has got its first subscriber."""
+
     def left(self, client: str) -> None:
         """Take note, on the network's thread, that a client has gone."""

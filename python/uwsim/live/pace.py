@@ -10,6 +10,8 @@ Speed = float | Literal["max"]
 
 SLIP_S = 0.25
 """Delays up to this are made up for afterwards; beyond it the schedule slips: simulated time stays behind."""
+REST_S = 0.02
+"""What is read without a request may be this old: the steps that nobody waits for are made together."""
 WINDOW_S, MARK_S = 1.0, 0.1  # the achieved factor is measured over about WINDOW_S
 BATCH_S = 1e-3  # steps that are due together run in batches of about this, so that commands do not wait longer
 BATCH_STEPS_MAX = 10_000
@@ -18,8 +20,9 @@ BATCH_STEPS_MAX = 10_000
 class Pace:
     """The schedule of steps at a speed: simulated seconds per wall second, or "max".
 
-    Times `now_s` are of one monotonic clock. lateness_s: the worst delay of a step behind its schedule. slipped_s: the
-    wall time that the schedule has slipped by in all. factor: the speed that was achieved over the last second.
+    Times `now_s` are of one monotonic clock. lateness_s: the worst delay of a step behind its schedule, and behind the
+    moment until which it was to wait. slipped_s: the wall time that the schedule has slipped by in all. factor: the
+    speed that was achieved over the last second.
     """
 
     def __init__(self, speed: Speed, step_s: float) -> None:
@@ -29,6 +32,7 @@ class Pace:
         self._step_s = step_s
         self._start_s = math.nan  # wall time at which the schedule starts; nan: at the next step
         self._steps = 0  # that have been made since then
+        self._rest_s = -math.inf  # wall time until which steps may wait: nobody needs them before
         self._step_cost_s = 1e-5
         self._marks: deque[tuple[float, float]] = deque()  # (wall time, simulated time made until then)
         self._made_s = 0.0
@@ -43,7 +47,7 @@ class Pace:
 
     def restart(self) -> None:
         """Start the schedule anew at the next step: after a pause, or when time has jumped."""
-        self._start_s = math.nan
+        self._start_s, self._rest_s = math.nan, -math.inf
         self._marks.clear()
 
     def set_speed(self, speed: Speed) -> None:
@@ -64,16 +68,25 @@ class Pace:
         late_s = now_s - self._due_s
         if late_s < 0:
             return 0
-        self.lateness_s = max(self.lateness_s, late_s)
+        self.lateness_s = max(self.lateness_s, min(late_s, now_s - self._rest_s))
         if late_s > SLIP_S:
             self._start_s += late_s
             self.slipped_s += late_s
             late_s = 0.0
         return min(self.batch, 1 + int(late_s * self.speed / self._step_s))
 
-    def wait_s(self, now_s: float) -> float:
-        """Return the time until the next step is due; not positive if it is."""
-        return 0.0 if self.speed == "max" or math.isnan(self._start_s) else self._due_s - now_s
+    def wait_s(self, now_s: float, steps: int | None) -> float:
+        """Return the time until steps must be made; not positive if it is now.
+
+        steps: after so many somebody waits for them; None: nobody does. All those of REST_S may be made together, since
+        to wake up costs more than to step.
+        """
+        if self.speed == "max" or math.isnan(self._start_s):
+            return 0.0
+        resting = max(1, int(REST_S * self.speed / self._step_s))
+        together = resting if steps is None else min(steps, resting)
+        self._rest_s = self._due_s + (together - 1) * self._step_s / self.speed
+        return self._rest_s - now_s
 
     @property
     def batch(self) -> int:

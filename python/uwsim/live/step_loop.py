@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from typing import TypeVar
 
@@ -147,9 +147,9 @@ class StepLoop:
         """Work until closed. No error of a request, a reading or a step ends it."""
         try:
             while self._wait_for_work():
+                self._make_steps()  # those that are due before what is asked now
                 self._answer_requests()
                 self._deliver_readings()
-                self._make_steps()
         finally:
             self._refuse_what_waits()
 
@@ -174,7 +174,7 @@ class StepLoop:
             return None
         if self.paused:
             return 0.0 if self.steps_made < self._steps_until else None
-        return self.pace.wait_s(now_s)
+        return self.pace.wait_s(now_s, min(self._steps_awaited(), default=None))
 
     def _due(self, subscription: Subscription) -> bool:
         return not subscription.cancelled and subscription.due_tick <= self._tick
@@ -253,9 +253,13 @@ class StepLoop:
         """Return the steps that are due, up to the next reading or alarm."""
         wanted = self._steps_until - self.steps_made
         steps = min(wanted, self.pace.batch) if self.paused else self.pace.due(now_s)
-        readings = (s.due_tick - self._tick for s in self._subscriptions if not s.cancelled)
-        alarms = (until - self.steps_made for until, _ in self._alarms)
-        return min(steps, *readings, *alarms, *(until - self.steps_made for until in self.holds.values()), steps)
+        return min(steps, *self._steps_awaited(), steps)
+
+    def _steps_awaited(self) -> Iterator[int]:
+        """After how many steps each reading is due, each alarm rings and each hold begins."""
+        yield from (s.due_tick - self._tick for s in self._subscriptions if not s.cancelled)
+        yield from (until - self.steps_made for until, _ in self._alarms)
+        yield from (until - self.steps_made for until in self.holds.values())
 
     def _halt(self, error: Exception) -> None:
         with self.lock:

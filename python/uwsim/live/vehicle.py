@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class LiveVehicle:
     """A vehicle with the public names of uwsim.vehicle.Vehicle, for missions and controllers on other threads.
 
-    Readings are of the time at which they are taken; two of them may be of two ticks. Commands take effect at the start
-    of the next step, return when they have, and raise what the command raises.
+    Readings are of the last step, which may be 20 ms ago; two of them may be of two ticks. Commands take effect at the
+    start of the next step, return when they have, and raise what the command raises.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: Vehicle) -> None:

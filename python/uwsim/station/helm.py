@@ -16,6 +16,7 @@ from uwsim.vehicle import AXES
 
 SILENCE_S = 0.5
 """The age beyond which a command is refused, and the time without one after which efforts are zero."""
+RETRY_S = 0.05  # until efforts that could not be set to zero are tried again
 WINDOW_S = 30.0
 ZERO = dict.fromkeys(AXES, 0.0)
 
@@ -43,7 +44,7 @@ class LeastDelay:
 class Helm:
     """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
 
-    `beat` must be called several times a second: it sets efforts to zero when commands have ceased.
+    `beat` must be called at least twice a second, and when it says: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(
@@ -74,11 +75,14 @@ class Helm:
             self._heard_s = now_s
             return self._set(vehicle, efforts, {"age_s": age_s})
 
-    def beat(self) -> None:
-        """Set efforts to zero if no command has come for SILENCE_S."""
+    def beat(self) -> float:
+        """Set efforts to zero if no command has come for SILENCE_S; return when to look again [s]."""
         with self._lock:
-            if self._clock() - self._heard_s > SILENCE_S:
+            left_s = self._heard_s + SILENCE_S - self._clock()
+            if left_s <= 0:
                 self._zero()
+            is_held = any(efforts != ZERO for efforts in self._efforts.values())
+            return max(left_s, RETRY_S) if is_held else math.inf
 
     def let_go(self) -> None:
         """Set efforts to zero now, and judge delays anew: another pilot has another clock."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from uwsim.channels import services
@@ -29,12 +29,20 @@ PILOTED = sorted(set(COMMANDS) - STEERING)
 class Running:
     """A live simulator, which is started here and ended by `stop`.
 
-    Its map grows from the start, so that who comes late sees all of it. truth: whether the true position may be seen.
-    edition: a number that changes when a parameter has changed, and `describe` with it: see `notice_changes`.
+    Its map grows from the start, so that who comes late sees all of it. stir: is called when a picture may be due.
+    truth: whether the true position may be seen. edition: a number that changes when a parameter has changed, and
+    `describe` with it: see `notice_changes`.
     """
 
     def __init__(
-        self, live: LiveSimulator, node: Node, *, wire: Wire, origin: str | Sequence[float], truth: bool
+        self,
+        live: LiveSimulator,
+        node: Node,
+        stir: Callable[[], object],
+        *,
+        wire: Wire,
+        origin: str | Sequence[float],
+        truth: bool,
     ) -> None:
         sim = live.simulator
         self.live = live
@@ -45,7 +53,7 @@ class Running:
         self.maps = self.table.maps
         self.helm = Helm(live, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
-        self.views = Views(live, self.table, node)
+        self.views = Views(live, self.table, node, stir)
         self.recorder: Recorder | None = None
         self.edition = 0
         self._described = sim.parameters.scenario

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterable
@@ -22,6 +23,7 @@ RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
 UNAWAITED_PERIOD_S = 0.5  # of pictures that nobody takes, and of those in which nothing can have changed
 SMALL_PATIENCE_S = 1.0  # after which a small picture no longer gives way to large ones
+POLL_S = 0.03  # between looks whether a picture that is due can be made
 JPEG = "sensor_msgs/msg/CompressedImage"
 THREADS = max(1, (os.cpu_count() or 2) - 1)  # the steps keep a core
 
@@ -104,10 +106,10 @@ class View:
 
 
 class Views:
-    """The views of one simulator. `beat` must be called at the pictures' pace; it does not wait."""
+    """The views of one simulator. `beat` must be called when it says, and when `stir` was; it does not wait."""
 
-    def __init__(self, live: LiveSimulator, table: Table, node: Node) -> None:
-        self._live, self._node = live, node
+    def __init__(self, live: LiveSimulator, table: Table, node: Node, stir: Callable[[], object]) -> None:
+        self._live, self._node, self._stir = live, node, stir
         self._pictures = table.pictures
         self._small_s = 0.0  # when the last small picture was begun
         self.views = {view.name: view for view in _views(live.simulator, table)}
@@ -116,24 +118,27 @@ class Views:
         """Return the topics of all views."""
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
-    def beat(self) -> None:
-        """Begin the pictures that are due: small ones one at a time, and while no large one is being made."""
-        now_s = time.monotonic()
+    def beat(self, now_s: float) -> float:
+        """Begin the pictures that are due; return how long [s] none will be, unless `stir` is called."""
+        wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
         for view in self.views.values():
-            if self._is_due(view.large, now_s):
+            if view.large in wanted and self._is_due(view.large, now_s):
                 self._begin(view.large, now_s)
-        if not all(view.small.is_free for view in self.views.values()):
+        self._begin_small([view.small for view in self.views.values() if view.small in wanted], now_s)
+        return min((max(stream.due_s - now_s, POLL_S) for stream in wanted if stream.is_free), default=math.inf)
+
+    def _begin_small(self, wanted: list[Stream], now_s: float) -> None:
+        """Begin one small picture at a time, and only while no large one is being made."""
+        due = [stream for stream in wanted if self._is_due(stream, now_s)]
+        if not due or not all(view.small.is_free for view in self.views.values()):
             return
-        due = [view.small for view in self.views.values() if self._is_due(view.small, now_s)]
-        if due:
-            oldest = min(due, key=lambda stream: stream.begun_s)
-            is_quiet = all(view.large.is_free for view in self.views.values())
-            if is_quiet or now_s - self._small_s > SMALL_PATIENCE_S:
-                self._small_s = now_s
-                self._begin(oldest, now_s)
+        is_quiet = all(view.large.is_free for view in self.views.values())
+        if is_quiet or now_s - self._small_s > SMALL_PATIENCE_S:
+            self._small_s = now_s
+            self._begin(min(due, key=lambda stream: stream.begun_s), now_s)
 
     def _is_due(self, stream: Stream, now_s: float) -> bool:
-        if not stream.is_free or now_s < stream.due_s or not self._node.is_wanted(stream.topic):
+        if not stream.is_free or now_s < stream.due_s:
             return False
         is_fresh = self._live.simulator.version != stream.rendered and self._node.is_awaited(stream.topic)
         return is_fresh or now_s >= stream.due_s + UNAWAITED_PERIOD_S
@@ -188,6 +193,7 @@ class Views:
         def render(snapshot: Future[Any]) -> None:
             if snapshot.exception() is None:
                 stream.job = self._pictures.submit(lambda: make(snapshot.result()))
+                stream.job.add_done_callback(lambda done: self._stir())
 
         try:
             stream.job = self._live.read(lambda sim: camera.snapshot())

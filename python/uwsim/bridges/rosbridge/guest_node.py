@@ -79,6 +79,7 @@ class GuestNode:
     def _notice_demand(self, name: str, is_wanted: bool) -> None:
         if is_wanted:
             self._wanted.add(name)
+            self._guest.demanded()
         else:
             self._wanted.discard(name)
             self._newest.pop(name, None)

@@ -1,0 +1,139 @@
+"""What the page asks of the station, by service (docs/station-wire.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from uwsim.channels.guest import GuestService, Values
+from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
+from uwsim.station.control import CONTROLS
+from uwsim.station.helm import answered
+from uwsim.station.running import PILOTED
+from uwsim.station.saves import saved_names
+
+if TYPE_CHECKING:
+    from uwsim.station.hub import Station
+
+DEAD_S = 3.0  # without anything from a pilot, not even an answer to a ping: others may take the controls
+
+
+class Services:
+    """Answers the station's calls."""
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def all(self) -> list[GuestService]:
+        """Return what the station offers."""
+        quick = (
+            ("describe", self._describe, "what runs, and under which names it is seen"),
+            ("join", self._join, "take part under a name"),
+            ("take_control", self._take_control, "have the controls, if nobody has them"),
+            ("hand_over", self._hand_over, "pass the controls on"),
+            ("drive", self._drive, "set efforts, by the pilot"),
+            ("command", self._command, "give another command, by the pilot"),
+            ("set_view", self._set_view, "change the rate, width and quality of a view"),
+        )
+        start_screen = (
+            ("catalog", self._catalog, "what can be chosen on the start screen"),
+            ("check", self._check, "say what is wrong with a choice"),
+            ("start", self._start, "run a simulator of a choice"),
+        )
+        control = ("control", self._control, "pause, step, restart, save, record and the like; by the pilot")
+        slow = (control,) if self._station.is_fixed else (*start_screen, control)
+        return [
+            GuestService(f"station/{name}", f"uwsim_msgs/srv/Station{_camel(name)}", _said(call), text, brief)
+            for calls, brief in ((quick, True), (slow, False))
+            for name, call, text in calls
+        ]
+
+    def _describe(self, caller: str, request: Values) -> Values:
+        running = self._station.present()
+        said = {"session": self._station.session, "edition": running.edition, "is_fixed": self._station.is_fixed}
+        return {"success": True, **said, "controls": self._controls(), **running.describe()}
+
+    def _controls(self) -> list[str]:
+        return [name for name in CONTROLS if not (self._station.is_fixed and name == "quit")]
+
+    def _join(self, caller: str, request: Values) -> Values:
+        self._station.lease.join(caller, request.get("name"))
+        self._station.tell()
+        return {"success": True, "message": "", "id": caller}
+
+    def _take_control(self, caller: str, request: Values) -> Values:
+        self._station.tell()
+        if self._station.lease.pilot != caller:
+            self._station.lease.take(caller, is_silent=self._station.node.silence_s(self._station.lease.pilot) > DEAD_S)
+            self._station.let_go()
+        return {"success": True, "message": ""}
+
+    def _hand_over(self, caller: str, request: Values) -> Values:
+        self._station.lease.hand_over(caller, request.get("to", ""))
+        self._station.let_go()
+        self._station.tell()
+        return {"success": True, "message": ""}
+
+    def _drive(self, caller: str, request: Values) -> Future[Values]:
+        self._station.lease.require_pilot(caller)
+        return self._station.present().helm.drive(request)
+
+    def _command(self, caller: str, request: Values) -> Future[Values]:
+        self._station.lease.require_pilot(caller)
+        name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
+        if not isinstance(name, str) or name not in PILOTED or not isinstance(arguments, dict):
+            raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(PILOTED)}")
+        live = self._station.present().live
+        given = {str(key): value for key, value in arguments.items()}
+        return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given))
+
+    def _set_view(self, caller: str, request: Values) -> Values:
+        self._station.present().views.set_size(request)
+        return {"success": True, "message": ""}
+
+    def _catalog(self, caller: str, request: Values) -> Values:
+        return {**catalog(self._station.offered), "saves": saved_names(self._station.folder)}
+
+    def _check(self, caller: str, request: Values) -> Values:
+        if request.get("saved") is None:
+            scenario, _ = chosen(request, self._station.offered)
+            if self._station.phase == "idle" and caller in self._station.lease.members:
+                self._station.prepared.want(scenario)
+        else:
+            chosen_save(request, saved_names(self._station.folder))
+        return {"success": True, "message": "", "errors": {}}
+
+    def _start(self, caller: str, request: Values) -> Values:
+        if self._station.running is not None:
+            self._station.lease.require_pilot(caller)
+        self._station.start(request)
+        return {"success": True, "message": "", "errors": {}}
+
+    def _control(self, caller: str, request: Values) -> Values:
+        self._station.lease.require_pilot(caller)
+        action = request.get("action")
+        if action not in self._controls():
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(self._controls())}")
+        live = self._station.present().live
+        said = CONTROLS[action](self._station, request)
+        self._station.tell()
+        return {"success": True, "message": said or "", "tick": live.tick}
+
+
+def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
+    """Return a service whose mistakes are said in its answer."""
+
+    def answer(caller: str, request: Values) -> Any:
+        try:
+            return call(caller, request)
+        except ChoiceError as error:
+            return {"success": False, "message": str(error), "errors": error.errors}
+        except (ValueError, RuntimeError, OSError) as error:
+            return {"success": False, "message": str(error)}
+
+    return answer
+
+
+def _camel(name: str) -> str:
+    return "".join(part.capitalize() for part in name.split("_"))
