@@ -11,6 +11,7 @@ void bind_world(pybind11::module_& m);
 void bind_rays(pybind11::module_& m);
 void bind_acoustics(pybind11::module_& m);
 void bind_vehicle(pybind11::module_& m);
+void bind_control(pybind11::module_& m);
 void bind_sensors(pybind11::module_& m);
 void bind_sonar(pybind11::module_& m);
 void bind_camera(pybind11::module_& m);

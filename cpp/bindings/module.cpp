@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, m) {
   bind_rays(m);
   bind_acoustics(m);
   bind_vehicle(m);
+  bind_control(m);
   bind_sensors(m);
   bind_sonar(m);
   bind_camera(m);

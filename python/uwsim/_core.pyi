@@ -13,6 +13,8 @@ __all__: list[str] = [
     "AcousticMultibeam",
     "AcousticSpec",
     "ActuatorsSpec",
+    "Autopilot",
+    "AutopilotGains",
     "BodyState",
     "BottomMaterial",
     "Camera",
@@ -946,6 +948,51 @@ class ActuatorsSpec:
     def thrusters(self) -> list[ThrusterParameters]: ...
     @thrusters.setter
     def thrusters(self, arg0: collections.abc.Sequence[ThrusterParameters]) -> None: ...
+
+class AutopilotGains:
+    """
+    Share of full effort for each unit of error.
+    """
+    def __init__(
+        self,
+        *,
+        speed: typing.SupportsFloat | typing.SupportsIndex,
+        speed_integral: typing.SupportsFloat | typing.SupportsIndex,
+        heading: typing.SupportsFloat | typing.SupportsIndex,
+        heading_rate: typing.SupportsFloat | typing.SupportsIndex,
+        height: typing.SupportsFloat | typing.SupportsIndex,
+        height_rate: typing.SupportsFloat | typing.SupportsIndex,
+        height_integral: typing.SupportsFloat | typing.SupportsIndex,
+        level: typing.SupportsFloat | typing.SupportsIndex,
+        level_rate: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class Autopilot:
+    """
+    Holds heading, horizontal velocity, height and level without a model.
+    """
+
+    gains: AutopilotGains
+    def __init__(self, period_s: typing.SupportsFloat | typing.SupportsIndex, gains: AutopilotGains) -> None: ...
+    def steer(
+        self,
+        pose: typing.Any,
+        velocity: typing.Any,
+        heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+        velocity_world_m_s: typing.Any,
+        z_world_m: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple[float, float, float, float, float, float]:
+        """
+        Efforts of one control period, surge to yaw, each in [-1, 1]. pose has world_from_body (4, 4), velocity has
+        linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.
+        """
+    @property
+    def integrals(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) surge, sway and height, in effort.
+        """
+    @integrals.setter
+    def integrals(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
 
 class SensorKind:
     """
@@ -2084,6 +2131,19 @@ class Simulation:
     def in_physics_mode(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> bool: ...
+    def motion(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+    ]:
+        """
+        position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and
+        angular_body_rad_s (3,): read-only.
+        """
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping:
@@ -2134,10 +2194,15 @@ class Simulation:
     def set_effort(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,
-        effort: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        surge: typing.SupportsFloat | typing.SupportsIndex,
+        sway: typing.SupportsFloat | typing.SupportsIndex,
+        heave: typing.SupportsFloat | typing.SupportsIndex,
+        roll: typing.SupportsFloat | typing.SupportsIndex,
+        pitch: typing.SupportsFloat | typing.SupportsIndex,
+        yaw: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        (6,) surge sway heave roll pitch yaw in [-1, 1]. Raises ValueError.
+        Each in [-1, 1]. Raises ValueError.
         """
     def set_fins(
         self,

@@ -27,7 +27,7 @@ class Sealed:
         cls._assignable |= {name for name, part in vars(cls).items() if isinstance(part, property) and part.fset}
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._assignable or name.startswith("_") or (name in self._declared and name not in self.__dict__):
+        if name[:1] == "_" or name in self._assignable or (name in self._declared and name not in self.__dict__):
             object.__setattr__(self, name, value)
         else:
             raise AttributeError(self._refusal(name))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -44,7 +45,7 @@ class Pose:
     @cached_property
     def yaw_rad(self) -> float:
         """Heading of the body's x axis from east, counter-clockwise, in (-pi, pi]."""
-        return float(np.arctan2(self.world_from_body[1, 0], self.world_from_body[0, 0]))
+        return math.atan2(self.world_from_body[1, 0], self.world_from_body[0, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,7 @@ class Vehicle(Sealed):
         self._commanded = False  # whether the present commands would move it
         self._has_warned = False
         self._craft: _core.Craft = spec.craft
-        self._last_motion: tuple[int, Pose, Velocity] | None = None
+        self._last_motion = self._new_motion()
         self._last_panel: tuple[int, _core.Telemetry] | None = None
 
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
@@ -210,7 +211,7 @@ class Vehicle(Sealed):
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
-        self._simulation.set_effort(self._index, np.array(efforts, np.float64))
+        self._simulation.set_effort(self._index, *efforts)
         self.__dict__["_commanded"] = any(efforts)  # faster than by __setattr__, which checks names
         if self._journal.observers:
             self._note("set_effort", **dict(zip(AXES, efforts, strict=True)))
@@ -285,23 +286,20 @@ class Vehicle(Sealed):
     @property
     def pose(self) -> Pose:
         """The present pose."""
-        return self._motion()[1]
+        motion = self._last_motion
+        return motion[1] if motion[0] == self._simulation.version else self._new_motion()[1]
 
     @property
     def velocity(self) -> Velocity:
         """The present velocity."""
-        return self._motion()[2]
-
-    def _motion(self) -> tuple[int, Pose, Velocity]:
-        """Return version, pose and velocity, made once for each version: missions ask several times in each period."""
-        version = self._simulation.version
         motion = self._last_motion
-        if motion is None or motion[0] != version:
-            state = self._simulation.state(self._index)
-            nu = state.velocity_body
-            pose = Pose(state.position_world_m, state.orientation_xyzw, state.world_from_body)
-            motion = version, pose, Velocity(nu[:3], nu[3:])
-            self.__dict__["_last_motion"] = motion  # faster than by __setattr__, which checks names
+        return motion[2] if motion[0] == self._simulation.version else self._new_motion()[2]
+
+    def _new_motion(self) -> tuple[int, Pose, Velocity]:
+        """Make version, pose and velocity, once for each version: missions ask several times in each period."""
+        position, orientation, world_from_body, linear, angular = self._simulation.motion(self._index)
+        motion = self._simulation.version, Pose(position, orientation, world_from_body), Velocity(linear, angular)
+        self.__dict__["_last_motion"] = motion  # faster than by __setattr__, which checks names
         return motion
 
     def place(

@@ -22,6 +22,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
     "vehicle": {"core"},
     "acoustics": {"core"},
     "mapping": {"core"},  # a map cannot peek at the truth
+    "control": {"core", "vehicle"},  # a controller has a model of its vehicle, not the vehicle
     "rays": {"core", "world"},
     "dynamics": {"core", "world", "vehicle"},  # bodies meet geometry by Bullet, not by rays
     "sensors": {"core", "world", "acoustics", "rays"},

@@ -94,6 +94,15 @@ py::array read_only(py::array_t<T> array) {
   return array;
 }
 
+/// A read-only copy of a vector or matrix: writing into it would have no effect on where it came from. Needs
+/// pybind11/eigen.h.
+template <typename Matrix>
+py::array_t<double> fixed(const Matrix& matrix) {
+  py::array_t<double> array = py::cast(matrix);
+  forbid_writing(array);
+  return array;
+}
+
 inline Eigen::Vector3d as_vector3(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {3});
   return {array.at(0), array.at(1), array.at(2)};

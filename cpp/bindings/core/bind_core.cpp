@@ -23,14 +23,6 @@ BodyState as_state(const py::object& position_m, const py::object& orientation_x
   return state;
 }
 
-/// A read-only copy: writing into it would have no effect on the body.
-template <typename Matrix>
-py::array_t<double> fixed(const Matrix& matrix) {
-  py::array_t<double> array = py::cast(matrix);
-  forbid_writing(array);
-  return array;
-}
-
 /// InvalidValue is a std::invalid_argument, which pybind11 turns into ValueError by itself.
 void translate_file_errors() {
   py::register_local_exception_translator([](std::exception_ptr p) {  // by value: pybind11's signature

@@ -36,10 +36,13 @@ void bind_commands(py::class_<OwnedSimulation>& simulation) {
   simulation
       .def(
           "set_effort",
-          [](OwnedSimulation& o, std::size_t v, const Vector6d& effort) {
+          [](OwnedSimulation& o, std::size_t v, double surge, double sway, double heave, double roll, double pitch,
+             double yaw) {
+            const Vector6d effort{surge, sway, heave, roll, pitch, yaw};
             o.with([&](Simulation& s) { s.actuators(v).set_effort(effort); });
           },
-          vehicle, py::arg("effort"), "(6,) surge sway heave roll pitch yaw in [-1, 1]. Raises ValueError.")
+          vehicle, py::arg("surge"), py::arg("sway"), py::arg("heave"), py::arg("roll"), py::arg("pitch"),
+          py::arg("yaw"), "Each in [-1, 1]. Raises ValueError.")
       .def("effort", reading([](const Actuators& a) { return Vector6d(a.effort()); }), vehicle)
       .def(
           "set_wrench",

@@ -151,6 +151,17 @@ void bind_sim(py::module_& m) {
           "state", [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.state(v); }); },
           py::arg("vehicle"))
       .def(
+          "motion",
+          [](OwnedSimulation& o, std::size_t v) {
+            const BodyState state = o.with([&](Simulation& s) { return s.state(v); });
+            const Pose& pose = state.world_from_body;
+            return py::make_tuple(fixed(pose.position_m), fixed(pose.orientation.coeffs()), fixed(pose.matrix()),
+                                  fixed(state.linear_body_m_s()), fixed(state.angular_body_rad_s()));
+          },
+          py::arg("vehicle"),
+          "position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and\n"
+          "angular_body_rad_s (3,): read-only.")
+      .def(
           "set_state",
           [](OwnedSimulation& o, std::size_t v, const BodyState& state) {
             o.with([&](Simulation& s) { s.set_state(v, state); });

@@ -5,6 +5,8 @@
 namespace uwsim {
 namespace {
 
+constexpr double kRounding_m = 1e-6;  // more than `nearly` and `exact` can differ within 1000 km
+
 /// A rigid transform of points. `exact` is fused by std::fma, which is the same everywhere, in the order in which BLAS
 /// does it: a mission that does this with NumPy flies the same track to the last bit. `nearly` differs from it by the
 /// rounding alone and is much faster: it tells which points matter.
@@ -37,7 +39,7 @@ std::optional<Eigen::Vector3d> highest_in_corridor(std::span<const T> points_m,
   for (std::size_t k = 0; k + 2 < points_m.size(); k += 3) {
     const Eigen::Vector3d point(points_m[k], points_m[k + 1], points_m[k + 2]);
     const Eigen::Vector3d nearly = placing.nearly(point);
-    if (!corridor.contains(nearly.x(), nearly.y())) continue;
+    if (nearly.z() < height_m - kRounding_m || !corridor.contains(nearly.x(), nearly.y())) continue;
     const Eigen::Vector3d exact = placing.exact(point);
     if (!(exact.z() > height_m)) continue;
     height_m = exact.z();

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from itertools import accumulate
 from types import MappingProxyType
 from typing import Any, cast
 
@@ -76,7 +77,7 @@ class AdaptiveLawnMower(Sealed):
         self.shoals = ShoalChart(PASSABLE_Z_M)
         east_m, north_m, _ = self._position().tolist()
         self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
-        self._lanes = self._planned_lanes()
+        self._plan_lanes()
 
     @property
     def state(self) -> MowerState:
@@ -91,8 +92,7 @@ class AdaptiveLawnMower(Sealed):
     @property
     def progress(self) -> float:
         """Share of the lanes' length that has been flown, 0..1."""
-        lengths = [lane.length_m for lane in self.lanes]
-        return min(1.0, (sum(lengths[: self.state.lane]) + self.state.along_m) / sum(lengths))
+        return min(1.0, (self._length_before_m[self.state.lane] + self.state.along_m) / self._length_before_m[-1])
 
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock."""
@@ -103,7 +103,7 @@ class AdaptiveLawnMower(Sealed):
         """Continue from a state that `save` returned; `run` then goes on from there. Raises ValueError."""
         saved = checked_state(SavedMission, state)
         self._state = saved.mower
-        self._lanes = self._planned_lanes()
+        self._plan_lanes()
         self.autopilot.integrals = saved.autopilot
         self.obstacles_ahead.restore(saved.lookout)
         self.shoals.restore(saved.shoals)
@@ -141,11 +141,13 @@ class AdaptiveLawnMower(Sealed):
             self.vehicle.set_effort()
         return f"no way led to {state.skipped} of {len(self.lanes)} lanes" if state.skipped else COVERED
 
-    def _planned_lanes(self) -> list[Lane]:
-        if self.plan.lanes is not None:
-            return list(self.plan.lanes)
-        near_m = np.array(self.state.lanes_near_m)
-        return lawn_mower_lanes(self.plan.area_m, self.plan.line_spacing_m, self.plan.reach_m, near_m)
+    def _plan_lanes(self) -> None:
+        plan, near_m = self.plan, np.array(self.state.lanes_near_m)
+        given = plan.lanes
+        self._lanes = (
+            lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, near_m) if given is None else list(given)
+        )
+        self._length_before_m = [0.0, *accumulate(lane.length_m for lane in self._lanes)]
 
     def _look_farther_ahead(self) -> None:
         """Tilt the sonar less than on the lanes, so that its fan meets a flat bed farther ahead."""

@@ -43,8 +43,8 @@ class PingLog:
         if len(self.positions_world_m) % PINGS_PER_CANDIDATE:
             return
         # The best sample is a full fan that hits solids as well as the bed.
-        label_count = len(np.unique(ping.labels[ping.valid]))
-        score = 100.0 * label_count + float(ping.valid.mean())
+        labels = ping.labels[ping.valid]
+        score = 100.0 * np.count_nonzero(np.bincount(labels)) + len(labels) / len(ping.labels)
         if score > self.sample_score and inside_polygon(position[None, :2], self.area_world_m)[0]:
             self.sample_score = score
             self.sample = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, points_world_m)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
@@ -12,6 +14,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from uwsim.survey.autosave import Autosave
+
+REDRAW_S = 0.1  # of wall time, between two states of the progress bar
 
 
 class Terminal:
@@ -47,7 +51,15 @@ class Terminal:
         )
         with bar:
             task = bar.add_task("", total=1.0, scenario=scenario_name, note="")
-            yield lambda share, time_s: bar.update(task, completed=share, note=f"{time_s / 60:.1f} min simulated")
+            shown_s = -math.inf
+
+            def show(share: float, time_s: float) -> None:
+                nonlocal shown_s
+                if (now_s := time.monotonic()) - shown_s >= REDRAW_S or share >= 1.0:
+                    shown_s = now_s
+                    bar.update(task, completed=share, note=f"{time_s / 60:.1f} min simulated")
+
+            yield show
 
 
 class _ResultConsole(Console):

@@ -16,10 +16,14 @@ class WallTimer:
 
     def __init__(self, wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys((*STAGES, WAITING), 0.0), **(wall_s or {})}
+        self._measurements: dict[str, _Measurement] = {}
 
     def measure(self, stage: str) -> _Measurement:
-        """Add the wall time of a `with` block to a stage."""
-        return _Measurement(self.wall_s, stage)
+        """Add the wall time of a `with` block to a stage. Blocks of one stage are not nested."""
+        measurement = self._measurements.get(stage)
+        if measurement is None:
+            measurement = self._measurements[stage] = _Measurement(self.wall_s, stage)
+        return measurement
 
 
 class _Measurement:
