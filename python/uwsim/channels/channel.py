@@ -33,7 +33,8 @@ class Channel:
     messages tell of goes on growing; see `keep_up`.
     read: for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time,
     of `messages.typestore()`, or None if there is nothing to say. apply: for "in", called on any thread; must not
-    block; raises ValueError for what cannot be done.
+    block; raises ValueError for what cannot be done. abandoned: for "in", called likewise when the last client that
+    published has gone.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Channel:
     keep_up: Callable[[Simulator], object] | None = None
     read: Callable[[Simulator], Any] = _says_nothing
     apply: Callable[[LiveSimulator, Any], object] = _hears_nothing
+    abandoned: Callable[[LiveSimulator], object] | None = None
 
 
 @dataclass(frozen=True)

@@ -83,6 +83,7 @@ def published_channels(
             "efforts, saturating at +-1: position surge, sway (starboard), heave; orientation x, y, z pitch, roll, yaw "
             "(starboard); w: 1 release, 2/3 front light off/on, 4/5 down light off/on, 6/7/8 tilt down/hold/up",
             over_link=True, apply=lambda live, message: apply_key(live, source, steering, message),
+            abandoned=lambda live: let_go(live, steering),
         ),
     ]  # fmt: skip
     if "proximity_port" in vehicle.sensors:
@@ -197,10 +198,17 @@ def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: 
         raise ValueError(f"key: orientation.w = {angular.w:g}: must be a function, 0 to {len(functions)}")
     saturated = {axis: min(max(float(effort), -1.0), 1.0) for axis, effort in efforts.items()}
     steering.give(live, "set_effort", **saturated)
+    steering.by_keys = any(saturated.values())
     if angular.w:
         name, arguments = functions[int(angular.w)]
         if name:
             steering.ask(live, name, **arguments)
+
+
+def let_go(live: LiveSimulator, steering: Steering) -> None:
+    """Put efforts to zero if the keyboard gave them: it is gone, and with it the pilot's hands."""
+    if steering.by_keys:
+        steering.give(live, "set_effort")
 
 
 def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:

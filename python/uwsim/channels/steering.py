@@ -22,7 +22,8 @@ logger = logging.getLogger("uwsim.channels")
 class Steering:
     """Steers a vehicle: by the last effort, wrench or thruster command, or a velocity that is held until the next.
 
-    Commands do not wait for their step; one that fails there is logged.
+    Commands do not wait for their step; one that fails there is logged. by_keys: whether the efforts are those of the
+    published keyboard.
     """
 
     def __init__(self, source: Source) -> None:
@@ -30,6 +31,7 @@ class Steering:
         self._lock = threading.Lock()
         self._loop: Subscription | None = None
         self._wanted = np.zeros(6)
+        self.by_keys = False
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         """Give a command that does not steer."""
@@ -40,6 +42,7 @@ class Steering:
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         """Give a command that steers; a velocity is no longer held."""
         with self._lock:
+            self.by_keys = False
             if self._loop is not None:
                 self._loop.cancel()
                 self._loop = None
@@ -49,6 +52,7 @@ class Steering:
         """Hold a velocity (6,), [m/s] and [rad/s], in body axes, from now on."""
         with self._lock:
             self._wanted = velocity_body
+            self.by_keys = False
             if self._loop is None or self._loop.cancelled:
                 hold = VelocityHold(live.simulator.vehicles[self._source.name], CONTROL_S)
                 self._loop = live.every(CONTROL_S, lambda sim: hold, lambda hold: self._steer(live, hold))

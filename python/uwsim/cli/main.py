@@ -32,6 +32,7 @@ from uwsim.cli.serve import serve
 from uwsim.cli.sonar import sonar
 from uwsim.cli.station import station
 from uwsim.cli.survey import survey
+from uwsim.cli.teleop import teleop
 from uwsim.cli.validate import validate
 
 app = typer.Typer(
@@ -43,6 +44,7 @@ app = typer.Typer(
 app.command()(survey)
 app.command()(serve)
 app.command()(station)
+app.command()(teleop)
 app.command()(connect)
 app.command()(nodes)
 app.command()(doctor)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
@@ -23,36 +25,52 @@ class Node:
     """A client of a rosbridge server that speaks ROS 1's spelling, as every rosbridge understands it.
 
     Messages come in CBOR and leave in JSON, which all servers take: there a range without echo, infinite, becomes null
-    and is NaN for whoever reads it, which is no echo as well. finish: what is to be done at the end. Raises OSError if
-    the server cannot be reached.
+    and is NaN for whoever reads it, which is no echo as well. queue: how many messages of a topic may wait; the oldest
+    give way. finish: what is to be done at the end. complain: is told what the server says is wrong. Publishing and
+    calling are allowed on any thread. Raises OSError if the server cannot be reached.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, queue: int = QUEUE) -> None:
         if not url.startswith(("ws://", "wss://")):
             raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
-        self._connection = connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=1)
+        self._closing = ExitStack()
+        self._connection = self._closing.enter_context(
+            connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=1)
+        )
         self.finish: Callable[[], None] = lambda: None
-        self._settled = False
+        self.complain: Callable[[str], object] = lambda text: None
+        self._queue = queue
+        self._calls = itertools.count(1)
+        self._answers: dict[str, Callable[[dict[str, Any]], object]] = {}
         self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
 
     def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
         """Return a function that publishes messages of a type on a topic."""
-        self._send({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": QUEUE})
+        self._send({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": self._queue})
         return lambda message: self._connection.send(Sample(message).frame(topic, 1, "none"))
 
     def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None]) -> None:
         """Call back with each message of a topic."""
         self._callbacks[topic] = kind, callback
         self._send(
-            {"op": "subscribe", "topic": topic, "type": spelled(kind, 1), "compression": "cbor", "queue_length": QUEUE}
-        )
+            {
+                "op": "subscribe", "topic": topic, "type": spelled(kind, 1),
+                "compression": "cbor", "queue_length": self._queue,
+            }
+        )  # fmt: skip
+
+    def call(self, service: str, answer: Callable[[dict[str, Any]], object]) -> None:
+        """Call a service that needs no arguments; answer gets the response: `result`, and `values` or the reason."""
+        name = f"call:{next(self._calls)}"
+        self._answers[name] = answer
+        self._send({"op": "call_service", "service": service, "id": name})
 
     def settle(self, patience_s: float = 10.0) -> None:
         """Return when the server has done all that was asked so far: it answers in order. Needs rosapi."""
-        self._send({"op": "call_service", "service": "/rosapi/get_time", "id": "settle"})
-        self._settled = False
+        answers: list[dict[str, Any]] = []
+        self.call("/rosapi/get_time", answers.append)
         deadline_s = time.monotonic() + patience_s
-        self.spin(lambda: self._settled or time.monotonic() > deadline_s)
+        self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
         """Call back until the condition holds, which is asked between messages, or the server ends the connection."""
@@ -64,14 +82,20 @@ class Node:
             except ConnectionClosed:
                 return
             operation = parse(frame, NESTING)
-            self._settled |= operation.get("id") == "settle"
-            if operation.get("op") == "publish" and operation["topic"] in self._callbacks:
+            op = operation.get("op")
+            if op == "publish" and operation["topic"] in self._callbacks:
                 kind, callback = self._callbacks[operation["topic"]]
                 callback(from_plain(kind, operation["msg"]))
+            elif op == "service_response":
+                answer = self._answers.pop(str(operation.get("id")), None)
+                if answer is not None:
+                    answer(operation)
+            elif op == "status":
+                self.complain(str(operation.get("msg")))
 
     def close(self) -> None:
         """Disconnect."""
-        self._connection.close()
+        self._closing.close()
 
     def _send(self, operation: dict[str, Any]) -> None:
         self._connection.send(to_json(operation))

@@ -56,7 +56,8 @@ class Graph:
     """Topics, services and owners. All methods raise ValueError in words that name what is wrong.
 
     on_demand: each is called with a topic's name and whether anybody subscribes to it now, when that changes. on_leave:
-    each is called with an owner who has left. silence_s: for how long nothing at all has come from an owner.
+    each is called with an owner who has left. on_abandoned: each is called with a topic's name when the last owner who
+    published on it does no longer. silence_s: for how long nothing at all has come from an owner.
     """
 
     def __init__(self) -> None:
@@ -65,6 +66,7 @@ class Graph:
         self.nodes: dict[str, None] = {}
         self.on_demand: list[Callable[[str, bool], None]] = []
         self.on_leave: list[Callable[[str], None]] = []
+        self.on_abandoned: list[Callable[[str], None]] = []
         self.silence_s: Callable[[str], float] = lambda owner: 0.0
 
     def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:
@@ -80,6 +82,9 @@ class Graph:
             raise ValueError(f"topic '{name}': you do not advertise it")
         if not any(topic.publishers.values()):
             topic.latched = None
+        if not topic.publishers:
+            for tell in self.on_abandoned:
+                tell(topic.name)
         self._forget_if_unused(topic)
 
     def read_message(self, owner: str, name: str, plain: Any) -> tuple[Topic, Any]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -27,7 +27,7 @@ class SimulatorNode:
     def __init__(
         self,
         live: LiveSimulator,
-        channels: Iterable[Channel],
+        channels: Sequence[Channel],
         services: Iterable[Service],
         graph: Graph,
         loop: asyncio.AbstractEventLoop,
@@ -44,6 +44,8 @@ class SimulatorNode:
         self._going_on = keep_up(live, self._channels.values())
         graph.nodes[NAME] = None
         graph.on_demand.append(self._demand)
+        self._abandoned = {c.name: c.abandoned for c in channels if c.abandoned is not None}
+        graph.on_abandoned.append(self._abandon)
         for channel in channels:
             try:
                 self._join(channel)
@@ -64,6 +66,7 @@ class SimulatorNode:
         for subscription in (*self._subscriptions.values(), *self._going_on):
             subscription.cancel()
         self._graph.on_demand.remove(self._demand)
+        self._graph.on_abandoned.remove(self._abandon)
         self._graph.leave(NAME)
         self._pool.shutdown(wait=False, cancel_futures=True)
 
@@ -86,6 +89,15 @@ class SimulatorNode:
                 )
         except NotRunningError:
             LOGGER.warning("topic '%s': the simulator does not run", name)
+
+    def _abandon(self, name: str) -> None:
+        """Let a channel know that nobody commands by it any more."""
+        abandoned = self._abandoned.get(name)
+        if abandoned is not None:
+            try:
+                abandoned(self._live)
+            except (NotRunningError, RuntimeError) as error:
+                LOGGER.warning("topic '%s': %s", name, error)
 
     def _read_once(self, name: str, future: Future[Any]) -> None:
         if future.exception() is None:

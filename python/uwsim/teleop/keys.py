@@ -1,0 +1,50 @@
+"""The published keyboard, and a few keys more: which character does what."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Function(IntEnum):
+    """What the published `key` message asks for in orientation.w."""
+
+    NONE = 0
+    RELEASE = 1
+    FRONT_OFF = 2
+    FRONT_ON = 3
+    DOWN_OFF = 4
+    DOWN_ON = 5
+    TILT_DOWN = 6
+    TILT_HOLD = 7
+    TILT_UP = 8
+
+
+DRIVING: dict[str, tuple[str, float]] = {
+    "w": ("surge", 1.0), "s": ("surge", -1.0),
+    "a": ("sway", 1.0), "d": ("sway", -1.0),
+    "b": ("heave", 1.0), " ": ("heave", -1.0),
+    "i": ("pitch", 1.0), "k": ("pitch", -1.0),
+    "j": ("roll", -1.0), "l": ("roll", 1.0),
+    "q": ("yaw", 1.0), "e": ("yaw", -1.0),
+}  # fmt: skip
+"""Axis and direction of each driving key, in REP 103: positive pitch is nose down, positive yaw turns to port."""
+TILTING = {",": Function.TILT_DOWN, ".": Function.TILT_UP}
+"""Keys that tilt the sonar while they are held."""
+SWITCHES = {
+    "r": Function.RELEASE,
+    "[": Function.FRONT_OFF,
+    "]": Function.FRONT_ON,
+    ";": Function.DOWN_OFF,
+    "'": Function.DOWN_ON,
+}
+SERVICES = {"u": "undock", "y": "dock"}
+"""Keys of services that this project's servers offer beside the published wire."""
+ALL_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "c", "m", "-", "=", "?"
+
+HELP_TEXT = """\
+w s  ahead, astern        q e  turn to port, to starboard    a d  to port, to starboard
+b space  up, down         i k  nose down, up                 j l  roll to port, to starboard
+- =  less, more effort    x    all efforts to zero           c    zero, and give the helm away
+r    release              u y  undock, dock                  m    mark this place
+[ ]  front light off, on  ; '  down light off, on            , .  tilt the sonar down, up
+?    this help            Ctrl-Q  quit"""
