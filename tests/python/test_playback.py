@@ -91,5 +91,12 @@ def test_whoever_comes_late_gets_what_is_latched_and_time_goes_on(run: Path) -> 
 
 
 def test_an_option_without_effect_is_refused(run: Path) -> None:
-    assert "need --as-topics" in error_line(uwsim("replay", str(run), "--ros2"))
-    assert "need --ros2" in error_line(uwsim("replay", str(run), "--as-topics", "--ros-domain-id", "3"))
+    for options, said in (
+        (["--ros2"], "--ros2: needs --as-topics"),
+        (["--port", "9090", "--host", "127.0.0.1"], "--port, --host: need --as-topics"),
+        (["--as-topics", "--ros-domain-id", "0"], "--ros-domain-id: needs --ros2"),
+        (["--as-topics", "--ros2", "--ros-peer", "rov"], "--ros-peer: needs --ros-reach subnet"),
+        (["--as-topics", "--threads", "1"], "--threads: needs a replay without --as-topics"),
+    ):
+        done = uwsim("replay", str(run), *options)
+        assert done.returncode == 2 and error_line(done) == f"uwsim: error: {said}"

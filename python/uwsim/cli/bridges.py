@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.cli.options import need
+
 if TYPE_CHECKING:
     from uwsim.bridges.ros2 import Ros2Settings
     from uwsim.channels import Channel, Service
@@ -31,6 +33,12 @@ RosPeers = Annotated[
 ]
 Foxglove = Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")]
 FoxglovePort = Annotated[int | None, typer.Option(help="Where Foxglove connects. Default: 8765.")]
+
+
+def need_subnet(ros_reach: str | None, ros_peer: Sequence[str] | None) -> None:
+    """Raise WithoutEffectError for peers that are not spoken to, since this machine is spoken to alone."""
+    if ros_reach in (None, "localhost"):
+        need("--ros-reach subnet", ros_peer=ros_peer)
 
 
 class Bridges:
@@ -56,6 +64,7 @@ class Bridges:
 
             load_rospy(), require_master()
         if ros2:
+            need_subnet(ros_reach, ros_peer)
             from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # the node: is the extra there?
 
             self._ros2 = settings_from(
@@ -65,14 +74,14 @@ class Bridges:
                 reach=ros_reach or "localhost",
                 peers=ros_peer or (),
             )
-        elif any(option is not None for option in (ros_distro, ros_domain_id, ros_reach, ros_peer)):
-            raise ValueError("--ros-distro, --ros-domain-id, --ros-reach and --ros-peer need --ros2")
+        else:
+            need("--ros2", ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach, ros_peer=ros_peer)
         if foxglove:
             from uwsim.bridges.foxglove import PORT
 
             self._foxglove_port = PORT if foxglove_port is None else foxglove_port
-        elif foxglove_port is not None:
-            raise ValueError("--foxglove-port needs --foxglove")
+        else:
+            need("--foxglove", foxglove_port=foxglove_port)
 
     def __bool__(self) -> bool:
         """Return whether there are any."""

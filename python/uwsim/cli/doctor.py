@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bridges import RosDistro, RosDomain, RosPeers, RosReach
+from uwsim.cli.bridges import RosDistro, RosDomain, RosPeers, RosReach, need_subnet
 
 MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
 
@@ -31,6 +31,7 @@ def doctor(
     from uwsim.bridges.ros2.settings import settings_from
     from uwsim.doctor import Plan, examine
 
+    need_subnet(ros_reach, ros_peer)
     settings = settings_from(
         os.environ, distro=ros_distro, domain_id=ros_domain_id, reach=ros_reach or "localhost", peers=ros_peer or ()
     )

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.options import need
 
 
 def nodes(
@@ -20,7 +21,7 @@ def nodes(
     url: Annotated[str, typer.Option(help="The rosbridge, such as that of uwsim serve --wire published.")] = (
         "ws://127.0.0.1:9090"
     ),
-    out: Annotated[Path, typer.Option(help="Where the octomap node writes its map.")] = Path("nodes.bt"),
+    out: Annotated[Path | None, typer.Option(help="Where the octomap node writes its map. Default: nodes.bt.")] = None,
     patience: Annotated[float, typer.Option(help="How long to wait for the rosbridge [s].")] = 10.0,
 ) -> None:
     """Run the paper's chain as ROS nodes over rosbridge.
@@ -34,6 +35,9 @@ def nodes(
 
     if name not in (*NODES, "all"):
         raise ValueError(f"node '{name}': unknown; there are: all, {', '.join(NODES)}")
+    if name not in ("octomap", "all"):
+        need("the node octomap", out=out)
+    out = out or Path("nodes.bt")
     if name != "all":
         run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"))
     elif not run_all(url, out, patience, lambda: typer.echo(f"{', '.join(NODES)} at {url}; Ctrl-C ends them")):

@@ -54,6 +54,28 @@ Threads = Annotated[
 ]
 
 
+class WithoutEffectError(typer.BadParameter):
+    """An option that would be without effect; typer ends the command with the exit code of an unknown one."""
+
+    def format_message(self) -> str:
+        """Return the message as it is."""
+        return str(self.message)
+
+
+def need(needed: str, **options: object) -> None:
+    """Raise WithoutEffectError for options that were given without the one that they need.
+
+    needed: such as "--record". options: by the names of their arguments; None, False and empty lists were not given.
+    """
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name, value in options.items()
+        if value is not None and value is not False and value != []
+    ]
+    if given:
+        raise WithoutEffectError(f"{', '.join(given)}: {'need' if len(given) > 1 else 'needs'} {needed}")
+
+
 def sonar_model(text: str | None) -> int | str | None:
     """Return a number of the protocol as int; a name or path as it is."""
     return int(text) if text is not None and text.isascii() and text.isdigit() else text

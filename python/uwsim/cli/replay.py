@@ -10,7 +10,7 @@ import typer
 
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.exit_codes import FAILED
-from uwsim.cli.options import Threads
+from uwsim.cli.options import Threads, need
 
 
 def replay(
@@ -24,8 +24,13 @@ def replay(
     as_topics: Annotated[
         bool, typer.Option("--as-topics", help="Do not simulate: play the recorded messages to clients.")
     ] = False,
-    port: Annotated[int, typer.Option(help="With --as-topics: where to listen; 0 chooses a free port.")] = 9090,
-    host: Annotated[str, typer.Option(help="With --as-topics: address to listen on.")] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        typer.Option(help="With --as-topics: where to listen; 0 chooses a free port. Default: 9090."),
+    ] = None,
+    host: Annotated[
+        str | None, typer.Option(help="With --as-topics: address to listen on. Default: 127.0.0.1.")
+    ] = None,
     wait: Annotated[bool, typer.Option("--wait", help="With --as-topics: begin when the first client comes.")] = False,
     ros2: Ros2 = False,
     ros_distro: RosDistro = None,
@@ -48,21 +53,24 @@ def replay(
 
     if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # false for nan, too
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
+    if as_topics:
+        need("a replay without --as-topics", threads=threads)
+    else:
+        need("--as-topics", port=port, host=host, wait=wait, ros1=ros1, ros2=ros2, foxglove=foxglove)
+    host = host or "127.0.0.1"
     if as_topics and speed == "max":
         raise ValueError("--speed max: with --as-topics it must be a factor: clients could not follow")
     bridges = Bridges(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
         ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
     )  # fmt: skip
-    if (bridges or wait) and not as_topics:
-        raise ValueError("--ros2, --ros1, --foxglove and --wait need --as-topics")
     pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
     opened = Recording(recording)
     if as_topics:
         from uwsim.bridges.playback import play
 
         play(
-            opened, pacer, host=host, port=port, from_s=from_s, until_s=until_s, wait=wait,
+            opened, pacer, host=host, port=9090 if port is None else port, from_s=from_s, until_s=until_s, wait=wait,
             join=partial(bridges.join, host=host), say=typer.echo,
         )  # fmt: skip
         return

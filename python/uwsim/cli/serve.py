@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
-from uwsim.cli.options import Record, RecordTopics, Seed, SonarModel, Threads
+from uwsim.cli.options import Record, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 if TYPE_CHECKING:
@@ -76,8 +76,10 @@ def serve(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
         ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
     )  # fmt: skip
-    if record_topic and record is None:
-        raise ValueError("--record-topic needs --record")
+    if record is None:
+        need("--record", record_topic=record_topic)
+    if certfile is None:
+        need("--certfile", keyfile=keyfile)
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         hub = None

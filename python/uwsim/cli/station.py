@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.options import Threads
+from uwsim.cli.options import Threads, need
 from uwsim.cli.serve import Origin, Wire, page_url
 
 Truth = Annotated[
@@ -47,6 +47,8 @@ def station(
     from uwsim.scenario import load
     from uwsim.station import Site, Station
 
+    if certfile is None:
+        need("--certfile", keyfile=keyfile)
     load(scenario)  # a mistake is said here, not on the page
     hub = Station(offered=scenario, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
     server = RosbridgeServer(

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Frequency, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads
+from uwsim.cli.options import Frequency, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -79,8 +79,8 @@ def survey(
     }
     if resume and record is not None:
         raise ValueError("--record: a survey that is resumed cannot be recorded from its start")
-    if record_topic and record is None:
-        raise ValueError("--record-topic needs --record")
+    if record is None:
+        need("--record", record_topic=record_topic)
     if record is not None and record.suffix != ".mcap":
         raise ValueError(f"--record {record}: must end in .mcap for a survey")
     if resume:

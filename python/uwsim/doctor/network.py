@@ -51,7 +51,7 @@ def multicast(name: str, address: str, flags: int) -> Finding:
     """Send a packet to DDS's group on an interface and wait for its return."""
     what = f"multicast on {name}"
     if not flags & MULTICAST:
-        advice = f"sudo ip link set {name} multicast on; or --ros-peer HOST"
+        advice = f"sudo ip link set {name} multicast on; or --ros-reach subnet --ros-peer HOST"
         return Finding(what, "the interface has none", "wrong", advice)
     ours = socket.inet_aton(address)
     try:
@@ -67,7 +67,7 @@ def multicast(name: str, address: str, flags: int) -> Finding:
             sender.sendto(b"uwsim doctor", (MULTICAST_GROUP, receiver.getsockname()[1]))
             receiver.recv(64)
     except OSError as error:
-        advice = "look at firewall and routes; or --ros-peer HOST"
+        advice = "look at firewall and routes; or --ros-reach subnet --ros-peer HOST"
         return Finding(what, f"a packet did not come back ({error})", "wrong", advice)
     return Finding(what, "works on this machine")
 

@@ -36,7 +36,7 @@ class Parameter:
             return ", ".join(map(str, self.choices))
         if self.type == "flag":
             return "true, false"
-        text = "" if self.low is None else f"[{self.low:g}, {self.high:g}]"
+        text = "" if self.low is None else f"[{self.low:.12g}, {self.high:.12g}]"
         return f"{text} or none" if text and self.optional else text
 
 

@@ -97,10 +97,21 @@ class Parameters(Mapping[str, Any]):
         return isinstance(name, str) and find(self._running, name) is not None
 
     def list(self, prefix: str = "") -> list[str]:
-        """Return the names of all values at and below a name. Raises UnknownParameterError if there is none."""
-        if prefix:
-            self._node(prefix)
-        return [*_listed(nodes(self._running, prefix))]
+        """Return the names of all values at and below a name that have an effect.
+
+        Raises UnknownParameterError, which names the nearest, if there is none.
+        """
+        above = self._node(prefix) if prefix else None
+        found = [*_listed(nodes(self._running, prefix))]
+        if above is not None and not found:
+            raise UnknownParameterError(f"parameters[{prefix!r}]: {self._why_none(above)}")
+        return found
+
+    def _why_none(self, above: Node) -> str:
+        """Return why nothing at or below a name can be set."""
+        if above.idle:
+            return f"has no effect: {above.idle}"
+        return "has no values here" + did_you_mean(above.name, [*self])
 
     def describe(self, name: str) -> Parameter:
         """Return type, unit, range, description, value and default of one value. Raises UnknownParameterError."""

@@ -74,7 +74,7 @@ class InRange:
 
     def _check(self, value: float) -> float:
         if not self.low <= value <= self.high:  # refuses NaN, too
-            raise broken(f"must be in [{self.low}, {self.high}] {self.unit}".rstrip(), unit=self.unit)
+            raise broken(f"must be in [{self.low:.12g}, {self.high:.12g}] {self.unit}".rstrip(), unit=self.unit)
         return value
 
 
