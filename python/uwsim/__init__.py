@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from uwsim.docking import DockedWarning
+    from uwsim.flight.fly import fly
     from uwsim.scenario import Scenario, ScenarioError
     from uwsim.simulator import Simulator
 
@@ -23,9 +24,10 @@ _MODULE_OF = {
     "Scenario": "uwsim.scenario",
     "ScenarioError": "uwsim.scenario",
     "Simulator": "uwsim.simulator",
+    "fly": "uwsim.flight.fly",
 }
 
-__all__ = ["DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__"]
+__all__ = ["DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__", "fly"]
 
 
 def __getattr__(name: str) -> Any:

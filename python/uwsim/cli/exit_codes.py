@@ -8,8 +8,8 @@ EXIT_CODES = {
     OK: "success",
     FAILED: "an error, or a check that failed: validate, doctor, map diff --exit-code, survey --verify-map",
     USAGE: "an unknown command or option, or one that would be without effect",
-    STUCK: "survey: the vehicle was stuck or capsized",
-    INCOMPLETE: "survey: coverage is below --min-coverage",
+    STUCK: "survey, run: the vehicle was stuck or capsized",
+    INCOMPLETE: "survey: coverage is below --min-coverage; run: the mission ended early",
     INTERRUPTED: "interrupted by Ctrl-C or SIGTERM",
 }
 """The meaning of each code; USAGE is typer's own."""

@@ -26,6 +26,7 @@ from uwsim.cli.parameters import parameters
 from uwsim.cli.recording import recording
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
+from uwsim.cli.run import run
 from uwsim.cli.run_typer import PASS_ON, run_typer
 from uwsim.cli.scenario import scenario
 from uwsim.cli.serve import serve
@@ -42,6 +43,7 @@ app = typer.Typer(
     **SETTINGS,
 )
 app.command()(survey)
+app.command()(run)
 app.command()(serve)
 app.command()(station)
 app.command()(teleop)

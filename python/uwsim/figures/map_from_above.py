@@ -41,6 +41,7 @@ def draw_map_from_above(
     path_world_m: NDArray[np.float64],
     score: MapScore,
     occupied_centres_m: NDArray[np.floating],
+    area_name: str = "area to survey",
 ) -> None:
     """Draw the highest occupied voxel of each column, the polygon (k, 2), the path (n, 3) by ping, and missed voxels.
 
@@ -68,7 +69,7 @@ def draw_map_from_above(
         "linewidth": 1.2,
         "linestyle": (0, (5, 3)),
     }
-    axes.add_patch(Polygon(area_world_m, label="area to survey", **outline))
+    axes.add_patch(Polygon(area_world_m, label=area_name, **outline))
     missed = score.missed_centres_m
     if len(missed):
         style: dict[str, Any] = {"s": 3.0, "color": MISSED, "alpha": 0.55, "linewidths": 0, "rasterized": True}

@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 
 from uwsim.atomic_file import write_atomically
 from uwsim.scoring.map_score import MapScore
@@ -16,6 +18,7 @@ from uwsim.survey.report_figures import ReportFigure
 from uwsim.survey.summary import duration_text, key_figures, survey_warnings
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
+STYLE = Path(__file__).with_name("report_style.css")
 
 
 def write_report(
@@ -26,8 +29,8 @@ def write_report(
     figures: Sequence[ReportFigure],
 ) -> None:
     """Write the report atomically, with the figures inside it as data URIs. Raises OSError if that fails."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    page = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+    page = filled_page(
+        TEMPLATE,
         record=record,
         highlights=_highlights(record, score),
         warnings=survey_warnings(record, score),
@@ -37,9 +40,16 @@ def write_report(
         judged=_judged_cells(score),
         setup=_setup(record),
         stages=_stages(record),
-        figures=[(figure, _data_uri(figure.path)) for figure in figures],
+        figures=[(figure, data_uri(figure.path)) for figure in figures],
     )
     write_atomically(path, page.encode("utf-8"))
+
+
+def filled_page(template: Path, **values: Any) -> str:
+    """Return a page from a template, in the common style."""
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    style = Markup(STYLE.read_text(encoding="utf-8"))
+    return environment.from_string(template.read_text(encoding="utf-8")).render(style=style, **values)
 
 
 def _judged_cells(score: MapScore) -> str:
@@ -84,5 +94,6 @@ def _stages(record: SurveyRecord) -> list[tuple[str, str, float]]:
     return [(name, duration_text(wall_s), 100.0 * wall_s / max(record.wall_s, 1e-9)) for name, wall_s in stages.items()]
 
 
-def _data_uri(path: Path) -> str:
+def data_uri(path: Path) -> str:
+    """Return a PNG as a URI that holds it."""
     return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -9,11 +9,21 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from uwsim.survey.autosave import Autosave
+
+class Stoppable(Protocol):
+    """What Ctrl-C ends."""
+
+    def stop(self) -> None:
+        """End at the next pause."""
+
+    def stop_requested(self) -> bool:
+        """Whether stop was called."""
+
 
 REDRAW_S = 0.1  # of wall time, between two states of the progress bar
 
@@ -72,13 +82,13 @@ class _ResultConsole(Console):
 
 
 @contextmanager
-def stop_on_ctrl_c(autosave: Autosave) -> Iterator[None]:
+def stop_on_ctrl_c(flight: Stoppable) -> Iterator[None]:
     """During the block, let the first Ctrl-C or SIGTERM end the flight at its next pause, and the second end it now."""
 
     def stop(number: int, frame: object) -> None:
-        if autosave.stop_requested():
+        if flight.stop_requested():
             raise KeyboardInterrupt
-        autosave.stop()
+        flight.stop()
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

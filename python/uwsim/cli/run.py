@@ -1,0 +1,116 @@
+"""`uwsim run`: fly a mission from a Python file, or resume one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
+from uwsim.cli.options import MissionTime, Record, RecordTopics, Seed, SonarModel, Threads
+from uwsim.cli.options import sonar_model as parsed_sonar_model
+
+
+def run(
+    mission: Annotated[
+        Path | None, typer.Argument(help="A Python file with `def mission(vehicle): yield ...`.", show_default=False)
+    ] = None,
+    scenario: Annotated[
+        str | None, typer.Option(help="Name of a packaged scenario, or path of a YAML file. Default: lake.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for log.jsonl, report.html, track-VEHICLE.csv and map.bt.")] = Path(
+        "out"
+    ),
+    make_map: Annotated[bool, typer.Option("--map", help="Make an OctoMap of what the sonar sees.")] = False,
+    voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
+    vehicle: Annotated[
+        list[str] | None,
+        typer.Option(help="Vehicle that flies; may be given several times. Default: the first, or all for `vehicles`."),
+    ] = None,
+    estimate: Annotated[str, typer.Option(help="What vehicles know of their pose, and maps are made with.")] = "truth",
+    time_limit: Annotated[
+        float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")
+    ] = None,
+    argument: Annotated[
+        list[str] | None, typer.Option("--set", help="NAME=VALUE for another parameter of the mission.")
+    ] = None,
+    function: Annotated[str, typer.Option(help="Name of the mission's function.")] = "mission",
+    seed: Seed = None,
+    sonar_model: SonarModel = None,
+    mission_time: MissionTime = None,
+    threads: Threads = None,
+    record: Record = None,
+    record_topic: RecordTopics = None,
+    report: Annotated[
+        str,
+        typer.Option(help="full: report.html, figures and summary.json; json: summary.json alone; none: neither."),
+    ] = "full",
+    autosave: Annotated[float, typer.Option(help="Wall time between saves [s]; 0 for none.")] = 30.0,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")] = False,
+) -> None:
+    """Fly a mission from a Python file; log, map and report it.
+
+    Ctrl-C ends it early and keeps what there is. If it is killed, --resume flies it again as far as it was, without
+    its map, and then continues to the same results.
+    """
+    from uwsim.flight.autosave import FlightAutosave
+    from uwsim.flight.fly import fly
+    from uwsim.flight.fly import resume as resume_flight
+    from uwsim.flight.terminal import print_flight
+    from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+
+    given: dict[str, Any] = {
+        "the mission": mission, "--scenario": scenario, "--map": make_map or None, "--voxel": voxel,
+        "--vehicle": vehicle, "--time-limit": time_limit, "--set": argument, "--seed": seed,
+        "--sonar-model": sonar_model, "--mission-time": mission_time, "--record": record,
+    }  # fmt: skip
+    if resume and (extra := [name for name, value in given.items() if value is not None]):
+        raise ValueError(f"--resume: {extra[0]} cannot be given: the saved flight has its own")
+    if not resume and mission is None:
+        raise ValueError("uwsim run: needs the mission's file, such as my_mission.py")
+    if record_topic and record is None:
+        raise ValueError("--record-topic needs --record")
+    screen = Terminal()
+    saving = FlightAutosave(autosave, screen.message)
+    with stop_on_ctrl_c(saving):
+        if resume:
+            flown = resume_flight(out, threads=threads, report=report, autosave=saving, show=screen.status)
+        else:
+            assert mission is not None
+            flown = fly(
+                mission,
+                scenario or "lake",
+                out,
+                function=function,
+                arguments=_arguments(argument or []),
+                vehicles=vehicle or (),
+                estimate=estimate,  # type: ignore[arg-type]  # checked there
+                map=make_map,
+                voxel_m=voxel,
+                seed=seed,
+                sonar_model=parsed_sonar_model(sonar_model),
+                mission_time_s=mission_time,
+                time_limit_s=time_limit,
+                threads=threads,
+                record=record,
+                record_topics=tuple(record_topic) if record_topic else None,
+                report=report,
+                autosave=saving,
+                show=screen.status,
+            )
+    print_flight(flown, out, screen)
+    if flown.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if flown.ended_because.startswith(("stuck", "capsized")):
+        raise typer.Exit(STUCK)
+    if flown.ended_early:
+        raise typer.Exit(INCOMPLETE)
+
+
+def _arguments(texts: list[str]) -> dict[str, Any]:
+    import ast
+
+    from uwsim.flight.mission_file import parsed_arguments
+
+    return parsed_arguments(texts, ast.literal_eval)

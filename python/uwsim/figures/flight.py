@@ -1,0 +1,130 @@
+"""Draws a flight: the track over the true bed, depth and altitude, commands and battery, the estimate's error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LightSource
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.figures.style import ACCENT, HEIGHTS, INK, add_colour_bar, add_legend, height_range, label_axes, new_figure
+from uwsim.figures.style import save_figure as save
+
+WIDTH_IN = 4.4  # narrow, so that text is legible on a phone
+TRACKS = (ACCENT, "#7b2cbf", "#d00070", "#f4a300", "#ffffff")
+GROUND, GROUND_LINE, WATER, ALARM = "#b9ab98", "#6d6150", "#e6f0f6", "#d62828"
+CELLS = 220
+Paths = Mapping[str, NDArray[np.float64]]
+
+
+def draw_track(
+    path: Path, world: _core.FixedWorld | _core.World, tracks_world_m: Paths, estimates_world_m: Paths
+) -> None:
+    """Draw tracks (n, 3) by vehicle over the true bed, and dashed the estimated ones. Raises OSError."""
+    every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values()])[:, :2]
+    low, high = every.min(axis=0), every.max(axis=0)
+    size = max(float((high - low).max()), 10.0)
+    middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.3 * size) + 0.12 * size
+    (west, south), (east, north) = middle - half, middle + half
+    figure = new_figure(WIDTH_IN, WIDTH_IN * float(half[1] / half[0]))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, "Track over the true bed", "east [m]", "north [m]")
+    x, y = np.linspace(west, east, CELLS), np.linspace(south, north, CELLS)
+    bed_m = world.height_at(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(CELLS, CELLS)
+    limits = height_range(bed_m[np.isfinite(bed_m)])
+    shaded = LightSource(315, 50).shade(
+        np.where(np.isfinite(bed_m), bed_m, np.nanmin(bed_m) if np.isfinite(bed_m).any() else 0.0),
+        cmap=HEIGHTS, norm=limits, vert_exag=2.0, dx=x[1] - x[0], dy=y[1] - y[0], blend_mode="soft",
+    )  # fmt: skip
+    axes.imshow(shaded, extent=(west, east, south, north), origin="lower", interpolation="bilinear")
+    outline = [withStroke(linewidth=3.2, foreground="white")]
+    for colour, (name, track) in zip(_colours(len(tracks_world_m)), tracks_world_m.items(), strict=True):
+        axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.8, label=name, path_effects=outline)
+        axes.plot(*track[0, :2], "o", color=colour, markersize=6, markeredgecolor="white")
+        axes.plot(*track[-1, :2], "s", color=colour, markersize=6, markeredgecolor="white")
+        if name in estimates_world_m:
+            estimate = estimates_world_m[name]
+            axes.plot(estimate[:, 0], estimate[:, 1], "--", color="white", linewidth=1.0, label=f"{name}, estimated")
+    axes.set_xlim(west, east)
+    axes.set_ylim(south, north)
+    add_colour_bar(figure, axes, limits, HEIGHTS, "height of the bed, z [m]")
+    add_legend(axes, 2)
+    save(figure, path)
+
+
+def draw_depth(
+    path: Path,
+    time_s: NDArray[np.float64],
+    z_m: NDArray[np.float64],
+    bed_m: NDArray[np.float64],
+    collided: NDArray[np.bool_],
+) -> None:
+    """Draw height z and that of the bed below over time, (n,), and mark contacts. Raises OSError."""
+    figure, axes = _over_time("Depth and altitude", "z [m], 0 is the surface", time_s, 2.5)
+    minutes = time_s / 60.0
+    lowest = float(np.nanmin(np.append(bed_m[np.isfinite(bed_m)], z_m)))
+    axes.set_facecolor(WATER)
+    axes.set_ylim(1.08 * lowest - 0.5, max(0.0, float(z_m.max())) + 0.02 * abs(lowest))
+    axes.fill_between(minutes, bed_m, axes.get_ylim()[0], color=GROUND, linewidth=0, label="bed below")
+    axes.plot(minutes, bed_m, color=GROUND_LINE, linewidth=0.8)
+    axes.plot(minutes, z_m, color=ACCENT, linewidth=1.5, label="vehicle")
+    if collided.any():
+        axes.plot(minutes[collided], z_m[collided], "x", color=ALARM, markersize=5, label="in contact")
+    add_legend(axes, 3)
+    save(figure, path)
+
+
+def draw_power(
+    path: Path,
+    time_s: NDArray[np.float64],
+    commands: NDArray[np.float64],
+    names: Sequence[str],
+    battery_percent: NDArray[np.float64],
+) -> None:
+    """Draw each command (n, thrusters or axes) over time, and the battery (n,). Raises OSError."""
+    figure, axes = _over_time("Commands and battery", "", time_s, max(1.6, 0.22 * len(names)))
+    end = max(float(time_s[-1]), 1.0) / 60.0
+    image = axes.imshow(
+        commands.T, aspect="auto", cmap="RdBu_r", vmin=-1.0, vmax=1.0, interpolation="nearest",
+        extent=(float(time_s[0]) / 60.0, end, len(names) - 0.5, -0.5),
+    )  # fmt: skip
+    axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names], fontsize=9)
+    bar = figure.colorbar(image, cax=axes.inset_axes((1.02, 0.0, 0.02, 1.0)))
+    bar.set_label("command", fontsize=9.5, color=INK)
+    charge = axes.inset_axes((0.0, -0.95, 1.0, 0.45))
+    axes.tick_params(labelbottom=False)
+    axes.set_xlabel("")
+    label_axes(charge, "", "time [min]", "battery [%]")
+    charge.plot(time_s / 60.0, battery_percent, color="#2a9d8f", linewidth=1.6)
+    charge.set_xlim(axes.get_xlim())
+    charge.set_ylim(0.0, 105.0)
+    save(figure, path)
+
+
+def draw_estimate(path: Path, time_s: NDArray[np.float64], errors_m: Mapping[str, NDArray[np.float64]]) -> None:
+    """Draw the distance between estimated and true position over time, (n,) by vehicle. Raises OSError."""
+    figure, axes = _over_time("Estimate against truth", "distance [m]", time_s, 2.2)
+    for colour, (name, error_m) in zip(_colours(len(errors_m)), errors_m.items(), strict=True):
+        axes.plot(time_s[: len(error_m)] / 60.0, error_m, color=colour, linewidth=1.4, label=name)
+    axes.set_ylim(bottom=0.0)
+    add_legend(axes, 3)
+    save(figure, path)
+
+
+def _over_time(title: str, label: str, time_s: NDArray[np.float64], height_in: float) -> tuple[Figure, Axes]:
+    figure = new_figure(WIDTH_IN, height_in)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, title, "time [min]", label)
+    begin, end = float(time_s[0]) / 60.0, float(time_s[-1]) / 60.0
+    axes.set_xlim(begin, max(end, begin + 0.01))
+    return figure, axes
+
+
+def _colours(count: int) -> list[str]:
+    return [TRACKS[k % len(TRACKS)] for k in range(count)]

@@ -1,0 +1,339 @@
+"""fly and resume: fly a mission in a simulator, with log, samples, map and report. The job of `uwsim run`."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.checkpoint import FlightCheckpoint, SavedFlight, state_digest
+from uwsim.flight.clock import FlightClock, FlightOverError
+from uwsim.flight.map_maker import MapMaker, default_voxel_m, require_sonar
+from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, mission_error, with_arguments
+from uwsim.flight.mission_log import MissionLog
+from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
+from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
+from uwsim.flight.results import REPORTS, RESULT_FILES, write_results
+from uwsim.flight.samples import Sampler
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.own_vehicle import Event, OwnVehicle
+from uwsim.missions.run import MissionFunction, begin, first_parameter
+from uwsim.missions.steps import drive
+from uwsim.missions.stopped import StoppedError
+from uwsim.scenario import Scenario
+from uwsim.simulator import Simulator
+
+AUTOSAVE_S = 30.0
+Show = Callable[[str], AbstractContextManager[object]]
+
+
+def fly(
+    mission: MissionFunction | str | Path,
+    scenario: str | Path | Scenario | Simulator = "lake",
+    out: str | Path | None = None,
+    *,
+    function: str = FUNCTION,
+    arguments: Mapping[str, Any] | None = None,
+    vehicles: Iterable[str] = (),
+    estimate: EstimateKind = "truth",
+    map: bool = False,  # noqa: A002  # as the option is called
+    voxel_m: float | None = None,
+    seed: int | None = None,
+    sonar_model: int | str | None = None,
+    mission_time_s: float | None = None,
+    time_limit_s: float | None = None,
+    threads: int | None = None,
+    record: Path | None = None,
+    record_topics: tuple[str, ...] | None = None,
+    report: str = "full",
+    autosave_s: float = AUTOSAVE_S,
+    autosave: FlightAutosave | None = None,
+    show: Show = lambda activity: nullcontext(),
+) -> FlightRecord:
+    """Fly a mission; return its record.
+
+        record = fly(mission, scenario="pool")                       # a function, as in a notebook
+        record = fly("my_mission.py", "lake", "out/", map=True)      # a file; results in a folder
+
+    scenario: a name, a path, a Scenario, or a Simulator, which flies on from where it is. out: a folder for log.jsonl,
+    track-VEHICLE.csv, map.bt and, by report, report.html ("full"), summary.json ("json") or neither ("none").
+    arguments: for the mission's other parameters. vehicles: names; by default all if the mission takes `vehicles`, else
+    the first. estimate: what vehicles know of their pose, and what the map is made with. time_limit_s: simulated; by
+    default the scenario's mission time. record: a new recording (.mcap), of record_topics; by default all but pictures.
+    show: shows an activity while a block runs.
+
+    Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and what the mission
+    raises, for a file as MissionError, after the results of the flight until then have been written.
+    """
+    file = Path(mission) if isinstance(mission, str | Path) else None
+    fly_it = load_mission(file, function) if file is not None else mission
+    assert callable(fly_it)
+    fly_it = with_arguments(fly_it, arguments or {})
+    takes = first_parameter(fly_it)
+    _require_known("estimate", estimate, ESTIMATES)
+    _require_known("report", report, REPORTS)
+    if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
+        raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
+    saving = autosave or FlightAutosave(autosave_s)
+    if isinstance(scenario, Simulator):
+        given = {"seed": seed, "sonar_model": sonar_model, "mission_time_s": mission_time_s, "threads": threads}
+        if ignored := [name for name, value in given.items() if value is not None]:
+            raise ValueError(f"{ignored[0]}: the simulator is made already")
+        sim = scenario
+    else:
+        with show(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
+            sim = Simulator(
+                scenario, seed=seed, sonar_model=sonar_model, mission_time_s=mission_time_s, threads=threads
+            )
+    names = tuple(vehicles) or (tuple(sim.vehicles) if takes == "vehicles" else (sim.rov.name,))
+    for name in names:
+        sim.vehicles[name]  # raises ValueError for an unknown one
+        if map:
+            require_sonar(sim, name)
+    request = None
+    if file is not None and isinstance(scenario, str | Path):
+        request = FlightRequest(
+            mission=str(file.resolve()),
+            function=function,
+            mission_digest=file_digest(file),
+            arguments=dict(arguments or {}),
+            scenario=str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario),
+            seed=sim.seed,
+            sonar_model=sonar_model,
+            mission_time_s=mission_time_s,
+            vehicles=names,
+            estimate=estimate,
+            map=map,
+            voxel_m=voxel_m,
+            time_limit_s=time_limit_s,
+        )
+    folder = None if out is None else _made_folder(Path(out))
+    flight = _Flight(
+        sim=sim, mission=fly_it, file=file, names=names, estimate=estimate, out=folder, request=request, report=report,
+        autosave=saving, time_limit_s=time_limit_s, show=show,
+    )  # fmt: skip
+    if folder is not None:
+        FlightCheckpoint(folder).remove()
+    if map:
+        flight.occupancy = OccupancyMap(resolution_m=voxel_m or default_voxel_m(sim))
+    return flight.run(record, record_topics)
+
+
+def resume(
+    out: str | Path,
+    *,
+    threads: int | None = None,
+    report: str = "full",
+    autosave_s: float = AUTOSAVE_S,
+    autosave: FlightAutosave | None = None,
+    show: Show = lambda activity: nullcontext(),
+) -> FlightRecord:
+    """Continue the flight of a mission's file that was last saved in `out`, to the same results; see checkpoint.py.
+
+    Raises ValueError if there is none, if the mission's file has changed, or if it does not fly as it did; OSError.
+    """
+    folder = Path(out)
+    _require_known("report", report, REPORTS)
+    saved = FlightCheckpoint(folder).read()
+    saved.request.require_same_file()
+    request, file = saved.request, Path(saved.request.mission)
+    with show(f"resuming {out}"):
+        sim = request.new_simulator(threads)
+    mission = with_arguments(load_mission(file, request.function), request.arguments)
+    flight = _Flight(
+        sim=sim, mission=mission, file=file, names=request.vehicles, estimate=request.estimate, out=folder,
+        request=request, report=report, autosave=autosave or FlightAutosave(autosave_s),
+        time_limit_s=request.time_limit_s, show=show,
+    )  # fmt: skip
+    if request.map:
+        flight.occupancy = saved.occupancy or OccupancyMap(resolution_m=request.voxel_m or default_voxel_m(sim))
+    flight.saved = saved
+    return flight.run()
+
+
+class _Flight:
+    """A flight that is ready to begin. saved: what it continues."""
+
+    def __init__(
+        self,
+        *,
+        sim: Simulator,
+        mission: MissionFunction,
+        file: Path | None,
+        names: tuple[str, ...],
+        estimate: EstimateKind,
+        out: Path | None,
+        request: FlightRequest | None,
+        report: str,
+        autosave: FlightAutosave,
+        time_limit_s: float | None,
+        show: Show,
+    ) -> None:
+        self._sim, self._mission, self._file, self._names = sim, mission, file, names
+        self._estimate, self._out, self._request, self._report = estimate, out, request, report
+        self._autosave, self._show = autosave, show
+        self._limited = time_limit_s is not None
+        self._limit_s = sim.scenario.mission_time_s if time_limit_s is None else time_limit_s
+        self.occupancy: OccupancyMap | None = None
+        self.saved: SavedFlight | None = None
+        self._repeating = False
+        self._maker: MapMaker | None = None
+
+    def run(self, record: Path | None = None, topics: tuple[str, ...] | None = None) -> FlightRecord:
+        """Fly, write the results whatever happened, and raise what the mission raised."""
+        if self._out is not None:
+            for stale in RESULT_FILES:
+                (self._out / stale).unlink(missing_ok=True)
+        self._log = MissionLog(self._out)
+        self._begun_s, began_s = self._sim.time_s, time.perf_counter()
+        recorder = self._recorder(record, topics)
+        try:
+            with self._show(f"flying {self._name}"):
+                flown = self._flown(began_s)
+        finally:
+            self._log.close()
+            if recorder is not None:
+                recorder.close()
+        if self._out is not None:
+            flown = write_results(flown, self._sim, self._out, self._report, self._show)
+            if not flown.interrupted:
+                FlightCheckpoint(self._out).remove()
+        if flown.error is not None:
+            raise flown.error
+        return flown
+
+    @property
+    def _name(self) -> str:
+        if self._file is not None:
+            return self._file.name
+        return str(getattr(inspect.unwrap(self._mission), "__name__", "mission"))
+
+    def _recorder(self, record: Path | None, topics: tuple[str, ...] | None) -> Any:
+        if record is None:
+            return None
+        from uwsim.recording.recorder import SURVEY, Recorder  # here, since recording formats take long to import
+
+        return Recorder(self._sim, record, topics=topics, kind=SURVEY).start()
+
+    def _flown(self, began_s: float) -> FlightRecord:
+        sim = self._sim
+        end_tick = sim.tick + max(1, math.ceil(self._limit_s / sim.step_s - 1e-6))
+        limit = f"the {'time limit' if self._limited else 'mission time'} of {self._limit_s:g} s is over"
+        clock = FlightClock(sim, end_tick, limit, self._on_pause)
+        own = {name: OwnVehicle(sim.vehicles[name], clock, hear=self._log.add) for name in self._names}
+        self._hear("", "begun", {"mission": self._name, "scenario": sim.scenario.name, "seed": sim.seed})
+        sampler = Sampler(sim, own, self._hear)
+        self._repeating = self.saved is not None
+        result, error, because = None, None, DONE
+        with ExitStack() as stack:
+            sim.journal.attach(sampler)
+            stack.callback(sim.journal.detach, sampler)
+            if self.occupancy is not None:
+                self._maker = stack.enter_context(self._map_maker(own))
+            try:
+                result = drive(begin(self._mission, own), clock)
+            except FlightOverError as over:
+                because = str(over)
+            except StoppedError as stop:
+                because = str(stop)
+            except KeyboardInterrupt:
+                because = INTERRUPTED
+            except Exception as raised:
+                error = raised if self._file is None else mission_error(raised, self._file)
+                because = f"the mission raised {type(raised).__name__}: {error}"
+            if self._repeating and error is None:
+                raise self._another_flight()
+            for name in self._names:
+                sim.vehicles[name].set_effort()
+        self._hear("", "ended", {"because": because})
+        maker = self._maker
+        return FlightRecord(
+            mission=self._name,
+            scenario=sim.scenario.name,
+            seed=sim.seed,
+            estimate=self._estimate,
+            step_s=sim.step_s,
+            ended_because=because,
+            ended_early=because != DONE and not (self._limited and because == limit),
+            simulated_s=sim.time_s - self._begun_s,
+            wall_s=time.perf_counter() - began_s,
+            events=self._log.events,
+            samples=sampler.samples(),
+            result=result,
+            error=error,
+            occupancy=self.occupancy,
+            pings_world_m={} if maker is None else maker.paths_world_m,
+            echo_count=0 if maker is None else maker.echo_count,
+            range_max_m=0.0 if maker is None else maker.range_max_m,
+        )
+
+    def _map_maker(self, own: Mapping[str, OwnVehicle]) -> MapMaker:
+        assert self.occupancy is not None
+        saved = self.saved
+        return MapMaker(
+            self._sim,
+            own,
+            self.occupancy,
+            first_tick=-1 if saved is None else saved.tick,
+            flown_before={} if saved is None else saved.paths_world_m or {},
+            echoes_before=0 if saved is None else saved.echo_count,
+        )
+
+    def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
+        self._log.add(Event(self._sim.time_s, vehicle, event, values))
+
+    def _on_pause(self) -> None:
+        """Save the flight when that is due, and end it on Ctrl-C."""
+        saved = self.saved
+        if self._repeating and saved is not None:
+            if self._sim.tick >= saved.tick:
+                if self._sim.tick > saved.tick or state_digest(self._sim.save_state()) != saved.state_digest:
+                    raise self._another_flight()
+                self._repeating = False
+            elif self._autosave.stop_requested():
+                raise FlightOverError(INTERRUPTED)
+            return
+        stop = self._autosave.stop_requested()
+        if self._out is not None and self._request is not None and (stop or self._autosave.due()):
+            self._save(self._request, FlightCheckpoint(self._out))
+        if stop:
+            raise FlightOverError(INTERRUPTED)
+
+    def _another_flight(self) -> MissionError:
+        assert self.saved is not None
+        saved_s = self.saved.tick * self._sim.step_s
+        return MissionError(
+            f"--resume: the mission does not fly as it did: at {saved_s:g} s it is in another state; "
+            "a mission must not depend on random numbers of its own, on files or on the wall clock"
+        )
+
+    def _save(self, request: FlightRequest, checkpoint: FlightCheckpoint) -> None:
+        now = SavedFlight(request, self._sim.tick, state_digest(self._sim.save_state()))
+        if (maker := self._maker) is None:
+            self._autosave.save(lambda: checkpoint.write(now))
+            return
+        now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
+        maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(now)))
+
+
+def _made_folder(out: Path) -> Path:
+    """Make the output folder. Raises OSError, before a long flight, if nothing could be written there."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        raise OSError(f"--out {out}: cannot write there: {error.strerror}") from error
+    return out
+
+
+def _require_known(name: str, value: str, known: Iterable[str]) -> None:
+    if value not in known:
+        raise ValueError(f"{name} = {value!r}: must be one of {', '.join(known)}")

@@ -1,0 +1,104 @@
+"""Missions in Python files: reads them, and tells of their mistakes by file and line."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from functools import partial
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+from uwsim.did_you_mean import did_you_mean
+from uwsim.missions.run import MissionFunction, first_parameter
+
+FUNCTION = "mission"
+
+
+class MissionError(ValueError):
+    """A mission has made a mistake. The message names its file and line, if it is in a file."""
+
+
+def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
+    """Return the mission of a file: its function `mission`, or another one. Raises MissionError, OSError."""
+    file = Path(path)
+    if not file.is_file():
+        raise MissionError(f"mission '{path}': no such file")
+    if file.suffix != ".py":
+        raise MissionError(f"mission '{path}': must be a Python file, *.py")
+    module = _module(file)
+    if not callable(found := getattr(module, function, None)):
+        known = [name for name, value in vars(module).items() if callable(value) and not name.startswith("_")]
+        hint = did_you_mean(function, known) or ": write `def mission(vehicle): yield wait(1.0)`"
+        raise MissionError(f"{path}: has no function '{function}'{hint}")
+    try:
+        first_parameter(found)
+    except ValueError as error:
+        raise MissionError(f"{path}:{found.__code__.co_firstlineno}: {error}") from None
+    return found  # type: ignore[no-any-return]
+
+
+def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> MissionFunction:
+    """Return the mission with values for its other parameters. Raises MissionError for an unknown one."""
+    if not arguments:
+        return mission
+    known = [p.name for p in list(signature(mission).parameters.values())[1:]]
+    for name in arguments:
+        if name not in known:
+            rule = f"must be one of {', '.join(known)}" if known else "the mission has none"
+            raise MissionError(f"mission argument '{name}': {rule}{did_you_mean(name, known)}")
+    return partial(mission, **arguments)
+
+
+def _module(file: Path) -> Any:
+    """Import a file under its name, so that it finds its neighbours as a script does."""
+    spec = importlib.util.spec_from_file_location(file.stem, file.resolve())
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    before = sys.modules.get(file.stem)
+    sys.modules[file.stem] = module
+    sys.path.insert(0, str(file.resolve().parent))
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as error:
+        where = f"{error.filename if error.filename != str(file.resolve()) else file}:{error.lineno}"
+        raise MissionError(f"{where}: {error.msg}") from None
+    except Exception as error:
+        raise mission_error(error, file) from None
+    finally:
+        sys.path.remove(str(file.resolve().parent))
+        if before is not None:
+            sys.modules[file.stem] = before
+    return module
+
+
+def mission_error(error: BaseException, file: Path) -> MissionError:
+    """Return the error with the line of the mission's file where it came about, as one line of text."""
+    folder = str(file.resolve().parent)
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if frame.filename == str(file.resolve())]
+    own = own or [frame for frame in frames if frame.filename.startswith(folder)]
+    text = str(error) if isinstance(error, ValueError | MissionError) and str(error) else _named(error)
+    where = f"{file}:{own[-1].lineno}" if own else str(file)
+    inside = f" (in {own[-1].name})" if own and own[-1].name != "<module>" else ""
+    return MissionError(f"{where}: {text}{inside}")
+
+
+def _named(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+
+
+def parsed_arguments(texts: list[str], parse: Callable[[str], Any]) -> dict[str, Any]:
+    """Return NAME=VALUE texts as values; what `parse` refuses stays text. Raises MissionError."""
+    arguments = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.isidentifier():
+            raise MissionError(f"--set {text}: must be NAME=VALUE")
+        try:
+            arguments[name] = parse(value)
+        except (ValueError, SyntaxError):
+            arguments[name] = value
+    return arguments

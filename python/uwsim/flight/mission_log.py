@@ -1,0 +1,36 @@
+"""The log of a flight: one line of JSON for each event, on disk at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import IO
+
+import orjson
+
+from uwsim.missions.own_vehicle import Event
+
+LOG = "log.jsonl"
+
+
+class MissionLog:
+    """The events of a flight, in order; written into a new file as they come, if there is a folder for it."""
+
+    def __init__(self, out: Path | None) -> None:
+        self.events: list[Event] = []
+        self._file: IO[bytes] | None = None if out is None else (out / LOG).open("wb", buffering=0)
+
+    def add(self, event: Event) -> None:
+        """Add an event. Raises OSError if the disk is full."""
+        self.events.append(event)
+        if self._file is not None:
+            line = {"time_s": round(event.time_s, 6), "vehicle": event.vehicle, "event": event.name, **_values(event)}
+            self._file.write(orjson.dumps(line, option=orjson.OPT_APPEND_NEWLINE))
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+
+
+def _values(event: Event) -> dict[str, object]:
+    return {"values": event.values} if event.values else {}

@@ -1,0 +1,66 @@
+"""The result of a flight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.flight.samples import Samples
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.own_vehicle import Event
+from uwsim.scoring.map_score import MapScore
+
+INTERRUPTED = "interrupted (Ctrl-C)"
+DONE = "the mission is complete"
+
+
+@dataclass(frozen=True, eq=False)
+class FlightRecord:
+    """A mission that was flown.
+
+    result: what the mission returned; None if it did not end by itself. ended_because: a sentence. ended_early: whether
+    something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. occupancy: the
+    map; pings_world_m: the sonars' estimated positions at each ping, by vehicle; score: of the map, None without one.
+    """
+
+    mission: str
+    scenario: str
+    seed: int
+    estimate: str
+    step_s: float
+    ended_because: str
+    ended_early: bool
+    simulated_s: float
+    wall_s: float
+    events: list[Event]
+    samples: dict[str, Samples]
+    result: Any = None
+    error: Exception | None = None
+    occupancy: OccupancyMap | None = None
+    pings_world_m: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    echo_count: int = 0
+    range_max_m: float = 0.0
+    score: MapScore | None = None
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.ended_because == INTERRUPTED
+
+    @property
+    def collisions(self) -> int:
+        """Collisions of all vehicles."""
+        return sum(int(samples["collisions"][-1]) for samples in self.samples.values() if len(samples))
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated seconds per second of wall time."""
+        return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
+
+    @property
+    def all_pings_world_m(self) -> NDArray[np.float64]:
+        """(n, 3), of all vehicles, one after the other."""
+        return np.concatenate([*self.pings_world_m.values(), np.empty((0, 3))])

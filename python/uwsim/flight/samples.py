@@ -1,0 +1,155 @@
+"""Samples of vehicles in flight, at a fixed rate in simulated time, and the events that they show."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.atomic_file import write_atomically
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.simulator import Simulator
+from uwsim.vehicle import AXES, Vehicle
+
+PERIOD_S = 0.2
+WARNINGS = ("range", "proximity", "collision")
+COLUMNS = (
+    "time_s", "x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad",
+    "estimated_x_m", "estimated_y_m", "estimated_z_m", "estimated_yaw_rad",
+    "depth_m", "altitude_m", "speed_m_s", "battery_percent", "distance_to_station_m",
+    "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
+)  # fmt: skip
+AT = {name: k for k, name in enumerate(COLUMNS)}
+Hear = Callable[[str, str, dict[str, Any]], object]
+"""Called with a vehicle's name, an event and its values."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The samples of one vehicle: `samples["depth_m"]` is (n,).
+
+    The last columns are commands in [-1, 1]: "thruster NAME"; of a vehicle without thrusters, "effort AXIS".
+    """
+
+    names: tuple[str, ...]
+    values: NDArray[np.float64]
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self.values[:, self.names.index(name)]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def path_world_m(self) -> NDArray[np.float64]:
+        """(n, 3) true positions."""
+        return self.values[:, AT["x_m"] : AT["z_m"] + 1]
+
+    @property
+    def estimated_path_world_m(self) -> NDArray[np.float64]:
+        """(n, 3) estimated positions."""
+        return self.values[:, AT["estimated_x_m"] : AT["estimated_z_m"] + 1]
+
+    @property
+    def commands(self) -> NDArray[np.float64]:
+        """(n, thrusters or axes)."""
+        return self.values[:, len(COLUMNS) :]
+
+    @property
+    def command_names(self) -> tuple[str, ...]:
+        """The thrusters or axes."""
+        return tuple(name.partition(" ")[2] for name in self.names[len(COLUMNS) :])
+
+    def lit_s(self, warning: str) -> float:
+        """Return how long a warning of the panel was lit, to the samples' period."""
+        return float(self[f"{warning}_warning"].sum()) * PERIOD_S
+
+    def write(self, path: Path) -> None:
+        """Write a CSV file. Raises OSError."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([name.replace(" ", "_") for name in self.names])
+        writer.writerows([f"{value:.6g}" for value in row] for row in self.values.tolist())
+        write_atomically(path, text.getvalue().encode())
+
+
+class Sampler:
+    """Watches vehicles of a simulator (an Observer of its journal) and tells of what changes on their panels.
+
+    vehicles: as the mission sees them, by name.
+    """
+
+    def __init__(self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], hear: Hear) -> None:
+        self._sim, self._hear = sim, hear
+        self._steps = max(1, round(PERIOD_S / sim.step_s))
+        self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
+        self._rows: dict[str, list[list[float]]] = {name: [] for name in vehicles}
+        self.due_tick = sim.tick
+        self.observe()
+
+    def observe(self) -> None:
+        """Take a sample of each vehicle."""
+        self.due_tick = self._sim.tick + self._steps
+        for name, vehicle, own in self._vehicles:
+            row, rows = _row(self._sim.time_s, vehicle, own), self._rows[name]
+            self._tell_of_changes(name, rows[-1] if rows else None, row)
+            rows.append(row)
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Tell of commands, apart from those that steer."""
+        if not name.startswith("set_") or name in ("set_lamp", "set_parameter", "set_parameters", "set_optics"):
+            values = {key: value for key, value in arguments.items() if key not in ("vehicle", "state")}
+            self._hear(str(arguments.get("vehicle", "")), name, values)
+
+    def samples(self) -> dict[str, Samples]:
+        """Return all samples so far, by vehicle."""
+        found = {}
+        for name, vehicle, _ in self._vehicles:
+            driven = [f"thruster {name}" for name in vehicle.thrusters] or [f"effort {axis}" for axis in AXES]
+            names = (*COLUMNS, *driven)
+            found[name] = Samples(names, np.array(self._rows[name], np.float64).reshape(-1, len(names)))
+        return found
+
+    def _tell_of_changes(self, name: str, before: list[float] | None, row: list[float]) -> None:
+        for warning in WARNINGS:
+            k = AT[f"{warning}_warning"]
+            if bool(row[k]) != bool(before and before[k]):
+                self._hear(name, f"{warning}_warning", {"lit": bool(row[k])})
+        if before is None:
+            return
+        if (more := row[AT["collisions"]] - before[AT["collisions"]]) > 0:
+            self._hear(name, "collision", {"times": int(more)})
+        if row[AT["battery_percent"]] <= 0.0 < before[AT["battery_percent"]]:
+            self._hear(name, "battery_empty", {})
+
+
+def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle) -> list[float]:
+    pose, panel, estimate = vehicle.pose, vehicle.telemetry(), own.pose
+    rotation = pose.world_from_body
+    return [
+        time_s,
+        *pose.position_world_m.tolist(),
+        math.atan2(rotation[2, 1], rotation[2, 2]),
+        -math.asin(min(max(float(rotation[2, 0]), -1.0), 1.0)),
+        pose.yaw_rad,
+        *np.asarray(estimate.position_world_m).tolist(),
+        float(estimate.yaw_rad),
+        panel.depth_m,
+        panel.distance_to_seabed_m,
+        panel.speed_m_s,
+        panel.battery_percent,
+        panel.distance_to_station_m,
+        vehicle.released,
+        panel.range_warning,
+        panel.proximity_warning,
+        panel.collision_warning,
+        vehicle.collisions,
+        *([thruster.command for thruster in vehicle.thrusters.values()] or vehicle.effort.tolist()),
+    ]
