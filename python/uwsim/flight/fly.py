@@ -218,9 +218,12 @@ class _Flight:
     def _recorder(self, record: Path | None, topics: tuple[str, ...] | None) -> Any:
         if record is None:
             return None
-        from uwsim.recording.recorder import SURVEY, Recorder  # here, since recording formats take long to import
+        from uwsim.channels import channels
+        from uwsim.recording.recorder import MAP_TYPE, Recorder  # here, since recording formats take long to import
 
-        return Recorder(self._sim, record, topics=topics, kind=SURVEY).start()
+        said = channels(self._sim)
+        costly = [c.name for c in said if c.late or c.type == MAP_TYPE] if topics is None else []
+        return Recorder(self._sim, record, topics=topics, without=costly, shared=said).start()
 
     def _flown(self, began_s: float) -> FlightRecord:
         sim = self._sim
