@@ -61,6 +61,24 @@ TEST(RayScene, AMissIsInfinitelyFarAndLabelsTellSolidsApart) {
   EXPECT_EQ(scene.cast({{20, 50, 0}, {0, 0, 1}}, 1000).label, kNothing);
 }
 
+TEST(RayScene, AWorldMadeAfterAnotherHasItsOwnSurfaces) {
+  const auto depth_m = [](float heights_m, double box_top_m, double x_m) {
+    World world;
+    world.set_terrain(Heightfield(std::vector<float>(101 * 101, heights_m), 101, 101, 1.0, {0, 0}));
+    TriangleMesh box = testing::box(2, 2, 2);
+    for (auto& v : box.vertices_m) v += Eigen::Vector3d(20, 50, box_top_m - 1);
+    world.add_solid("box", box);
+    return RayScene(world).cast({{x_m, 50, 0}, {0, 0, -1}}, 100).distance_m;
+  };
+  const float lower_m = std::nextafter(-20.0f, -30.0f);
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_EQ(depth_m(-20, -5, 40), 20);
+    EXPECT_EQ(depth_m(lower_m, -5, 40), -double{lower_m});
+    EXPECT_EQ(depth_m(-20, -5, 20), 5);
+    EXPECT_EQ(depth_m(-20, -6, 20), 6);
+  }
+}
+
 TEST(RayScene, DistanceToASphereIsRadialWhateverTheNumberOfThreads) {
   World world;
   world.add_solid("sphere", testing::sphere(2, 200));

@@ -11,7 +11,9 @@
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_tile.h"
 #include "uwsim/rays/reached_tiles.h"
+#include "uwsim/rays/recently_made.h"
 #include "uwsim/rays/tiling.h"
+#include "uwsim/world/same_surfaces.h"
 
 namespace uwsim {
 namespace {
@@ -51,11 +53,12 @@ void keep_rays_that_may_hit_sooner(ReachedTile& next, const auto& distance_m, Pa
 struct RayScene::Fixed {
   RayDevice device = make_ray_device();
   std::vector<RayTile> tiles;
-  std::shared_ptr<const Heightfield> terrain;
-  std::vector<std::shared_ptr<const Solid>> solids;
+  World surfaces;  // without water
 
-  explicit Fixed(const World& world) : terrain(world.terrain()), solids(world.solids()) {
-    for (TileContents& contents : cut_into_tiles(world)) tiles.emplace_back(device.get(), world, std::move(contents));
+  explicit Fixed(const World& world) : surfaces(world) {
+    surfaces.water = {};
+    for (TileContents& contents : cut_into_tiles(world))
+      tiles.emplace_back(device.get(), surfaces, std::move(contents));
   }
 
   /// The usual case: one tile, and rays that need not be moved to its box.
@@ -131,7 +134,13 @@ struct RayScene::Fixed {
   }
 };
 
-RayScene::RayScene(const World& world) : fixed_(std::make_shared<const Fixed>(world)) {}
+/// Scenes of worlds with the same surfaces share them: the trees take most of the time to make a simulator.
+RayScene::RayScene(const World& world) {
+  // Never destroyed: Embree's own statics may be gone before ours.
+  static auto& made = *new RecentlyMade<Fixed>;
+  fixed_ = made.find_or_make([&](const Fixed& known) { return have_same_surfaces(known.surfaces, world); },
+                             [&] { return std::make_shared<const Fixed>(world); });
+}
 
 RayScene RayScene::with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden) const {
   RayScene scene = *this;
@@ -197,12 +206,12 @@ void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& 
 }
 
 bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {
-  const auto& terrain = fixed_->terrain;
+  const auto& terrain = fixed_->surfaces.terrain();
   return terrain && point_world_m.z() <= terrain->height_at(point_world_m.x(), point_world_m.y());
 }
 
 bool RayScene::within_round(const Eigen::Vector3d& point_world_m, double depth_m) const {
-  for (const auto& solid : fixed_->solids) {
+  for (const auto& solid : fixed_->surfaces.solids()) {
     if ((point_world_m.array() < solid->low_world_m.array()).any()) continue;
     if ((point_world_m.array() > solid->high_world_m.array()).any()) continue;
     for (const RoundShape& shape : solid->shapes) {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace uwsim {
+
+/// Remembers costly objects that never change, so that they are made once for all who need the same. Knows those that
+/// are in use, and keeps the last one for who needs it next. For several threads.
+template <typename Object>
+class RecentlyMade {
+ public:
+  /// Returns the object that `is_wanted` accepts, else what `make` returns. One thread makes at a time, so that two who
+  /// need the same wait for one to be made.
+  template <typename IsWanted, typename Make>
+  std::shared_ptr<const Object> find_or_make(const IsWanted& is_wanted, const Make& make) {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(in_use_, [](const auto& known) { return known.expired(); });
+    for (const std::weak_ptr<const Object>& known : in_use_) {
+      std::shared_ptr<const Object> object = known.lock();
+      if (object && is_wanted(*object)) return last_ = object;
+    }
+    last_ = nullptr;  // its memory may be needed for the next
+    last_ = make();
+    in_use_.push_back(last_);
+    return last_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<const Object>> in_use_;
+  std::shared_ptr<const Object> last_;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,45 @@
+#include "uwsim/rays/recently_made.h"
+
+#include <gtest/gtest.h>
+
+namespace uwsim {
+namespace {
+
+struct Maker {
+  RecentlyMade<int> known;
+  int made = 0;
+
+  std::shared_ptr<const int> get(int wanted) {
+    return known.find_or_make([&](int object) { return object == wanted; },
+                              [&] { return ++made, std::make_shared<const int>(wanted); });
+  }
+};
+
+TEST(RecentlyMade, TheSameIsMadeOnceForAllWhoUseIt) {
+  Maker maker;
+  const auto first = maker.get(1), other = maker.get(2);
+  EXPECT_EQ(*other, 2);
+  EXPECT_EQ(maker.get(1), first) << "in use, though another was made since";
+  EXPECT_EQ(maker.made, 2);
+}
+
+TEST(RecentlyMade, OnlyTheLastIsKeptForTheNext) {
+  Maker maker;
+  maker.get(1);
+  maker.get(1);
+  EXPECT_EQ(maker.made, 1) << "kept, though nobody uses it";
+  const std::weak_ptr<const int> first = maker.get(1);
+  maker.get(2);
+  EXPECT_TRUE(first.expired());
+}
+
+TEST(RecentlyMade, WhatCannotBeMadeIsNotRemembered) {
+  Maker maker;
+  EXPECT_THROW(maker.known.find_or_make([](int) { return false; },
+                                        []() -> std::shared_ptr<const int> { throw std::runtime_error("no memory"); }),
+               std::runtime_error);
+  EXPECT_EQ(*maker.get(1), 1);
+}
+
+}  // namespace
+}  // namespace uwsim
