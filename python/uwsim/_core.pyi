@@ -57,6 +57,7 @@ __all__: list[str] = [
     "SonarSpec",
     "SoundSpeedProfile",
     "SpotLamp",
+    "SurfaceSampler",
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
@@ -510,6 +511,52 @@ class FixedWorld(World):
         """
     @water.setter
     def water(self, arg1: Water) -> None: ...
+
+class SurfaceSampler:
+    """
+    Samples a world's terrain and solids, where they lie inside a polygon and a box.
+    """
+    def __init__(
+        self,
+        world: World,
+        resolution_m: typing.SupportsFloat | typing.SupportsIndex,
+        area_world_m: typing.Any,
+        low_m: typing.Any,
+        high_m: typing.Any,
+    ) -> None:
+        """
+        area_world_m: (k, 2), a simple polygon. low_m, high_m: (3,), the box, which may be infinite. Raises ValueError.
+        """
+    def sample(
+        self,
+        first: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"],
+        end: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"],
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64]
+    ]:
+        """
+        first, end: (3,) integers, voxels floor(x / resolution_m) from first to before end, at most 512 a side.
+        Returns points (n, 3) float64, sorted by voxel, at most one in each octant of a voxel; (n,) int64, the
+        voxel of each; and the voxels (v, 3) int64, sorted. Releases the GIL. Raises ValueError.
+        """
+    @property
+    def box_m(
+        self,
+    ) -> (
+        tuple[
+            typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+            typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+        ]
+        | None
+    ):
+        """
+        Corners (3,) of a box that holds all surface to be sampled; None if there is none.
+        """
+    @property
+    def voxels_in_box(self) -> float:
+        """
+        About how many voxels the surface runs through in that box.
+        """
 
 class RayHits:
     @property

@@ -1,18 +1,13 @@
 """Samples of the true surface leave no gap, and come in tiles."""
 
-import threading
-import tracemalloc
-
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from uwsim import _core
 from uwsim.mapping.voxel_keys import pack_keys, voxel_keys
-from uwsim.scoring import sampled_triangles, surface_ahead, true_surface
-from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring import true_surface
 from uwsim.scoring.true_surface import sample_surface, surface_tiles
-from uwsim.scoring.visible_voxels import visible_voxels
 
 SQUARE = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
 
@@ -52,12 +47,8 @@ def vast_floor(half_m=5000.0):
     return world
 
 
-def test_the_parts_of_triangles_outside_the_polygon_cost_no_memory():
-    tracemalloc.start()
-    samples = sample_surface(vast_floor(), 0.5, SQUARE)
-    _, peak_bytes = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert peak_bytes < 30e6, "the whole floor would have 1.6 billion samples"
+def test_the_parts_of_triangles_outside_the_polygon_cost_nothing():
+    samples = sample_surface(vast_floor(half_m=1.0e7), 0.5, SQUARE)  # the whole floor would have 6e15 samples
     assert len(samples.voxel_keys) == 40 * 40 / 0.5**2
     assert np.abs(samples.points_world_m[:, :2]).max() <= 20.0
 
@@ -69,9 +60,6 @@ def test_tiles_share_no_voxel_and_together_are_the_whole(monkeypatch):
     world.add_solid("wall", np.array([[-90.0, -70, -30], [90, 80, -30], [3, 2, 40]]), np.array([[0, 1, 2]]))
     whole = sample_surface(world, 0.3, SQUARE)
     monkeypatch.setattr(true_surface, "TILE_VOXELS", 17)
-    for module in (true_surface, sampled_triangles):
-        monkeypatch.setattr(module, "ROWS_AT_ONCE", 100)
-    monkeypatch.setattr(sampled_triangles, "POINTS_AT_ONCE", 100)
     tiles = list(surface_tiles(world, 0.3, SQUARE))
     assert len(tiles) > 50
     assert np.array_equal(
@@ -94,33 +82,3 @@ def test_too_many_voxels_are_refused_before_the_first_tile():
         sample_surface(vast_floor(), 0.005, SQUARE)
     triangle = SQUARE[:3]
     assert next(surface_tiles(vast_floor(), 0.005, triangle)), "half of them are not too many"
-
-
-def slope_with_box():
-    world = _core.World()
-    heights = np.tile(np.linspace(-12.0, -6.0, 41, dtype=np.float32), (41, 1))
-    world.set_terrain(heights, 1.0, (-20.0, -20.0))
-    corners = np.array([[2.0, 2.0, -12.0], [6.0, 2.0, -12.0], [2.0, 6.0, -12.0], [2.0, 2.0, -4.0]])
-    world.add_solid("tetrahedron", corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
-    return world
-
-
-def test_a_surface_sampled_ahead_shows_the_same_voxels_as_one_sampled_round_the_path():
-    world, path = slope_with_box(), np.linspace([-10.0, -8.0, -3.0], [-2.0, 0.0, -3.0], 30)
-    seen = visible_voxels(world, _core.RayScene(world), 0.1, path, SQUARE, 9.0)
-    with SurfaceAhead(world, 0.1, SQUARE) as ahead:
-        assert len(ahead.tile_jobs()) > 1
-        np.testing.assert_array_equal(visible_voxels(world, _core.RayScene(world), 0.1, path, SQUARE, 9.0, ahead), seen)
-    assert 0 < len(seen) < len(sample_surface(world, 0.1, SQUARE).voxel_keys)
-
-
-def test_a_surface_that_is_too_large_to_be_kept_is_not_sampled_ahead(monkeypatch):
-    monkeypatch.setattr(surface_ahead, "MAX_KEPT_VOXELS", 1000)
-    with SurfaceAhead(slope_with_box(), 0.1, SQUARE) as ahead:
-        assert ahead.tile_jobs() is None
-
-
-def test_leaving_a_surface_ahead_ends_its_thread():
-    with SurfaceAhead(slope_with_box(), 0.02, SQUARE):
-        pass
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("surface")]

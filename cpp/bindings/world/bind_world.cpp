@@ -141,6 +141,7 @@ void bind_world(py::module_& m) {
       .def("surface_mesh", &surface_mesh,
            "(vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain and all solids.");
   bind_fixed_world(m);
+  bind_surface_sampler(m);
 }
 
 }  // namespace uwsim::bindings

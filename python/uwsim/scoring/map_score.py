@@ -11,7 +11,6 @@ from uwsim import _core
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
 from uwsim.scoring.seabed_comparison import SeabedComparison, compare_seabed
-from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.visible_voxels import visible_voxels
 
 TOUCH_M = 1.0e-3  # a surface this close to a voxel counts as inside: points are rounded before they are mapped
@@ -69,11 +68,10 @@ def score_map(
     range_max_m: float,
     *,
     rays: _core.RayScene | None = None,
-    ahead: SurfaceAhead | None = None,
 ) -> MapScore:
     """Score occupied voxel centres (n, 3) against the world.
 
-    rays: the world's own scene, if there is one already. ahead: its surface in this area at this resolution, likewise.
+    rays: the world's own scene, if there is one already.
 
     Coverage: the truth voxels that count lie inside the polygon area_world_m (k, 2), in line of sight and within
     range_max_m of any flown position in path_world_m (n, 3). Covered are those that are occupied or have an occupied
@@ -91,7 +89,7 @@ def score_map(
     """
     rays = rays or _core.RayScene(world)
     occupied = sorted_unique(pack_keys(_grid_keys(occupied_centres_m, resolution_m)))
-    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, ahead)
+    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
     covered = _have_occupied_neighbour(visible, occupied)
     centres = np.ascontiguousarray(occupied_centres_m, np.float64)
     any_occupied = len(centres) > 0

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.voxel_keys import pack_keys
-from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 
 Item = TypeVar("Item")
@@ -30,12 +29,10 @@ def visible_voxels(
     path_world_m: NDArray[np.float64],
     area_world_m: NDArray[np.float64],
     range_max_m: float,
-    ahead: SurfaceAhead | None = None,
 ) -> NDArray[np.int64]:
     """Return the packed keys (v,), sorted, of the truth voxels that are visible from any pose of the path.
 
-    path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts. ahead: the surface of this
-    world, resolution and area, if it has been sampled already; the result is the same.
+    path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts.
     """
     poses = _thinned_path(path_world_m, POSE_SPACING_M)
     if not len(poses):
@@ -60,8 +57,7 @@ def visible_voxels(
         )
         return pack_keys(tile.voxel_keys[seen])
 
-    jobs = None if ahead is None else ahead.tile_jobs()
-    visible = list(_in_parallel(visible_in, jobs or surface_tile_jobs(world, resolution_m, area_world_m, box)))
+    visible = list(_in_parallel(visible_in, surface_tile_jobs(world, resolution_m, area_world_m, box)))
     return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))
 
 

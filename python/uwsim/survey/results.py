@@ -9,7 +9,6 @@ from typing import Literal
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import score_map
 from uwsim.scoring.score_json import score_values, write_json
-from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.checkpoint import MAP
@@ -37,13 +36,11 @@ def write_results(
     out: Path,
     terminal: Terminal,
     report: Report,
-    ahead: SurfaceAhead | None = None,
 ) -> float | None:
     """Score the map, print the summary, then write files into `out`; returns the coverage. Raises OSError.
 
     report: "full" writes the track, the figures and the REPORT; "json" the track and SUMMARY; "none" the track alone,
     and does not score: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
-    ahead: see score_map.
     """
     if report == "none":
         terminal.result(f"ended because {record.stopped_because}")
@@ -61,7 +58,6 @@ def write_results(
             record.area_world_m,
             record.range_max_m,
             rays=sim.scene,
-            ahead=ahead,
         )
         free_voxels = statistics.result().free_voxels
     terminal.result(summary_table(record, score, free_voxels))

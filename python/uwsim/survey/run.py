@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 import tempfile
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.read.validation_errors import validated
-from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.autosave import Autosave
@@ -181,17 +177,6 @@ class _SurveyRun:
 
     def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
-        with self._surface_ahead() as ahead:
-            return self._run(saved, ahead)
-
-    def _surface_ahead(self) -> AbstractContextManager[SurfaceAhead | None]:
-        """Sample the true surface during the flight, if there is a thread for it and a score that needs it."""
-        if self.report == "none" or self.sim.threads == 1:
-            return nullcontext()
-        area_m = np.asarray(required_survey(self.sim.scenario).area_m, np.float64)
-        return SurfaceAhead(self.sim.world, self.occupancy.resolution_m, area_m)
-
-    def _run(self, saved: SavedSurvey | None, ahead: SurfaceAhead | None) -> SurveyRecord:
         out, terminal = self.checkpoint.out, self.terminal
         autosave = Autosave(self.checkpoint, self.request, self.autosave_s, terminal.message)
         for stale in RESULT_FILES:  # of an earlier survey, which would not belong to this map
@@ -215,7 +200,7 @@ class _SurveyRun:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         self._close_recording(record)
         try:
-            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report, ahead)
+            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report)
         except OSError as error:
             hint = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
             raise OSError(f"{error} ({out / MAP} is complete{hint})") from error
