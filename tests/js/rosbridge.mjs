@@ -2,21 +2,34 @@
 import { createRequire } from 'node:module';
 
 const [url, folder, module] = process.argv.slice(2);
-const ROSLIB = module === 'roslib1'
-  ? createRequire(`${folder}/`)(module)
-  : await import(`${folder}/node_modules/${module}/dist/RosLib.js`);
+const ROSLIB =
+  module === 'roslib1'
+    ? createRequire(`${folder}/`)(module)
+    : await import(`${folder}/node_modules/${module}/dist/RosLib.js`);
 const seen = {};
-setTimeout(() => { console.error('timed out after', JSON.stringify(seen)); process.exit(3); }, 30000);
+setTimeout(() => {
+  console.error('timed out after', JSON.stringify(seen));
+  process.exit(3);
+}, 30000);
 
-const connect = () => new Promise((resolve, reject) => {
-  const ros = new ROSLIB.Ros({ url });
-  ros.on('connection', () => resolve(ros));
-  ros.on('error', reject);
-});
+const connect = () =>
+  new Promise((resolve, reject) => {
+    const ros = new ROSLIB.Ros({ url });
+    ros.on('connection', () => resolve(ros));
+    ros.on('error', reject);
+  });
 const topic = (ros, name, messageType, options = {}) => new ROSLIB.Topic({ ros, name, messageType, ...options });
-const first = (t) => new Promise((resolve) => { t.subscribe((m) => { t.unsubscribe(); resolve(m); }); });
+const first = (t) =>
+  new Promise((resolve) => {
+    t.subscribe((m) => {
+      t.unsubscribe();
+      resolve(m);
+    });
+  });
 const later = (call) => new Promise((resolve, reject) => call(resolve, reject));
-const until = async (condition) => { while (!(await condition())) await new Promise((r) => setTimeout(r, 10)); };
+const until = async (condition) => {
+  while (!(await condition())) await new Promise((r) => setTimeout(r, 10));
+};
 
 const one = await connect();
 const two = await connect();
@@ -36,7 +49,9 @@ for (const compression of ['none', 'cbor', 'png']) {
 // throttle
 let count = 0;
 const slow = topic(two, '/count', 'std_msgs/UInt8', { throttle_rate: 100000 });
-slow.subscribe(() => { count += 1; });
+slow.subscribe(() => {
+  count += 1;
+});
 await later((ok, no) => two.getTopics(ok, no));
 const counter = topic(one, '/count', 'std_msgs/UInt8');
 for (let k = 0; k < 20; k += 1) counter.publish({ data: k });
@@ -46,12 +61,18 @@ seen.throttled = count;
 
 // services both ways
 const adder = new ROSLIB.Service({ ros: one, name: '/add', serviceType: 'demo/Add' });
-adder.advertise((request, response) => { response.sum = request.a + request.b; return true; });
+adder.advertise((request, response) => {
+  response.sum = request.a + request.b;
+  return true;
+});
 await until(async () => (await later((ok, no) => two.getServices(ok, no))).includes('/add'));
-const call = (name, request) => later((ok, no) =>
-  new ROSLIB.Service({ ros: two, name, serviceType: 'demo/Add' }).callService(request, ok, no));
+const call = (name, request) =>
+  later((ok, no) => new ROSLIB.Service({ ros: two, name, serviceType: 'demo/Add' }).callService(request, ok, no));
 seen.sum = (await call('/add', { a: 2, b: 3 })).sum;
-seen.missing = await call('/nobody', {}).then(() => 'answered', (error) => String(error));
+seen.missing = await call('/nobody', {}).then(
+  () => 'answered',
+  (error) => String(error),
+);
 
 // parameters
 const gain = new ROSLIB.Param({ ros: two, name: 'gain' });
@@ -67,14 +88,29 @@ seen.fields = (await later((ok, no) => two.getMessageDetails('geometry_msgs/Twis
 
 // tf
 const transform = new Promise((resolve) => {
-  new ROSLIB.TFClient({ ros: two, fixedFrame: 'world', rate: 50, angularThres: 0, transThres: 0, updateDelay: 1 })
-    .subscribe('rov', resolve);
+  new ROSLIB.TFClient({
+    ros: two,
+    fixedFrame: 'world',
+    rate: 50,
+    angularThres: 0,
+    transThres: 0,
+    updateDelay: 1,
+  }).subscribe('rov', resolve);
 });
-await until(async () => (await later((ok, no) => two.getNodeDetails('/tf2_web_republisher',
-  (subscribing) => ok((subscribing.subscribing ?? subscribing).includes('/tf')), no))));
+await until(
+  async () =>
+    await later((ok, no) =>
+      two.getNodeDetails(
+        '/tf2_web_republisher',
+        (subscribing) => ok((subscribing.subscribing ?? subscribing).includes('/tf')),
+        no,
+      ),
+    ),
+);
 topic(one, '/tf', 'tf2_msgs/TFMessage').publish({
-  transforms: [{ header: { frame_id: 'world' }, child_frame_id: 'rov',
-    transform: { translation: { x: 3 }, rotation: { w: 1 } } }],
+  transforms: [
+    { header: { frame_id: 'world' }, child_frame_id: 'rov', transform: { translation: { x: 3 }, rotation: { w: 1 } } },
+  ],
 });
 seen.x = (await transform).translation.x;
 
@@ -85,8 +121,14 @@ seen.status = await new Promise((resolve) => {
 });
 
 // reconnect: the same object connects again, and what is subscribed anew is heard
-await new Promise((resolve) => { two.on('close', resolve); two.close(); });
-await new Promise((resolve) => { two.on('connection', resolve); two.connect(url); });
+await new Promise((resolve) => {
+  two.on('close', resolve);
+  two.close();
+});
+await new Promise((resolve) => {
+  two.on('connection', resolve);
+  two.connect(url);
+});
 const again = first(topic(two, '/again', 'std_msgs/String'));
 await later((ok, no) => two.getTopics(ok, no));
 topic(one, '/again', 'std_msgs/String').publish({ data: 'hello' });

@@ -231,11 +231,11 @@ export class StartScreen {
   async #check() {
     if (!this.catalog) return;
     this.#showHints();
-    const number_ = (this.#checks += 1);
+    const count = (this.#checks += 1);
     const answer = this.isElsewhere
       ? { errors: this.#addressErrors() }
       : await this.station.check(this.choice).catch(() => null);
-    if (answer && number_ === this.#checks) this.#mark(answer.errors ?? {});
+    if (answer && count === this.#checks) this.#mark(answer.errors ?? {});
   }
 
   #addressErrors() {

@@ -3,6 +3,8 @@ import { byId, el } from '../dom.js';
 import { ACTIONS, DRIVING, keyName, PRESETS, SCREEN, VEHICLE } from '../drive/bindings.js';
 import { openDialog } from './dialog.js';
 
+const fixedLine = (key, text) => el('div', { className: 'key-line' }, el('span', {}, text), el('kbd', {}, key));
+
 export function showKeys(bindings, viewNames) {
   const message = el('p', { role: 'status' }, 'Click an action, then press its new key.');
   let ending = null;
@@ -39,7 +41,6 @@ export function showKeys(bindings, viewNames) {
     addEventListener('keydown', take, true);
   };
   const block = (title, actions) => el('section', {}, el('h3', {}, title), ...Object.keys(actions).map(line));
-  const fixedLine = (key, text) => el('div', { className: 'key-line' }, el('span', {}, text), el('kbd', {}, key));
   const choose = (preset) =>
     el(
       'button',

@@ -108,12 +108,13 @@ function saveForm(station, isPilot, leave) {
   );
 }
 
+function chooseColours(event) {
+  setTheme(event.target.textContent);
+  for (const other of event.target.parentElement.children)
+    other.setAttribute('aria-pressed', String(other === event.target));
+}
+
 function colours() {
-  const choose = (event) => {
-    setTheme(event.target.textContent);
-    for (const other of event.target.parentElement.children)
-      other.setAttribute('aria-pressed', String(other === event.target));
-  };
   return el(
     'div',
     { className: 'row apart' },
@@ -122,7 +123,7 @@ function colours() {
       'div',
       { className: 'row', role: 'group', 'aria-label': 'Colours' },
       ...THEMES.map((kind) =>
-        el('button', { type: 'button', 'aria-pressed': String(theme() === kind), onclick: choose }, kind),
+        el('button', { type: 'button', 'aria-pressed': String(theme() === kind), onclick: chooseColours }, kind),
       ),
     ),
   );

@@ -71,16 +71,16 @@ export class SceneView {
     this.canvas.tabIndex = isLarge ? 0 : -1;
   }
 
-  // Show another simulator's lake. load(path): fetches from it; url: of its scene.json, '' if nobody says what is there.
-  async begin(load, vehicles, url) {
+  // Show another simulator's lake. load(path): fetches from it; sceneUrl: its scene.json, '' if nobody says what is there.
+  async begin(load, vehicles, sceneUrl) {
     this.clear();
     for (const part of this.#scenery) this.scene?.remove(part);
     this.#scenery = [];
     if (!this.scene) return;
     for (const { name } of vehicles) this.#addVessel(name);
     this.#followed = vehicles[0]?.name ?? '';
-    if (!url) return;
-    const found = await (await load(url)).json();
+    if (!sceneUrl) return;
+    const found = await (await load(sceneUrl)).json();
     const heights = new Float32Array(await (await load(found.terrain.url)).arrayBuffer());
     this.#terrain = makeTerrain(heights, found.terrain, 0.5);
     this.voxels.setRange(this.#terrain.low_m, this.#terrain.high_m);

@@ -125,7 +125,8 @@ export class Hud {
     c.textAlign = isLeft ? 'right' : 'left';
     const edge = isLeft ? left + wide : left;
     const inward = isLeft ? -1 : 1;
-    for (let tick = Math.ceil(value - 7); isKnown && tick <= value + 7; tick += 1) {
+    const last = isKnown ? value + 7 : -1;
+    for (let tick = Math.ceil(value - 7); tick <= last; tick += 1) {
       if (tick < 0) continue;
       const y = Math.round(middle + (tick - value) * perMetre * (down ? 1 : -1)) + 0.5;
       const isNamed = tick % 2 === 0;

@@ -57,7 +57,7 @@ export class Views extends EventTarget {
     for (const { picture } of this.#views.values()) picture?.show('');
     this.#views.clear();
     const all = [...views.map((view) => this.#pictureView(view)), ...this.drawn.map((own) => this.#drawnView(own))];
-    for (const each of all.sort((a, b) => rank(a.view) - rank(b.view))) this.#views.set(each.view.name, each);
+    for (const each of all.toSorted((a, b) => rank(a.view) - rank(b.view))) this.#views.set(each.view.name, each);
     [...this.#views.values()].forEach(({ number, swap, title }, k) => {
       const key = k < KEYS ? String((k + 1) % KEYS) : '';
       write(number, key);

@@ -10,7 +10,7 @@ export class Picture extends EventTarget {
   #hasCredit = false;
   arrivedMs = -Infinity;
   drawn = 0;
-  shown = []; // of the last pictures: the moment that each shows [s, simulated], and when it was drawn [ms, wall clock]
+  shown = []; // of the last pictures: the moment that each shows [s, simulated], when it came and was drawn [ms, wall clock]
 
   constructor(bridge, canvas) {
     super();
@@ -41,20 +41,21 @@ export class Picture extends EventTarget {
   }
 
   async #take(topic, message) {
-    this.#waiting = { topic, message };
+    this.#waiting = { topic, message, cameMs: Date.now() };
     if (this.#isDrawing) return;
     this.#isDrawing = true;
     while (this.#waiting) {
       const {
         topic: from,
         message: { data, format, header },
+        cameMs,
       } = this.#waiting;
       this.#waiting = null;
       try {
         const bitmap = await createImageBitmap(
           new Blob([data], { type: `image/${/png/.test(format) ? 'png' : 'jpeg'}` }),
         );
-        if (from === this.#topic) this.#draw(bitmap, header.stamp);
+        if (from === this.#topic) this.#draw(bitmap, header.stamp, cameMs);
         bitmap.close();
       } catch {
         /* a picture that is damaged: the next one comes */
@@ -64,7 +65,7 @@ export class Picture extends EventTarget {
     this.#isDrawing = false;
   }
 
-  #draw(bitmap, stamp) {
+  #draw(bitmap, stamp, cameMs) {
     const { canvas } = this;
     if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
       [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
@@ -73,6 +74,6 @@ export class Picture extends EventTarget {
     this.arrivedMs = performance.now();
     this.drawn += 1;
     this.dispatchEvent(new Event('drawn'));
-    this.shown = [...this.shown.slice(-499), [seconds(stamp), Date.now()]];
+    this.shown = [...this.shown.slice(-499), [seconds(stamp), cameMs, Date.now()]];
   }
 }
