@@ -32,8 +32,16 @@ __all__: list[str] = [
     "ImagingSonar",
     "InstructionSet",
     "Lens",
+    "LinkDelivery",
+    "LinkFault",
+    "LinkKind",
+    "LinkQuality",
+    "LinkSpec",
     "MapEngine",
     "MapOptions",
+    "MediumAccess",
+    "ModemSpec",
+    "Modulation",
     "MultibeamModel",
     "NoiseSpec",
     "OccupancyMap",
@@ -45,6 +53,7 @@ __all__: list[str] = [
     "PingBatch",
     "RayHits",
     "RayScene",
+    "Reception",
     "RoundShape",
     "RowReduction",
     "SensorKind",
@@ -61,6 +70,7 @@ __all__: list[str] = [
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
+    "TopicCounts",
     "VehicleSpec",
     "VoxelScene",
     "Water",
@@ -2191,6 +2201,54 @@ class Simulation:
         position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and
         angular_body_rad_s (3,): read-only.
         """
+    def link_counts(
+        self, topic: typing.SupportsInt | typing.SupportsIndex, from_node: typing.SupportsInt | typing.SupportsIndex
+    ) -> TopicCounts: ...
+    def link_deliveries(
+        self, to_node: typing.SupportsInt | typing.SupportsIndex, after_ns: typing.SupportsInt | typing.SupportsIndex
+    ) -> list[LinkDelivery]:
+        """
+        What has arrived at a node after a time, oldest first; the newest 512 of all nodes are kept.
+        """
+    def link_next_arrival_ns(self) -> int:
+        """
+        The earliest time at which a message may arrive, as far as is known now.
+        """
+    def link_quality(
+        self, from_node: typing.SupportsInt | typing.SupportsIndex, at_node: typing.SupportsInt | typing.SupportsIndex
+    ) -> LinkQuality: ...
+    def link_reception(
+        self, from_node: typing.SupportsInt | typing.SupportsIndex, to_node: typing.SupportsInt | typing.SupportsIndex
+    ) -> Reception:
+        """
+        How a packet sent now would arrive.
+        """
+    def link_send(
+        self,
+        from_node: typing.SupportsInt | typing.SupportsIndex,
+        to_node: typing.SupportsInt | typing.SupportsIndex,
+        topic: typing.SupportsInt | typing.SupportsIndex,
+        payload: bytes,
+        priority: typing.SupportsInt | typing.SupportsIndex = 0,
+        lifetime_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        replaces: bool = False,
+    ) -> bool:
+        """
+        Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: never. Raises ValueError.
+        """
+    def link_sending_s(self) -> float:
+        """
+        For how long somebody has sent, in all [s].
+        """
+    def link_topic(self, name: str) -> int:
+        """
+        The index of a topic; a new one begins to be counted.
+        """
+    def link_topics(self) -> list[str]: ...
+    def link_waiting(self, node: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
+        """
+        (messages, bytes) in a node's queue
+        """
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> Ping:
@@ -2258,6 +2316,10 @@ class Simulation:
     ) -> None:
         """
         (name, deflection [rad]) pairs; the others centre. Raises ValueError.
+        """
+    def set_link(self, spec: LinkSpec) -> None:
+        """
+        Joins the station, node 0, and all vehicles, node 1 + index. Once. Raises ValueError.
         """
     def set_state(self, vehicle: typing.SupportsInt | typing.SupportsIndex, state: BodyState) -> None: ...
     def set_thrusters(
@@ -2413,6 +2475,356 @@ class PingBatch:
         """
         (n, 4, 4) float64
         """
+
+class LinkKind:
+    """
+    Members:
+
+      CABLE
+
+      IDEAL
+
+      MODEM
+    """
+
+    CABLE: typing.ClassVar[LinkKind]
+    IDEAL: typing.ClassVar[LinkKind]
+    MODEM: typing.ClassVar[LinkKind]
+    __members__: typing.ClassVar[dict[str, LinkKind]]
+    @typing.overload
+    def __eq__(self, other: LinkKind) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: LinkKind) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class MediumAccess:
+    """
+    Members:
+
+      ALOHA
+
+      TDMA
+    """
+
+    ALOHA: typing.ClassVar[MediumAccess]
+    TDMA: typing.ClassVar[MediumAccess]
+    __members__: typing.ClassVar[dict[str, MediumAccess]]
+    @typing.overload
+    def __eq__(self, other: MediumAccess) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: MediumAccess) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class Modulation:
+    """
+    Members:
+
+      PSK
+
+      FSK
+    """
+
+    FSK: typing.ClassVar[Modulation]
+    PSK: typing.ClassVar[Modulation]
+    __members__: typing.ClassVar[dict[str, Modulation]]
+    @typing.overload
+    def __eq__(self, other: Modulation) -> bool: ...
+    @typing.overload
+    def __eq__(self, other: typing.Any) -> bool: ...
+    def __getstate__(self) -> int: ...
+    def __hash__(self) -> int: ...
+    def __index__(self) -> int: ...
+    def __init__(self, value: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __int__(self) -> int: ...
+    @typing.overload
+    def __ne__(self, other: Modulation) -> bool: ...
+    @typing.overload
+    def __ne__(self, other: typing.Any) -> bool: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, state: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def __str__(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class ModemSpec:
+    """
+    Figures of a modem; see cpp/uwsim/acoustics/modem/modem_spec.h.
+    """
+
+    access: MediumAccess
+    fading: bool
+    kind: LinkKind
+    modulation: Modulation
+    def __init__(self) -> None: ...
+    def check(self) -> None:
+        """
+        Raises ValueError that names modem.<field>.
+        """
+    def packet_s(self, bytes: typing.SupportsInt | typing.SupportsIndex) -> float:
+        """
+        Duration of a packet [s].
+        """
+    @property
+    def backoff_s(self) -> float: ...
+    @backoff_s.setter
+    def backoff_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bandwidth_hz(self) -> float: ...
+    @bandwidth_hz.setter
+    def bandwidth_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bit_rate_bit_s(self) -> float: ...
+    @bit_rate_bit_s.setter
+    def bit_rate_bit_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def coding_gain_db(self) -> float: ...
+    @coding_gain_db.setter
+    def coding_gain_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def frequency_hz(self) -> float: ...
+    @frequency_hz.setter
+    def frequency_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def guard_s(self) -> float: ...
+    @guard_s.setter
+    def guard_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def header_bytes(self) -> int: ...
+    @header_bytes.setter
+    def header_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def latency_s(self) -> float: ...
+    @latency_s.setter
+    def latency_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def multipath_window_s(self) -> float: ...
+    @multipath_window_s.setter
+    def multipath_window_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def packet_bytes(self) -> int: ...
+    @packet_bytes.setter
+    def packet_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def preamble_s(self) -> float: ...
+    @preamble_s.setter
+    def preamble_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def queue_bytes(self) -> int: ...
+    @queue_bytes.setter
+    def queue_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def receiver_noise_db_hz(self) -> float: ...
+    @receiver_noise_db_hz.setter
+    def receiver_noise_db_hz(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def slot_s(self) -> float: ...
+    @slot_s.setter
+    def slot_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def source_level_db(self) -> float: ...
+    @source_level_db.setter
+    def source_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def speed_max_m_s(self) -> float: ...
+    @speed_max_m_s.setter
+    def speed_max_m_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class LinkFault:
+    """
+    A time in which packets are lost with a probability.
+    """
+    def __init__(
+        self,
+        from_s: typing.SupportsFloat | typing.SupportsIndex,
+        until_s: typing.SupportsFloat | typing.SupportsIndex,
+        loss: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    @property
+    def from_s(self) -> float: ...
+    @property
+    def loss(self) -> float: ...
+    @property
+    def until_s(self) -> float: ...
+
+class LinkSpec:
+    """
+    What joins the station and the vehicles.
+    """
+
+    modem: ModemSpec
+    def __init__(self) -> None: ...
+    def set_bottom(
+        self,
+        density_ratio: typing.SupportsFloat | typing.SupportsIndex,
+        speed_ratio: typing.SupportsFloat | typing.SupportsIndex,
+        attenuation_db_wavelength: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+    @property
+    def faults(self) -> list[LinkFault]: ...
+    @faults.setter
+    def faults(self, arg0: collections.abc.Sequence[LinkFault]) -> None: ...
+    @property
+    def shipping(self) -> float: ...
+    @shipping.setter
+    def shipping(self, arg1: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def station_transducer_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @station_transducer_world_m.setter
+    def station_transducer_world_m(
+        self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
+    ) -> None: ...
+    @property
+    def wind_m_s(self) -> float: ...
+    @wind_m_s.setter
+    def wind_m_s(self, arg1: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class Reception:
+    """
+    How a packet reaches a receiver; levels in dB re 1 uPa.
+    """
+    def packet_loss(self, modem: ModemSpec, bytes: typing.SupportsInt | typing.SupportsIndex) -> float:
+        """
+        Probability that a packet of so many bytes is lost in the noise.
+        """
+    @property
+    def closing_m_s(self) -> float:
+        """
+        speed of the ends towards each other
+        """
+    @property
+    def delay_s(self) -> float:
+        """
+        of the first arrival
+        """
+    @property
+    def noise_db(self) -> float:
+        """
+        within the band, with echoes that come too late
+        """
+    @property
+    def reached(self) -> bool: ...
+    @property
+    def signal_db(self) -> float: ...
+    @property
+    def snr_db(self) -> float: ...
+    @property
+    def spread_s(self) -> float:
+        """
+        from the first to the last arrival within 20 dB
+        """
+
+class LinkDelivery:
+    """
+    A message that has arrived. from, to: nodes; topic: an index.
+    """
+    @property
+    def arrived_ns(self) -> int: ...
+    @property
+    def from_node(self) -> int: ...
+    @property
+    def given_ns(self) -> int: ...
+    @property
+    def number(self) -> int: ...
+    @property
+    def payload(self) -> bytes: ...
+    @property
+    def to_node(self) -> int: ...
+    @property
+    def topic(self) -> int: ...
+
+class TopicCounts:
+    """
+    What happened to the messages of a topic that a node gave.
+    """
+    @property
+    def bytes_delivered(self) -> int: ...
+    @property
+    def bytes_sent(self) -> int: ...
+    @property
+    def delay_s(self) -> float:
+        """
+        sum over all that were delivered
+        """
+    @property
+    def delivered(self) -> int: ...
+    @property
+    def given(self) -> int: ...
+    @property
+    def late(self) -> int:
+        """
+        the deadline passed before they could be sent
+        """
+    @property
+    def lost(self) -> dict[str, int]:
+        """
+        dict: by reason. sending: the receiver was sending itself; unheard: no path.
+        """
+    @property
+    def refused(self) -> int:
+        """
+        the queue was full
+        """
+    @property
+    def replaced(self) -> int:
+        """
+        by newer ones, before they were sent
+        """
+    @property
+    def sent(self) -> int: ...
+
+class LinkQuality:
+    """
+    What a node last heard of another.
+    """
+    @property
+    def closing_m_s(self) -> float: ...
+    @property
+    def delay_s(self) -> float: ...
+    @property
+    def heard_ns(self) -> int:
+        """
+        when the last message arrived; 0: none yet
+        """
+    @property
+    def packets(self) -> int: ...
+    @property
+    def packets_lost(self) -> int: ...
+    @property
+    def snr_db(self) -> float: ...
+    @property
+    def spread_s(self) -> float: ...
 
 def absorption_db_km(
     frequency_hz: typing.SupportsFloat | typing.SupportsIndex,

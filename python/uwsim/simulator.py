@@ -18,6 +18,7 @@ from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
 from uwsim.journal import Journal
 from uwsim.named import Named
+from uwsim.network import Network
 from uwsim.parameters import Parameters
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
 from uwsim.scenario.build.hull import hull_radius_m
@@ -41,7 +42,7 @@ class Simulator(Sealed):
 
     scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
     seed, sonar_model (of every vehicle: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model
-    that works at several), mission_time_s: replace the scenario's values.
+    that works at several), mission_time_s, link (a modem's name or path): replace the scenario's values.
     threads: how many may be used; by default all. Results do not depend on it.
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
@@ -65,6 +66,7 @@ class Simulator(Sealed):
             "step_s": "the scenario's step_s",
             "scenario": "Simulator(scenario)",
             "threads": "Simulator(scenario, threads=...)",
+            "link": "Simulator(scenario, link=...)",
             "world": "the scenario",
         }
     )
@@ -77,6 +79,7 @@ class Simulator(Sealed):
         sonar_model: int | str | Path | None = None,
         sonar_frequency_khz: float | None = None,
         mission_time_s: float | None = None,
+        link: str | Path | None = None,
         threads: int | None = None,
     ) -> None:
         self._scenario = load(scenario).with_changes(
@@ -84,6 +87,7 @@ class Simulator(Sealed):
             mission_time_s=mission_time_s,
             sonar_model=sonar_model,
             sonar_frequency_khz=sonar_frequency_khz,
+            modem=link,
         )
         self.threads = _checked_threads(threads)
         self.journal = Journal()
@@ -100,6 +104,7 @@ class Simulator(Sealed):
             with vehicle_errors_at(self.scenario, index):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
         self.vehicles = Named(vehicles, "vehicles")
+        self._link = Network.of(self._core, self.scenario, self.journal)
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps)
 
@@ -140,6 +145,11 @@ class Simulator(Sealed):
     def world(self) -> _core.FixedWorld:
         """Terrain, obstacles and water, as they are now. It cannot be changed here."""
         return self._fixed_world
+
+    @property
+    def link(self) -> Network | None:
+        """The link between station and vehicles, or None where what they say passes at once."""
+        return self._link
 
     @property
     def rov(self) -> Vehicle:

@@ -121,6 +121,7 @@ void bind_sim(py::module_& m) {
                                          "A world with vehicles, which are given by index, advanced by fixed steps.");
   bind_commands(simulation);
   bind_pings(m, simulation);
+  bind_link(m, simulation);
   simulation
       .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
            py::arg("scene").none(false), py::arg("spec"))

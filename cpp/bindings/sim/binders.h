@@ -9,5 +9,7 @@ namespace uwsim::bindings {
 void bind_commands(py::class_<OwnedSimulation>& simulation);
 /// Sonar heads and their pings in both modes.
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
+/// The link between station and vehicles.
+void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation);
 
 }  // namespace uwsim::bindings

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -40,11 +41,20 @@ class OwnedSimulation {
     });
   }
 
+  /// See Simulation::set_link.
+  void set_link(const LinkSpec& spec) {
+    with([&](Simulation& sim) {
+      sim.set_link(spec);
+      link_ = spec;
+    });
+  }
+
   /// Begins anew in `world` with `spec`, with the same vehicles at their starts. Throws, changing nothing.
   void restart(const World& world, const SimulationSpec& spec) {
     with([&](Simulation& old) {
       auto fresh = std::make_unique<Simulation>(world, scene_, spec);
       for (const VehicleSpec& vehicle : vehicles_) fresh->add_vehicle(vehicle);
+      if (link_) fresh->set_link(*link_);
       earlier_versions_ += old.version() + 1;
       previous_ = std::move(simulation_);
       simulation_ = std::move(fresh);
@@ -82,6 +92,7 @@ class OwnedSimulation {
   std::recursive_mutex mutex_;  // recursive: a signal handler that runs between slices may call, too
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
+  std::optional<LinkSpec> link_;
   std::unique_ptr<Simulation> simulation_;
   std::unique_ptr<Simulation> previous_;  // a signal handler may restart it while it makes pings
   std::uint64_t earlier_versions_ = 0;

@@ -13,6 +13,7 @@ namespace uwsim {
 ///   <vehicle>/<sonar>               echoes, noise and false detections of a sonar
 ///   <vehicle>/<camera>/noise        noise of a camera's pixels; <camera>/noise for one of the station's
 ///   water/waves, water/gusts/<axis>, optics/ripples
+///   link/loss, link/wait            packets that are lost; waits of the random access
 ///
 /// A name keys its draws (RandomStream): a stream that is renamed gives other samples.
 template <typename... Parts>

@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +37,10 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     hulls = std::make_shared<MovingBodies>(hulls_->label(0));
     for (const VehicleSpec& vehicle : vehicles) hulls->add(vehicle.craft->hull().mesh_body());
   }
+  std::optional<LinkWater> heard_through;
+  if (link_) heard_through.emplace(link_->spec, water);
   bodies_.change_bodies(std::move(bodies));
+  if (link_) link_->water = std::move(*heard_through);
   world_.water = water;
   spec_ = spec;
   vehicles_ = std::move(changed);

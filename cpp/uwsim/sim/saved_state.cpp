@@ -48,6 +48,8 @@ void Simulation::exchange_state(StateArchive& archive) {
   archive.same("vehicles", vehicles_.size());
   for (Vehicle& vehicle : vehicles_) exchange_vehicle(archive, vehicle);
   bodies_.exchange_state(archive);
+  archive.same("link", link_ ? 1 : 0);
+  if (link_) link_->network.exchange_state(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -90,6 +90,7 @@ void Simulation::step_once() {
       vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, spec_.station_world_m});
     }
   }
+  if (link_) transmit();
   for (Vehicle& vehicle : vehicles_) drive(vehicle);
   bodies_.step(world_.water, time_s());
   for (Vehicle& vehicle : vehicles_) {
@@ -100,6 +101,7 @@ void Simulation::step_once() {
   }
   ++tick_;
   ++version_;
+  if (link_) link_->network.receive(time_ns());
 }
 
 void Simulation::drive(Vehicle& vehicle) {

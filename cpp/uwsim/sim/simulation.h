@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "uwsim/rays/ray_scene.h"
+#include "uwsim/sim/link.h"
 #include "uwsim/sim/saved_state_format.h"
 #include "uwsim/sim/telemetry.h"
 #include "uwsim/sim/vehicle.h"
@@ -42,6 +44,15 @@ class Simulation {
   /// motion, commands, samples. `vehicles`: one for each, in order, with the same parts by the same names; where they
   /// start is ignored. Throws InvalidValue, changing nothing, for a spec that is not valid or of another step or seed.
   void change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles);
+
+  /// Joins the station, node 0, and the vehicles, node 1 + index, when all vehicles have been added. Throws
+  /// InvalidValue.
+  void set_link(const LinkSpec& spec);
+  bool has_link() const { return link_.has_value(); }
+  /// The packets of the link. Throws InvalidValue where there is none.
+  PacketNetwork& link();
+  /// How a packet sent now would reach another node.
+  Reception link_reception(std::size_t from, std::size_t to) const;
 
   /// Throws InvalidValue when the motion of a vehicle diverges.
   void step(std::uint64_t count = 1);
@@ -108,6 +119,8 @@ class Simulation {
   RayScene scene_around(const Vehicle& vehicle) const;
   void step_once();
   void drive(Vehicle& vehicle);
+  void transmit();
+  Transducer transducer(std::size_t node) const;
 
   static constexpr auto kUnplaced = std::numeric_limits<std::uint64_t>::max();  // a version that never is
 
@@ -119,6 +132,7 @@ class Simulation {
   std::uint64_t version_ = 0;
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
+  std::optional<Link> link_;
   std::shared_ptr<MovingBodies> hulls_;  // the vehicles, as rays meet them
   mutable std::uint64_t hulls_version_;  // when they were placed
 };

@@ -10,7 +10,7 @@ import numpy as np
 
 from uwsim.cameras import Camera
 from uwsim.channels import build
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import COMMAND, PICTURE, Channel
 from uwsim.channels.pictures import RATE_HZ, Picture, Pictures
 from uwsim.channels.source import Source
 from uwsim.channels.steering import log_error
@@ -54,7 +54,7 @@ def aim_channels(prefix: str, vehicle: str | None, name: str, camera: Camera) ->
         Channel(
             f"{prefix}camera/{name}/cmd_{axis}", "std_msgs/msg/Float64", "in",
             f"angle [rad] to turn to, positive {positive}, in [{math.radians(low):.4g}, {math.radians(high):.4g}]",
-            over_link=vehicle is not None,
+            over_link=vehicle is not None, priority=COMMAND,
             apply=_aimer(f"{prefix}camera/{name}/cmd_{axis}", vehicle, name, axis, limits),
         )
         for axis, positive, limits in axes
@@ -136,18 +136,20 @@ def info_message(picture: Picture, frame_id: str) -> Any:
 def _channels(
     prefix: str, name: str, pictures: Pictures, frame_id: str, over_link: bool, camera_of: CameraOf
 ) -> list[Channel]:
-    def channel(topic: str, kind: str, description: str, write: Callable[[Picture, str], Any]) -> Channel:
+    def channel(topic: str, kind: str, description: str, write: Callable[[Picture, str], Any], packing: str) -> Channel:
         def read(sim: Simulator) -> Any:
             picture = pictures.read(sim, prefix + name, camera_of(sim))
             return None if picture is None else write(picture, frame_id)
 
         return Channel(
             f"{prefix}camera/{name}/{topic}", f"sensor_msgs/msg/{kind}", "out", description, rate_hz=RATE_HZ,
-            frame_id=frame_id, over_link=over_link, late=True, read=read,
+            frame_id=frame_id, over_link=over_link, priority=PICTURE, packing=packing, late=True, read=read,
         )  # fmt: skip
 
     return [
-        channel("image_raw/compressed", "CompressedImage", "pictures as JPEG", jpeg_message),
-        channel("camera_info", "CameraInfo", "intrinsics of the pictures as sent", info_message),
-        channel("depth/image_raw", "Image", "depth along the optical axis [m], full size; inf: nothing", depth_message),
+        channel("image_raw/compressed", "CompressedImage", "pictures as JPEG", jpeg_message, "thumbnail"),
+        channel("camera_info", "CameraInfo", "intrinsics of the pictures as sent", info_message, ""),
+        channel(
+            "depth/image_raw", "Image", "depth along the optical axis [m], full size; inf: nothing", depth_message, ""
+        ),
     ]

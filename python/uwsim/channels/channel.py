@@ -9,6 +9,9 @@ from typing import Any, Literal
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator import Simulator
 
+COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
+"""Priorities over the link."""
+
 
 def _says_nothing(sim: Simulator) -> Any:
     return None
@@ -24,9 +27,11 @@ class Channel:
 
     name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
     simulated time; None: one reading when somebody begins to listen. latched: whoever comes later gets the newest
-    message at once. over_link: whether it goes over the acoustic link. late: whether on the wall clock it comes when it
-    is ready, or not at all, as pictures do; so when, but not what, depends on the machine. pieced: whether a late
-    picture is pieced together from those before, so that there what it shows depends on the machine, too.
+    message at once. over_link: whether it goes over the acoustic link; priority: then, COMMAND to PICTURE, the lowest
+    number goes first; packing: how its messages become few bytes, a name in uwsim.link.packing.PACKINGS, or "" for
+    those that no modem can carry. late: whether on the wall clock it comes when it is ready, or not at all, as
+    pictures do; so when, but not what, depends on the machine. pieced: whether a late picture is pieced together from
+    those before, so that there what it shows depends on the machine, too.
     catch_up: of a channel whose messages build on each other: returns one message with all since a cursor (None: since
     the beginning), and the next cursor; called on any thread.
     keep_up: called between two steps at rate_hz from when a server begins to offer the channel, whoever reads: what its
@@ -45,6 +50,8 @@ class Channel:
     latched: bool = False
     frame_id: str = ""
     over_link: bool = False
+    priority: int = INSTRUMENT
+    packing: str = "deflate"
     catch_up: Callable[[Any], tuple[Any, Any]] | None = None
     late: bool = False
     pieced: bool = False

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import COMMAND, Channel
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
 from uwsim.live import LiveSimulator
@@ -24,13 +24,17 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
     vehicle, topic, frame_id = source.of(sim), source.topic, source.frame("base_link")
     thrusters, fins = list(vehicle.thrusters), list(vehicle.fins)
 
-    def hear(name: str, kind: str, description: str, apply: Any) -> Channel:
-        return Channel(topic(name), kind, "in", description, frame_id=frame_id, over_link=True, apply=apply)
+    def hear(name: str, kind: str, description: str, apply: Any, packing: str = "deflate") -> Channel:
+        return Channel(
+            topic(name), kind, "in", description, frame_id=frame_id, over_link=True, priority=COMMAND, packing=packing,
+            apply=apply,
+        )  # fmt: skip
 
     found = [
         hear(
             "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next command",
             lambda live, message: steering.hold_velocity(live, _six("cmd_vel", message.linear, message.angular)),
+            packing="twist",
         ),
         hear(
             "cmd_wrench", "geometry_msgs/msg/Wrench", "force [N] and torque [N m] of the thrusters in still water",

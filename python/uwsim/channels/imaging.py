@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels import build
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import PICTURE, PING, Channel
 from uwsim.channels.pictures import RATE_HZ, Pictures, Stream, as_jpeg
 from uwsim.channels.source import Source
 from uwsim.simulator import Simulator
@@ -148,12 +148,13 @@ def imaging_channels(source: Source, sim: Simulator, pictures: Pictures) -> list
             Channel(
                 f"{topic}/image", "marine_acoustic_msgs/msg/ProjectedSonarImage", "out",
                 "levels [dB re 1 uPa] by beam and range", rate_hz=view.rate_hz, frame_id=frame_id, over_link=True,
-                late=True, read=_said(look, frame_id, _levels(sonar)),
+                priority=PING, packing="", late=True, read=_said(look, frame_id, _levels(sonar)),
             ),
             Channel(
                 f"{topic}/picture/compressed", "sensor_msgs/msg/CompressedImage", "out",
                 "a picture of its echoes as JPEG", rate_hz=view.rate_hz, frame_id=frame_id, over_link=True,
-                late=True, pieced=not isinstance(sonar.model, ForwardLooking), read=_said(look, frame_id, _picture),
+                priority=PICTURE, packing="thumbnail", late=True, pieced=not isinstance(sonar.model, ForwardLooking),
+                read=_said(look, frame_id, _picture),
             ),
         ]  # fmt: skip
     return found

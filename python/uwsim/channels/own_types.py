@@ -3,6 +3,7 @@
 TELEMETRY = "uwsim_msgs/msg/Telemetry"
 MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
 STATION_STATE = "uwsim_msgs/msg/StationState"
+LINK = "uwsim_msgs/msg/Link"
 SONAR_PING = "uwsim_msgs/msg/SonarPing"
 
 OWN_TYPES = {
@@ -41,6 +42,23 @@ float64 resolution             # m, edge of a voxel
 int16[] blocks                 # 3 n: x, y, z of each block of 16 x 16 x 16 voxels, from the origin of header.frame_id
 uint16[] counts                # n: how many cells follow for each
 uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block; bit 15: occupied now, or no longer
+""",
+    LINK: """\
+std_msgs/Header header         # docs/link.md; of both directions together unless it says otherwise
+string modem
+float32 quality                # share of the packets so far that arrived
+float32 delay                  # s, of the newest packet's first arrival
+float32 snr                    # dB, of that packet
+float32 closing_speed          # m/s, of the ends towards each other then: Doppler
+float32 silence                # s since the vehicle heard the station
+float32 silence_at_station     # s since the station heard the vehicle
+uint32 queue_station           # bytes that wait
+uint32 queue_vehicle
+uint32 sent                    # messages
+uint32 delivered
+uint32 lost
+uint32 late                    # not sent, since their time was over or the queue full
+uint64 bytes_delivered         # of payloads
 """,
     SONAR_PING: """\
 std_msgs/Header header         # in recordings alone: what maps are made from, to the last bit

@@ -14,7 +14,7 @@ import numpy as np
 from uwsim import ranging
 from uwsim.channels import build
 from uwsim.channels.cameras import jpeg_message
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import COMMAND, PANEL, PICTURE, Channel
 from uwsim.channels.pictures import RATE_HZ, Pictures
 from uwsim.channels.pings import Pings
 from uwsim.channels.scans import DEPTH_ARRAY
@@ -26,7 +26,7 @@ from uwsim.simulator import Simulator
 POSE_HZ = 50.0
 PANEL_HZ = 10.0
 SLOW_HZ = 1.0
-TEXT, POSE, PICTURE = "std_msgs/msg/String", "geometry_msgs/msg/Pose", "sensor_msgs/msg/CompressedImage"
+TEXT, POSE, JPEG = "std_msgs/msg/String", "geometry_msgs/msg/Pose", "sensor_msgs/msg/CompressedImage"
 TILT_LIMIT_RAD = 0.5 * math.pi
 
 
@@ -69,20 +69,22 @@ def published_channels(
     found = [
         Channel(
             topic("propPos"), POSE, "out", "pose, odom -> base_footprint", rate_hz=POSE_HZ, over_link=True,
-            frame_id=source.frame("odom"),
+            priority=PANEL, packing="pose", frame_id=source.frame("odom"),
             read=lambda sim: build.pose(source.position_odom_m(sim), source.of(sim).pose.orientation_xyzw),
         ),
         Channel(
             topic("stateData"), TEXT, "out",
             "speed [m/s], angular speed [rad/s], temperature [deg C], pressure [kPa], depth [m], distances to station "
             "and seabed [m], mission time [s], battery [%], each followed by a",
-            rate_hz=PANEL_HZ, over_link=True, read=lambda sim: build.text(state_text(sim, source)),
+            rate_hz=PANEL_HZ, over_link=True, priority=PANEL, packing="state",
+            read=lambda sim: build.text(state_text(sim, source)),
         ),
         Channel(
             topic("key"), POSE, "in",
             "efforts, saturating at +-1: position surge, sway (starboard), heave; orientation x, y, z pitch, roll, yaw "
             "(starboard); w: 1 release, 2/3 front light off/on, 4/5 down light off/on, 6/7/8 tilt down/hold/up",
-            over_link=True, apply=lambda live, message: apply_key(live, source, steering, message),
+            over_link=True, priority=COMMAND, packing="key",
+            apply=lambda live, message: apply_key(live, source, steering, message),
             abandoned=lambda live: let_go(live, steering),
         ),
     ]  # fmt: skip
@@ -108,7 +110,7 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
     found = [
         Channel(
             topic("scanPos"), POSE, "out", "the sonar's head, base_footprint -> base_scan", rate_hz=POSE_HZ,
-            frame_id=source.frame("base_footprint"), over_link=True,
+            frame_id=source.frame("base_footprint"), over_link=True, packing="pose",
             read=lambda sim: build.pose(source.scan_mount_m, build.tilt_xyzw(source.of(sim).sonar.elevation_rad)),
         ),
         Channel(
@@ -143,9 +145,10 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
     if cameras:
         found.append(
             Channel(
-                source.topic("images/compressed"), PICTURE, "out",
+                source.topic("images/compressed"), JPEG, "out",
                 "the vehicle's cameras in turn, told apart by frame_id", rate_hz=RATE_HZ * len(cameras),
-                over_link=True, late=True, read=lambda sim: _next_picture(source, pictures, cameras, sim),
+                over_link=True, priority=PICTURE, packing="thumbnail", late=True,
+                read=lambda sim: _next_picture(source, pictures, cameras, sim),
             )
         )  # fmt: skip
     return found
@@ -165,7 +168,7 @@ def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
     return [
         Channel(
             "image/compressed",
-            PICTURE,
+            JPEG,
             "out",
             "the station's camera",
             rate_hz=RATE_HZ,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core, ranging
 from uwsim.channels import build
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import PING, Channel
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.source import Source
 
@@ -36,6 +36,7 @@ class PingTopic:
     """A topic whose messages follow from a ping: live, from the newest; of a recording, from each that it holds.
 
     rate_hz: at which the newest is said; None: each ping once. make: of head, ping and frame; None if nothing is said.
+    packing: see Channel.
     """
 
     name: str
@@ -44,6 +45,7 @@ class PingTopic:
     make: Callable[[Head, TakenPing, str], Any]
     rate_hz: float | None = None
     frame: str = "base_scan"
+    packing: str = ""
 
     def channel(self, source: Source, pings: Pings) -> Channel:
         """Return the channel that says a vehicle's newest ping."""
@@ -51,7 +53,8 @@ class PingTopic:
         make = _once_a_ping(lambda taken: self.make(pings, taken, frame_id))
         return Channel(
             source.topic(self.name), self.type, "out", self.description, rate_hz=self.rate_hz or pings.rate_hz,
-            frame_id=frame_id, over_link=True, read=lambda sim: make(pings.newest(sim)),
+            frame_id=frame_id, over_link=True, priority=PING, packing=self.packing,
+            read=lambda sim: make(pings.newest(sim)),
         )  # fmt: skip
 
 
@@ -134,8 +137,10 @@ def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str)
 
 
 SCAN_TOPICS = (
-    PingTopic("scan", "sensor_msgs/msg/LaserScan", "the newest ping, stamped with its time", _scan, SCAN_HZ),
-    PingTopic("ping", "sensor_msgs/msg/LaserScan", "each ping once, as /scan says it", _scan),
+    PingTopic(
+        "scan", "sensor_msgs/msg/LaserScan", "the newest ping, stamped with its time", _scan, SCAN_HZ, packing="scan"
+    ),
+    PingTopic("ping", "sensor_msgs/msg/LaserScan", "each ping once, as /scan says it", _scan, packing="scan"),
     PingTopic(
         "laserPointCloud", "sensor_msgs/msg/PointCloud2", "the scan as laser_geometry projects it", _projected, SCAN_HZ
     ),
@@ -143,7 +148,7 @@ SCAN_TOPICS = (
 )
 DEPTH_ARRAY = PingTopic(
     "depthArray", "std_msgs/msg/String", "every beam's range [m], each followed by a; once for each ping", _depths,
-    frame="",
+    frame="", packing="depths",
 )  # fmt: skip
 PING_TOPICS = (*SCAN_TOPICS, DEPTH_ARRAY)
 """Everything that follows from a ping."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels import build
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import PANEL, Channel
 from uwsim.channels.own_types import TELEMETRY
 from uwsim.channels.source import Source
 from uwsim.simulator import Simulator
@@ -23,7 +23,8 @@ def telemetry_channel(source: Source, *, truth: bool) -> Channel:
     """Return a vehicle's channel. truth: whether its true position may be seen."""
     return Channel(
         source.topic("telemetry"), TELEMETRY, "out", "the vehicle's panel, position, commands and warnings",
-        rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=True, read=lambda sim: read(sim, source, truth=truth),
+        rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=True, priority=PANEL, packing="telemetry",
+        read=lambda sim: read(sim, source, truth=truth),
     )  # fmt: skip
 
 

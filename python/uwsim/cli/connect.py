@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.options import Seed, SonarModel, Threads
+from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.serve import Origin, Paused, Speed, Wire, parsed_speed
 
@@ -21,6 +21,7 @@ def connect(
     origin: Origin = "world",
     ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.")] = 1,
     paused: Paused = False,
+    link: Link = None,
     threads: Threads = None,
 ) -> None:
     """Run a scenario as a client of a rosbridge_server.
@@ -31,6 +32,7 @@ def connect(
     listens.
     """
     import logging
+    from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeClient
     from uwsim.channels import channels, diagnostics_channel, services
@@ -42,7 +44,7 @@ def connect(
     logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)
     if ros not in (1, 2):
         raise ValueError(f"--ros = {ros}: must be 1 or 2")
-    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
+    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     said = channels(
         simulator,
@@ -52,8 +54,14 @@ def connect(
     )
     if wire != "published":
         said.append(diagnostics_channel(live))
-    with (
-        live,
-        RosbridgeClient(live, url, channels=said, services=services(simulator), ros=ros),  # type: ignore[arg-type]
-    ):
+    with live, ExitStack() as sinks:
+        asked = services(simulator)
+        if simulator.link is not None:
+            from uwsim.link import Carrier
+
+            carrier = sinks.enter_context(Carrier(live, said))
+            said, asked = carrier.channels, carrier.over(asked)
+        sinks.enter_context(
+            RosbridgeClient(live, url, channels=said, services=asked, ros=ros)  # type: ignore[arg-type]
+        )
         run_until_interrupted(live, f"{scenario} to {url}")

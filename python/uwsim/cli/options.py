@@ -34,6 +34,13 @@ Pose = Annotated[
     ),
 ]
 MissionTime = Annotated[float | None, typer.Option(help="Replaces the scenario's battery time [s].")]
+Link = Annotated[
+    str | None,
+    typer.Option(
+        help="Joins station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
+        "Replaces the scenario's modem."
+    ),
+]
 Record = Annotated[
     Path | None, typer.Option(help="Record the run into a new file: FILE.mcap, or FILE.bag for ROS 1 (no replay).")
 ]

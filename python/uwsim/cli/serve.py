@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
-from uwsim.cli.options import Record, RecordTopics, Seed, SonarModel, Threads, need
+from uwsim.cli.options import Link, Record, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ def serve(
     ] = None,
     paused: Paused = False,
     station: Annotated[bool, typer.Option("--station", help="Also serve the operator's page.")] = False,
+    link: Link = None,
     ros2: Ros2 = False,
     ros_distro: RosDistro = None,
     ros_domain_id: RosDomain = None,
@@ -80,7 +81,7 @@ def serve(
         need("--record", record_topic=record_topic)
     if certfile is None:
         need("--certfile", keyfile=keyfile)
-    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
+    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         hub = None
         if station:
@@ -119,6 +120,11 @@ def serve(
 
         feed = Feed(live)
         if hub is None:
+            if simulator.link is not None:
+                from uwsim.link import Carrier
+
+                carrier = sinks.enter_context(Carrier(live, server.channels))
+                server.channels, server.services = carrier.channels, carrier.over(server.services)
             server.channels = recorded(server.channels)
         greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
         if hub is not None:

@@ -108,6 +108,24 @@ def set_optics(sim: Simulator, **changes: Any) -> None:
     sim.set_optics(**changes)
 
 
+def link_send(
+    sim: Simulator,
+    sender: str,
+    receiver: str,
+    topic: str,
+    payload: bytes,
+    priority: int = 0,
+    lifetime_s: float | None = None,
+    replaces: bool = False,
+) -> None:
+    """Give the link a message; see Network.send."""
+    if sim.link is None:
+        raise ValueError("link_send: the scenario has no link")
+    sim.link.send(
+        sender, receiver, topic, payload, priority=priority, lifetime_s=lifetime_s, replaces=replaces
+    )  # fmt: skip
+
+
 COMMANDS: dict[str, Callable[..., Any]] = {
     command.__name__: command
     for command in (
@@ -126,6 +144,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
         set_parameter,
         set_parameters,
         reset_parameters,
+        link_send,
     )
 }
 """Every command by its name, except `reset`, which belongs to LiveSimulator."""

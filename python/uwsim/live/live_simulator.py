@@ -19,7 +19,7 @@ from uwsim.live.commands import bound_command
 from uwsim.live.pace import Pace, Speed
 from uwsim.live.requests import Request
 from uwsim.live.step_loop import StepLoop
-from uwsim.live.subscription import Subscription
+from uwsim.live.subscription import Subscription, Task
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.scenario import Scenario
 from uwsim.simulator import Simulator
@@ -230,6 +230,10 @@ class LiveSimulator:
         subscription = Subscription(max(round(period_s * 1e9), 1), step_ns, read, sink, self.simulator.tick)
         self._loop.subscribe(subscription)
         return subscription
+
+    def attend(self, task: Task) -> None:
+        """Call a task's `deliver` between two steps at each tick that it asks for. Raises NotRunningError."""
+        self._loop.subscribe(task)
 
     @property
     def _on_loop(self) -> bool:

@@ -13,7 +13,7 @@ from typing import TypeVar
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request
-from uwsim.live.subscription import Subscription
+from uwsim.live.subscription import Task
 from uwsim.simulator import Simulator
 
 T = TypeVar("T")
@@ -41,7 +41,7 @@ class StepLoop:
         self.steps_made = 0
         self.error: Exception | None = None
         self._requests: deque[Request] = deque()
-        self._subscriptions: list[Subscription] = []
+        self._subscriptions: list[Task] = []
         self._alarms: list[tuple[int, Future[None]]] = []
         self._steps_until = 0  # while paused, step until steps_made is this
         self._tick = sim.tick
@@ -80,7 +80,7 @@ class StepLoop:
         self.submit(request)
         return request.future.result()  # type: ignore[no-any-return]
 
-    def subscribe(self, subscription: Subscription) -> None:
+    def subscribe(self, subscription: Task) -> None:
         """Deliver the subscription from now on. Raises NotRunningError."""
         with self.lock:
             self._require_open()
@@ -176,7 +176,7 @@ class StepLoop:
             return 0.0 if self.steps_made < self._steps_until else None
         return self.pace.wait_s(now_s, min(self._steps_awaited(), default=None))
 
-    def _due(self, subscription: Subscription) -> bool:
+    def _due(self, subscription: Task) -> bool:
         return not subscription.cancelled and subscription.due_tick <= self._tick
 
     def _answer_requests(self) -> None:

@@ -4,11 +4,24 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from uwsim.simulator import Simulator
 
 logger = logging.getLogger("uwsim.live")
+
+
+class Task(Protocol):
+    """What the stepping thread does at ticks that it asks for itself.
+
+    due_tick: the next one; after a jump of time it is set to that tick. cancelled: never again.
+    """
+
+    due_tick: int
+    cancelled: bool
+
+    def deliver(self, sim: Simulator, tick: int) -> None:
+        """Do what is due, and be due later. Must be brief."""
 
 
 class Subscription:

@@ -33,7 +33,7 @@ COORDINATES = ("x", "y", "z")
 COLOURS = ("red", "green", "blue")
 
 FIXED: dict[type[Model], frozenset[str]] = {
-    Scenario: frozenset(["name", "description", "seed", "step_s", "terrain", "ground", "obstacles", "survey"]),
+    Scenario: frozenset(["name", "description", "seed", "step_s", "terrain", "ground", "obstacles", "link", "survey"]),
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),

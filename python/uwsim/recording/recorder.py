@@ -19,6 +19,7 @@ from uwsim.arguments import plain
 from uwsim.channels import Channel, channels
 from uwsim.channels.feed import Feed, Reading
 from uwsim.channels.table import table_of
+from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
@@ -96,6 +97,7 @@ class Recorder:
     ) -> list[Channel]:
         may_wait = self._may_wait
         given = channels(self._sim, may_wait=may_wait) if shared is None else list(shared)
+        self._through_link = is_seen(given)
         said = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
             said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
@@ -228,6 +230,7 @@ class Recorder:
             "streams": json.dumps({key: asdict(stream) for key, stream in table_of(sim).pictures.streams.items()}),
             "map_is_older": json.dumps(table_of(sim).has_map),
             "truth": json.dumps(table_of(sim).truth),
+            "through_link": json.dumps(self._through_link),
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),
             "build": build_fingerprint(),

@@ -18,6 +18,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pictures import Stream
 from uwsim.channels.services import SET_STREAM
 from uwsim.channels.table import table_of
+from uwsim.link import seen_channels
 from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
@@ -119,6 +120,8 @@ class _Replay:
         self._is_survey = recording.start["kind"] == SURVEY
         on_wall_clock = json.loads(recording.start["on_wall_clock"])
         known = channels(sim, origin=json.loads(recording.start["origin"]), truth=json.loads(recording.start["truth"]))
+        if json.loads(recording.start.get("through_link", "false")):
+            known = seen_channels(sim, known)
         for key, stream in json.loads(recording.start["streams"]).items():
             table_of(sim).pictures.set_stream(key, Stream(**stream))
         if not self._is_survey:  # a survey pings by a clock of its own: its pings are made anew when they were recorded

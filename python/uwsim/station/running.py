@@ -21,7 +21,14 @@ from uwsim.station.scene import Scene
 from uwsim.station.views import Views, title
 from uwsim.vehicle import AXES
 
-STEERING = {"place", "set_effort", "set_wrench", "set_thrusters", "set_fins"}  # the pilot's hands do that: `drive`
+STEERING = {
+    "link_send",
+    "place",
+    "set_effort",
+    "set_wrench",
+    "set_thrusters",
+    "set_fins",
+}  # the pilot's hands do that: `drive`
 SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
 PILOTED = sorted(set(COMMANDS) - STEERING)
 

@@ -19,15 +19,16 @@ def world_from_station(station: Station) -> Rotation:
 
 def dock_position(station: Station) -> NDArray[np.float64]:
     """(3,) the origin of a docked vehicle, world."""
-    return _in_world(station, station.dock_m)
+    return in_world(station, station.dock_m)
 
 
 def exit_position(station: Station) -> NDArray[np.float64]:
     """(3,) the origin of a vehicle that has just left the dock, world."""
-    return _in_world(station, np.add(station.dock_m, (EXIT_M, 0.0, 0.0)) if station.exit_m is None else station.exit_m)
+    return in_world(station, np.add(station.dock_m, (EXIT_M, 0.0, 0.0)) if station.exit_m is None else station.exit_m)
 
 
-def _in_world(station: Station, point_m: ArrayLike) -> NDArray[np.float64]:
+def in_world(station: Station, point_m: ArrayLike) -> NDArray[np.float64]:
+    """(3,) a point of the station's frame, world."""
     return np.asarray(world_from_station(station).apply(point_m) + np.asarray(station.position_m), np.float64)
 
 

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
+from uwsim.scenario.spec.link import LinkSetup, link_setup
 from uwsim.scenario.spec.material import Ground
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
@@ -37,7 +38,8 @@ class WarningLimits(Model):
 class Scenario(Model):
     """Everything that determines a run's results. World ENU, z up, water surface at z = 0.
 
-    mission_time_s: how long a vehicle's battery lasts after its release.
+    mission_time_s: how long a vehicle's battery lasts after its release. link: between station and vehicles; None: what
+    they say passes at once.
     """
 
     name: Name
@@ -53,6 +55,7 @@ class Scenario(Model):
     station: Station
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
     warnings: WarningLimits = WarningLimits()
+    link: Annotated[LinkSetup | None, BeforeValidator(link_setup)] = None
     survey: Survey | None = None
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
@@ -99,16 +102,20 @@ class Scenario(Model):
         sonar_model: int | str | Path | None = None,
         sonar_frequency_khz: float | None = None,
         vehicle_model: VehicleModel | None = None,
+        modem: str | Path | None = None,
     ) -> Scenario:
         """Return a checked copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError.
 
-        vehicle_model: of the first vehicle.
+        vehicle_model: of the first vehicle. modem: of the link, by a packaged name or a path.
         """
         data: dict[str, Any] = {key: getattr(self, key) for key in type(self).model_fields}
         if seed is not None:
             data["seed"] = seed
         if mission_time_s is not None:
             data["mission_time_s"] = mission_time_s
+        if modem is not None:
+            kept = self.link.model_fields_set - {"modem", "access"} if self.link else ()
+            data["link"] = {**{key: getattr(self.link, key) for key in kept}, "modem": modem}
         if sonar_model is not None or sonar_frequency_khz is not None:
             changes: dict[str, object] = {"frequency_khz": sonar_frequency_khz}
             if sonar_model is not None:

@@ -1,0 +1,215 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings/sim/binders.h"
+#include "uwsim/sim/link.h"
+
+namespace uwsim::bindings {
+namespace {
+
+void bind_link_figures(py::module_& m) {
+  py::enum_<LinkKind>(m, "LinkKind")
+      .value("CABLE", LinkKind::kCable)
+      .value("IDEAL", LinkKind::kIdeal)
+      .value("MODEM", LinkKind::kModem);
+  py::enum_<MediumAccess>(m, "MediumAccess").value("ALOHA", MediumAccess::kAloha).value("TDMA", MediumAccess::kTdma);
+  py::enum_<Modulation>(m, "Modulation").value("PSK", Modulation::kPsk).value("FSK", Modulation::kFsk);
+  py::class_<ModemSpec>(m, "ModemSpec", "Figures of a modem; see cpp/uwsim/acoustics/modem/modem_spec.h.")
+      .def(py::init<>())
+      .def_readwrite("kind", &ModemSpec::kind)
+      .def_readwrite("bit_rate_bit_s", &ModemSpec::bit_rate_bit_s)
+      .def_readwrite("preamble_s", &ModemSpec::preamble_s)
+      .def_readwrite("packet_bytes", &ModemSpec::packet_bytes)
+      .def_readwrite("header_bytes", &ModemSpec::header_bytes)
+      .def_readwrite("latency_s", &ModemSpec::latency_s)
+      .def_readwrite("frequency_hz", &ModemSpec::frequency_hz)
+      .def_readwrite("bandwidth_hz", &ModemSpec::bandwidth_hz)
+      .def_readwrite("source_level_db", &ModemSpec::source_level_db)
+      .def_readwrite("receiver_noise_db_hz", &ModemSpec::receiver_noise_db_hz)
+      .def_readwrite("modulation", &ModemSpec::modulation)
+      .def_readwrite("fading", &ModemSpec::fading)
+      .def_readwrite("coding_gain_db", &ModemSpec::coding_gain_db)
+      .def_readwrite("multipath_window_s", &ModemSpec::multipath_window_s)
+      .def_readwrite("speed_max_m_s", &ModemSpec::speed_max_m_s)
+      .def_readwrite("access", &ModemSpec::access)
+      .def_readwrite("slot_s", &ModemSpec::slot_s)
+      .def_readwrite("guard_s", &ModemSpec::guard_s)
+      .def_readwrite("backoff_s", &ModemSpec::backoff_s)
+      .def_readwrite("queue_bytes", &ModemSpec::queue_bytes)
+      .def("packet_s", &ModemSpec::packet_s, py::arg("bytes"), "Duration of a packet [s].")
+      .def("check", &ModemSpec::check, "Raises ValueError that names modem.<field>.");
+  py::class_<LinkFault>(m, "LinkFault", "A time in which packets are lost with a probability.")
+      .def(py::init<double, double, double>(), py::arg("from_s"), py::arg("until_s"), py::arg("loss"))
+      .def_readonly("from_s", &LinkFault::from_s)
+      .def_readonly("until_s", &LinkFault::until_s)
+      .def_readonly("loss", &LinkFault::loss);
+  py::class_<LinkSpec>(m, "LinkSpec", "What joins the station and the vehicles.")
+      .def(py::init<>())
+      .def_readwrite("modem", &LinkSpec::modem)
+      .def_readwrite("station_transducer_world_m", &LinkSpec::station_transducer_world_m)
+      .def_property(
+          "wind_m_s", [](const LinkSpec& l) { return l.noise.wind_m_s; },
+          [](LinkSpec& l, double value) { l.noise.wind_m_s = value; })
+      .def_property(
+          "shipping", [](const LinkSpec& l) { return l.noise.shipping; },
+          [](LinkSpec& l, double value) { l.noise.shipping = value; })
+      .def(
+          "set_bottom",
+          [](LinkSpec& l, double density_ratio, double speed_ratio, double attenuation_db_wavelength) {
+            l.bottom = {density_ratio, speed_ratio, attenuation_db_wavelength};
+          },
+          py::arg("density_ratio"), py::arg("speed_ratio"), py::arg("attenuation_db_wavelength"))
+      .def_readwrite("faults", &LinkSpec::faults);
+}
+
+void bind_link_results(py::module_& m) {
+  py::class_<Reception>(m, "Reception", "How a packet reaches a receiver; levels in dB re 1 uPa.")
+      .def_readonly("reached", &Reception::reached)
+      .def_readonly("delay_s", &Reception::delay_s, "of the first arrival")
+      .def_readonly("signal_db", &Reception::signal_db)
+      .def_readonly("noise_db", &Reception::noise_db, "within the band, with echoes that come too late")
+      .def_property_readonly("snr_db", &Reception::snr_db)
+      .def_readonly("closing_m_s", &Reception::closing_m_s, "speed of the ends towards each other")
+      .def_readonly("spread_s", &Reception::spread_s, "from the first to the last arrival within 20 dB")
+      .def(
+          "packet_loss",
+          [](const Reception& heard, const ModemSpec& modem, std::uint64_t bytes) {
+            return packet_loss(modem, heard, -300, bytes);
+          },
+          py::arg("modem"), py::arg("bytes"), "Probability that a packet of so many bytes is lost in the noise.");
+  py::class_<LinkDelivery>(m, "LinkDelivery", "A message that has arrived. from, to: nodes; topic: an index.")
+      .def_readonly("number", &LinkDelivery::number)
+      .def_property_readonly("from_node", [](const LinkDelivery& d) { return d.from; })
+      .def_property_readonly("to_node", [](const LinkDelivery& d) { return d.to; })
+      .def_readonly("topic", &LinkDelivery::topic)
+      .def_readonly("given_ns", &LinkDelivery::given_ns)
+      .def_readonly("arrived_ns", &LinkDelivery::arrived_ns)
+      .def_property_readonly("payload", [](const LinkDelivery& d) { return py::bytes(d.payload); });
+  py::class_<TopicCounts>(m, "TopicCounts", "What happened to the messages of a topic that a node gave.")
+      .def_readonly("given", &TopicCounts::given)
+      .def_readonly("replaced", &TopicCounts::replaced, "by newer ones, before they were sent")
+      .def_readonly("refused", &TopicCounts::refused, "the queue was full")
+      .def_readonly("late", &TopicCounts::late, "the deadline passed before they could be sent")
+      .def_readonly("sent", &TopicCounts::sent)
+      .def_readonly("delivered", &TopicCounts::delivered)
+      .def_readonly("bytes_sent", &TopicCounts::bytes_sent)
+      .def_readonly("bytes_delivered", &TopicCounts::bytes_delivered)
+      .def_readonly("delay_s", &TopicCounts::delay_s, "sum over all that were delivered")
+      .def_property_readonly(
+          "lost",
+          [](const TopicCounts& c) {
+            constexpr const char* kNames[kLossKinds] = {"none",    "unheard", "noise", "collision",
+                                                        "sending", "doppler", "fault"};
+            std::map<std::string, std::uint64_t> lost;
+            for (std::size_t k = 1; k < kLossKinds; ++k) lost[kNames[k]] = c.lost[k];
+            return lost;
+          },
+          "dict: by reason. sending: the receiver was sending itself; unheard: no path.");
+  py::class_<LinkQuality>(m, "LinkQuality", "What a node last heard of another.")
+      .def_readonly("packets", &LinkQuality::packets)
+      .def_readonly("packets_lost", &LinkQuality::packets_lost)
+      .def_readonly("heard_ns", &LinkQuality::heard_ns, "when the last message arrived; 0: none yet")
+      .def_readonly("delay_s", &LinkQuality::delay_s)
+      .def_readonly("snr_db", &LinkQuality::snr_db)
+      .def_readonly("closing_m_s", &LinkQuality::closing_m_s)
+      .def_readonly("spread_s", &LinkQuality::spread_s);
+}
+
+}  // namespace
+
+void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
+  bind_link_figures(m);
+  bind_link_results(m);
+  simulation
+      .def("set_link", &OwnedSimulation::set_link, py::arg("spec"),
+           "Joins the station, node 0, and all vehicles, node 1 + index. Once. Raises ValueError.")
+      .def(
+          "link_topic",
+          [](OwnedSimulation& o, const std::string& name) {
+            return o.with([&](Simulation& s) { return s.link().topic(name); });
+          },
+          py::arg("name"), "The index of a topic; a new one begins to be counted.")
+      .def("link_topics", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.link().topics(); }); })
+      .def(
+          "link_send",
+          [](OwnedSimulation& o, std::size_t from, std::uint64_t to, std::uint64_t topic, const py::bytes& payload,
+             std::uint64_t priority, double lifetime_s, bool replaces) {
+            LinkMessage message;
+            message.to = to;
+            message.topic = topic;
+            message.payload = payload;
+            message.priority = priority;
+            message.replaces = replaces;
+            return o.with([&](Simulation& s) {
+              if (lifetime_s > 0) message.deadline_ns = s.time_ns() + static_cast<std::uint64_t>(1e9 * lifetime_s);
+              return s.link().send(from, std::move(message), s.time_ns());
+            });
+          },
+          py::arg("from_node"), py::arg("to_node"), py::arg("topic"), py::arg("payload"), py::arg("priority") = 0,
+          py::arg("lifetime_s") = 0.0, py::arg("replaces") = false,
+          "Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: "
+          "never. Raises ValueError.")
+      .def(
+          "link_deliveries",
+          [](OwnedSimulation& o, std::uint64_t to, std::uint64_t after_ns) {
+            return o.with([&](Simulation& s) {
+              std::vector<LinkDelivery> found;
+              for (const LinkDelivery& one : s.link().deliveries()) {
+                if (one.to == to && one.arrived_ns > after_ns) found.push_back(one);
+              }
+              return found;
+            });
+          },
+          py::arg("to_node"), py::arg("after_ns"),
+          "What has arrived at a node after a time, oldest first; the newest 512 of all nodes are kept.")
+      .def(
+          "link_counts",
+          [](OwnedSimulation& o, std::uint64_t topic, std::size_t from) {
+            return o.with([&](Simulation& s) {
+              require(topic < s.link().topics().size() && from < s.link().nodes(), "link.topic", topic, "is unknown");
+              return s.link().counts(topic, from);
+            });
+          },
+          py::arg("topic"), py::arg("from_node"))
+      .def(
+          "link_quality",
+          [](OwnedSimulation& o, std::size_t from, std::size_t at) {
+            return o.with([&](Simulation& s) {
+              require(from < s.link().nodes() && at < s.link().nodes(), "link.node", std::max(from, at), "is unknown");
+              return s.link().quality(from, at);
+            });
+          },
+          py::arg("from_node"), py::arg("at_node"))
+      .def(
+          "link_reception",
+          [](OwnedSimulation& o, std::size_t from, std::size_t to) {
+            return o.with([&](Simulation& s) { return s.link_reception(from, to); });
+          },
+          py::arg("from_node"), py::arg("to_node"), "How a packet sent now would arrive.")
+      .def(
+          "link_waiting",
+          [](OwnedSimulation& o, std::size_t node) {
+            return o.with([&](Simulation& s) {
+              require(node < s.link().nodes(), "link.node", node, "is unknown");
+              return std::pair(s.link().waiting_messages(node), s.link().waiting_bytes(node));
+            });
+          },
+          py::arg("node"), "(messages, bytes) in a node's queue")
+      .def(
+          "link_sending_s",
+          [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.link().sending_s(); }); },
+          "For how long somebody has sent, in all [s].")
+      .def(
+          "link_next_arrival_ns",
+          [](OwnedSimulation& o) {
+            return o.with([](Simulation& s) { return s.link().next_arrival_ns(s.time_ns()); });
+          },
+          "The earliest time at which a message may arrive, as far as is known now.");
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "uwsim/acoustics/modem/packet_network.h"
+#include "uwsim/core/pose.h"
+#include "uwsim/rays/ray_scene.h"
+#include "uwsim/world/water.h"
+
+namespace uwsim {
+
+/// What joins the station and the vehicles.
+struct LinkSpec {
+  ModemSpec modem;
+  Eigen::Vector3d station_transducer_world_m = Eigen::Vector3d::Zero();
+  NoiseSources noise;
+  FluidBottom bottom;
+  double acidity_ph = 8;
+  std::vector<LinkFault> faults;
+
+  /// Throws InvalidValue that names link.<field>.
+  void check() const;
+};
+
+/// Where a modem's transducer is, and how fast it moves; world frame.
+struct Transducer {
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();
+};
+
+/// How sound gets from one transducer to another in a world. Rays bend by the sound-speed profile and bounce off a flat
+/// surface and a flat bottom, which is as deep as the bed half-way between both; terrain that stands in a ray's way
+/// blocks it (no diffraction), solids and hulls do not (they are small).
+class LinkWater {
+ public:
+  LinkWater(const LinkSpec& spec, const Water& water);
+
+  Reception hear(const RayScene& scene, const Transducer& from, const Transducer& to) const;
+  /// Delay [s] and level [dB re 1 uPa] of the straight path, unobstructed.
+  std::array<double, 2> overhear(const Transducer& from, const Transducer& to) const;
+  /// Mean slowness between two depths [s/m] along a straight path.
+  double slowness_s_m(double from_depth_m, double to_depth_m) const;
+
+ private:
+  ModemSpec modem_;
+  ModemWater water_;
+};
+
+/// A simulation's link: its figures, its packets, and the water they go through.
+struct Link {
+  LinkSpec spec;
+  PacketNetwork network;
+  LinkWater water;
+};
+
+}  // namespace uwsim

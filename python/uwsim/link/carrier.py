@@ -1,0 +1,212 @@
+"""Carrier: sends what vehicles say over the link, and gives them what the station says when it arrives."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Self
+
+from uwsim.channels import Channel, Service
+from uwsim.link import remote
+from uwsim.link.carried import Carried, carried_channels
+from uwsim.link.rates import send_rates
+from uwsim.link.schedule import Schedule
+from uwsim.link.seen import seen_channels
+from uwsim.live import LiveSimulator
+from uwsim.network import STATION, Network
+from uwsim.simulator import Simulator
+
+COMMAND_LIFE_S = 5.0
+"""After which a command that still waits is not sent any more, or after two rounds of all nodes."""
+LISTENED_S = 2.0
+"""For so long after somebody looked for a channel it is taken to be listened to."""
+ONCE_HZ = 1.0
+"""Of channels without a rate of their own, over a cable or the ideal link."""
+
+logger = logging.getLogger("uwsim.link")
+
+
+class Carrier:
+    """Both ends of a live simulator's link.
+
+        with LiveSimulator("lake", ...) as live, Carrier(live, channels) as carrier:
+            server.channels = carrier.channels
+
+    channels: as `uwsim.channels.channels` returns them. Everything that is sent is a command of the log, so that a
+    replay sends the same; what arrives is unpacked from what was carried. Over a modem every channel that the scenario
+    names is sent at a rate that the modem has room for (`rates`), pictures only while somebody listens; over a cable
+    or the ideal link, what somebody listens to.
+    """
+
+    def __init__(self, live: LiveSimulator, channels: Iterable[Channel]) -> None:
+        self._live = live
+        given = list(channels)
+        sim = live.simulator
+        network = sim.link
+        if network is None:
+            raise ValueError("link: the scenario has none, or it is of kind 'none'")
+        self._network: Network = network
+        self._carried = {one.channel.name: one for one in carried_channels(given, sim)}
+        self._listened: dict[str, int] = {}
+        self.rates: dict[str, float] = {}
+        self.channels = [
+            self._heard(channel) if channel.direction == "in" else channel
+            for channel in seen_channels(sim, given, self._looked_for)
+        ]
+        self._schedule = Schedule({}, {}, sim.step_s, shared=True)
+        self._arrived_ns = 0
+        self._tick = -1
+        self.due_tick = 0
+        self.cancelled = False
+
+    def __enter__(self) -> Self:
+        """Begin to carry. The simulator must run."""
+        self._live.read(self._begin).result()
+        self._live.attend(self)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Carry no more."""
+        self.cancelled = True
+
+    def over(self, services: Iterable[Service]) -> list[Service]:
+        """Return services whose commands to vehicles go over the link: they answer when the command is queued."""
+        return [replace(service, call=self._called(service)) for service in services]
+
+    def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
+        far = self.remote()
+        return lambda live, request: service.call(far, request)
+
+    def remote(self) -> LiveSimulator:
+        """Return the simulator as it is from the station: commands to vehicles go over the link."""
+        return remote.RemoteSimulator(self._live, self.command)  # type: ignore[return-value]
+
+    def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
+        """Send a command of uwsim.live.COMMANDS to a vehicle; the future resolves when it is queued."""
+        topic, payload = remote.packed(name, arguments)
+        return self._send(vehicle, topic, payload, replaces=name in remote.REPLACED)
+
+    def _heard(self, channel: Channel) -> Channel:
+        one = self._carried.get(channel.name)
+        if one is None:
+            return channel
+
+        def apply(live: LiveSimulator, message: Any) -> object:
+            payload = one.packing.pack(message)
+            return self._send(one.vehicle, channel.name, payload, replaces=one.packing.may_replace(message))
+
+        abandoned = channel.abandoned
+        far = self.remote()
+        return replace(channel, apply=apply, abandoned=None if abandoned is None else lambda live: abandoned(far))
+
+    def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool) -> Future[Any]:
+        future = self._live.command(
+            "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
+            lifetime_s=self._command_life_s(), replaces=replaces,
+        )  # fmt: skip
+        future.add_done_callback(lambda done: self._wake())
+        return future
+
+    def _command_life_s(self) -> float:
+        modem = self._network.modem
+        turn_s = (modem.slot_s + modem.guard_s) * len(self._network.nodes)
+        return max(COMMAND_LIFE_S, 2.0 * turn_s) if modem.kind == "modem" else COMMAND_LIFE_S
+
+    def _wake(self) -> None:
+        self.due_tick = min(self.due_tick, self._live.tick)
+
+    def _looked_for(self, name: str, sim: Simulator) -> None:
+        """Take note that somebody at the station looks for a channel's messages."""
+        if name not in self._listened:
+            self._wake()
+        self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
+
+    def _begin(self, sim: Simulator) -> None:
+        self._arrived_ns = sim.time_ns
+        self.rates = self._made_rates(sim)
+        left_out = [
+            name for name, one in self._carried.items() if name not in self.rates and one.channel.direction == "out"
+        ]
+        if left_out:
+            logger.warning("the link has no room for %s", ", ".join(left_out))
+        is_modem = self._network.modem.kind == "modem"
+        self._schedule = Schedule(self._carried, self.rates, sim.step_s, shared=is_modem)
+        self._schedule.restart(sim.tick)
+
+    def _made_rates(self, sim: Simulator) -> dict[str, float]:
+        said = [one for one in self._carried.values() if one.channel.direction == "out"]
+        setup = sim.scenario.link
+        modem = self._network.modem
+        if modem.kind != "modem" or setup is None:
+            return {one.channel.name: one.channel.rate_hz or ONCE_HZ for one in said}
+        sizes = {one.channel.name: _size(one, sim) for one in said}
+        rates: dict[str, float] = {}
+        for vehicle in sim.vehicles:
+            own = [one for one in said if one.vehicle == vehicle]
+            rates |= send_rates(own, sizes, modem, setup.access or modem.access, len(self._network.nodes))
+        return rates
+
+    def deliver(self, sim: Simulator, tick: int) -> None:
+        """Give vehicles what has arrived, and send what is due. On the simulator's thread, between two steps."""
+        if tick < self._tick:  # the time has jumped
+            self._arrived_ns = sim.time_ns
+            self._schedule.restart(tick)
+            self._listened.clear()
+        self._tick = tick
+        for vehicle in sim.vehicles:
+            self._receive(sim, vehicle)
+        self._arrived_ns = max(self._arrived_ns, sim.time_ns)
+        self._schedule.take(tick, lambda name: self._say(sim, self._carried[name]))
+        step_ns = round(sim.step_s * 1e9)
+        arrival = max(-(-self._network.next_arrival_ns // step_ns), tick + 1)
+        self.due_tick = min([arrival, *self._schedule.due_ticks])
+
+    def _say(self, sim: Simulator, one: Carried) -> bool:
+        """Read a channel and send what it says; return whether it said something."""
+        channel = one.channel
+        only_if_heard = self._network.modem.kind != "modem" or channel.late
+        if only_if_heard and self._listened.get(channel.name, -1) < sim.time_ns:
+            return False
+        try:
+            message = channel.read(sim)
+            payload = None if message is None else one.packing.pack(message)
+        except Exception:
+            logger.exception("channel '%s' cannot be sent", channel.name)
+            return False
+        if payload is not None:
+            self._live.command(
+                "link_send", sender=one.vehicle, receiver=STATION, topic=channel.name, payload=payload,
+                priority=channel.priority, replaces=True, lifetime_s=max(2.0 / self.rates[channel.name], 1.0),
+            )  # fmt: skip
+        return payload is not None
+
+    def _receive(self, sim: Simulator, vehicle: str) -> None:
+        for got in self._network.received(vehicle, 1e-9 * self._arrived_ns):
+            one = self._carried.get(got.topic)
+            try:
+                if one is not None:
+                    one.channel.apply(self._live, one.packing.unpack(got.payload, one.channel))
+                elif got.topic.startswith(remote.TOPIC):
+                    name, arguments = remote.unpacked(got.topic, got.payload)
+                    self._live.command(name, vehicle=vehicle, **arguments).add_done_callback(_log_error)
+            except ValueError as error:
+                logger.warning("'%s' refuses what has arrived: %s", vehicle, error)
+
+
+def _size(one: Carried, sim: Simulator) -> int:
+    """Return how many bytes a message of a channel has, packed: of one that is made now if that is cheap."""
+    if one.packing.usual_bytes is not None:
+        return one.packing.usual_bytes
+    message = one.channel.read(sim)
+    return 0 if message is None else len(one.packing.pack(message))
+
+
+def _log_error(done: Future[Any]) -> None:
+    error = None if done.cancelled() else done.exception()
+    if error is not None:
+        logger.warning("a command that has arrived failed: %s", error)

@@ -1,0 +1,66 @@
+"""The table of packings: each turns a message into bytes and back. A new one is one line here.
+
+What is left out or rounded is gone: whoever listens gets the unpacked bytes, not the original.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from uwsim.channels import Channel
+from uwsim.channels.cdr import encode
+from uwsim.channels.messages import from_bytes
+from uwsim.link.packing import panels, pings, poses, thumbnails
+
+
+class Packing(NamedTuple):
+    """A way to pack the messages of a kind of channel.
+
+    pack(message): bytes; ValueError. unpack(bytes, channel): the message. may_replace(message): whether a newer one of
+    its channel may take its place while it waits. usual_bytes: for channels whose messages are costly to make.
+    """
+
+    pack: Callable[[Any], bytes]
+    unpack: Callable[[bytes, Channel], Any]
+    may_replace: Callable[[Any], bool] = lambda message: True
+    usual_bytes: int | None = None
+
+
+def _whole(message: Any) -> bytes:
+    return bytes(encode(message))
+
+
+def _from_whole(data: bytes, channel: Channel) -> Any:
+    return from_bytes(data, channel.type)
+
+
+def _deflated(message: Any) -> bytes:
+    return zlib.compress(bytes(encode(message)), 9)
+
+
+def _inflated(data: bytes, channel: Channel) -> Any:
+    return from_bytes(zlib.decompress(data), channel.type)
+
+
+WHOLE = Packing(_whole, _from_whole)
+"""ROS's own bytes, for links that have room for everything."""
+PACKINGS: dict[str, Packing] = {
+    "deflate": Packing(_deflated, _inflated),
+    "key": Packing(poses.pack_key, poses.unpack_key, may_replace=poses.is_plain_key),
+    "pose": Packing(poses.pack_pose, poses.unpack_pose),
+    "twist": Packing(poses.pack_twist, poses.unpack_twist),
+    "state": Packing(panels.pack_state, panels.unpack_state),
+    "telemetry": Packing(panels.pack_telemetry, panels.unpack_telemetry),
+    "depths": Packing(pings.pack_depths, pings.unpack_depths),
+    "scan": Packing(pings.pack_scan, pings.unpack_scan),
+    "thumbnail": Packing(thumbnails.pack, thumbnails.unpack, usual_bytes=thumbnails.USUAL_BYTES),
+}
+
+
+def packing_of(channel: Channel, *, has_room: bool) -> Packing | None:
+    """Return how a channel's messages are packed, or None if no modem can carry them. has_room: they go whole."""
+    if has_room:
+        return WHOLE
+    return PACKINGS.get(channel.packing)

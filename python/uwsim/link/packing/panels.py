@@ -1,0 +1,104 @@
+"""Packings of the panel: the published nine values, and /telemetry."""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import Any
+
+import numpy as np
+
+from uwsim.channels import Channel, build
+from uwsim.channels.own_types import TELEMETRY
+from uwsim.channels.published import join
+
+STATE = struct.Struct("<HHhIHHHIB")
+STATE_QUANTA = (0.01, 0.001, 0.01, 0.01, 0.1, 0.1, 0.1, 0.1, 0.5)
+"""m/s, rad/s, deg C, kPa, m, m, m, s, %."""
+LIMITS = {"B": (0, 254), "H": (0, 65534), "h": (-32767, 32766), "I": (0, 2**32 - 2), "i": (1 - 2**31, 2**31 - 2),
+          "b": (-127, 126)}  # fmt: skip
+NONE = {"B": 255, "H": 65535, "h": 32767, "I": 2**32 - 1, "i": 2**31 - 1, "b": 127}
+"""Stand for what is not finite: nan and infinity."""
+
+
+def quantised(value: float, quantum: float, code: str) -> int:
+    """Return a value as a whole number of quanta that struct's code can hold; it saturates."""
+    if not math.isfinite(value):
+        return NONE[code]
+    low, high = LIMITS[code]
+    return int(min(max(round(value / quantum), low), high))
+
+
+def pack_state(message: Any) -> bytes:
+    """Return 21 bytes for the nine values of `stateData`."""
+    values = [float(text) for text in message.data.replace("Infinity", "inf").split("a")[:-1]]
+    codes = STATE.format[1:]
+    return STATE.pack(*(quantised(*each) for each in zip(values, STATE_QUANTA, codes, strict=True)))
+
+
+def unpack_state(data: bytes, channel: Channel) -> Any:
+    """Return the nine values as text again."""
+    codes = STATE.format[1:]
+    values = zip(STATE.unpack(data), STATE_QUANTA, codes, strict=True)
+    return build.text(join(math.inf if whole == NONE[code] else whole * quantum for whole, quantum, code in values))
+
+
+FLOATS = (
+    ("speed", "H", 0.01), ("angular_speed", "H", 0.001), ("temperature", "h", 0.01), ("pressure", "I", 10.0),
+    ("depth", "i", 0.01), ("distance_to_station", "H", 0.1), ("distance_to_seabed", "H", 0.1),
+    ("distance_to_port", "H", 0.1), ("mission_time", "I", 0.1), ("battery", "B", 0.5), ("link_delay", "H", 0.001),
+    ("tilt", "h", 0.001),
+)  # fmt: skip
+"""Fields of /telemetry: struct's code and quantum."""
+FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
+HEAD = struct.Struct("<q3i3i4bBH3B")
+FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
+INFINITE = ("distance_to_seabed",)
+"""Fields that are infinite rather than nan where there is nothing."""
+
+
+def pack_telemetry(message: Any) -> bytes:
+    """Return some 90 bytes: positions in cm, attitude to 1/127, commands to 1 %."""
+    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
+    lamps = np.asarray(message.lamps, bool)
+    places = [quantised(x, 0.01, "i") for x in (*message.position, *message.estimate)]
+    turn = [quantised(x, 1 / 126, "b") for x in message.orientation]
+    commands = [quantised(x, 0.01, "b") for x in (*message.efforts, *message.thrusters)]
+    return (
+        HEAD.pack(stamp_ns, *places, *turn, flags, min(message.collisions, 65535), len(lamps), len(message.efforts),
+                  len(message.thrusters))
+        + FIGURES.pack(*(quantised(float(getattr(message, name)), quantum, code) for name, code, quantum in FLOATS))
+        + np.packbits(lamps).tobytes()
+        + struct.pack(f"<{len(commands)}b", *commands)
+    )  # fmt: skip
+
+
+def unpack_telemetry(data: bytes, channel: Channel) -> Any:
+    """Return the panel."""
+    stamp_ns, *rest, flags, collisions, lamps, efforts, thrusters = HEAD.unpack_from(data)
+    places, turn = [_value(x, 0.01, "i") for x in rest[:6]], np.array([_value(x, 1 / 126, "b") for x in rest[6:]])
+    figures = {
+        name: _value(whole, quantum, code, math.inf if name in INFINITE else math.nan)
+        for (name, code, quantum), whole in zip(FLOATS, FIGURES.unpack_from(data, HEAD.size), strict=True)
+    }
+    at = HEAD.size + FIGURES.size
+    lit = np.unpackbits(np.frombuffer(data, np.uint8, -(-lamps // 8), at))[:lamps].astype(bool)
+    commands = 0.01 * np.frombuffer(data, np.int8, efforts + thrusters, at + -(-lamps // 8)).astype(np.float32)
+    return build.message(
+        TELEMETRY,
+        header=build.header(stamp_ns, channel.frame_id),
+        position=np.array(places[:3]),
+        estimate=np.array(places[3:]),
+        orientation=(turn / (np.linalg.norm(turn) or 1.0)).astype(np.float32),
+        efforts=commands[:efforts],
+        thrusters=commands[efforts:],
+        lamps=lit,
+        collisions=collisions,
+        **{name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)},
+        **figures,
+    )
+
+
+def _value(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
+    return none if whole == NONE[code] else whole * quantum

@@ -1,0 +1,67 @@
+"""How often each channel is sent, so that a modem can carry all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from itertools import groupby
+
+from uwsim.channels.channel import COMMAND, INSTRUMENT, PANEL, PICTURE, PING
+from uwsim.link.carried import Carried
+from uwsim.scenario.spec.modem import Access, ModemModel
+
+WANTED_HZ = {COMMAND: 10.0, PANEL: 1.0, INSTRUMENT: 1.0, PING: 1.0, PICTURE: 0.5}
+"""Of channels by priority; more would only make the others wait."""
+SHARE = 0.6
+"""Of what is left, that the channels of one priority may take."""
+EVEN_S = 10.0
+"""Channels of one priority share evenly as long as each is sent so often; if not, the first takes its SHARE first."""
+ALOHA_PEAK = 0.5 / math.e
+"""Share of the time in which pure ALOHA delivers at best, 18 % (Abramson 1970)."""
+LONGEST_S = 120.0
+"""Between two messages; a channel that could be sent more rarely only is not sent."""
+
+
+def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
+    """Return the share of the time in which one of `nodes` can send with success."""
+    if access == "aloha":
+        return ALOHA_PEAK / nodes
+    return modem.slot_s / (modem.slot_s + modem.guard_s) / nodes
+
+
+def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
+    """Return how long a message of so many bytes keeps the modem busy, seconds; in TDMA slots are not cut."""
+    full, rest = divmod(size, modem.packet_bytes)
+    packets = [modem.packet_bytes] * full + ([rest] if rest or not full else [])
+    lengths_s = [modem.packet_s(part) for part in packets]
+    if access == "aloha":
+        return sum(lengths_s)
+    return sum(modem.slot_s / math.floor(modem.slot_s / length_s + 1e-9) for length_s in lengths_s)
+
+
+def send_rates(
+    carried: Iterable[Carried], sizes: dict[str, int], modem: ModemModel, access: Access, nodes: int
+) -> dict[str, float]:
+    """Return the rate [Hz] of each channel of one vehicle that is sent, by name.
+
+    The most urgent first: those of one priority get what they want, but at most SHARE of what others left. Pictures
+    take turns, so each has the rate of all. sizes: of packed messages, bytes.
+    """
+    left = airtime_share(modem, access, nodes)
+    rates: dict[str, float] = {}
+    by_priority = groupby(sorted(carried, key=lambda one: one.channel.priority), lambda one: one.channel.priority)
+    for priority, group in by_priority:
+        costs_s = {one.channel.name: airtime_s(modem, access, sizes[one.channel.name]) for one in group}
+        wanted, budget = WANTED_HZ[priority], SHARE * left
+        if priority == PICTURE:
+            shared = dict.fromkeys(costs_s, min(wanted, budget / max(costs_s.values())))
+            rates |= {name: rate for name, rate in shared.items() if rate * LONGEST_S >= 1.0}
+            continue
+        even = min(wanted, budget / sum(costs_s.values()))
+        for name, cost_s in costs_s.items():
+            rate = even if even * EVEN_S >= 1.0 else min(wanted, SHARE * budget / cost_s)
+            if rate * LONGEST_S >= 1.0:
+                rates[name] = rate
+                budget -= rate * cost_s
+                left -= rate * cost_s
+    return rates

@@ -1,0 +1,68 @@
+"""The simulator as the station commands it: commands to vehicles go over the link, all others at once."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
+
+from uwsim.arguments import plain
+from uwsim.live import LiveSimulator
+from uwsim.live.commands import bound_command
+
+TOPIC = "command/"
+CARRIED = frozenset(
+    ("release", "undock", "dock", "set_effort", "set_wrench", "set_thrusters", "set_fins", "aim", "set_lamp")
+) | {"aim_camera"}
+"""Commands that a vehicle gets; the others, such as `place`, are for the simulator."""
+REPLACED = frozenset(("set_effort", "set_wrench", "set_thrusters", "set_fins", "aim"))
+"""Commands whose next one takes their place while they wait."""
+
+
+class RemoteSimulator:
+    """A LiveSimulator whose commands to vehicles are sent.
+
+    They resolve when they are queued: nobody knows whether they arrive.
+    """
+
+    def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
+        self._live = live
+        self._send = send
+
+    def __getattr__(self, name: str) -> Any:
+        """Return anything else of the simulator itself."""
+        return getattr(self._live, name)
+
+    def command(self, name: str, /, **arguments: Any) -> Future[Any]:
+        """Send a command to a vehicle, or give it at once if it is for the simulator. Raises ValueError."""
+        vehicle = arguments.get("vehicle")
+        if name not in CARRIED or vehicle is None:
+            return self._live.command(name, **arguments)
+        kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
+        bound_command(name, kept)
+        del kept["vehicle"]
+        return self._send(name, vehicle, kept)
+
+
+def packed(name: str, arguments: dict[str, Any]) -> tuple[str, bytes]:
+    """Return a command's topic, which names it, and its arguments as JSON, deflated where that is shorter."""
+    text = json.dumps(_rounded(arguments), separators=(",", ":")).encode() if arguments else b""
+    deflated = zlib.compress(text, 9)
+    return TOPIC + name, b"\x01" + deflated if len(deflated) < len(text) else b"\x00" + text
+
+
+def unpacked(topic: str, payload: bytes) -> tuple[str, dict[str, Any]]:
+    """Return a command and its arguments."""
+    text = zlib.decompress(payload[1:]) if payload[:1] == b"\x01" else payload[1:]
+    return topic.removeprefix(TOPIC), json.loads(text) if text else {}
+
+
+def _rounded(value: Any) -> Any:
+    """Return plain values with five significant digits: what a modem is spared."""
+    if isinstance(value, float):
+        return float(f"{value:.5g}")
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in value.items()}
+    return [_rounded(item) for item in value] if isinstance(value, list) else value

@@ -1,0 +1,58 @@
+"""The station's end: the channels of a simulator as they are seen through its link."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import Any
+
+from uwsim.channels import Channel
+from uwsim.channels.own_types import LINK
+from uwsim.link.carried import Carried, carried_channels
+from uwsim.link.status import status_channels
+from uwsim.network import STATION, Network
+from uwsim.simulator import Simulator
+
+MODEM_HZ, QUICK_HZ = 20.0, 100.0
+"""How often the station looks for what has arrived, in simulated time: it is seen up to one period later."""
+
+
+def seen_channels(
+    sim: Simulator, channels: Iterable[Channel], looked_for: Callable[[str, Simulator], object] | None = None
+) -> list[Channel]:
+    """Return the channels as the station has them: what goes over the link is what has arrived.
+
+    Channels that could go over the link, but do not, are not seen at all. What is read depends on the simulator's
+    state alone, so that a replay reads the same. looked_for: is told of each look for a channel's messages.
+    """
+    network = sim.link
+    given = list(channels)
+    if network is None:
+        return given
+    carried = {one.channel.name: one for one in carried_channels(given, sim)}
+    seen = []
+    for channel in given:
+        one = carried.get(channel.name)
+        if one is not None:
+            seen.append(_seen(one, network, looked_for) if channel.direction == "out" else channel)
+        elif not channel.over_link:
+            seen.append(channel)
+    return seen + status_channels(sim, network)
+
+
+def is_seen(channels: Iterable[Channel]) -> bool:
+    """Whether channels are as the station has them."""
+    return any(channel.type == LINK for channel in channels)
+
+
+def _seen(one: Carried, network: Network, looked_for: Callable[[str, Simulator], object] | None) -> Channel:
+    rate_hz = MODEM_HZ if network.modem.kind == "modem" else QUICK_HZ
+    name = one.channel.name
+
+    def read(sim: Simulator) -> Any:
+        if looked_for is not None:
+            looked_for(name, sim)
+        found = [got for got in network.received(STATION, sim.time_s - 1.0 / rate_hz) if got.topic == name]
+        return one.packing.unpack(found[-1].payload, one.channel) if found else None
+
+    return replace(one.channel, rate_hz=rate_hz, read=read, late=False, keep_up=None, catch_up=None)

@@ -1,0 +1,77 @@
+"""The link between station and vehicles, as a scenario has it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.scenario.spec.fields import InRange, Model, Point3, broken
+from uwsim.scenario.spec.modem import Access, ModemModel, load_modem
+
+Bottom = Literal["clay", "silt", "sand", "gravel"]
+BOTTOMS: dict[str, tuple[float, float, float]] = {
+    "clay": (1.5, 1.00, 0.2),
+    "silt": (1.7, 1.05, 1.0),
+    "sand": (1.9, 1.1, 0.8),
+    "gravel": (2.0, 1.2, 0.6),
+}
+"""Density and speed of sound relative to water, attenuation [dB per wavelength]: Jensen, Kuperman, Porter and Schmidt
+2011, "Computational Ocean Acoustics", table 1.3; cited from memory."""
+
+
+class LinkFault(Model):
+    """A time in which packets are lost whatever the water does. loss: their share; 1 is a blackout."""
+
+    from_s: Annotated[float, InRange(0, 1e9, "s")]
+    until_s: Annotated[float, InRange(0, 1e9, "s")]
+    loss: Annotated[float, InRange(1e-6, 1)] = 1.0
+
+    @model_validator(mode="after")
+    def _ends_after_it_begins(self) -> LinkFault:
+        if self.until_s <= self.from_s:
+            raise broken(f"must be after from_s, {self.from_s:g} s", at=("until_s",), value=self.until_s, unit="s")
+        return self
+
+
+def _modem(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str | Path):
+        return load_modem(value, folder=(info.context or {}).get("folder"))
+    return value
+
+
+class LinkSetup(Model):
+    """What joins the station and the vehicles. In a scenario, a modem's name alone will do.
+
+    modem: a packaged modem's name or the path of its YAML file, which is read into a ModemModel. access: who may send
+    when, instead of the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin. wind_m_s,
+    shipping (0 to 1): what makes the water loud. bottom: what reflects sound at the bed. carries: patterns of the
+    channels that go over the link, by default all that may. faults: by schedule.
+    """
+
+    modem: Annotated[ModemModel, BeforeValidator(_modem)]
+    access: Access | None = None
+    station_transducer_m: Point3 = (0.0, 0.0, -3.0)
+    wind_m_s: Annotated[float, InRange(0, 40, "m/s")] = 5.0
+    shipping: Annotated[float, InRange(0, 1)] = 0.5
+    bottom: Bottom = "silt"
+    carries: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = ("*",)
+    faults: Annotated[tuple[LinkFault, ...], Field(max_length=1000)] = ()
+
+    @model_validator(mode="after")
+    def _fits_its_modem(self) -> LinkSetup:
+        if self.access is None:
+            return self
+        if self.modem.kind != "modem":
+            raise broken(f"has no effect on a link of kind '{self.modem.kind}'", at=("access",))
+        if self.access == "tdma" and self.modem.slot_s < self.modem.packet_s():
+            rule = f"{self.modem.name}'s slot_s must hold a full packet, {self.modem.packet_s():.3g} s"
+            raise broken(rule, at=("access",), value=self.access)
+        return self
+
+
+def link_setup(value: Any) -> Any:
+    """Turn a modem's name or path into a setup; leave anything else to be checked."""
+    return {"modem": value} if isinstance(value, str | Path) else value

@@ -1,0 +1,94 @@
+"""A modem, or whatever else joins station and vehicle: its figures, as read from its YAML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import model_validator
+
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.spec.fields import InRange, Model, Name, broken
+
+Access = Literal["aloha", "tdma"]
+SLOWEST_SOUND_M_S = 1400.0  # fresh water at 0 deg C: 1402 m/s
+
+NEEDED = ("bit_rate_bit_s", "frequency_hz", "bandwidth_hz", "source_level_db")
+
+
+class ModemModel(Model):
+    """What joins station and vehicle.
+
+    kind: `none` (everything passes at once), `cable` (a rate and a latency), `ideal` (the sound's travel time alone, as
+    in the paper) or `modem`, which has all figures. Levels in dB re 1 uPa (at 1 m).
+    bit_rate_bit_s: of a packet's bits, header included. packet_bytes: payload of a packet, at most; longer messages
+    take several. preamble_s: before each. receiver_noise_db_hz: the vehicle's and the electronics' own. fading:
+    Rayleigh. multipath_window_s: echoes within it after the first arrival help, later ones are noise. speed_max_m_s: of
+    the ends towards each other, beyond which nothing is received (Doppler). access: `aloha`, a packet is sent after a
+    random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns of slot_s, each followed by the
+    sound's travel over range_max_m. queue_bytes: that may wait to be sent.
+    """
+
+    name: Name
+    description: str = ""
+    kind: Literal["none", "cable", "ideal", "modem"] = "modem"
+    bit_rate_bit_s: Annotated[float, InRange(1, 1e10, "bit/s")] | None = None
+    latency_s: Annotated[float, InRange(0, 60, "s")] = 0.0
+    packet_bytes: Annotated[int, InRange(1, 1_000_000, "bytes")] = 1024
+    header_bytes: Annotated[int, InRange(0, 10_000, "bytes")] = 0
+    preamble_s: Annotated[float, InRange(0, 60, "s")] = 0.0
+    frequency_hz: Annotated[float, InRange(100, 1e6, "Hz")] | None = None
+    bandwidth_hz: Annotated[float, InRange(1, 1e6, "Hz")] | None = None
+    source_level_db: Annotated[float, InRange(50, 250, "dB")] | None = None
+    receiver_noise_db_hz: Annotated[float, InRange(-100, 200, "dB")] = -100.0
+    modulation: Literal["psk", "fsk"] = "psk"
+    fading: bool = False
+    coding_gain_db: Annotated[float, InRange(0, 60, "dB")] = 0.0
+    multipath_window_s: Annotated[float, InRange(0, 10, "s")] = 0.01
+    speed_max_m_s: Annotated[float, InRange(0, 100, "m/s")] = 5.0
+    range_max_m: Annotated[float, InRange(1, 100_000, "m")] = 1000.0
+    access: Access = "tdma"
+    slot_s: Annotated[float, InRange(0.001, 600, "s")] = 1.0
+    backoff_s: Annotated[float, InRange(0, 600, "s")] = 1.0
+    queue_bytes: Annotated[int, InRange(1, 1_000_000_000, "bytes")] = 1_000_000
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> ModemModel:
+        allowed = {"none": (), "ideal": (), "cable": CABLE}.get(self.kind)
+        if allowed is not None:
+            for key in sorted(type(self).model_fields.keys() - {"name", "description", "kind", *allowed}):
+                if getattr(self, key) != type(self).model_fields[key].default:
+                    raise broken(f"has no effect on a link of kind '{self.kind}'", at=(key,))
+            return self
+        for key in NEEDED:
+            if getattr(self, key) is None:
+                raise broken("missing: a modem needs it", at=(key,))
+        if self.latency_s > 0:
+            raise broken("has no effect on a modem, whose delay is the sound's", at=("latency_s",))
+        if self.bandwidth_hz > 2 * self.frequency_hz:  # type: ignore[operator]
+            rule = f"must be at most twice the frequency, {2 * self.frequency_hz:g} Hz"  # type: ignore[operator]
+            raise broken(rule, at=("bandwidth_hz",), value=self.bandwidth_hz, unit="Hz")
+        if self.access == "tdma" and self.slot_s < self.packet_s():
+            rule = f"must hold a full packet, {self.packet_s():.3g} s"
+            raise broken(rule, at=("slot_s",), value=self.slot_s, unit="s")
+        return self
+
+    @property
+    def guard_s(self) -> float:
+        """The time that a TDMA slot leaves for the sound's travel, seconds."""
+        return self.range_max_m / SLOWEST_SOUND_M_S
+
+    def packet_s(self, payload_bytes: int | None = None) -> float:
+        """Return how long a packet lasts, by default a full one, seconds."""
+        if self.bit_rate_bit_s is None:
+            return 0.0
+        size = self.packet_bytes if payload_bytes is None else payload_bytes
+        return self.preamble_s + 8.0 * (size + self.header_bytes) / self.bit_rate_bit_s
+
+
+CABLE = ("bit_rate_bit_s", "latency_s", "packet_bytes", "header_bytes", "queue_bytes")
+
+
+def load_modem(source: str | Path, folder: Path | None = None) -> ModemModel:
+    """Load a modem from a packaged name ("micromodem") or the path of its YAML file. Raises ScenarioError."""
+    return read_spec(ModemModel, source, "modems", folder)

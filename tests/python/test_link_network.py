@@ -1,0 +1,139 @@
+"""The link's packets in a scenario: travel times, terrain, faults, replay."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.scenario import ScenarioError, load
+from uwsim.scenario.spec.link import LinkSetup
+from uwsim.scenario.spec.modem import ModemModel, load_modem
+
+MODEMS = ("none", "tether", "ideal_acoustic", "micromodem", "s2cm_hs")
+
+
+def lake(modem: str, **changes: object) -> Simulator:
+    """Return the pair's basin with a link."""
+    scenario = load("pair").with_changes(modem=modem)
+    if changes:
+        scenario = scenario.model_copy(update={"link": scenario.link.model_copy(update=changes)})
+    return Simulator(scenario, threads=1)
+
+
+def test_every_packaged_modem_loads_and_none_is_no_link() -> None:
+    for name in MODEMS:
+        assert load_modem(name).name == name
+    assert lake("none").link is None
+
+
+def test_the_ideal_link_is_late_by_distance_over_sound_speed() -> None:
+    sim = lake("ideal_acoustic")
+    sim.link.send("station", "scout", "t", b"hello")
+    sim.advance(0.1)
+    (got,) = sim.link.received("scout")
+    station = np.add(sim.scenario.station.position_m, sim.scenario.link.station_transducer_m)
+    distance_m = np.linalg.norm(np.array([0.0, 0.0, -5.0]) - station)
+    speed = sim.world.water.sound_speed_m_s(-4.0)
+    assert got.payload == b"hello"
+    assert got.arrived_s - got.given_s == pytest.approx(distance_m / speed, rel=1e-3)
+
+
+def test_a_modem_s_message_takes_its_path_and_its_bits() -> None:
+    sim = lake("micromodem")
+    heard = sim.link.reception("station", "scout")
+    modem = sim.link.modem
+    sim.link.send("station", "scout", "t", b"12345")
+    sim.advance(5.0)
+    (got,) = sim.link.received("scout")
+    assert got.arrived_s - got.given_s == pytest.approx(heard.delay_s + modem.packet_s(5), abs=1e-6)
+    assert sim.link.silence_s("scout") == pytest.approx(5.0 - got.arrived_s)
+    assert sim.link.silence_s("rov") == pytest.approx(5.0)
+
+
+def test_terrain_hides_one_end_from_the_other() -> None:
+    sim = Simulator("lake", link="s2cm_hs", threads=1)
+    behind = None
+    for x in np.arange(-60.0, 120.0, 10.0):
+        for y in np.arange(-100.0, 100.0, 10.0):
+            try:
+                sim.rov.place((x, y, -30.0))
+            except ValueError:
+                continue
+            if not sim.link.reception("station", "rov").reached:
+                behind = (x, y)
+    assert behind is not None, "no place at 30 m depth is in the shadow of a hill"
+
+
+def test_a_blackout_loses_everything_and_restoring_the_state_gives_the_same() -> None:
+    fault = {"from_s": 1.0, "until_s": 2.0}
+    scenario = load("pair")
+    link = LinkSetup(modem="s2cm_hs", access="aloha", faults=[fault])
+    sim = Simulator(scenario.model_copy(update={"link": link}), threads=1)
+
+    def talk(seconds: int) -> list[object]:
+        for k in range(10 * seconds):
+            sim.link.send("rov", "station", "t", bytes([k % 256]) * 40)
+            sim.advance(0.1)
+        return [sim.link.received("station"), sim.link.counts()]
+
+    talk(1)
+    state = sim.save_state()
+    first = talk(2)
+    sim.restore_state(state)
+    assert talk(2) == first
+    (counts,) = sim.link.counts()
+    assert counts.lost["fault"] > 2
+    assert not [got for got in first[0] if 1.05 < got.arrived_s < 2.0]
+    assert [got for got in first[0] if got.arrived_s > 2.0]
+    assert counts.delivered + sum(counts.lost.values()) == counts.sent
+
+
+def test_reset_forgets_all_messages() -> None:
+    sim = lake("ideal_acoustic")
+    sim.link.send("station", "rov", "t", b"x")
+    sim.advance(0.1)
+    sim.reset()
+    assert sim.link.received("rov") == []
+    assert sim.link.counts() == []
+
+
+def test_mistakes_are_named(tmp_path) -> None:
+    sim = lake("tether")
+    with pytest.raises(ValueError, match="node = 'rob': must be one of station, rov, scout; did you mean 'rov'"):
+        sim.link.send("station", "rob", "t", b"")
+    with pytest.raises(ValueError, match="another node"):
+        sim.link.send("rov", "rov", "t", b"")
+    with pytest.raises(ScenarioError, match="no effect on a link of kind 'ideal'"):
+        Simulator(load("pair").with_changes(modem=_file(tmp_path, "name: x\nkind: ideal\nbit_rate_bit_s: 9\n")))
+    with pytest.raises(ScenarioError, match=r"slot_s.*must hold a full packet"):
+        text = "name: x\nbit_rate_bit_s: 80\nfrequency_hz: 25000\nbandwidth_hz: 4000\nsource_level_db: 180\nslot_s: 1\n"
+        load("pair").with_changes(modem=_file(tmp_path, text))
+    with pytest.raises(ScenarioError, match="did you mean"):
+        load("pair").with_changes(modem="micromodm")
+
+
+def _file(folder, text: str) -> str:
+    path = folder / "modem.yaml"
+    path.write_text(text)
+    return str(path)
+
+
+def test_a_modem_s_figures_reach_the_core() -> None:
+    """Every figure of a modem changes something in the core's spec."""
+    from uwsim.scenario.build.link import modem_spec
+
+    modem = load_modem("s2cm_hs")
+    figures = set(ModemModel.model_fields) - {"name", "description", "kind", "latency_s"}
+    changed = {"modulation": "fsk", "fading": True, "access": "aloha", "slot_s": 0.5}
+    before = _plain(modem_spec(modem))
+    for key in figures:
+        value = changed.get(key, getattr(modem, key))
+        other = modem.model_copy(update={key: value if key in changed else value + 1})
+        assert _plain(modem_spec(other)) != before, key
+
+
+def _plain(spec: object) -> dict[str, object]:
+    return {
+        key: getattr(spec, key) for key in dir(spec) if not key.startswith("_") and not callable(getattr(spec, key))
+    }
