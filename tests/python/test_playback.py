@@ -2,14 +2,16 @@
 
 import threading
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from command_line import error_line, uwsim
 from foxglove_client import FoxgloveClient
 from ros2_tools import free_domain, peer, until
 from uwsim import Simulator, recording
-from uwsim.bridges.playback import play
+from uwsim.bridges.playback import Player, play
 from uwsim.bridges.played_feed import PlayedFeed, channels_of
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.cli.bridges import Bridges
@@ -88,6 +90,36 @@ def test_whoever_comes_late_gets_what_is_latched_and_time_goes_on(run: Path) -> 
     end()
     feed.play(channels["clock"], next(opened.messages("clock")))
     assert len(times) == 7
+
+
+def test_whoever_comes_late_to_a_map_gets_all_of_it(tmp_path: Path) -> None:
+    path, sim = tmp_path / "map.mcap", Simulator("pool", seed=3)
+    with Recorder(sim, path, topics=["map_changes", "octomap_binary"]):
+        sim.rov.undock()
+        sim.rov.set_effort(surge=0.8, yaw=0.3)
+        sim.advance(4.0)
+    opened, late = recording.open(path), []
+    player = Player(opened)
+    changes, grown = player.channels["map_changes"], set()
+    for recorded in opened.messages("map_changes"):
+        player.feed.play(changes, recorded)
+        grown = after(recorded.message, grown)
+    player.feed.listen(changes, late.append)
+    (reading,) = late
+    assert reading.message.snapshot and after(reading.message, set()) == grown and len(grown) > 100
+    message, cursor = changes.catch_up(None)
+    assert after(message, set()) == grown and not len(changes.catch_up(cursor)[0].cells)
+    player.feed.play(changes, next(opened.messages("map_changes")))  # time goes back
+    assert after(player.feed.newest(changes).message, set()) < grown
+
+
+def after(message: Any, voxels: set[tuple[int, ...]]) -> set[tuple[int, ...]]:
+    """Return the occupied voxels after the changes of a message."""
+    blocks = np.repeat(message.blocks.reshape(-1, 3), message.counts, axis=0)
+    inside = message.cells[:, None].astype(int) >> np.array([0, 4, 8]) & 15
+    named = [tuple(row) for row in np.hstack([blocks, inside]).tolist()]
+    now = {name for name, cell in zip(named, message.cells, strict=True) if cell & 0x8000}
+    return (voxels - set(named)) | now
 
 
 def test_an_option_without_effect_is_refused(run: Path) -> None:

@@ -28,8 +28,8 @@ class Player:
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
         self._node: Node | None = None
-        self.channels = {channel.name: channel for channel in channels_of(recording)}
-        self.feed = PlayedFeed()
+        self.feed = PlayedFeed(channels_of(recording))
+        self.channels = self.feed.channels
 
     def connect(self, node: Node) -> None:
         """Offer the topics."""
@@ -59,7 +59,7 @@ class Player:
                 continue
             reading = self.feed.play(channel, recorded)
             if channel.latched or self._node.is_wanted(channel.name):
-                self._node.publish(channel.name, reading.message, recorded.time_ns)
+                self._node.publish(channel.name, reading.message, recorded.time_ns, channel.catch_up)
             sent += 1
         return sent
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 
+from uwsim.bridges.played_map import PlayedMap
 from uwsim.channels import Channel
 from uwsim.channels.feed import Reading, Sink
+from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.recording.commands import COMMANDS
 from uwsim.recording.mcap_sink import is_latched
 from uwsim.recording.reader import Recorded, Recording
@@ -29,9 +32,19 @@ def channels_of(recording: Recording) -> list[Channel]:
 
 
 class PlayedFeed:
-    """Readings whose bytes are the recording's own. Sinks are called on the thread that plays."""
+    """Readings whose bytes are the recording's own. Sinks are called on the thread that plays.
 
-    def __init__(self) -> None:
+    channels: what is played, by name; whoever comes late to the changes of a map gets all of them so far.
+    """
+
+    def __init__(self, channels: Iterable[Channel] = ()) -> None:
+        self.channels: dict[str, Channel] = {}
+        self._maps: dict[str, PlayedMap] = {}
+        for channel in channels:
+            if channel.type == MAP_CHANGES:
+                grown = self._maps[channel.name] = PlayedMap()
+                channel = replace(channel, catch_up=grown.catch_up)
+            self.channels[channel.name] = channel
         self._lock = threading.Lock()
         self._sinks: dict[str, tuple[Sink, ...]] = {}
         self._newest: dict[str, Reading] = {}
@@ -46,15 +59,19 @@ class PlayedFeed:
         """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
         with self._lock:
             self._sinks[channel.name] = (*self._sinks.get(channel.name, ()), sink)
-            newest = self._newest.get(channel.name)
+        newest = self.newest(channel)
         if newest is not None:
             sink(newest)
         return lambda: self._leave(channel.name, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return the newest reading of a latched channel."""
+        """Return the newest reading of a latched channel: all so far, if its messages build up."""
         with self._lock:
-            return self._newest.get(channel.name)
+            newest = self._newest.get(channel.name)
+        grown = self._maps.get(channel.name)
+        if newest is None or grown is None:
+            return newest
+        return Reading(channel, grown.catch_up(None)[0], newest.time_ns, newest.tick)
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
         """Tell a sink the recorded time [ns] at each period of it; return what ends that."""
@@ -69,6 +86,8 @@ class PlayedFeed:
     def play(self, channel: Channel, recorded: Recorded) -> Reading:
         """Hand a message to all who listen, and return it."""
         reading = Reading(channel, None, recorded.time_ns, 0, cdr=memoryview(recorded.data))
+        if channel.name in self._maps:
+            self._maps[channel.name].take(reading)
         with self._lock:
             sinks = self._sinks.get(channel.name, ())
             if channel.latched:

@@ -6,6 +6,7 @@ import sys
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -15,6 +16,7 @@ Distro = Literal["humble", "jazzy"]
 """A distribution of ROS 2. Messages here are Jazzy's; Humble lacks a few of their fields."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # RTPS 2.5, table 10.3: CDR_LE, no options
+LARGE_BYTES = 1 << 16  # from which on it pays not to fill with zeros what is written anyway
 BIG_ENDIAN = b"\x00\x00\x00\x00"
 
 
@@ -53,13 +55,27 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
     store, name = store_of(distro), message.__msgtype__
     definition = store.get_msgdef(name)
     size = len(LITTLE_ENDIAN) + definition.getsize_cdr(0, message, store)
-    data = memoryview(bytearray(-(-size // 4) * 4))
+    data = _blank(-(-size // 4) * 4, message)
     if sys.byteorder == "little":
         data[:4], write = LITTLE_ENDIAN, definition.serialize_cdr_le
     else:
         data[:4], write = BIG_ENDIAN, definition.serialize_cdr_be
     write(data[4:size], 0, message, store)
     return data.toreadonly()
+
+
+def _blank(size: int, message: Any) -> memoryview:
+    """Return so many bytes for a message, zero except where its field `data`, if that is large, will be written.
+
+    What is not that field lies within `rest` bytes of both ends, wherever the field is.
+    """
+    field = getattr(message, "data", None)
+    length = field.nbytes if isinstance(field, np.ndarray) else 0
+    if length < LARGE_BYTES:
+        return memoryview(bytearray(size))
+    data, rest = np.empty(size, np.uint8), size - length
+    data[:rest] = data[length:] = 0
+    return memoryview(data)  # type: ignore[arg-type]  # an array is a buffer
 
 
 @cache

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 Values = dict[str, Any]
+CatchUp = Callable[[Any], tuple[Any, Any]]
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ class GuestService:
 class Node(Protocol):
     """A guest's end of the graph; all may be called on any thread."""
 
-    def publish(self, name: str, message: Any, time_ns: int = 0) -> None:
-        """Publish a message on a topic that is offered."""
+    def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
+        """Publish a message on a topic that is offered. catch_up: as a Channel's, of messages that build up."""
 
     def offer_topics(self, topics: Iterable[GuestTopic]) -> None:
         """Offer these topics, instead of those before."""

@@ -45,25 +45,38 @@ class MapChanges:
     def forget(self, resolution_m: float) -> None:
         """Begin anew: readers will get a snapshot."""
         with self._lock:
-            self._resolution_m = resolution_m
-            self._sequence += 1
-            self._oldest = self._sequence
-            self._remembered.clear()
-            self._rows.clear()
-            self._bits[:] = 0
+            self._begin_anew(resolution_m)
 
     def note(self, changes: OccupancyChanges) -> Part:
         """Take the map's changes since the last call; return them as a message says them."""
         blocks, counts, cells = in_blocks(changes)
         with self._lock:
-            self._sequence += 1
-            part = Part(self._sequence, False, self._resolution_m, blocks.ravel(), counts, cells)
-            self._flip(blocks, counts, cells)
-            self._remembered.append(part)
-            if len(self._remembered) > REMEMBERED:
-                self._remembered.popleft()
-                self._oldest += 1
-            return part
+            return self._add(Part(0, False, self._resolution_m, blocks.ravel(), counts, cells))
+
+    def take(self, part: Part) -> None:
+        """Take what another has noted, message by message; a snapshot begins anew."""
+        with self._lock:
+            if part.snapshot or part.resolution != self._resolution_m:
+                self._begin_anew(part.resolution)
+            self._add(part)
+
+    def _begin_anew(self, resolution_m: float) -> None:
+        self._resolution_m = resolution_m
+        self._sequence += 1
+        self._oldest = self._sequence
+        self._remembered.clear()
+        self._rows.clear()
+        self._bits[:] = 0
+
+    def _add(self, part: Part) -> Part:
+        self._sequence += 1
+        part = part._replace(sequence=self._sequence, snapshot=False)
+        self._mark(part.blocks.reshape(-1, 3), part.counts, part.cells)
+        self._remembered.append(part)
+        if len(self._remembered) > REMEMBERED:
+            self._remembered.popleft()
+            self._oldest += 1
+        return part
 
     def since(self, cursor: int | None) -> tuple[Part, int]:
         """Return what a reader lacks who has `cursor` changes, and its next cursor."""
@@ -74,11 +87,13 @@ class MapChanges:
             joined = (np.concatenate([getattr(p, name) for p in parts] or [empty]) for name, empty in _EMPTY.items())
             return Part(self._sequence, False, self._resolution_m, *joined), self._sequence
 
-    def _flip(self, blocks: NDArray[np.int16], counts: NDArray[np.uint16], cells: NDArray[np.uint16]) -> None:
+    def _mark(self, blocks: NDArray[np.int16], counts: NDArray[np.uint16], cells: NDArray[np.uint16]) -> None:
         rows = np.repeat([self._row((x, y, z)) for x, y, z in blocks.tolist()], counts)
-        at = cells & (OCCUPIED - 1)
+        at, now = cells & (OCCUPIED - 1), cells >= OCCUPIED
+        bits = np.uint8(1) << (at & 7).astype(np.uint8)
         if len(rows):
-            np.bitwise_xor.at(self._bits, (rows, at >> 3), np.uint8(1) << (at & 7).astype(np.uint8))
+            np.bitwise_or.at(self._bits, (rows[now], at[now] >> 3), bits[now])
+            np.bitwise_and.at(self._bits, (rows[~now], at[~now] >> 3), ~bits[~now])
 
     def _row(self, block: tuple[int, int, int]) -> int:
         row = self._rows.setdefault(block, len(self._rows))

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
-from uwsim.bridges.rosbridge.encoding import Sample
+from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, Topic
-from uwsim.channels.guest import Guest, GuestService, GuestTopic
+from uwsim.channels.guest import CatchUp, Guest, GuestService, GuestTopic
 
 THREADS = 6
 
@@ -40,9 +40,10 @@ class GuestNode:
         """Offer these topics, instead of those before."""
         self._on_loop(self._advertise, {topic.name: topic for topic in topics})
 
-    def publish(self, name: str, message: Any, time_ns: int = 0) -> None:
-        """Publish a message on a topic that is offered."""
-        self._on_loop(self._publish, name, message, time_ns)
+    def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
+        """Publish a message on a topic that is offered. catch_up: as a Channel's, of messages that build up."""
+        sample = Sample(message, time_ns) if catch_up is None else Growing(catch_up, time_ns)
+        self._on_loop(self._publish, name, sample)
 
     def is_wanted(self, name: str) -> bool:
         """Return whether anybody subscribes to a topic."""
@@ -69,11 +70,11 @@ class GuestNode:
         self._topics = dict(topics)
         self._wanted |= {name for name in topics if name in self._graph.topics and self._graph.topics[name].sinks}
 
-    def _publish(self, name: str, message: Any, time_ns: int) -> None:
+    def _publish(self, name: str, sample: Sample) -> None:
         topic: Topic | None = self._graph.topics.get(name)
         known = self._topics.get(name)
         if topic is not None and known is not None and (topic.sinks or known.latched):
-            sample = self._newest[name] = Sample(message, time_ns)
+            self._newest[name] = sample
             self._graph.publish(topic, sample, known.latched)
 
     def _notice_demand(self, name: str, is_wanted: bool) -> None:

@@ -1,0 +1,33 @@
+"""PlayedMap: what a recording's map changes have come to, for those who begin to listen later."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from uwsim.channels import build
+from uwsim.channels.feed import Reading
+from uwsim.channels.map_changes import MapChanges, Part
+from uwsim.channels.own_types import MAP_CHANGES
+
+
+class PlayedMap:
+    """The occupied voxels of a map as played so far. It begins anew when recorded time goes back."""
+
+    def __init__(self) -> None:
+        self._changes = MapChanges()
+        self._header: Any = None
+        self._time_ns = -1
+
+    def take(self, reading: Reading) -> None:
+        """Take the next message."""
+        message = reading.message
+        if reading.time_ns < self._time_ns:
+            self._changes.forget(message.resolution)
+        self._time_ns, self._header = reading.time_ns, message.header
+        self._changes.take(Part(*(getattr(message, name) for name in Part._fields)))
+
+    def catch_up(self, cursor: Any) -> tuple[Any, Any]:
+        """Return one message with all since a cursor, None: since the beginning; and the next cursor."""
+        part, following = self._changes.since(cursor)
+        header = {} if self._header is None else {"header": self._header}
+        return build.message(MAP_CHANGES, **header, **part._asdict()), following
