@@ -34,7 +34,7 @@ def simulation_services() -> list[Service]:
             "simulation/set_speed", "uwsim_msgs/srv/SetSpeed", _done(_set_speed),
             'run at request.speed simulated seconds per second; 0 stands for "max"',
         ),
-        Service("simulation/pace", "uwsim_msgs/srv/Pace", _pace, "the pace that is asked for and how well it is held"),
+        Service("simulation/pace", "uwsim_msgs/srv/Pace", _pace, "the pace that is asked for, how it is held, step_s"),
     ]  # fmt: skip
 
 
@@ -117,6 +117,7 @@ def _pace(live: LiveSimulator, request: Request) -> Request:
         "slipped_s": live.slipped_s,
         "paused": live.paused,
         "error": str(live.error or ""),
+        "step_s": live.simulator.step_s,
     }
 
 

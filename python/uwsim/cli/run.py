@@ -32,6 +32,14 @@ def run(
     time_limit: Annotated[
         float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")
     ] = None,
+    connect: Annotated[
+        str | None,
+        typer.Option(help="Fly a vehicle at a rosbridge, such as ws://127.0.0.1:9090 of `uwsim serve`, instead."),
+    ] = None,
+    lockstep: Annotated[
+        bool, typer.Option("--lockstep", help="With --connect: the simulator stands still while the mission thinks.")
+    ] = False,
+    odometry: Annotated[str, typer.Option(help="With --connect: the topic of the vehicle's pose.")] = "odom",
     argument: Annotated[
         list[str] | None, typer.Option("--set", help="NAME=VALUE for another parameter of the mission.")
     ] = None,
@@ -63,10 +71,17 @@ def run(
     given: dict[str, Any] = {
         "the mission": mission, "--scenario": scenario, "--map": make_map or None, "--voxel": voxel,
         "--vehicle": vehicle, "--time-limit": time_limit, "--set": argument, "--seed": seed,
-        "--sonar-model": sonar_model, "--mission-time": mission_time, "--record": record,
+        "--sonar-model": sonar_model, "--mission-time": mission_time, "--record": record, "--connect": connect,
     }  # fmt: skip
     if resume and (extra := [name for name, value in given.items() if value is not None]):
         raise ValueError(f"--resume: {extra[0]} cannot be given: the saved flight has its own")
+    if lockstep and connect is None:
+        raise ValueError("--lockstep needs --connect")
+    if odometry != "odom" and connect is None:
+        raise ValueError("--odometry needs --connect")
+    simulated = ("--scenario", "--seed", "--sonar-model", "--mission-time", "--record")
+    if connect is not None and (extra := [name for name in simulated if given[name] is not None]):
+        raise ValueError(f"{extra[0]} cannot be given with --connect: the server has its own")
     if not resume and mission is None:
         raise ValueError("uwsim run: needs the mission's file, such as my_mission.py")
     if record_topic and record is None:
@@ -76,6 +91,26 @@ def run(
     with stop_on_ctrl_c(saving):
         if resume:
             flown = resume_flight(out, threads=threads, report=report, autosave=saving, show=screen.status)
+        elif connect is not None:
+            from uwsim.flight.remote import fly_remote
+
+            assert mission is not None
+            flown = fly_remote(
+                mission,
+                connect,
+                out,
+                function=function,
+                arguments=_arguments(argument or []),
+                vehicles=vehicle or (),
+                odometry=odometry,
+                lockstep=lockstep,
+                map=make_map,
+                voxel_m=voxel,
+                time_limit_s=time_limit,
+                report=report,
+                autosave=saving,
+                show=screen.status,
+            )
         else:
             assert mission is not None
             flown = fly(

@@ -24,9 +24,12 @@ Paths = Mapping[str, NDArray[np.float64]]
 
 
 def draw_track(
-    path: Path, world: _core.FixedWorld | _core.World, tracks_world_m: Paths, estimates_world_m: Paths
+    path: Path, world: _core.FixedWorld | _core.World | None, tracks_world_m: Paths, estimates_world_m: Paths
 ) -> None:
-    """Draw tracks (n, 3) by vehicle over the true bed, and dashed the estimated ones. Raises OSError."""
+    """Draw tracks (n, 3) by vehicle over the true bed, and dashed the estimated ones. Raises OSError.
+
+    world: None if it is not known.
+    """
     every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values()])[:, :2]
     low, high = every.min(axis=0), every.max(axis=0)
     size = max(float((high - low).max()), 10.0)
@@ -34,15 +37,11 @@ def draw_track(
     (west, south), (east, north) = middle - half, middle + half
     figure = new_figure(WIDTH_IN, WIDTH_IN * float(half[1] / half[0]))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    label_axes(axes, "Track over the true bed", "east [m]", "north [m]")
-    x, y = np.linspace(west, east, CELLS), np.linspace(south, north, CELLS)
-    bed_m = world.height_at(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(CELLS, CELLS)
-    limits = height_range(bed_m[np.isfinite(bed_m)])
-    shaded = LightSource(315, 50).shade(
-        np.where(np.isfinite(bed_m), bed_m, np.nanmin(bed_m) if np.isfinite(bed_m).any() else 0.0),
-        cmap=HEIGHTS, norm=limits, vert_exag=2.0, dx=x[1] - x[0], dy=y[1] - y[0], blend_mode="soft",
-    )  # fmt: skip
-    axes.imshow(shaded, extent=(west, east, south, north), origin="lower", interpolation="bilinear")
+    label_axes(axes, "Track over the true bed" if world is not None else "Track", "east [m]", "north [m]")
+    axes.set_facecolor(WATER)
+    axes.set_aspect("equal")
+    if world is not None:
+        _draw_bed(figure, axes, world, (west, east), (south, north))
     outline = [withStroke(linewidth=3.2, foreground="white")]
     for colour, (name, track) in zip(_colours(len(tracks_world_m)), tracks_world_m.items(), strict=True):
         axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.8, label=name, path_effects=outline)
@@ -53,9 +52,27 @@ def draw_track(
             axes.plot(estimate[:, 0], estimate[:, 1], "--", color="white", linewidth=1.0, label=f"{name}, estimated")
     axes.set_xlim(west, east)
     axes.set_ylim(south, north)
-    add_colour_bar(figure, axes, limits, HEIGHTS, "height of the bed, z [m]")
     add_legend(axes, 2)
     save(figure, path)
+
+
+def _draw_bed(
+    figure: Figure,
+    axes: Axes,
+    world: _core.FixedWorld | _core.World,
+    east_m: tuple[float, float],
+    north_m: tuple[float, float],
+) -> None:
+    x, y = np.linspace(*east_m, CELLS), np.linspace(*north_m, CELLS)
+    bed_m = world.height_at(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(CELLS, CELLS)
+    known = np.isfinite(bed_m)
+    limits = height_range(bed_m[known])
+    filled = np.where(known, bed_m, bed_m[known].min() if known.any() else 0.0)
+    shaded = LightSource(315, 50).shade(
+        filled, cmap=HEIGHTS, norm=limits, vert_exag=2.0, dx=x[1] - x[0], dy=y[1] - y[0], blend_mode="soft"
+    )
+    axes.imshow(shaded, extent=(*east_m, *north_m), origin="lower", interpolation="bilinear")
+    add_colour_bar(figure, axes, limits, HEIGHTS, "height of the bed, z [m]")
 
 
 def draw_depth(

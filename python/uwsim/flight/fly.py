@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
@@ -15,8 +13,9 @@ from typing import Any
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import FlightCheckpoint, SavedFlight, state_digest
 from uwsim.flight.clock import FlightClock, FlightOverError
+from uwsim.flight.folder import made_folder
 from uwsim.flight.map_maker import MapMaker, default_voxel_m, require_sonar
-from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, mission_error, with_arguments
+from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
@@ -114,7 +113,7 @@ def fly(
             voxel_m=voxel_m,
             time_limit_s=time_limit_s,
         )
-    folder = None if out is None else _made_folder(Path(out))
+    folder = None if out is None else made_folder(Path(out))
     flight = _Flight(
         sim=sim, mission=fly_it, file=file, names=names, estimate=estimate, out=folder, request=request, report=report,
         autosave=saving, time_limit_s=time_limit_s, show=show,
@@ -177,6 +176,7 @@ class _Flight:
         show: Show,
     ) -> None:
         self._sim, self._mission, self._file, self._names = sim, mission, file, names
+        self._title = mission_name(mission, file)
         self._estimate, self._out, self._request, self._report = estimate, out, request, report
         self._autosave, self._show = autosave, show
         self._limited = time_limit_s is not None
@@ -195,7 +195,7 @@ class _Flight:
         self._begun_s, began_s = self._sim.time_s, time.perf_counter()
         recorder = self._recorder(record, topics)
         try:
-            with self._show(f"flying {self._name}"):
+            with self._show(f"flying {self._title}"):
                 flown = self._flown(began_s)
         finally:
             self._log.close()
@@ -208,12 +208,6 @@ class _Flight:
         if flown.error is not None:
             raise flown.error
         return flown
-
-    @property
-    def _name(self) -> str:
-        if self._file is not None:
-            return self._file.name
-        return str(getattr(inspect.unwrap(self._mission), "__name__", "mission"))
 
     def _recorder(self, record: Path | None, topics: tuple[str, ...] | None) -> Any:
         if record is None:
@@ -231,7 +225,7 @@ class _Flight:
         limit = f"the {'time limit' if self._limited else 'mission time'} of {self._limit_s:g} s is over"
         clock = FlightClock(sim, end_tick, limit, self._on_pause)
         own = {name: OwnVehicle(sim.vehicles[name], clock, hear=self._log.add) for name in self._names}
-        self._hear("", "begun", {"mission": self._name, "scenario": sim.scenario.name, "seed": sim.seed})
+        self._hear("", "begun", {"mission": self._title, "scenario": sim.scenario.name, "seed": sim.seed})
         sampler = Sampler(sim, own, self._hear)
         self._repeating = self.saved is not None
         result, error, because = None, None, DONE
@@ -258,7 +252,7 @@ class _Flight:
         self._hear("", "ended", {"because": because})
         maker = self._maker
         return FlightRecord(
-            mission=self._name,
+            mission=self._title,
             scenario=sim.scenario.name,
             seed=sim.seed,
             estimate=self._estimate,
@@ -324,17 +318,6 @@ class _Flight:
             return
         now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
         maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(now)))
-
-
-def _made_folder(out: Path) -> Path:
-    """Make the output folder. Raises OSError, before a long flight, if nothing could be written there."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
-            pass
-    except OSError as error:
-        raise OSError(f"--out {out}: cannot write there: {error.strerror}") from error
-    return out
 
 
 def _require_known(name: str, value: str, known: Iterable[str]) -> None:

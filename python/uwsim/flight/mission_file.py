@@ -52,6 +52,14 @@ def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> Mi
     return partial(mission, **arguments)
 
 
+def mission_name(mission: MissionFunction, file: Path | None) -> str:
+    """Return what reports call a mission: its file, or its function."""
+    if file is not None:
+        return file.name
+    function = mission.func if isinstance(mission, partial) else mission
+    return str(getattr(function, "__name__", "mission"))
+
+
 def _module(file: Path) -> Any:
     """Import a file under its name, so that it finds its neighbours as a script does."""
     spec = importlib.util.spec_from_file_location(file.stem, file.resolve())

@@ -21,6 +21,7 @@ DONE = "the mission is complete"
 class FlightRecord:
     """A mission that was flown.
 
+    scenario, seed, step_s: of the simulator; of a remote vehicle its URL and None. estimate: what its poses are of.
     result: what the mission returned; None if it did not end by itself. ended_because: a sentence. ended_early: whether
     something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. occupancy: the
     map; pings_world_m: the sonars' estimated positions at each ping, by vehicle; score: of the map, None without one.
@@ -28,9 +29,9 @@ class FlightRecord:
 
     mission: str
     scenario: str
-    seed: int
+    seed: int | None
     estimate: str
-    step_s: float
+    step_s: float | None
     ended_because: str
     ended_early: bool
     simulated_s: float

@@ -24,6 +24,7 @@ from uwsim.survey.summary import duration_text
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 REPORT = "report.html"
 EVENTS_SHOWN = 300
+POSE_BY = {"truth": "the truth", "filter": "the vehicle's own filter", "odometry": "the odometry that it tells"}
 MOVED_M = 1e-6  # an estimate that differs less is the truth
 
 
@@ -39,17 +40,18 @@ class Figure(NamedTuple):
 def write_report(
     out: Path,
     flown: FlightRecord,
-    sim: Simulator,
+    sim: Simulator | None,
     area_m: NDArray[np.float64] | None,
     occupied_m: NDArray[np.floating] | None,
 ) -> None:
     """Draw the figures and write the report. Raises OSError."""
     figures = _flight_figures(out, flown, sim)
-    if flown.score is not None and area_m is not None and occupied_m is not None:
+    if sim is not None and flown.score is not None and area_m is not None and occupied_m is not None:
         figures += _map_figures(out, flown, sim, area_m, occupied_m)
     page = filled_page(
         TEMPLATE,
         flown=flown,
+        pose_by=POSE_BY[flown.estimate],
         title=f"{flown.mission} in {flown.scenario}",
         warnings=warnings(flown),
         highlights=_highlights(flown),
@@ -74,7 +76,7 @@ def _highlights(flown: FlightRecord) -> list[tuple[str, str]]:
     return tiles
 
 
-def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator) -> list[Figure]:
+def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator | None) -> list[Figure]:
     tracks = {name: samples.path_world_m for name, samples in flown.samples.items()}
     errors = {
         name: np.linalg.norm(samples.estimated_path_world_m - samples.path_world_m, axis=1)
@@ -82,8 +84,8 @@ def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator) -> list[Figu
     }
     errors = {name: error for name, error in errors.items() if error.max(initial=0.0) > MOVED_M}
     estimates = {name: flown.samples[name].estimated_path_world_m for name in errors}
-    figures = [Figure(out / "track.png", "Where it went", "From the circle to the square, over the true bed.")]
-    draw_track(figures[0].path, sim.world, tracks, estimates)
+    figures = [Figure(out / "track.png", "Where it went", "From the circle to the square.")]
+    draw_track(figures[0].path, None if sim is None else sim.world, tracks, estimates)
     for name, samples in flown.samples.items():
         of = f" of {name}" if len(flown.samples) > 1 else ""
         tag = f"_{name}" if len(flown.samples) > 1 else ""

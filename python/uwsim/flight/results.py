@@ -29,23 +29,26 @@ AREA_MARGIN_M = 5.0
 
 def write_results(
     flown: FlightRecord,
-    sim: Simulator,
+    sim: Simulator | None,
     out: Path,
     report: str,
     show: Callable[[str], AbstractContextManager[object]],
 ) -> FlightRecord:
-    """Write map, tracks, and report or summary; return the record with the map's score. Raises OSError."""
+    """Write map, tracks, and report or summary; return the record with the map's score. Raises OSError.
+
+    sim: where the flight was flown; None for a remote vehicle, whose world is not known.
+    """
     for name, samples in flown.samples.items():
         samples.write(out / f"track-{name}.csv")
     area_m = flown_area_m(flown.all_pings_world_m)
     if flown.occupancy is not None:
         flown.occupancy.write(out / MAP)
-        if area_m is not None:
+        if area_m is not None and sim is not None:
             SurveyTrack(flown.all_pings_world_m, area_m, flown.range_max_m, flown.scenario).write(out / TRACK)
     if report == "none":
         return flown
     occupied = None
-    if flown.occupancy is not None and area_m is not None:
+    if flown.occupancy is not None and area_m is not None and sim is not None:
         with show("scoring the map"):
             occupied = flown.occupancy.occupied_voxels()
             score = score_map(

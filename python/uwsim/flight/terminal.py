@@ -18,7 +18,8 @@ from uwsim.survey.terminal import Terminal
 def print_flight(flown: FlightRecord, out: Path, screen: Terminal) -> None:
     """Print the key figures, why the flight ended, and where its results are."""
     table = Table(
-        title=f"{escape(flown.mission)} in {escape(flown.scenario)}, seed {flown.seed}",
+        title=f"{escape(flown.mission)} in {escape(flown.scenario)}"
+        + ("" if flown.seed is None else f", seed {flown.seed}"),
         title_justify="left",
         show_header=False,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from uwsim.arguments import plain
@@ -34,6 +35,7 @@ class OwnVehicle(Sealed):
     name: str
     estimate: EstimateLike
     _fixed_when = "the mission begins"
+    _changed_by = MappingProxyType({"effort": "set_effort()", "released": "release(), undock() or dock()"})
 
     def __init__(
         self,
@@ -44,6 +46,7 @@ class OwnVehicle(Sealed):
         hear: Callable[[Event], object] = lambda event: None,
     ) -> None:
         self._hull, self._clock, self._hear = hull, clock, hear
+        self._effort = (0.0,) * 6
         self.name = str(getattr(hull, "name", "vehicle"))
         self.estimate = hull if estimate is None else estimate
 
@@ -134,6 +137,12 @@ class OwnVehicle(Sealed):
     ) -> None:
         """Command efforts in [-1, 1] along and about the body's axes, held until the next call."""
         self._hull.set_effort(surge, sway, heave, roll, pitch, yaw)
+        self._effort = (surge, sway, heave, roll, pitch, yaw)
+
+    @property
+    def effort(self) -> tuple[float, ...]:
+        """Surge, sway, heave, roll, pitch, yaw as last commanded here."""
+        return self._effort
 
     def telemetry(self) -> PanelLike:
         """Read the vehicle's panel."""

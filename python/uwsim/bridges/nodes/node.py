@@ -59,11 +59,13 @@ class Node:
             }
         )  # fmt: skip
 
-    def call(self, service: str, answer: Callable[[dict[str, Any]], object]) -> None:
-        """Call a service that needs no arguments; answer gets the response: `result`, and `values` or the reason."""
+    def call(
+        self, service: str, answer: Callable[[dict[str, Any]], object], arguments: dict[str, Any] | None = None
+    ) -> None:
+        """Call a service; answer gets the response: `result`, and `values` or the reason."""
         name = f"call:{next(self._calls)}"
         self._answers[name] = answer
-        self._send({"op": "call_service", "service": service, "id": name})
+        self._send({"op": "call_service", "service": service, "id": name, "args": arguments or {}})
 
     def settle(self, patience_s: float = 10.0) -> None:
         """Return when the server has done all that was asked so far: it answers in order. Needs rosapi."""

@@ -1,0 +1,7 @@
+"""A vehicle behind a rosbridge, with the names that missions know: simulated by `uwsim serve`, or a real one."""
+
+from uwsim.bridges.remote.clock import LockstepClock, RemoteClock
+from uwsim.bridges.remote.connection import RemoteConnection
+from uwsim.bridges.remote.vehicle import RemoteVehicle
+
+__all__ = ["LockstepClock", "RemoteClock", "RemoteConnection", "RemoteVehicle"]

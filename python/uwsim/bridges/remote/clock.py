@@ -1,0 +1,89 @@
+"""Clocks of missions with a remote vehicle: its own time as /clock tells it, or the wall's; or in step with it."""
+
+from __future__ import annotations
+
+import math
+import time
+
+from uwsim.bridges.remote.connection import RemoteConnection
+from uwsim.bridges.remote.frames import seconds
+
+CLOCK = "clock"
+STEP_S = 0.005  # of simulators that do not tell theirs
+TOLD_S = 0.02  # between two messages of odometry
+PATIENCE_S = 20.0
+
+
+class RemoteClock:
+    """Simulated time as /clock tells it; the wall's, from now on, if there is no such topic.
+
+    A wait ends duration_s after the last one ended, if that is still to come: a control loop keeps its period.
+    """
+
+    def __init__(self, connection: RemoteConnection) -> None:
+        self._connection = connection
+        self._is_told = CLOCK in connection.topics
+        self._wall_start_s = time.monotonic()
+        if self._is_told:
+            connection.newest(CLOCK)
+        self._woken_s = self.time_s
+
+    @property
+    def time_s(self) -> float:
+        """Seconds."""
+        if not self._is_told:
+            return time.monotonic() - self._wall_start_s
+        return seconds(self._connection.newest(CLOCK).clock)
+
+    def wait(self, duration_s: float) -> None:
+        """Return when the time has passed; waits as long as the simulation is paused. Raises OSError."""
+        now_s = self.time_s
+        due_s = self._woken_s + duration_s
+        if due_s < now_s:
+            due_s = now_s + duration_s
+        if self._is_told:
+            self._connection.wait_for(lambda: self.time_s >= due_s - 1e-9, None, "")
+        else:
+            time.sleep(max(due_s - now_s, 0.0))
+            self._connection.wait_for(lambda: True, None, "")
+        self._woken_s = due_s
+
+
+class LockstepClock:
+    """Steps a remote simulator, which stands still while the mission thinks: it pauses it, and resumes it on `close`.
+
+    beacon: a topic at TOLD_S whose newest message must be of the new time before a wait ends, such as "odom".
+    """
+
+    def __init__(self, connection: RemoteConnection, beacon: str) -> None:
+        if CLOCK not in connection.topics:
+            raise ValueError(f"{connection.url}: --lockstep: there is no /clock: it is not a simulator")
+        self._connection, self._beacon = connection, beacon
+        pace = connection.call("simulation/pace")
+        self._was_paused, self._step_s = bool(pace.get("paused")), float(pace.get("step_s", STEP_S))
+        connection.call("simulation/pause")
+        connection.newest(beacon)
+        self._start_s, self._asked_s, self._steps = seconds(connection.newest(CLOCK).clock), 0.0, 0
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds."""
+        return self._start_s + self._steps * self._step_s
+
+    def wait(self, duration_s: float) -> None:
+        """Let it step; waits are rounded to whole steps, at least one. Raises OSError."""
+        self._asked_s += duration_s
+        steps = max(1, round(self._asked_s / self._step_s) - self._steps)
+        self._connection.call("simulation/step", steps=steps)
+        self._steps += steps
+        told_s = TOLD_S * math.floor(self.time_s / TOLD_S + 1e-6)
+        self._connection.wait_for(
+            lambda: seconds(self._connection.newest(self._beacon).header.stamp) >= told_s - 1e-6,
+            PATIENCE_S,
+            f"nothing on topic '{self._beacon}'",
+        )
+
+    def close(self) -> None:
+        """Let it run again, unless it was paused before."""
+        if not self._was_paused and not self._connection.lost:
+            self._connection.call("simulation/resume")

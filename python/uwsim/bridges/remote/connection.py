@@ -1,0 +1,159 @@
+"""RemoteConnection: the newest message of each topic, and calls of services, over a rosbridge."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from types import TracebackType
+from typing import Any, Self
+
+from websockets.exceptions import WebSocketException
+
+from uwsim.bridges.nodes.node import Node
+from uwsim.channels.message_types import resolve
+
+ANSWER_S = 20.0  # for which an answer or a first message may take
+STOP_S = 2.0
+KEPT = 200  # messages of a topic that are remembered, where their stamps matter
+LOST = "the connection to the vehicle is lost"
+
+
+class RemoteConnection:
+    """A connection to a rosbridge server, which a thread of its own listens to. A context manager.
+
+    url: such as "ws://127.0.0.1:9090". topics: the server's, without leading slash, with their types as
+    ROS 2 spells them. Raises ValueError for a url that is none, OSError if the server cannot be reached or has gone.
+    """
+
+    def __init__(self, url: str) -> None:
+        try:
+            self._node = Node(url, queue=KEPT)
+        except WebSocketException as error:
+            raise OSError(f"{url}: {error}") from None
+        except OSError as error:
+            raise OSError(f"{url}: no rosbridge answers: {error}") from None
+        self.url = url
+        self.changed = threading.Condition()
+        self._newest: dict[str, Any] = {}
+        self._kept: dict[str, deque[Any]] = {}
+        self._publishers: dict[str, Callable[[Any], None]] = {}
+        self._stopping = threading.Event()
+        self.lost = False
+        self._thread = threading.Thread(target=self._listen, name="uwsim-remote", daemon=True)
+        self._thread.start()
+        self.topics = self._offered()
+
+    def hear(self, topic: str, *, keep: bool = False) -> None:
+        """Listen to a topic from now on. keep: remember not only the newest message. Raises ValueError."""
+        if topic in self._newest:
+            return
+        kind = self.topics.get(topic)
+        if kind is None:
+            raise ValueError(f"{self.url}: there is no topic '{topic}'")
+        self._newest[topic] = None
+        if keep:
+            self._kept[topic] = deque(maxlen=KEPT)
+        self._node.subscribe(f"/{topic}", kind, lambda message: self._take(topic, message))
+
+    def newest(self, topic: str) -> Any:
+        """Return the newest message of a topic, which it listens to from the first call on. Raises ValueError."""
+        self.hear(topic)
+        if self._newest[topic] is None:
+            self.wait_for(lambda: self._newest[topic] is not None, ANSWER_S, f"no message on topic '{topic}'")
+        return self._newest[topic]
+
+    def kept(self, topic: str) -> list[Any]:
+        """Return the last messages of a topic that is kept, the newest last."""
+        with self.changed:
+            return list(self._kept[topic])
+
+    def publish(self, topic: str, kind: str, message: Any) -> None:
+        """Publish a message. Raises OSError if the connection is lost."""
+        self._require()
+        try:
+            if topic not in self._publishers:
+                self._publishers[topic] = self._node.advertise(f"/{topic}", kind)
+            self._publishers[topic](message)
+        except WebSocketException:
+            raise OSError(f"{self.url}: {LOST}") from None
+
+    def call(self, service: str, **arguments: Any) -> dict[str, Any]:
+        """Call a service; return its values. Raises ValueError with the reason if it could not do it, OSError."""
+        answers: list[dict[str, Any]] = []
+
+        def take(answer: dict[str, Any]) -> None:
+            with self.changed:
+                answers.append(answer)
+                self.changed.notify_all()
+
+        self._require()
+        try:
+            self._node.call(f"/{service}", take, arguments)
+        except WebSocketException:
+            raise OSError(f"{self.url}: {LOST}") from None
+        self.wait_for(lambda: bool(answers), ANSWER_S, f"service '{service}' does not answer")
+        values = answers[0].get("values")
+        if not answers[0].get("result"):
+            raise ValueError(f"service '{service}': {values}")
+        if not isinstance(values, dict):
+            return {}
+        if not values.get("success", True):
+            raise ValueError(str(values.get("message") or f"service '{service}': has failed"))
+        return values
+
+    def wait_for(self, condition: Callable[[], bool], patience_s: float | None, complaint: str) -> None:
+        """Return when a condition holds, which is asked after each message. Raises OSError."""
+        deadline_s = None if patience_s is None else time.monotonic() + patience_s
+        with self.changed:
+            while not condition():
+                self._require()
+                if deadline_s is not None and time.monotonic() > deadline_s:
+                    raise OSError(f"{self.url}: {complaint}")
+                self.changed.wait(0.2)  # so that Ctrl-C is answered
+
+    def close(self) -> None:
+        """Disconnect."""
+        self._stopping.set()
+        self._node.close()
+        self._thread.join(STOP_S)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Disconnect."""
+        self.close()
+
+    def _listen(self) -> None:
+        try:
+            self._node.spin(self._stopping.is_set)
+        except (OSError, ValueError, WebSocketException):
+            pass
+        finally:
+            with self.changed:
+                self.lost = True
+                self.changed.notify_all()
+
+    def _take(self, topic: str, message: Any) -> None:
+        with self.changed:
+            self._newest[topic] = message
+            if topic in self._kept:
+                self._kept[topic].append(message)
+            self.changed.notify_all()
+
+    def _require(self) -> None:
+        if self.lost:
+            raise OSError(f"{self.url}: {LOST}")
+
+    def _offered(self) -> dict[str, str]:
+        values = self.call("rosapi/topics")
+        found = {}
+        for name, kind in zip(values.get("topics", []), values.get("types", []), strict=False):
+            with suppress(ValueError):  # a type that is not known here is nothing to listen to
+                found[str(name).lstrip("/")] = resolve(kind)[0]
+        return found

@@ -1,0 +1,98 @@
+"""The multibeam sonar of a remote vehicle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.bridges.remote.connection import RemoteConnection
+from uwsim.bridges.remote.frames import matrix, quaternion, seconds, vector
+from uwsim.channels import build
+
+FLOAT = "std_msgs/msg/Float64"
+
+
+@dataclass(frozen=True, eq=False)
+class RemotePing:
+    """A ping: ranges_m, angles_rad (beams,), inf without echo; world_from_sonar (4, 4); its time."""
+
+    ranges_m: NDArray[np.float32]
+    angles_rad: NDArray[np.float64]
+    world_from_sonar: NDArray[np.float64]
+    time_s: float
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(beams,), which beams have an echo."""
+        return np.isfinite(self.ranges_m)
+
+    @cached_property
+    def points_sonar_m(self) -> NDArray[np.float32]:
+        """(beams, 3), NaN without echo."""
+        ranges = np.where(self.valid, self.ranges_m, np.nan).astype(np.float64)
+        level = np.zeros_like(ranges)
+        points = np.column_stack([ranges * np.cos(self.angles_rad), ranges * np.sin(self.angles_rad), level])
+        points[~self.valid] = np.nan
+        return points.astype(np.float32)
+
+
+class RemoteSonar:
+    """A multibeam behind a LaserScan, /tf and cmd_tilt. name: sonar."""
+
+    name = "sonar"
+
+    def __init__(
+        self, connection: RemoteConnection, prefix: str, topic: str, odometry: str, origin_m: NDArray[np.float64]
+    ) -> None:
+        self._connection, self._prefix, self._topic = connection, prefix, topic
+        self._odometry, self._origin_m = odometry, origin_m
+        connection.hear("tf", keep=True)
+        connection.newest("tf")
+        connection.newest(topic)
+        self._last: tuple[Any, RemotePing] | None = None
+
+    def aim(self, elevation_rad: float) -> None:
+        """Turn the head to an elevation; positive is up. Raises ValueError, OSError."""
+        if not abs(elevation_rad) <= 0.5 * math.pi:
+            raise ValueError(f"elevation_rad = {elevation_rad} rad: must be in [-pi/2, pi/2]")
+        self._connection.publish(f"{self._prefix}cmd_tilt", FLOAT, build.message(FLOAT, data=-float(elevation_rad)))
+
+    @property
+    def elevation_rad(self) -> float:
+        """The present elevation of the head."""
+        joints = self._connection.newest(f"{self._prefix}joint_states")
+        return -float(joints.position[list(joints.name).index(f"{self._prefix}sonar_tilt")])
+
+    def ping(self) -> RemotePing:
+        """Return the newest ping, with the pose that the head had then. Raises OSError."""
+        scan = self._connection.newest(self._topic)
+        if self._last is None or self._last[0] is not scan:
+            ranges = np.asarray(scan.ranges, np.float32)
+            ranges = np.where(np.isfinite(ranges) & (ranges <= scan.range_max), ranges, np.float32(np.inf))
+            angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
+            time_s = seconds(scan.header.stamp)
+            self._last = scan, RemotePing(ranges, angles, self._world_from_sonar(time_s), time_s)
+        return self._last[1]
+
+    def _world_from_sonar(self, time_s: float) -> NDArray[np.float64]:
+        nearest = min(self._connection.kept("tf"), key=lambda message: _apart_s(message, time_s))
+        frames = {transform.child_frame_id: transform.transform for transform in nearest.transforms}
+        body, head = frames.get(f"{self._prefix}base_footprint"), frames.get(f"{self._prefix}base_scan")
+        if body is None or head is None:
+            raise ValueError("/tf: says nothing of base_footprint and base_scan")
+        world_from_sonar = _matrix(body) @ _matrix(head)
+        world_from_sonar[:3, 3] += self._origin_m
+        return world_from_sonar
+
+
+def _apart_s(message: Any, time_s: float) -> float:
+    return abs(seconds(message.transforms[0].header.stamp) - time_s) if message.transforms else math.inf
+
+
+def _matrix(transform: Any) -> NDArray[np.float64]:
+    return matrix(vector(transform.translation), quaternion(transform.rotation))

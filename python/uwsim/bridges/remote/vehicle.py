@@ -1,0 +1,211 @@
+"""RemoteVehicle: a vehicle behind topics, with the names of a simulated one that missions use."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.bridges.remote.connection import RemoteConnection
+from uwsim.bridges.remote.frames import matrix, quaternion, vector
+from uwsim.bridges.remote.instruments import READERS, RemoteCamera, RemoteLamp, RemoteSensor
+from uwsim.bridges.remote.sonar import RemoteSonar
+from uwsim.channels import build
+from uwsim.named import Named
+from uwsim.vehicle import Pose, Velocity
+
+POSE = "geometry_msgs/msg/Pose"
+IMAGE = "/image_raw/compressed"
+LIGHT_SERVICE = "lights/"
+
+
+@dataclass(frozen=True)
+class RemotePanel:
+    """The panel of a remote vehicle; NaN for what it does not tell."""
+
+    battery_percent: float
+    depth_m: float = math.nan
+    distance_to_seabed_m: float = math.nan
+    distance_to_station_m: float = math.nan
+    speed_m_s: float = math.nan
+    range_warning: bool = False
+    proximity_warning: bool = False
+    collision_warning: bool = False
+
+
+class RemoteVehicle:
+    """A vehicle at a rosbridge: pose and velocity by odometry, efforts by the published topic `key`.
+
+    name: whose topics are meant where there are several. odometry: the topic of its pose: "odom" is a simulator's
+    truth. Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
+    """
+
+    def __init__(self, connection: RemoteConnection, name: str | None = None, odometry: str = "odom") -> None:
+        self._connection = connection
+        self._prefix = _prefix(connection, name)
+        self.name = name or self._prefix.rstrip("/") or "rov"
+        self._odometry = self._prefix + odometry
+        for topic in (self._odometry, f"{self._prefix}key"):
+            if topic not in connection.topics:
+                raise ValueError(f"{connection.url}: there is no topic '{topic}'")
+        connection.newest(self._odometry)
+        self._last: tuple[Any, Pose, Velocity] | None = None
+
+    @property
+    def beacon(self) -> str:
+        """The topic whose stamps are the time of its readings."""
+        return self._odometry
+
+    @property
+    def pose(self) -> Pose:
+        """The newest pose."""
+        return self._motion()[1]
+
+    @property
+    def velocity(self) -> Velocity:
+        """The newest velocity, in body axes."""
+        return self._motion()[2]
+
+    def _motion(self) -> tuple[Any, Pose, Velocity]:
+        message = self._connection.newest(self._odometry)
+        if self._last is None or self._last[0] is not message:
+            twist = message.twist.twist
+            pose = pose_of(message.pose.pose, self._world_from_odom_m)
+            self._last = message, pose, Velocity(vector(twist.linear), vector(twist.angular))
+        return self._last
+
+    @cached_property
+    def _world_from_odom_m(self) -> NDArray[np.float64]:
+        """The origin of odom in the world, (3,), by /tf_static; zero if that does not say."""
+        if "tf_static" not in self._connection.topics:
+            return np.zeros(3)
+        for transform in self._connection.newest("tf_static").transforms:
+            if transform.header.frame_id == "world" and transform.child_frame_id == f"{self._prefix}odom":
+                return vector(transform.transform.translation)
+        return np.zeros(3)
+
+    @cached_property
+    def sensors(self) -> Named[RemoteSensor]:
+        """The sensors by name: the topics of types that sensors have."""
+        found = {}
+        for topic, kind in self._connection.topics.items():
+            name = topic.removeprefix(self._prefix)
+            if topic.startswith(self._prefix) and "/" not in name and kind in READERS:
+                found[name] = RemoteSensor(self._connection, topic, READERS[kind])
+        return Named(found, f"{self.name}.sensors")
+
+    @cached_property
+    def sonar(self) -> RemoteSonar:
+        """The multibeam. Raises ValueError if there is none."""
+        if not (topic := self._sonar_topic()):
+            raise ValueError(f"vehicle '{self.name}': carries no sonar")
+        return RemoteSonar(self._connection, self._prefix, topic, self._odometry, self._world_from_odom_m)
+
+    def _sonar_topic(self) -> str | None:
+        names = [f"{self._prefix}{name}" for name in ("ping", "scan")]
+        return next((name for name in names if name in self._connection.topics), None)
+
+    @property
+    def sonars(self) -> Named[RemoteSonar]:
+        """The multibeams by name."""
+        return Named({"sonar": self.sonar} if self._sonar_topic() else {}, f"{self.name}.sonars")
+
+    @cached_property
+    def cameras(self) -> Named[RemoteCamera]:
+        """The cameras by name."""
+        start = f"{self._prefix}camera/"
+        names = [
+            topic.removeprefix(start).removesuffix(IMAGE)
+            for topic in self._connection.topics
+            if topic.startswith(start) and topic.endswith(IMAGE)
+        ]
+        cameras = {name: RemoteCamera(self._connection, f"{start}{name}{IMAGE}") for name in names}
+        return Named(cameras, f"{self.name}.cameras")
+
+    @cached_property
+    def lamps(self) -> Named[RemoteLamp]:
+        """The lamps by name."""
+        start = f"{self._prefix}{LIGHT_SERVICE}"
+        services = [str(name).lstrip("/") for name in self._connection.call("rosapi/services").get("services", [])]
+        names = [name.removeprefix(start) for name in services if name.startswith(start)]
+        return Named({name: RemoteLamp(self._connection, start + name) for name in names}, f"{self.name}.lamps")
+
+    @property
+    def released(self) -> bool:
+        """Whether it is free of the station; True for a vehicle that does not tell."""
+        panel = self._telemetry()
+        return True if panel is None else bool(panel.released)
+
+    def release(self) -> None:
+        """Let go of the station. Raises ValueError, OSError."""
+        self._connection.call(f"{self._prefix}release")
+
+    def undock(self) -> None:
+        """Leave the station for free water. Raises ValueError, OSError."""
+        self._connection.call(f"{self._prefix}undock")
+
+    def dock(self) -> None:
+        """Enter the station's dock. Raises ValueError, OSError."""
+        self._connection.call(f"{self._prefix}dock")
+
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Command efforts in [-1, 1]; on the wire sway and yaw are positive to starboard. Raises OSError."""
+        message = build.pose((surge, -sway, heave), (pitch, roll, -yaw, 0.0))
+        self._connection.publish(f"{self._prefix}key", POSE, message)
+
+    def telemetry(self) -> RemotePanel:
+        """Read the panel: of /telemetry, else the battery alone."""
+        panel = self._telemetry()
+        if panel is not None:
+            return RemotePanel(
+                battery_percent=float(panel.battery),
+                depth_m=float(panel.depth),
+                distance_to_seabed_m=float(panel.distance_to_seabed),
+                distance_to_station_m=float(panel.distance_to_station),
+                speed_m_s=float(panel.speed),
+                range_warning=bool(panel.range_warning),
+                proximity_warning=bool(panel.proximity_warning),
+                collision_warning=bool(panel.collision_warning),
+            )
+        battery = f"{self._prefix}battery_state"
+        if battery not in self._connection.topics:
+            return RemotePanel(math.nan)
+        return RemotePanel(100.0 * float(self._connection.newest(battery).percentage))
+
+    def _telemetry(self) -> Any:
+        topic = f"{self._prefix}telemetry"
+        return self._connection.newest(topic) if topic in self._connection.topics else None
+
+
+def pose_of(message: Any, origin_m: NDArray[np.float64]) -> Pose:
+    """Return a geometry_msgs/Pose as a Pose, moved by origin_m (3,)."""
+    position_m, turn = vector(message.position) + origin_m, quaternion(message.orientation)
+    return Pose(position_m, turn, matrix(position_m, turn))
+
+
+def _prefix(connection: RemoteConnection, name: str | None) -> str:
+    """Return what a vehicle's topics begin with. Raises ValueError."""
+    vehicles = sorted(topic.removesuffix("/key") for topic in connection.topics if topic.endswith("/key"))
+    if name is None:
+        if "key" in connection.topics:
+            return ""
+        if not vehicles:
+            raise ValueError(f"{connection.url}: there is no topic 'key' to command a vehicle by")
+        return f"{vehicles[0]}/"
+    if name in vehicles:
+        return f"{name}/"
+    if not vehicles and "key" in connection.topics:
+        return ""
+    raise ValueError(f"{connection.url}: vehicle = {name!r}: must be one of {', '.join(vehicles) or 'none'}")

@@ -1,0 +1,223 @@
+"""fly_remote: fly the same mission with a vehicle behind a rosbridge: of `uwsim serve`, or any other."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle
+from uwsim.control.protocols import Clock
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.clock import FlightOverError
+from uwsim.flight.folder import made_folder
+from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
+from uwsim.flight.mission_log import MissionLog
+from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
+from uwsim.flight.results import RESULT_FILES, write_results
+from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.own_vehicle import Event, OwnVehicle
+from uwsim.missions.run import MissionFunction, begin, first_parameter
+from uwsim.missions.steps import drive
+from uwsim.missions.stopped import StoppedError
+
+VOXEL_M = 0.2
+NAN = math.nan
+
+
+def fly_remote(
+    mission: MissionFunction | str | Path,
+    url: str,
+    out: str | Path | None = None,
+    *,
+    function: str = FUNCTION,
+    arguments: Mapping[str, Any] | None = None,
+    vehicles: Iterable[str] = (),
+    odometry: str = "odom",
+    lockstep: bool = False,
+    map: bool = False,  # noqa: A002  # as the option is called
+    voxel_m: float | None = None,
+    time_limit_s: float | None = None,
+    report: str = "full",
+    autosave: FlightAutosave | None = None,
+    show: Callable[[str], AbstractContextManager[object]] = lambda activity: nullcontext(),
+) -> FlightRecord:
+    """Fly a mission with vehicles at a rosbridge server; return its record. Results are as those of `fly`.
+
+    url: such as "ws://127.0.0.1:9090". odometry: the topic of the pose, of which map and samples are made: the truth is
+    not known here. lockstep: the simulator stands still while the mission thinks; for a simulator alone. map: of what
+    the sonar sees, without a score. Raises ValueError, OSError, and what the mission raises.
+    """
+    file = Path(mission) if isinstance(mission, str | Path) else None
+    fly_it = load_mission(file, function) if file is not None else mission
+    assert callable(fly_it)
+    fly_it = with_arguments(fly_it, arguments or {})
+    first_parameter(fly_it)
+    if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
+        raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
+    with ExitStack() as stack:
+        connection = stack.enter_context(RemoteConnection(url))
+        hulls = [RemoteVehicle(connection, name, odometry) for name in tuple(vehicles) or (None,)]
+        inner: RemoteClock | LockstepClock
+        if lockstep:
+            inner = LockstepClock(connection, hulls[0].beacon)
+            stack.callback(inner.close)
+        else:
+            inner = RemoteClock(connection)
+        folder = None if out is None else made_folder(Path(out))
+        if folder is not None:
+            for stale in RESULT_FILES:
+                (folder / stale).unlink(missing_ok=True)
+        log = MissionLog(folder)
+        stack.callback(log.close)
+        occupancy = OccupancyMap(resolution_m=voxel_m or VOXEL_M) if map else None
+        flight = _RemoteFlight(inner, log, occupancy, time_limit_s, autosave or FlightAutosave(0.0))
+        own = {hull.name: OwnVehicle(hull, inner, hear=log.add) for hull in hulls}
+        with show(f"flying {mission_name(fly_it, file)} at {url}"):
+            flown = flight.fly(fly_it, own, file, url)
+    if folder is not None:
+        flown = write_results(flown, None, folder, report, show)
+    if flown.error is not None:
+        raise flown.error
+    return flown
+
+
+class _RemoteFlight:
+    """A flight at a rosbridge: the Clock of its mission, which takes samples and pings between waits."""
+
+    def __init__(
+        self,
+        inner: Clock,
+        log: MissionLog,
+        occupancy: OccupancyMap | None,
+        time_limit_s: float | None,
+        autosave: FlightAutosave,
+    ) -> None:
+        self._inner, self._log, self._occupancy, self._autosave = inner, log, occupancy, autosave
+        self._begun_s = inner.time_s
+        self._end_s = math.inf if time_limit_s is None else self._begun_s + time_limit_s
+        self._limit = f"the time limit of {time_limit_s:g} s is over" if time_limit_s is not None else ""
+        self._own: dict[str, OwnVehicle] = {}
+        self._rows: dict[str, list[list[float]]] = {}
+        self._paths: dict[str, list[NDArray[np.float64]]] = {}
+        self._last_pings: dict[str, Any] = {}
+        self._echoes, self._sampled_s = 0, -math.inf
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds."""
+        return self._inner.time_s
+
+    def wait(self, duration_s: float) -> None:
+        """Let time pass, in parts, so that no ping is missed. Raises FlightOverError, OSError."""
+        left_s = min(duration_s, max(self._end_s - self.time_s, 1e-6))
+        while left_s > 1e-9:
+            part_s = min(left_s, 0.5 * PERIOD_S)
+            self._inner.wait(part_s)
+            left_s -= part_s
+            self._look()
+            if self._autosave.stop_requested():
+                raise FlightOverError(INTERRUPTED)
+        if self.time_s >= self._end_s - 1e-6:
+            raise FlightOverError(self._limit)
+
+    def fly(self, mission: MissionFunction, own: dict[str, OwnVehicle], file: Path | None, url: str) -> FlightRecord:
+        """Fly to the end, whatever it is."""
+        self._own = own
+        self._rows, self._paths = {name: [] for name in own}, {name: [] for name in own}
+        began_s, name = time.perf_counter(), mission_name(mission, file)
+        self._hear("begun", {"mission": name, "url": url})
+        self._look()
+        result, error, because = None, None, DONE
+        try:
+            result = drive(begin(mission, own), self)
+        except (FlightOverError, StoppedError) as over:
+            because = str(over)
+        except KeyboardInterrupt:
+            because = INTERRUPTED
+        except Exception as raised:
+            error = raised if file is None or isinstance(raised, OSError) else mission_error(raised, file)
+            because = f"the mission raised {type(raised).__name__}: {error}"
+        if not isinstance(error, OSError):
+            for vehicle in own.values():
+                vehicle.set_effort()
+        self._hear("ended", {"because": because})
+        return FlightRecord(
+            mission=name,
+            scenario=url,
+            seed=None,
+            estimate="odometry",
+            step_s=None,
+            ended_because=because,
+            ended_early=because not in (DONE, self._limit),
+            simulated_s=self._rows[next(iter(own))][-1][0] - self._begun_s,
+            wall_s=time.perf_counter() - began_s,
+            events=self._log.events,
+            samples={name: Samples(_NAMES, np.array(rows)) for name, rows in self._rows.items()},
+            result=result,
+            error=error,
+            occupancy=self._occupancy,
+            pings_world_m={name: np.array(path).reshape(-1, 3) for name, path in self._paths.items()},
+            echo_count=self._echoes,
+        )
+
+    def _look(self) -> None:
+        """Take samples that are due, and new pings."""
+        now_s = self.time_s
+        if now_s >= self._sampled_s + PERIOD_S - 1e-6:
+            self._sampled_s = now_s
+            for name, vehicle in self._own.items():
+                self._rows[name].append(_row(now_s, vehicle))
+        if self._occupancy is not None:
+            for name, vehicle in self._own.items():
+                self._insert(name, vehicle.sonar.ping(), self._occupancy)
+
+    def _insert(self, name: str, ping: Any, occupancy: OccupancyMap) -> None:
+        if ping is self._last_pings.get(name):
+            return
+        self._last_pings[name] = ping
+        pose = ping.world_from_sonar
+        points = ping.points_sonar_m[ping.valid].astype(np.float64) @ pose[:3, :3].T + pose[:3, 3]
+        occupancy.insert_scan(points.astype(np.float32), pose[:3, 3], max_range_m=1e4)
+        self._paths[name].append(pose[:3, 3].copy())
+        self._echoes += len(points)
+
+    def _hear(self, event: str, values: dict[str, Any]) -> None:
+        self._log.add(Event(self.time_s, "", event, values))
+
+
+_NAMES = (*COLUMNS, *(f"effort {axis}" for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw")))
+
+
+def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:
+    pose, panel = vehicle.pose, vehicle.telemetry()
+    rotation, position = pose.world_from_body, np.asarray(pose.position_world_m).tolist()
+    told = {
+        name: float(getattr(panel, name, NAN))
+        for name in ("battery_percent", "distance_to_seabed_m", "distance_to_station_m", "speed_m_s")
+    }
+    return [
+        time_s,
+        *position,
+        math.atan2(rotation[2, 1], rotation[2, 2]),
+        -math.asin(min(max(float(rotation[2, 0]), -1.0), 1.0)),
+        float(pose.yaw_rad),
+        *position,
+        float(pose.yaw_rad),
+        -position[2],
+        told["distance_to_seabed_m"],
+        float(np.linalg.norm(vehicle.velocity.linear_body_m_s)),
+        told["battery_percent"],
+        told["distance_to_station_m"],
+        vehicle.released,
+        *(float(getattr(panel, f"{name}_warning", False)) for name in ("range", "proximity", "collision")),
+        0.0,
+        *vehicle.effort,
+    ]
