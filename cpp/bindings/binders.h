@@ -16,6 +16,7 @@ void bind_sensors(pybind11::module_& m);
 void bind_sonar(pybind11::module_& m);
 void bind_camera(pybind11::module_& m);
 void bind_mapping(pybind11::module_& m);
+void bind_estimation(pybind11::module_& m);
 void bind_sim(pybind11::module_& m);
 
 }  // namespace uwsim::bindings

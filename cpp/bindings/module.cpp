@@ -15,5 +15,6 @@ PYBIND11_MODULE(_core, m) {
   bind_sonar(m);
   bind_camera(m);
   bind_mapping(m);
+  bind_estimation(m);
   bind_sim(m);
 }

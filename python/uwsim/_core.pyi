@@ -15,6 +15,7 @@ __all__: list[str] = [
     "ActuatorsSpec",
     "Autopilot",
     "AutopilotGains",
+    "BiasModel",
     "BodyState",
     "BottomMaterial",
     "Camera",
@@ -43,6 +44,7 @@ __all__: list[str] = [
     "ModemSpec",
     "Modulation",
     "MultibeamModel",
+    "NavigationFilter",
     "NoiseSpec",
     "OccupancyMap",
     "Optics",
@@ -1092,6 +1094,20 @@ class NoiseSpec:
         limit_low: typing.SupportsFloat | typing.SupportsIndex = ...,
         limit_high: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> None: ...
+    @property
+    def bias_std(self) -> float: ...
+    @property
+    def bias_time_s(self) -> float: ...
+    @property
+    def density(self) -> float: ...
+    @property
+    def quantum(self) -> float: ...
+    @property
+    def std(self) -> float: ...
+    @property
+    def turn_on_std(self) -> float: ...
+    @property
+    def walk(self) -> float: ...
 
 class SensorSpec:
     def __init__(
@@ -1120,6 +1136,26 @@ class SensorSpec:
     def latency_s(self) -> float: ...
     @property
     def name(self) -> str: ...
+    @property
+    def noise(self) -> dict[str, NoiseSpec]:
+        """
+        {channel: NoiseSpec} of the channels with errors.
+        """
+    @property
+    def orientation_xyzw(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
+        """
+        (4,) body from sensor.
+        """
+    @property
+    def parameters(self) -> dict[str, list[float]]:
+        """
+        {name: values} of the kind's parameters, defaults included.
+        """
+    @property
+    def position_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) on the body.
+        """
     @property
     def rate_hz(self) -> float: ...
 
@@ -1964,6 +2000,172 @@ class OccupancyMap:
     @property
     def resolution_m(self) -> float: ...
 
+class BiasModel:
+    """
+    A bias: a constant drawn at the start, a Gauss-Markov drift, a random walk.
+    """
+    def __init__(
+        self,
+        *,
+        turn_on_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        drift_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        drift_time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        walk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
+class NavigationFilter:
+    """
+    An error-state Kalman filter (Sola 2017) on an IMU and its aids. Readings may come late and in any order: the
+    result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.
+    """
+    def __init__(
+        self,
+        *,
+        imu_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+        rate_std: typing.SupportsFloat | typing.SupportsIndex,
+        force_std: typing.SupportsFloat | typing.SupportsIndex,
+        rate_bias: BiasModel,
+        force_bias: BiasModel,
+    ) -> None:
+        """
+        period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2].
+        """
+    def add_acoustic_fix(
+        self,
+        lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        station_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        range_std: typing.SupportsFloat | typing.SupportsIndex,
+        bearing_std: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> int:
+        """
+        Position from the station, world axes [m].
+        """
+    def add_depth(
+        self,
+        lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        std: typing.SupportsFloat | typing.SupportsIndex,
+        bias: BiasModel,
+    ) -> int:
+        """
+        Depth [m].
+        """
+    def add_doppler(
+        self,
+        beams_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"],
+        lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        std: typing.SupportsFloat | typing.SupportsIndex,
+        bias: BiasModel,
+    ) -> int:
+        """
+        Velocities along beams (n, 3), unit vectors [m/s]; NaN: lost. Returns the aid's index, as all of these.
+        """
+    def add_heading(
+        self,
+        axis_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        std: typing.SupportsFloat | typing.SupportsIndex,
+        bias: BiasModel,
+        iron_std: typing.SupportsFloat | typing.SupportsIndex,
+        north_rad: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> int:
+        """
+        The angle of axis_body from east, counter-clockwise [rad].
+        """
+    def add_imu(self, times_ns: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], readings: typing.Any) -> None:
+        """
+        times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body axes.
+        """
+    def add_orientation(self, std: typing.SupportsFloat | typing.SupportsIndex, bias: BiasModel) -> int:
+        """
+        Orientation x, y, z, w, world from body.
+        """
+    def add_readings(
+        self,
+        aid: typing.SupportsInt | typing.SupportsIndex,
+        times_ns: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64],
+        arrivals_ns: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64],
+        readings: typing.Any,
+    ) -> None:
+        """
+        times_ns, arrivals_ns (n,) uint64; readings (n, width).
+        """
+    def add_silence(self, time_ns: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        There was no IMU until then.
+        """
+    def catch_up(self) -> None:
+        """
+        Work off what was added.
+        """
+    def counts(self, aid: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
+        """
+        Scalars of its readings that were used, and that were outliers.
+        """
+    def restore(self, bytes: bytes) -> None:
+        """
+        Raises ValueError for bytes that are not of a filter with the same aids.
+        """
+    def save(self) -> bytes: ...
+    def start(
+        self,
+        *,
+        time_ns: typing.SupportsInt | typing.SupportsIndex,
+        position_world_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        position_std_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        attitude_std_rad: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        velocity_world_m_s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        velocity_std_m_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        After the aids were added. Forgets everything earlier.
+        """
+    @property
+    def aid_biases(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
+    @property
+    def angular_body_rad_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,)
+        """
+    @property
+    def covariance(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the biases of
+        gyroscope and accelerometer (body axes), and those of the aids; of the IMU's centre
+        """
+    @property
+    def force_bias_m_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def linear_body_m_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) of the body's origin
+        """
+    @property
+    def orientation_xyzw(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def position_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,) of the body's origin
+        """
+    @property
+    def rate_bias_rad_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
+    @property
+    def time_ns(self) -> int:
+        """
+        Of the newest IMU sample.
+        """
+    @property
+    def too_late(self) -> int:
+        """
+        Readings that came too late to be used.
+        """
+    @property
+    def world_from_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        (4, 4)
+        """
+
 class SimulationSpec:
     def __init__(self) -> None: ...
     @property
@@ -2355,6 +2557,18 @@ class Simulation:
         """
         Advances by fixed steps. Releases the GIL, answers Ctrl-C.
         """
+    def take_samples(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sensor: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.uint64],
+        numpy.typing.NDArray[numpy.uint64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.bool],
+    ]:
+        """
+        stamps_ns (n,), arrivals_ns (n,), readings (n, width), valid (n,) of the samples that have arrived since
+        the last call, but for dropped ones. Raises ValueError unless the sensor is watched.
+        """
     def telemetry(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> Telemetry: ...
     def thruster_commands(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
@@ -2363,6 +2577,15 @@ class Simulation:
     def thrusts_n(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
         (name, present still-water thrust [N]) pairs.
+        """
+    def watch_sensor(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sensor: typing.SupportsInt | typing.SupportsIndex,
+        from_ns: typing.SupportsInt | typing.SupportsIndex | None,
+    ) -> None:
+        """
+        Keep each sample that is measured from from_ns on, as it arrives; None: no longer.
         """
     @property
     def tick(self) -> int: ...

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 from uwsim import _core
+from uwsim.sample_stream import SampleSource, SampleStream
 from uwsim.sealed import Sealed
 
 Value = float | SimpleNamespace
@@ -33,7 +34,8 @@ class Sensor(Sealed):
     Repeated reads at one time return the same sample; neither reads nor other sensors change later samples.
 
     kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether it is powered; see
-    Simulator.parameters. Axes: x forward, y left, z up, unless the vehicle's YAML file rotates the sensor.
+    Simulator.parameters. period_s: between samples. spec: its mounting, parameters and errors. Axes: x forward, y left,
+    z up, unless the vehicle's YAML file rotates the sensor.
 
     - imu: angular_velocity_rad_s (3,), linear_acceleration_m_s2 (3,) (specific force), orientation_xyzw (4,)
     - velocity: linear_velocity_m_s (3,) over ground, angular_velocity_rad_s (3,)
@@ -51,11 +53,24 @@ class Sensor(Sealed):
     meaning: str
     rate_hz: float | None
     latency_s: float
+    period_s: float
+    spec: _core.SensorSpec
     on: bool
 
     def __init__(
-        self, simulation: _core.Simulation, vehicle: int, index: int, spec: _core.SensorSpec, on: bool = True
+        self,
+        simulation: _core.Simulation,
+        vehicle: int,
+        index: int,
+        spec: _core.SensorSpec,
+        step_s: float,
+        on: bool = True,
     ) -> None:
+        self._step_s = step_s
+        self._source = SampleSource(
+            lambda: simulation.take_samples(vehicle, index),
+            lambda from_ns: simulation.watch_sensor(vehicle, index, from_ns),
+        )
         self._simulation = simulation
         self._vehicle = vehicle
         self._index = index
@@ -69,7 +84,10 @@ class Sensor(Sealed):
 
     def change(self, spec: _core.SensorSpec, on: bool) -> None:
         """Go on with other errors and times. Simulator.parameters calls this."""
-        self.__dict__ |= {"rate_hz": spec.rate_hz or None, "latency_s": spec.latency_s, "on": on}
+        period_s = max(1.0 / spec.rate_hz, self._step_s) if spec.rate_hz else self._step_s
+        self.__dict__ |= {
+            "rate_hz": spec.rate_hz or None, "latency_s": spec.latency_s, "period_s": period_s, "spec": spec, "on": on,
+        }  # fmt: skip
 
     @property
     def unit(self) -> str | dict[str, str]:
@@ -93,6 +111,23 @@ class Sensor(Sealed):
         """
         reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
         return Sample(self._value(reading), reading.stamp_ns, reading.valid and self.on)
+
+    def stream(self, from_ns: int | None = None) -> SampleStream:
+        """Return the sensor's samples to come: each once, in the order of arrival, but for dropped ones.
+
+        from_ns: the earliest time of measurement; by default later than now. Take them now and then, as they are kept
+        until then; they end when the simulator is reset or restored. A sensor that is off measures none the less.
+        """
+        return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
+
+    def end_streams(self) -> None:
+        """End all streams, as time goes back. Simulator calls this."""
+        self._source.close()
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time, nanoseconds."""
+        return self._simulation.time_ns
 
     def _value(self, reading: _core.SensorReading) -> Value:
         if not self.on:

@@ -16,6 +16,7 @@ from uwsim.cameras import Camera
 from uwsim.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
+from uwsim.estimation import Navigator, Start
 from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.network import Network
@@ -123,6 +124,18 @@ class Simulator(Sealed):
             imaging_sonars=imaging_sonars(self, entry),
             journal=self.journal,
             sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
+            step_s=self.step_s,
+            navigate=self._navigator,
+        )
+
+    def _navigator(self, vehicle: Vehicle, start: Start) -> Navigator:
+        water = self.world.water
+        return Navigator(
+            vehicle,
+            start,
+            station_world_m=self.scenario.station.position_m,
+            gravity_m_s2=water.gravity_m_s2,
+            density_kg_m3=float(water.density_at_kg_m3(0.0)),
         )
 
     def _made_dock(self) -> Dock:
@@ -260,6 +273,7 @@ class Simulator(Sealed):
         self._shared_scene.restart(scenario)
         self._scenario = scenario
         self.parameters.restart(scenario)
+        self._restore_navigation({})
         self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
@@ -271,7 +285,9 @@ class Simulator(Sealed):
         """
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
         aims = {name: head.save() for name, head in self._shared_scene.heads.items()}
-        notes = json.dumps({"lamps": lit, "parameters": self.parameters.changes, "cameras": aims})
+        estimates = {name: saved for name, rov in self.vehicles.items() if (saved := rov.navigation.save()) is not None}
+        changes = self.parameters.changes
+        notes = json.dumps({"lamps": lit, "parameters": changes, "cameras": aims, "estimates": estimates})
         return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
 
     def restore_state(self, state: bytes) -> None:
@@ -294,10 +310,19 @@ class Simulator(Sealed):
                 self.vehicles[name].lamps[lamp].set_silently(on)
         for name, aim in notes["cameras"].items():
             self._shared_scene.heads[name].restore(aim)
+        self._restore_navigation(notes["estimates"])
         self.journal.note("restore_state", state=state)
+
+    def _restore_navigation(self, estimates: dict[str, str]) -> None:
+        for name, rov in self.vehicles.items():
+            for sensor in rov.sensors.values():
+                sensor.end_streams()
+            rov.navigation.restore(estimates.get(name))
 
     def _change(self, scenario: Scenario) -> None:
         """Go on with this scenario, which differs in parameters alone. Raises ValueError, changing nothing."""
+        for rov in self.vehicles.values():
+            rov.navigation.take_in()
         before = self.parameters.scenario
         other_water = scenario.water != before.water
         water = scenario_water(scenario, self._world) if other_water else self._world.water

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -19,8 +17,11 @@ from uwsim.arguments import number
 from uwsim.cameras import Camera, Lamp
 from uwsim.did_you_mean import did_you_mean
 from uwsim.docking import Dock, DockedWarning
+from uwsim.estimation import Navigator, Start
 from uwsim.journal import Journal
+from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
+from uwsim.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.sealed import Sealed
@@ -32,28 +33,6 @@ from uwsim.sonars.multibeam import Sonar
 Vector = NDArray[np.float64]
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLAIN = {float}
-
-
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """A vehicle's pose: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
-
-    position_world_m: Vector
-    orientation_xyzw: Vector
-    world_from_body: Vector
-
-    @cached_property
-    def yaw_rad(self) -> float:
-        """Heading of the body's x axis from east, counter-clockwise, in (-pi, pi]."""
-        return math.atan2(self.world_from_body[1, 0], self.world_from_body[0, 0])
-
-
-@dataclass(frozen=True, eq=False)
-class Velocity:
-    """A vehicle's velocity over ground, in body axes: linear_body_m_s (3,), angular_body_rad_s (3,)."""
-
-    linear_body_m_s: Vector
-    angular_body_rad_s: Vector
 
 
 @dataclass(frozen=True)
@@ -102,11 +81,15 @@ class Vehicle(Sealed):
         imaging_sonars: Mapping[str, ImagingSonar],
         journal: Journal,
         sensors_on: Mapping[str, bool],
+        step_s: float,
+        navigate: Callable[[Vehicle, Start], Navigator],
     ) -> None:
         self._simulation = simulation
         self._index = index
         self.name = spec.name
-        sensors = {s.name: Sensor(simulation, index, k, s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)}
+        sensors = {
+            s.name: Sensor(simulation, index, k, s, step_s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)
+        }
         sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
         self.sensors = Named(sensors, f"{spec.name}.sensors")
         self.sonars = Named(sonars, f"{spec.name}.sonars")
@@ -122,6 +105,9 @@ class Vehicle(Sealed):
         self._craft: _core.Craft = spec.craft
         self._last_motion = self._new_motion()
         self._last_panel: tuple[int, _core.Telemetry] | None = None
+        self._navigation = OnboardNavigation(
+            spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
+        )
 
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
         """Go on with other figures. Simulator.parameters calls this."""
@@ -301,6 +287,26 @@ class Vehicle(Sealed):
         motion = self._simulation.version, Pose(position, orientation, world_from_body), Velocity(linear, angular)
         self.__dict__["_last_motion"] = motion  # faster than by __setattr__, which checks names
         return motion
+
+    @property
+    def estimate(self) -> Navigator:
+        """Where the vehicle is by its own instruments: pose, velocity and their covariance, by an error-state filter.
+
+        The first look starts it, from the pose and velocity of that moment, which it takes to be known within 0.1 m and
+        0.05 m/s; so do place, dock and undock. It goes by the errors that the sensors had then. Raises ValueError for a
+        vehicle without an IMU. See docs/estimation.md.
+        """
+        return self._navigation.navigator
+
+    @property
+    def navigation(self) -> OnboardNavigation:
+        """What keeps `estimate` up to date. For Simulator."""
+        return self._navigation
+
+    def _known_start(self) -> Start:
+        position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
+        velocity = turn @ self.velocity.linear_body_m_s
+        return Start(tuple(position.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S)
 
     def place(
         self,

@@ -21,6 +21,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
     "world": {"core"},
     "vehicle": {"core"},
     "acoustics": {"core"},
+    "estimation": {"core"},  # nor can a filter
     "mapping": {"core"},  # a map cannot peek at the truth
     "control": {"core", "vehicle"},  # a controller has a model of its vehicle, not the vehicle
     "rays": {"core", "world"},

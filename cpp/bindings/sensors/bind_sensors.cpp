@@ -1,3 +1,4 @@
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include <map>
@@ -57,7 +58,14 @@ void bind_noise(py::module_& m) {
            }),
            py::kw_only(), py::arg("std") = 0.0, py::arg("density") = 0.0, py::arg("turn_on_std") = 0.0,
            py::arg("bias_std") = 0.0, py::arg("bias_time_s") = 0.0, py::arg("walk") = 0.0, py::arg("quantum") = 0.0,
-           py::arg("limit_low") = none.limit_low, py::arg("limit_high") = none.limit_high);
+           py::arg("limit_low") = none.limit_low, py::arg("limit_high") = none.limit_high)
+      .def_readonly("std", &NoiseSpec::std)
+      .def_readonly("density", &NoiseSpec::density)
+      .def_readonly("turn_on_std", &NoiseSpec::turn_on_std)
+      .def_readonly("bias_std", &NoiseSpec::bias_std)
+      .def_readonly("bias_time_s", &NoiseSpec::bias_time_s)
+      .def_readonly("walk", &NoiseSpec::walk)
+      .def_readonly("quantum", &NoiseSpec::quantum);
 }
 
 }  // namespace
@@ -104,7 +112,26 @@ void bind_sensors(py::module_& m) {
       .def_readonly("kind", &SensorSpec::kind)
       .def_readonly("rate_hz", &SensorSpec::rate_hz)
       .def_readonly("latency_s", &SensorSpec::latency_s)
-      .def_readonly("drop_out", &SensorSpec::drop_out);
+      .def_readonly("drop_out", &SensorSpec::drop_out)
+      .def_property_readonly(
+          "position_m", [](const SensorSpec& s) { return s.body_from_sensor.position_m; }, "(3,) on the body.")
+      .def_property_readonly(
+          "orientation_xyzw",
+          [](const SensorSpec& s) { return Eigen::Vector4d(s.body_from_sensor.orientation.coeffs()); },
+          "(4,) body from sensor.")
+      .def_property_readonly(
+          "noise",
+          [](const SensorSpec& s) {
+            return std::map<std::string, NoiseSpec>{s.noise.begin(), s.noise.end()};
+          },
+          "{channel: NoiseSpec} of the channels with errors.")
+      .def_property_readonly(
+          "parameters",
+          [](const SensorSpec& s) {
+            const ParameterValues values = completed(s, sensor_kind(s.kind)).parameters;
+            return std::map<std::string, std::vector<double>>{values.begin(), values.end()};
+          },
+          "{name: values} of the kind's parameters, defaults included.");
 
   py::class_<SensorReading>(m, "SensorReading", "One sample of a sensor.")
       .def_readonly("values", &SensorReading::values, "{field: float or (n,) float64}")

@@ -1,5 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+#include <pybind11/typing.h>
 
 #include <memory>
 #include <optional>
@@ -23,6 +24,22 @@ SensorReading read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size
     kind = &sim.vehicle(vehicle).sensors.at(sensor).kind();
   });
   return sensor_reading(*kind, sample);
+}
+
+using TakenSamples =
+    py::typing::Tuple<py::array_t<std::uint64_t>, py::array_t<std::uint64_t>, py::array_t<double>, py::array_t<bool>>;
+
+TakenSamples take_samples(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor) {
+  SampleBatch batch;
+  std::size_t width = 0;
+  owned.with([&](Simulation& sim) {
+    batch = sim.take_samples(vehicle, sensor);
+    width = sim.vehicle(vehicle).sensors.at(sensor).kind().reading_width();
+  });
+  const auto n = static_cast<py::ssize_t>(batch.stamps_ns.size());
+  const py::array_t<bool> valid(n, reinterpret_cast<const bool*>(batch.valid.data()));
+  return py::make_tuple(move_out(std::move(batch.stamps_ns)), move_out(std::move(batch.arrivals_ns)),
+                        move_out(std::move(batch.values), {n, static_cast<py::ssize_t>(width)}), valid);
 }
 
 void bind_specs(py::module_& m) {
@@ -204,6 +221,16 @@ void bind_sim(py::module_& m) {
           "The world with all vehicles where they are now, without the one given. A snapshot. Labels of vehicles "
           "follow "
           "the world's.")
+      .def(
+          "watch_sensor",
+          [](OwnedSimulation& o, std::size_t v, std::size_t sensor, std::optional<std::uint64_t> from_ns) {
+            o.with([&](Simulation& s) { s.watch_sensor(v, sensor, from_ns); });
+          },
+          py::arg("vehicle"), py::arg("sensor"), py::arg("from_ns"),
+          "Keep each sample that is measured from from_ns on, as it arrives; None: no longer.")
+      .def("take_samples", &take_samples, py::arg("vehicle"), py::arg("sensor"),
+           "stamps_ns (n,), arrivals_ns (n,), readings (n, width), valid (n,) of the samples that have arrived since\n"
+           "the last call, but for dropped ones. Raises ValueError unless the sensor is watched.")
       .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
            "Repeated at one time, the same sample. Without noise: the present value, without rate, latency and "
            "drop-outs.")

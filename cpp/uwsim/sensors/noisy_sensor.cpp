@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/stream_name.h"
@@ -126,7 +127,29 @@ const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& 
     measure(now, around, true);
     sample_.valid = false;
   }
+  has_arrived_ = found;
   return sample_;
+}
+
+void NoisySensor::watch(std::optional<std::uint64_t> from_ns) {
+  watch_.reset();
+  if (from_ns) watch_.emplace().from_ns = *from_ns;
+}
+
+void NoisySensor::collect(const VehicleSnapshot& now, const Surroundings& around) {
+  if (now.tick < next_collection()) return;
+  read(now, around);
+  if (has_arrived_ && sample_.stamp_ns >= watch_->from_ns) {
+    watch_->add(sample_.stamp_ns, clock_.time_ns(now.tick), sample_.values, measured_valid_);
+  }
+  const std::uint64_t newest = clock_.sample_at(now.tick), measured = clock_.tick_of(newest);
+  const bool in_transit = clock_.time_ns(measured) >= watch_->from_ns && !dropped(measured);
+  watch_->next_tick = in_transit ? now.tick + 1 : clock_.tick_of(newest + 1);
+}
+
+SampleBatch NoisySensor::take_samples() {
+  require(watch_.has_value(), "sensor", spec_.name, "must be watched");
+  return std::exchange(watch_->arrived, {});
 }
 
 }  // namespace uwsim

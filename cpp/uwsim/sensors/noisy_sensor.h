@@ -8,6 +8,7 @@
 #include "uwsim/sensors/noise.h"
 #include "uwsim/sensors/sample_clock.h"
 #include "uwsim/sensors/sample_history.h"
+#include "uwsim/sensors/sample_watch.h"
 #include "uwsim/sensors/sensor.h"
 
 namespace uwsim {
@@ -42,6 +43,16 @@ class NoisySensor {
   /// The present without errors, rate, latency and drop-outs.
   const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
+  /// Watches for samples that are measured from `from_ns` on; nothing: watches no longer.
+  void watch(std::optional<std::uint64_t> from_ns);
+  /// The tick at whose beginning `collect` is due; kNever for a sensor that nobody watches.
+  std::uint64_t next_collection() const { return watch_ ? watch_->next_tick : kNever; }
+  /// Adds the sample that has arrived by now, if it is new, to those that are taken next.
+  void collect(const VehicleSnapshot& now, const Surroundings& around);
+  /// The samples since the last call. Throws InvalidValue for a sensor that nobody watches.
+  SampleBatch take_samples();
+  void watch_like(const NoisySensor& other) { watch_ = other.watch_; }
+
   /// Saves or restores the history, as of `tick`; errors follow from seed, names and time. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick);
 
@@ -66,6 +77,8 @@ class NoisySensor {
   Sample sample_;
   std::uint64_t measured_tick_ = kNever;  ///< of the recorded snapshot that sample_ was measured from
   bool measured_valid_ = false;
+  bool has_arrived_ = false;  ///< sample_ is one that has arrived, not the present in its place
+  std::optional<SampleWatch> watch_;
 };
 
 }  // namespace uwsim

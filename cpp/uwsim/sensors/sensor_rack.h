@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -39,6 +40,22 @@ class SensorRack {
     }
   }
 
+  /// Whether a watched sensor's sample may have arrived.
+  bool collection_due(std::uint64_t tick) const { return tick >= next_collection_; }
+  void collect(const VehicleSnapshot& now, const Surroundings& around) {
+    for (NoisySensor& sensor : sensors_) sensor.collect(now, around);
+    find_next_collection();
+  }
+  void watch(std::size_t index, std::optional<std::uint64_t> from_ns) {
+    sensors_.at(index).watch(from_ns);
+    find_next_collection();
+  }
+  /// Watches what another rack of the same sensors does.
+  void watch_like(const SensorRack& other) {
+    for (std::size_t k = 0; k < sensors_.size(); ++k) sensors_[k].watch_like(other.sensors_.at(k));
+    find_next_collection();
+  }
+
   /// Saves or restores every sensor, as of `tick`. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive.same("sensors", sensors_.size());
@@ -50,7 +67,13 @@ class SensorRack {
   }
 
  private:
+  void find_next_collection() {
+    next_collection_ = NoisySensor::kNever;
+    for (const NoisySensor& sensor : sensors_) next_collection_ = std::min(next_collection_, sensor.next_collection());
+  }
+
   std::vector<NoisySensor> sensors_;
+  std::uint64_t next_collection_ = NoisySensor::kNever;
   std::uint64_t next_due_ = NoisySensor::kNever;
 };
 

@@ -29,6 +29,7 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     StateArchive same(present.bytes());
     exchange_vehicle(same, changed[k]);
     changed[k].actuators.renew_commands();
+    changed[k].sensors.watch_like(vehicles_[k].sensors);
     same_hulls = same_hulls &&
                  vehicles[k].craft->hull().mesh_body().vertices_m == vehicles_[k].craft->hull().mesh_body().vertices_m;
   }

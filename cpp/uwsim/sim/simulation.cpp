@@ -86,6 +86,9 @@ void Simulation::step(std::uint64_t count) {
 
 void Simulation::step_once() {
   for (Vehicle& vehicle : vehicles_) {
+    if (vehicle.sensors.collection_due(tick_)) {
+      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, spec_.station_world_m});
+    }
     if (vehicle.sensors.due(tick_)) {
       vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, spec_.station_world_m});
     }
@@ -148,6 +151,16 @@ const Sample& Simulation::read_sensor(std::size_t index, std::size_t sensor, boo
   const Surroundings around{scene_around(reader), world_.water, spec_.station_world_m};
   NoisySensor& instrument = reader.sensors.at(sensor);
   return with_noise ? instrument.read(snapshot(reader), around) : instrument.read_true(snapshot(reader), around);
+}
+
+void Simulation::watch_sensor(std::size_t index, std::size_t sensor, std::optional<std::uint64_t> from_ns) {
+  changeable(index).sensors.watch(sensor, from_ns);
+}
+
+SampleBatch Simulation::take_samples(std::size_t index, std::size_t sensor) {
+  Vehicle& watched = changeable(index);
+  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, spec_.station_world_m});
+  return watched.sensors.at(sensor).take_samples();
 }
 
 void Simulation::aim(std::size_t index, std::size_t sonar, double elevation_rad) {

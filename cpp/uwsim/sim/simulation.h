@@ -86,6 +86,10 @@ class Simulation {
   /// The reference is valid until the next read of this sensor. Without noise: the present value, without errors, rate,
   /// latency and drop-outs.
   const Sample& read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true);
+  /// From now on keeps each sample that a sensor measures from `from_ns` on and that arrives; nothing: no longer.
+  void watch_sensor(std::size_t vehicle, std::size_t sensor, std::optional<std::uint64_t> from_ns);
+  /// The samples that have arrived since the last call. Throws InvalidValue unless the sensor is watched.
+  SampleBatch take_samples(std::size_t vehicle, std::size_t sensor);
   void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
   const SonarHead& sonar(std::size_t vehicle, std::size_t sonar) const;
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;

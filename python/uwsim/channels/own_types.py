@@ -9,10 +9,11 @@ SONAR_PING = "uwsim_msgs/msg/SonarPing"
 OWN_TYPES = {
     TELEMETRY: """\
 std_msgs/Header header
-float64[3] position            # m, in the odom frame; nan where the truth is not to be seen
-float64[3] estimate            # m, in the odom frame: the newest acoustic fix, and the depth sensor; nan without one
-float32[4] orientation         # x, y, z, w
-bool is_truth                  # else position is nan, and orientation that of the IMU
+float64[3] position            # m, in the odom frame: the vehicle's own estimate; nan without an IMU
+float32[3] position_std        # m, along the frame's axes, as the estimate has it
+float64[3] true_position       # m, in the odom frame; nan where the truth is not to be seen
+float32[4] orientation         # x, y, z, w: the vehicle's own estimate
+bool is_truth                  # whether the truth is to be seen
 float32 speed                  # m/s
 float32 angular_speed          # rad/s
 float32 temperature            # deg C

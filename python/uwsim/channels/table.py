@@ -13,6 +13,7 @@ from uwsim.channels import frames
 from uwsim.channels.cameras import station_cameras, vehicle_cameras
 from uwsim.channels.channel import Channel, Service
 from uwsim.channels.commands import command_channels
+from uwsim.channels.estimate import estimate_channels
 from uwsim.channels.imaging import imaging_channels
 from uwsim.channels.instruments import sensor_channels
 from uwsim.channels.map import PingMap
@@ -78,6 +79,7 @@ class Table:
         found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
         for source in self.sources:
             found += frames.vehicle_channels(source)
+            found += estimate_channels(source)
             found.append(telemetry_channel(source, truth=self.truth))
             found += sensor_channels(source, sim)
             found += vehicle_cameras(source, sim, self.pictures)

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from uwsim.channels import build
 from uwsim.channels.channel import PANEL, Channel
+from uwsim.channels.estimate import has_estimate
 from uwsim.channels.own_types import TELEMETRY
 from uwsim.channels.source import Source
+from uwsim.estimation import Navigator
 from uwsim.simulator import Simulator
 from uwsim.vehicle import Vehicle
 
@@ -32,14 +34,16 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
     """Return the message of this moment."""
     vehicle = source.of(sim)
     panel, sensors, water = vehicle.telemetry(), vehicle.sensors, sim.world.water
-    attitude = vehicle.pose if truth else _reading(vehicle, "imu")
-    orientation = np.full(4, NAN) if attitude is None else attitude.orientation_xyzw
+    estimate = vehicle.estimate if has_estimate(source) else None
     return build.message(
         TELEMETRY,
         header=build.header(sim.time_ns, source.frame("odom")),
-        position=source.position_odom_m(sim) if truth else np.full(3, NAN),
-        estimate=_estimate_odom_m(sim, source),
-        orientation=np.asarray(orientation, np.float32),
+        position=np.full(3, NAN) if estimate is None else estimate.pose.position_world_m + source.origin_m,
+        position_std=np.full(3, NAN, np.float32)
+        if estimate is None
+        else np.asarray(estimate.position_std_m, np.float32),
+        true_position=source.position_odom_m(sim) if truth else np.full(3, NAN),
+        orientation=_orientation(vehicle, estimate, truth=truth),
         is_truth=truth,
         speed=panel.speed_m_s,
         angular_speed=panel.angular_speed_rad_s,
@@ -64,19 +68,7 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
     )
 
 
-def _estimate_odom_m(sim: Simulator, source: Source) -> NDArray[np.float64]:
-    """Return where the vehicle's own instruments have it, (3,): by the newest USBL fix, and its depth sensor."""
-    vehicle = source.of(sim)
-    fix = _reading(vehicle, "usbl")
-    if fix is None or fix.range_m <= 0.0:  # out of range
-        return np.full(3, NAN)
-    position = np.asarray(fix.position_m, np.float64) + sim.scenario.station.position_m
-    depth_m = _reading(vehicle, "depth")
-    if depth_m is not None:
-        position[2] = -depth_m
-    return position + source.origin_m
-
-
-def _reading(vehicle: Vehicle, kind: str) -> Any:
-    """Return what the vehicle's first sensor of a kind reads, or None if there is none."""
-    return next((sensor.read() for sensor in vehicle.sensors.values() if sensor.kind == kind), None)
+def _orientation(vehicle: Vehicle, estimate: Navigator | None, *, truth: bool) -> NDArray[np.float32]:
+    if estimate is None and not truth:
+        return np.full(4, NAN, np.float32)
+    return np.asarray((estimate or vehicle).pose.orientation_xyzw, np.float32)

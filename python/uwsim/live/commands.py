@@ -64,6 +64,11 @@ def place(
     _vehicle(sim, vehicle).place(position_world_m, orientation_xyzw, velocity_body)
 
 
+def start_navigation(sim: Simulator, vehicle: str) -> None:
+    """Start a vehicle's estimate, if it has not begun; see Vehicle.estimate."""
+    _ = _vehicle(sim, vehicle).estimate
+
+
 def aim(sim: Simulator, vehicle: str, elevation_rad: float, sonar: str | None = None) -> None:
     """Turn a sonar's head, by default the first's; see Sonar.aim."""
     rov = _vehicle(sim, vehicle)
@@ -137,6 +142,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
         set_thrusters,
         set_fins,
         place,
+        start_navigation,
         aim,
         set_lamp,
         aim_camera,

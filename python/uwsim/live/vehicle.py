@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from uwsim.cameras import Camera, Lamp
+from uwsim.estimation import Navigator
+from uwsim.motion import Pose, Velocity
 from uwsim.sensors import Sensor
 from uwsim.sonars.multibeam import Sonar
-from uwsim.vehicle import Pose, Vector, Vehicle, Velocity
+from uwsim.vehicle import Vector, Vehicle
 
 if TYPE_CHECKING:
     from uwsim import _core
@@ -43,6 +45,13 @@ class LiveVehicle:
     def velocity(self) -> Velocity:
         """The present velocity."""
         return self._vehicle.velocity
+
+    @property
+    def estimate(self) -> Navigator:
+        """See Vehicle.estimate. The first look is a command, since it starts the navigation."""
+        if not self._vehicle.navigation.has_begun:
+            self._command("start_navigation")
+        return self._vehicle.estimate
 
     @property
     def released(self) -> bool:

@@ -15,8 +15,8 @@ from uwsim.bridges.remote.frames import matrix, quaternion, vector
 from uwsim.bridges.remote.instruments import READERS, RemoteCamera, RemoteLamp, RemoteSensor
 from uwsim.bridges.remote.sonar import RemoteSonar
 from uwsim.channels import build
+from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
-from uwsim.vehicle import Pose, Velocity
 
 POSE = "geometry_msgs/msg/Pose"
 IMAGE = "/image_raw/compressed"

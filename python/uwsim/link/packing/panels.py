@@ -51,18 +51,19 @@ FLOATS = (
 )  # fmt: skip
 """Fields of /telemetry: struct's code and quantum."""
 FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
-HEAD = struct.Struct("<q3i3i4bBH3B")
+HEAD = struct.Struct("<q3i3i3H4bBH3B")
 FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
 INFINITE = ("distance_to_seabed",)
 """Fields that are infinite rather than nan where there is nothing."""
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return some 90 bytes: positions in cm, attitude to 1/127, commands to 1 %."""
+    """Return some 100 bytes: positions in cm, attitude to 1/127, commands to 1 %."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
-    places = [quantised(x, 0.01, "i") for x in (*message.position, *message.estimate)]
+    places = [quantised(x, 0.01, "i") for x in (*message.position, *message.true_position)]
+    places += [quantised(x, 0.01, "H") for x in message.position_std]
     turn = [quantised(x, 1 / 126, "b") for x in message.orientation]
     commands = [quantised(x, 0.01, "b") for x in (*message.efforts, *message.thrusters)]
     return (
@@ -77,7 +78,8 @@ def pack_telemetry(message: Any) -> bytes:
 def unpack_telemetry(data: bytes, channel: Channel) -> Any:
     """Return the panel."""
     stamp_ns, *rest, flags, collisions, lamps, efforts, thrusters = HEAD.unpack_from(data)
-    places, turn = [_value(x, 0.01, "i") for x in rest[:6]], np.array([_value(x, 1 / 126, "b") for x in rest[6:]])
+    places, stds = [_value(x, 0.01, "i") for x in rest[:6]], [_value(x, 0.01, "H") for x in rest[6:9]]
+    turn = np.array([_value(x, 1 / 126, "b") for x in rest[9:]])
     figures = {
         name: _value(whole, quantum, code, math.inf if name in INFINITE else math.nan)
         for (name, code, quantum), whole in zip(FLOATS, FIGURES.unpack_from(data, HEAD.size), strict=True)
@@ -89,7 +91,8 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
         TELEMETRY,
         header=build.header(stamp_ns, channel.frame_id),
         position=np.array(places[:3]),
-        estimate=np.array(places[3:]),
+        position_std=np.array(stds, np.float32),
+        true_position=np.array(places[3:]),
         orientation=(turn / (np.linalg.norm(turn) or 1.0)).astype(np.float32),
         efforts=commands[:efforts],
         thrusters=commands[efforts:],

@@ -35,6 +35,12 @@ const AROUND = [
   ['Collisions', '', (m) => String(m.collisions)],
 ];
 
+// How well the vehicle knows where it is, and how far it is off where that may be seen.
+function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
+  const off = isTruth ? `${fixed(Math.hypot(...position.map((value, k) => value - truth[k])), 2)} m off` : '';
+  return Number.isFinite(position[0]) ? `estimate ± ${fixed(Math.hypot(...std), 2)} m ${off}`.trim() : '';
+}
+
 // "2.0° S": to starboard.
 function sided(value, positive, negative) {
   const text = fixed(Math.abs(value), 1);
@@ -119,7 +125,7 @@ export class Panel {
     );
     if (!message) return;
     for (const [element, read] of this.#values) write(element, read(message));
-    write(this.kind, message.is_truth ? 'truth' : 'estimate');
+    write(this.kind, estimateText(message));
     this.thrusters.show(this.hasThrusters ? message.thrusters : message.efforts);
     const percent = Math.max(0, Math.min(100, message.battery));
     this.battery.style.width = `${percent}%`;

@@ -1,0 +1,159 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bindings/binders.h"
+#include "bindings/core/arrays.h"
+#include "bindings/core/convert.h"
+#include "uwsim/estimation/navigation_filter.h"
+
+namespace uwsim::bindings {
+namespace {
+
+using Times = py::array_t<std::uint64_t, py::array::c_style | py::array::forcecast>;
+
+/// times (n,), readings (n, width). Throws InvalidValue.
+py::array_t<double, py::array::c_style> rows(const Times& times, const py::object& readings, py::ssize_t width) {
+  require(times.ndim() == 1, "times_ns.ndim", times.ndim(), "must be 1");
+  return as_array<double>(readings, "readings", {times.shape(0), width});
+}
+
+void add_imu(NavigationFilter& filter, const Times& times_ns, const py::object& readings) {
+  const auto values = rows(times_ns, readings, 6);
+  for (py::ssize_t k = 0; k < times_ns.shape(0); ++k) filter.add_imu(times_ns.at(k), values.data(k));
+}
+
+void add_readings(NavigationFilter& filter, int aid, const Times& times_ns, const Times& arrivals_ns,
+                  const py::object& readings) {
+  const auto values = rows(times_ns, readings, -1);
+  require(arrivals_ns.ndim() == 1 && arrivals_ns.shape(0) == times_ns.shape(0), "arrivals_ns.shape",
+          shape_text(arrivals_ns), "must be that of times_ns");
+  require(aid >= 0 && aid < filter.aids(), "aid", aid, "must be that of an aid");
+  require(values.shape(1) == filter.aid_width(aid), "readings.shape[1]", values.shape(1), "must be the aid's width");
+  for (py::ssize_t k = 0; k < times_ns.shape(0); ++k) {
+    filter.add_reading(aid, times_ns.at(k), arrivals_ns.at(k), values.data(k));
+  }
+}
+
+py::array_t<double> copied(const double* values, py::ssize_t n) { return py::array_t<double>(n, values); }
+
+void bind_state(py::class_<NavigationFilter>& filter) {
+  filter
+      .def_property_readonly(
+          "time_ns", [](const NavigationFilter& f) { return f.state().time_ns; }, "Of the newest IMU sample.")
+      .def_property_readonly("position_world_m", &NavigationFilter::position_body_origin_m, "(3,) of the body's origin")
+      .def_property_readonly("orientation_xyzw",
+                             [](const NavigationFilter& f) { return copied(f.state().orientation.coeffs().data(), 4); })
+      .def_property_readonly(
+          "world_from_body",
+          [](const NavigationFilter& f) {
+            return Pose{f.position_body_origin_m(), f.state().orientation}.matrix();
+          },
+          "(4, 4)")
+      .def_property_readonly("linear_body_m_s", &NavigationFilter::velocity_body_m_s, "(3,) of the body's origin")
+      .def_property_readonly(
+          "angular_body_rad_s", [](const NavigationFilter& f) { return f.state().rate_rad_s(); }, "(3,)")
+      .def_property_readonly(
+          "covariance", [](const NavigationFilter& f) { return Eigen::MatrixXd(f.state().covariance); },
+          "(n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the biases of\n"
+          "gyroscope and accelerometer (body axes), and those of the aids; of the IMU's centre")
+      .def_property_readonly("rate_bias_rad_s", [](const NavigationFilter& f) { return f.state().rate_bias_rad_s; })
+      .def_property_readonly("force_bias_m_s2", [](const NavigationFilter& f) { return f.state().force_bias_m_s2; })
+      .def_property_readonly("aid_biases",
+                             [](const NavigationFilter& f) { return Eigen::VectorXd(f.state().aid_bias); })
+      .def_property_readonly("too_late", &NavigationFilter::too_late, "Readings that came too late to be used.")
+      .def(
+          "counts",
+          [](const NavigationFilter& f, int aid) {
+            require(aid >= 0 && aid < f.aids(), "aid", aid, "must be that of an aid");
+            const AidCounts& c = f.state().counts[static_cast<std::size_t>(aid)];
+            return std::make_pair(c.accepted, c.rejected);
+          },
+          py::arg("aid"), "Scalars of its readings that were used, and that were outliers.");
+}
+
+void bind_aids(py::class_<NavigationFilter>& filter) {
+  filter
+      .def(
+          "add_doppler",
+          [](NavigationFilter& f, const Eigen::MatrixX3d& beams, const Eigen::Vector3d& lever, double std,
+             const BiasModel& bias) { return f.add_aid(doppler_aid(beams, lever, std, bias)); },
+          py::arg("beams_body"), py::arg("lever_body_m"), py::arg("std"), py::arg("bias"),
+          "Velocities along beams (n, 3), unit vectors [m/s]; NaN: lost. Returns the aid's index, as all of these.")
+      .def(
+          "add_depth",
+          [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias) {
+            return f.add_aid(depth_aid(lever, std, bias));
+          },
+          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), "Depth [m].")
+      .def(
+          "add_heading",
+          [](NavigationFilter& f, const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std,
+             double north_rad) { return f.add_aid(heading_aid(axis, std, bias, iron_std, north_rad)); },
+          py::arg("axis_body"), py::arg("std"), py::arg("bias"), py::arg("iron_std"), py::arg("north_rad"),
+          "The angle of axis_body from east, counter-clockwise [rad].")
+      .def(
+          "add_acoustic_fix",
+          [](NavigationFilter& f, const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std,
+             double bearing_std) { return f.add_aid(acoustic_fix_aid(lever, station, range_std, bearing_std)); },
+          py::arg("lever_body_m"), py::arg("station_world_m"), py::arg("range_std"), py::arg("bearing_std"),
+          "Position from the station, world axes [m].")
+      .def(
+          "add_orientation",
+          [](NavigationFilter& f, double std, const BiasModel& bias) { return f.add_aid(orientation_aid(std, bias)); },
+          py::arg("std"), py::arg("bias"), "Orientation x, y, z, w, world from body.");
+}
+
+}  // namespace
+
+void bind_estimation(py::module_& m) {
+  py::class_<BiasModel>(m, "BiasModel", "A bias: a constant drawn at the start, a Gauss-Markov drift, a random walk.")
+      .def(py::init([](double turn_on_std, double drift_std, double drift_time_s, double walk) {
+             return BiasModel{turn_on_std, drift_std, drift_time_s, walk};
+           }),
+           py::kw_only(), py::arg("turn_on_std") = 0.0, py::arg("drift_std") = 0.0, py::arg("drift_time_s") = 0.0,
+           py::arg("walk") = 0.0);
+  py::class_<NavigationFilter> filter(
+      m, "NavigationFilter",
+      "An error-state Kalman filter (Sola 2017) on an IMU and its aids. Readings may come late and in any order: the\n"
+      "result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.");
+  filter
+      .def(py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
+                       double force_std, const BiasModel& rate_bias, const BiasModel& force_bias) {
+             return std::make_unique<NavigationFilter>(ImuErrors{rate_std, force_std, period_s, rate_bias, force_bias},
+                                                       imu_body_m, gravity_m_s2);
+           }),
+           py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
+           py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
+           "period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2].")
+      .def(
+          "start",
+          [](NavigationFilter& f, std::uint64_t time_ns, const py::object& position_world_m,
+             const py::object& orientation_xyzw, const Eigen::Vector3d& position_std_m,
+             const Eigen::Vector3d& attitude_std_rad, const Eigen::Vector3d& velocity_world_m_s,
+             double velocity_std_m_s) {
+            f.start({time_ns, as_pose(position_world_m, orientation_xyzw, "start"), velocity_world_m_s, position_std_m,
+                     velocity_std_m_s, attitude_std_rad});
+          },
+          py::kw_only(), py::arg("time_ns"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
+          py::arg("position_std_m"), py::arg("attitude_std_rad"), py::arg("velocity_world_m_s"),
+          py::arg("velocity_std_m_s"), "After the aids were added. Forgets everything earlier.")
+      .def("add_imu", &add_imu, py::arg("times_ns"), py::arg("readings"),
+           "times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body axes.")
+      .def("add_readings", &add_readings, py::arg("aid"), py::arg("times_ns"), py::arg("arrivals_ns"),
+           py::arg("readings"), "times_ns, arrivals_ns (n,) uint64; readings (n, width).")
+      .def("add_silence", &NavigationFilter::add_silence, py::arg("time_ns"), "There was no IMU until then.")
+      .def("catch_up", &NavigationFilter::catch_up, "Work off what was added.")
+      .def("save", [](NavigationFilter& f) { return py::bytes(f.save()); })
+      .def(
+          "restore", [](NavigationFilter& f, const py::bytes& bytes) { f.restore(std::string_view(bytes)); },
+          py::arg("bytes"), "Raises ValueError for bytes that are not of a filter with the same aids.");
+  bind_aids(filter);
+  bind_state(filter);
+}
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,50 @@
+#include <cmath>
+
+#include "uwsim/estimation/aid.h"
+
+namespace uwsim {
+namespace {
+
+/// p + R r - station, one scalar along the line of sight and two across it, whose errors do not depend on each other.
+class AcousticFixAid final : public Aid {
+ public:
+  AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std, double bearing_std)
+      : lever_(lever), station_(station), range_std_(range_std), bearing_std_(bearing_std) {}
+
+  int width() const override { return 3; }
+  ErrorIndex seen() const override { return kPosition; }
+
+  void correct(FilterState& state, const double* reading) const override {
+    const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
+    const double range = fix.norm();
+    if (!(range > 1e-6)) return;
+    const Eigen::Vector3d sight = fix / range, across = sight.unitOrthogonal(), up = sight.cross(across);
+    correct_along(state, fix, sight, range_std_ * range_std_);
+    const double sideways = bearing_std_ * range;
+    correct_along(state, fix, across, sideways * sideways);
+    correct_along(state, fix, up, sideways * sideways);
+  }
+
+ private:
+  void correct_along(FilterState& state, const Eigen::Vector3d& fix, const Eigen::Vector3d& axis,
+                     double variance) const {
+    const Eigen::Vector3d expected = state.position_m + state.orientation * lever_ - station_;
+    ErrorVector h = ErrorVector::Zero(state.errors());
+    h.segment<3>(kPosition) = axis;
+    h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
+    constexpr double kLeast = 1e-6;  // m2: so that an exact fix still has a gate
+    Aid::correct(state, axis.dot(fix - expected), h, std::max(variance, kLeast));
+  }
+
+  Eigen::Vector3d lever_, station_;
+  double range_std_, bearing_std_;
+};
+
+}  // namespace
+
+std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
+                                      double range_std, double bearing_std) {
+  return std::make_unique<AcousticFixAid>(lever_body_m, station_world_m, range_std, bearing_std);
+}
+
+}  // namespace uwsim

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "uwsim/estimation/filter_state.h"
+
+namespace uwsim {
+
+/// An outlier is farther than this many standard deviations from what the filter expects (Mahalanobis distance of one
+/// scalar; a good reading is taken for one in 1.7 million).
+inline constexpr double kGate = 5;
+/// After this many readings in a row that are outliers the filter doubts itself instead: it takes its own error to be
+/// as large.
+inline constexpr int kReadingsBeforeDoubt = 5;
+inline constexpr int kMaxReading = 8;
+
+/// An instrument that corrects the filter. Lever arms are from the IMU, body axes.
+class Aid {
+ public:
+  virtual ~Aid() = default;
+  /// The number of values of a reading.
+  virtual int width() const = 0;
+  /// The models of its biases, which become errors of the filter.
+  virtual std::vector<BiasModel> biases() const { return {}; }
+  /// The errors that it sees: doubt acts on these three.
+  virtual ErrorIndex seen() const = 0;
+  /// Corrects `state` by a reading (width(),) scalar by scalar.
+  virtual void correct(FilterState& state, const double* reading) const = 0;
+
+  /// Where its counts and its biases are in the state; set by NavigationFilter.
+  int index = 0, first_bias = 0;
+
+ protected:
+  /// One scalar: residual = h . error + white noise of `variance`. Joseph form. Returns whether it was no outlier.
+  bool correct(FilterState& state, double residual, const ErrorVector& h, double variance) const;
+};
+
+/// Velocities along beams, (n,) [m/s]; NaN for a lost beam. `beams_body` (n, 3): unit vectors.
+std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m, double std,
+                                 const BiasModel& bias);
+/// Depth, (1,) [m, positive down].
+std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias);
+/// The angle of `axis_body` from east, counter-clockwise, (1,) [rad]; `north_rad`: that of magnetic north. `iron_std`:
+/// the vehicle's own field across it, each axis, as a share of the earth's horizontal field.
+std::unique_ptr<Aid> heading_aid(const Eigen::Vector3d& axis_body, double std, const BiasModel& bias, double iron_std,
+                                 double north_rad);
+/// Position from a station along east, north and up, (3,) [m], with errors along and across the line of sight.
+std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
+                                      double range_std, double bearing_std);
+/// Orientation, world from body, x, y, z, w, (4,), with errors in body axes.
+std::unique_ptr<Aid> orientation_aid(double std, const BiasModel& bias);
+
+}  // namespace uwsim

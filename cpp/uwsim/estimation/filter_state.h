@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace uwsim {
+
+/// The errors' order: position, velocity, attitude, gyroscope bias, accelerometer bias, then the biases of aids.
+enum ErrorIndex : int { kPosition = 0, kVelocity = 3, kAttitude = 6, kRateBias = 9, kForceBias = 12, kAidBias = 15 };
+inline constexpr int kMaxErrors = 32;
+inline constexpr int kMaxAids = 8;
+
+using ErrorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxErrors, 1>;
+using ErrorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxErrors, kMaxErrors>;
+
+/// How the bias of one channel behaves, in its unit u: a constant that is drawn at the start, a first-order
+/// Gauss-Markov process of standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
+struct BiasModel {
+  double turn_on_std = 0;   ///< [u]
+  double drift_std = 0;     ///< [u]
+  double drift_time_s = 0;  ///< 0: no drift
+  double walk = 0;          ///< [u/sqrt(s)]
+
+  double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
+  /// The share that is left after dt. A drift on top of a constant is taken for a random walk, which agrees with it
+  /// over times that are short beside drift_time_s, so that one state holds both.
+  double decay(double dt_s) const;
+  /// The variance that dt adds [u2].
+  double growth(double dt_s) const;
+};
+
+/// What an aid's readings came to, and how many of the last ones in a row were outliers.
+struct AidCounts {
+  std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
+};
+
+/// The state of an error-state Kalman filter (Sola 2017, "Quaternion kinematics for the error-state Kalman filter"):
+/// the motion of the IMU's centre, and the covariance of its errors. World ENU; body axes of REP 103. The attitude's
+/// error is local: true attitude = orientation * Exp(error).
+struct FilterState {
+  std::uint64_t time_ns = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< world axes
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d rate_bias_rad_s = Eigen::Vector3d::Zero(), force_bias_m_s2 = Eigen::Vector3d::Zero();
+  ErrorVector aid_bias;  ///< by the index of its error - kAidBias
+  ErrorMatrix covariance;
+  Eigen::Vector3d measured_rate_rad_s = Eigen::Vector3d::Zero();  ///< the newest of the gyroscope, body axes
+  std::array<AidCounts, kMaxAids> counts;
+
+  int errors() const { return static_cast<int>(covariance.rows()); }
+  Eigen::Vector3d rate_rad_s() const { return measured_rate_rad_s - rate_bias_rad_s; }
+  /// Moves the error into the state.
+  void add(const ErrorVector& error);
+};
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+/// The rotation by a vector [rad].
+Eigen::Quaterniond rotation_by(const Eigen::Vector3d& angle_rad);
+
+}  // namespace uwsim

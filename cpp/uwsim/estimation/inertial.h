@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "uwsim/estimation/filter_state.h"
+
+namespace uwsim {
+
+/// The errors of an inertial measurement unit, for each axis.
+struct ImuErrors {
+  double rate_std = 0;   ///< [rad/s] white noise of a sample, rounding included
+  double force_std = 0;  ///< [m/s2]
+  double period_s = 0.005;
+  BiasModel rate_bias, force_bias;
+};
+
+/// An IMU's sample, body axes.
+struct ImuSample {
+  Eigen::Vector3d rate_rad_s, force_m_s2;  ///< angular velocity, specific force
+};
+
+/// Strapdown navigation and the growth of its errors (Sola 2017, sections 5.3 and 5.4, local attitude error). Valid
+/// for steps that turn by much less than 1 rad; the earth's rotation is neglected.
+class Inertial {
+ public:
+  Inertial(const ImuErrors& imu, double gravity_m_s2) : imu_(imu), gravity_m_s2_(gravity_m_s2) {}
+
+  /// Moves the state to `time_ns` with a sample that is the mean of the specific force since the last one.
+  /// `aid_biases`: one for each error from kAidBias on.
+  void advance(FilterState& state, std::uint64_t time_ns, const ImuSample& sample,
+               const std::vector<BiasModel>& aid_biases) const;
+  /// Moves the state without a sample: on a straight line, with the errors of a vehicle that may do otherwise.
+  void coast(FilterState& state, std::uint64_t time_ns, const std::vector<BiasModel>& aid_biases) const;
+
+  const ImuErrors& errors() const { return imu_; }
+  double gravity_m_s2() const { return gravity_m_s2_; }
+
+ private:
+  void age_biases(FilterState& state, double dt_s, const std::vector<BiasModel>& aid_biases) const;
+
+  ImuErrors imu_;
+  double gravity_m_s2_;
+};
+
+}  // namespace uwsim

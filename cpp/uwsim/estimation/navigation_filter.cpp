@@ -1,0 +1,172 @@
+#include "uwsim/estimation/navigation_filter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "uwsim/core/check.h"
+
+namespace uwsim {
+namespace {
+
+constexpr std::uint64_t kHorizon_ns = static_cast<std::uint64_t>(NavigationFilter::kHorizon_s * 1e9);
+constexpr std::uint64_t kCheckpoint_ns = 100'000'000;
+constexpr std::size_t kForgetFrom = 2048;  // events; they are moved down together
+
+}  // namespace
+
+NavigationFilter::NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2)
+    : inertial_(imu, gravity_m_s2), imu_body_m_(imu_body_m) {
+  require(imu.period_s > 0, "imu.period_s", imu.period_s, "must be positive");
+  require(gravity_m_s2 > 0, "gravity_m_s2", gravity_m_s2, "must be positive");
+}
+
+int NavigationFilter::add_aid(std::unique_ptr<Aid> aid) {
+  const std::vector<BiasModel> biases = aid->biases();
+  require(aids_.size() < kMaxAids, "aids", aids_.size() + 1, "must be at most 8");
+  require(kAidBias + aid_biases_.size() + biases.size() <= kMaxErrors, "errors",
+          kAidBias + aid_biases_.size() + biases.size(), "must be at most 32");
+  require(aid->width() <= kMaxReading, "reading", aid->width(), "must be of at most 8 values");
+  aid->index = static_cast<int>(aids_.size());
+  aid->first_bias = kAidBias + static_cast<int>(aid_biases_.size());
+  aid_biases_.insert(aid_biases_.end(), biases.begin(), biases.end());
+  aids_.push_back(std::move(aid));
+  return static_cast<int>(aids_.size()) - 1;
+}
+
+void NavigationFilter::start(const FilterStart& start) {
+  FilterState& state = present_ = {};
+  state.time_ns = start.time_ns;
+  state.position_m = start.world_from_body.point(imu_body_m_);
+  state.velocity_m_s = start.velocity_world_m_s;
+  state.orientation = start.world_from_body.orientation.normalized();
+  const int n = kAidBias + static_cast<int>(aid_biases_.size());
+  state.aid_bias = ErrorVector::Zero(n - kAidBias);
+  state.covariance = ErrorMatrix::Zero(n, n);
+  const auto set = [&](int first, const Eigen::Vector3d& variance) {
+    state.covariance.diagonal().segment<3>(first) = variance;
+  };
+  set(kPosition, start.position_std_m.cwiseAbs2());
+  set(kVelocity, Eigen::Vector3d::Constant(start.velocity_std_m_s * start.velocity_std_m_s));
+  set(kAttitude, start.attitude_std_rad.cwiseAbs2());
+  set(kRateBias, Eigen::Vector3d::Constant(inertial_.errors().rate_bias.variance()));
+  set(kForceBias, Eigen::Vector3d::Constant(inertial_.errors().force_bias.variance()));
+  for (int k = kAidBias; k < n; ++k) {
+    state.covariance(k, k) = aid_biases_[static_cast<std::size_t>(k - kAidBias)].variance();
+  }
+  events_.clear();
+  checkpoints_.clear();
+  next_ = changed_ = 0;
+  too_late_ = 0;
+  checkpoint();
+}
+
+void NavigationFilter::add_imu(std::uint64_t time_ns, const double* rate_and_force) {
+  Event event{time_ns, kImu, {}};
+  std::copy_n(rate_and_force, 6, event.values);
+  insert(event);
+}
+
+void NavigationFilter::add_silence(std::uint64_t time_ns) { insert({time_ns, kSilence, {}}); }
+
+void NavigationFilter::add_reading(int aid, std::uint64_t time_ns, std::uint64_t arrival_ns, const double* reading) {
+  require(aid >= 0 && aid < aids(), "aid", aid, "must be that of an aid");
+  if (arrival_ns > time_ns + kHorizon_ns) {
+    ++too_late_;
+    return;
+  }
+  Event event{time_ns, aid, {}};
+  std::copy_n(reading, aids_[static_cast<std::size_t>(aid)]->width(), event.values);
+  insert(event);
+}
+
+void NavigationFilter::insert(const Event& event) {
+  require(!checkpoints_.empty(), "filter", "not started", "start() comes first");
+  if (event.time_ns <= checkpoints_.front().state.time_ns) {
+    too_late_ += event.source >= 0;
+    return;
+  }
+  // Events at one time are sorted by source, the IMU first, so that the order of adding them does not matter.
+  const auto later = [](const Event& a, const Event& b) {
+    return a.time_ns != b.time_ns ? a.time_ns < b.time_ns : a.source < b.source;
+  };
+  const auto place = std::upper_bound(events_.begin(), events_.end(), event, later);
+  const auto index = static_cast<std::size_t>(place - events_.begin());
+  changed_ = std::min(changed_, index);
+  events_.insert(place, event);
+}
+
+void NavigationFilter::catch_up() {
+  if (changed_ < next_) rewind_to(changed_);
+  while (next_ < events_.size() && apply(next_)) {
+    ++next_;
+    if (present_.time_ns >= checkpoints_.back().state.time_ns + kCheckpoint_ns) checkpoint();
+  }
+  changed_ = events_.size();
+  forget();
+}
+
+void NavigationFilter::rewind_to(std::size_t event) {
+  while (checkpoints_.size() > 1 && checkpoints_.back().next > event) checkpoints_.pop_back();
+  present_ = checkpoints_.back().state;
+  next_ = checkpoints_.back().next;
+}
+
+const NavigationFilter::Event* NavigationFilter::next_inertial(std::size_t from) const {
+  const auto found = std::find_if(events_.begin() + static_cast<std::ptrdiff_t>(from), events_.end(),
+                                  [](const Event& e) { return e.source < 0; });
+  return found == events_.end() ? nullptr : &*found;
+}
+
+/// Returns whether the event could be worked off: a reading that is newer than the IMU's waits.
+bool NavigationFilter::apply(std::size_t index) {
+  const Event& event = events_[index];
+  if (event.time_ns > present_.time_ns) {
+    const Event* inertial = next_inertial(index);
+    if (inertial == nullptr) return false;
+    advance(*inertial, event.time_ns);
+  }
+  if (event.source >= 0) aids_[static_cast<std::size_t>(event.source)]->correct(present_, event.values);
+  return true;
+}
+
+void NavigationFilter::advance(const Event& inertial, std::uint64_t time_ns) {
+  if (inertial.source == kSilence) {
+    inertial_.coast(present_, time_ns, aid_biases_);
+  } else {
+    const double* v = inertial.values;
+    inertial_.advance(present_, time_ns, {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, aid_biases_);
+  }
+}
+
+void NavigationFilter::checkpoint() { checkpoints_.push_back({present_, next_}); }
+
+/// The index of the last checkpoint that readings may still go back to.
+std::size_t NavigationFilter::last_before_horizon() const {
+  const auto after = std::find_if(checkpoints_.begin(), checkpoints_.end(), [&](const Checkpoint& c) {
+    return c.state.time_ns + kHorizon_ns > present_.time_ns;
+  });
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - checkpoints_.begin() - 1, 0));
+}
+
+void NavigationFilter::forget() {
+  if (next_ >= kForgetFrom) forget_all_but(last_before_horizon());
+}
+
+void NavigationFilter::forget_all_but(std::size_t from) {
+  checkpoints_.erase(checkpoints_.begin(), checkpoints_.begin() + static_cast<std::ptrdiff_t>(from));
+  const std::size_t gone = checkpoints_.front().next;
+  events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(gone));
+  for (Checkpoint& c : checkpoints_) c.next -= gone;
+  next_ -= gone;
+  changed_ -= gone;
+}
+
+Eigen::Vector3d NavigationFilter::position_body_origin_m() const {
+  return present_.position_m - present_.orientation * imu_body_m_;
+}
+
+Eigen::Vector3d NavigationFilter::velocity_body_m_s() const {
+  return present_.orientation.conjugate() * present_.velocity_m_s - present_.rate_rad_s().cross(imu_body_m_);
+}
+
+}  // namespace uwsim

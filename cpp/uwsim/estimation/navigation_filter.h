@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "uwsim/core/pose.h"
+#include "uwsim/core/state_archive.h"
+#include "uwsim/estimation/aid.h"
+#include "uwsim/estimation/inertial.h"
+
+namespace uwsim {
+
+/// Where the vehicle is when the filter starts, and how well that is known: standard deviations.
+struct FilterStart {
+  std::uint64_t time_ns = 0;
+  Pose world_from_body;
+  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_std_m = Eigen::Vector3d::Zero();  ///< world axes
+  double velocity_std_m_s = 0;
+  Eigen::Vector3d attitude_std_rad = Eigen::Vector3d::Zero();  ///< body axes
+};
+
+/// An error-state Kalman filter that takes readings in any order. It keeps the readings of the last kHorizon_s and its
+/// states at some times between; when a reading comes late, it goes back to the last state before it and repeats what
+/// followed. The result depends on the readings and their times alone, not on when they were added.
+class NavigationFilter {
+ public:
+  static constexpr double kHorizon_s = 4;
+
+  /// `imu_body_m`: where the IMU is on the body.
+  NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
+
+  /// Returns the aid's index. Before start().
+  int add_aid(std::unique_ptr<Aid> aid);
+  void start(const FilterStart& start);
+
+  /// Readings of the IMU, body axes, rows of angular velocity and specific force; not later than others that follow.
+  void add_imu(std::uint64_t time_ns, const double* rate_and_force);
+  /// A reading of an aid, measured at `time_ns`, that came at `arrival_ns`. One that is older than the start or came
+  /// later than kHorizon_s is dropped, and counted.
+  void add_reading(int aid, std::uint64_t time_ns, std::uint64_t arrival_ns, const double* reading);
+  /// There was no IMU until `time_ns`.
+  void add_silence(std::uint64_t time_ns);
+  /// Works off what was added. Readings that are newer than the IMU's wait.
+  void catch_up();
+
+  /// The newest, of the IMU's centre.
+  const FilterState& state() const { return present_; }
+  Eigen::Vector3d position_body_origin_m() const;
+  Eigen::Vector3d velocity_body_m_s() const;  ///< of the body's origin, body axes
+  std::uint64_t too_late() const { return too_late_; }
+  int aids() const { return static_cast<int>(aids_.size()); }
+  int aid_width(int aid) const { return aids_.at(static_cast<std::size_t>(aid))->width(); }
+
+  /// Everything that the future depends on. A filter with the same aids that restores it continues alike.
+  std::string save();
+  /// Throws InvalidValue for bytes that do not fit.
+  void restore(std::string_view bytes);
+
+ private:
+  static constexpr int kImu = -1, kSilence = -2;
+  struct Event {
+    std::uint64_t time_ns;
+    int source;  ///< an aid's index, kImu or kSilence
+    double values[kMaxReading];
+  };
+  struct Checkpoint {
+    FilterState state;
+    std::size_t next;  ///< the first event after it
+  };
+
+  void insert(const Event& event);
+  void rewind_to(std::size_t event);
+  bool apply(std::size_t event);
+  const Event* next_inertial(std::size_t from) const;
+  void advance(const Event& inertial, std::uint64_t time_ns);
+  void checkpoint();
+  void forget();
+  void forget_all_but(std::size_t checkpoints_from);
+  std::size_t last_before_horizon() const;
+  void exchange(StateArchive& archive);
+
+  Inertial inertial_;
+  Eigen::Vector3d imu_body_m_;
+  std::vector<std::unique_ptr<Aid>> aids_;
+  std::vector<BiasModel> aid_biases_;
+  FilterState present_;
+  std::vector<Event> events_;  ///< by time; at one time the IMU first
+  std::size_t next_ = 0;       ///< the first event that is not in present_
+  std::size_t changed_ = 0;    ///< the first event that is new
+  std::vector<Checkpoint> checkpoints_;
+  std::uint64_t too_late_ = 0;
+};
+
+}  // namespace uwsim

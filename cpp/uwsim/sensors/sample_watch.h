@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace uwsim {
+
+/// Samples in the order of their arrival. values: one row of the reading's width for each.
+struct SampleBatch {
+  std::vector<std::uint64_t> stamps_ns, arrivals_ns;
+  std::vector<double> values;
+  std::vector<std::uint8_t> valid;
+};
+
+/// Who watches a sensor gets each sample once, as it arrives: every one that was not dropped.
+struct SampleWatch {
+  std::uint64_t from_ns = 0;    ///< earlier stamps are not new
+  std::uint64_t next_tick = 0;  ///< when a sample may arrive next
+  SampleBatch arrived;
+
+  void add(std::uint64_t stamp_ns, std::uint64_t arrival_ns, std::span<const double> values, bool valid) {
+    arrived.stamps_ns.push_back(stamp_ns);
+    arrived.arrivals_ns.push_back(arrival_ns);
+    arrived.values.insert(arrived.values.end(), values.begin(), values.end());
+    arrived.valid.push_back(valid);
+    from_ns = stamp_ns + 1;
+  }
+};
+
+}  // namespace uwsim

@@ -1,0 +1,76 @@
+"""The vehicle's own estimate of its motion as nav_msgs/Odometry, beside the true one of `odom`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from uwsim.channels import build
+from uwsim.channels.channel import Channel
+from uwsim.channels.source import Source
+from uwsim.estimation import Navigator
+from uwsim.simulator import Simulator
+
+RATE_HZ = 20.0
+TOPIC = "odometry/filtered"  # as robot_localization calls it
+
+
+def has_estimate(source: Source) -> bool:
+    """Whether a vehicle carries what its navigation needs."""
+    return any(sensor.kind == "imu" for sensor in source.entry.model.sensors.values())
+
+
+def estimate_channels(source: Source) -> list[Channel]:
+    """Return the channel of a vehicle's estimate; none for a vehicle without an IMU."""
+    if not has_estimate(source):
+        return []
+    return [
+        Channel(
+            source.topic(TOPIC), "nav_msgs/msg/Odometry", "out",
+            "pose and velocity by the vehicle's own instruments, with covariances", rate_hz=RATE_HZ,
+            frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
+        )
+    ]  # fmt: skip
+
+
+def _odometry(source: Source, sim: Simulator) -> Any:
+    estimate = source.of(sim).estimate
+    pose, velocity = estimate.pose, estimate.velocity
+    twist = build.message(
+        "geometry_msgs/msg/Twist",
+        linear=build.vector(velocity.linear_body_m_s),
+        angular=build.vector(velocity.angular_body_rad_s),
+    )
+    stamp_ns = round(estimate.time_s * 1e9)
+    pose_covariance, twist_covariance = covariances(estimate)
+    return build.message(
+        "nav_msgs/msg/Odometry",
+        header=build.header(stamp_ns, source.frame("odom")),
+        child_frame_id=source.frame("base_footprint"),
+        pose=build.message(
+            "geometry_msgs/msg/PoseWithCovariance",
+            pose=build.pose(pose.position_world_m + source.origin_m, pose.orientation_xyzw),
+            covariance=pose_covariance.ravel(),
+        ),
+        twist=build.message("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=twist_covariance.ravel()),
+    )
+
+
+def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the covariances of pose and twist, (6, 6) each, as ROS has them.
+
+    Pose: position, then rotation about the fixed axes of odom. Twist: in the body's axes; the velocity there errs by
+    the attitude, too.
+    """
+    errors, turn = estimate.covariance, estimate.pose.world_from_body[:3, :3]
+    x, y, z = estimate.velocity.linear_body_m_s
+    to_pose = block_diag(np.eye(3), turn)
+    pose = to_pose @ errors[np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])] @ to_pose.T
+    to_twist = np.zeros((6, 9))
+    to_twist[:3, :3], to_twist[:3, 3:6] = turn.T, [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
+    to_twist[3:, 6:] = -np.eye(3)
+    twist = to_twist @ errors[3:12, 3:12] @ to_twist.T
+    return pose, twist + np.diag([0.0, 0.0, 0.0, *np.full(3, estimate.rate_std_rad_s**2)])

@@ -1,0 +1,243 @@
+"""Navigator: a vehicle's pose and velocity from its own instruments."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import threading
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.estimation.aids import AIDS, Surroundings, body_from_sensor, chosen_aids, magnetic_north_rad
+from uwsim.estimation.errors import bias_model, white_std, whole_std
+from uwsim.estimation.protocols import Instrumented, InstrumentLike, StreamLike
+from uwsim.estimation.start import Start
+from uwsim.motion import Pose, Velocity
+from uwsim.sealed import Sealed
+
+Array = NDArray[np.float64]
+IMU = "the IMU's inertial samples"  # beside the names of the aids, one of which may be the same IMU
+SILENCE_NS = 500_000_000  # without the IMU for so long, the vehicle is taken to move on as it did
+UNKNOWN_M = 1e4  # the standard deviation of a position that the first fix has to tell
+LEVEL_STD_RAD = 2e-3  # least error of the first roll and pitch
+YAW_STD_RAD = 0.1  # the first heading is not trusted, as the aid that gave it tells it anew
+
+
+class Navigator(Sealed):
+    """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL as it has them.
+
+    vehicle: with sensors by name; the first of each kind is used. start: by default at rest where the first USBL fixes
+    say. station_world_m: where the USBL's fixes are measured from. gravity_m_s2; density_kg_m3: of the water, for a
+    vehicle with a pressure sensor but without a depth sensor. Errors are those of the sensors' own figures.
+    Raises ValueError for a vehicle without an IMU, or without both a start and a USBL.
+
+    Readings are taken as they arrive, whenever `pose` and its kind are looked at: the estimate does not depend on how
+    often. Docs: docs/estimation.md.
+    """
+
+    _fixed_when = "the navigator is made"
+
+    def __init__(
+        self,
+        vehicle: Instrumented,
+        start: Start | None = None,
+        *,
+        station_world_m: Sequence[float] | Array = (0.0, 0.0, 0.0),
+        gravity_m_s2: float = 9.80665,
+        density_kg_m3: float = 1000.0,
+    ) -> None:
+        sensors: Mapping[str, InstrumentLike] = vehicle.sensors
+        imus = [sensor for sensor in sensors.values() if sensor.kind == "imu"]
+        if not imus:
+            raise ValueError(f"vehicle '{vehicle.name}': has no sensor of kind imu, which navigation needs")
+        self._imu = imus[0]
+        self._aids = chosen_aids(dict(sensors))
+        self._silence_ns = max(SILENCE_NS, round(20e9 * self._imu.period_s))
+        if start is None and not any(aid.kind == "usbl" for aid in self._aids.values()):
+            raise ValueError(f"vehicle '{vehicle.name}': has no USBL, so navigation needs start=Start(...)")
+        self._around = Surroundings(
+            np.asarray(self._imu.spec.position_m), np.asarray(station_world_m, float), gravity_m_s2, density_kg_m3
+        )
+        self._body_from_imu = body_from_sensor(self._imu).as_matrix()
+        self._filter = _core.NavigationFilter(
+            imu_body_m=self._around.imu_body_m,
+            gravity_m_s2=gravity_m_s2,
+            period_s=self._imu.period_s,
+            rate_std=white_std(self._imu, "angular_velocity"),
+            force_std=white_std(self._imu, "linear_acceleration"),
+            rate_bias=bias_model(self._imu, "angular_velocity"),
+            force_bias=bias_model(self._imu, "linear_acceleration"),
+        )
+        self._indices = {
+            name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
+        }
+        self._open: list[StreamLike] = []
+        self._lock = threading.RLock()  # of a live simulator, several threads may look
+        self.restart(start)
+
+    def restart(self, start: Start | None = None) -> None:
+        """Begin anew, now. start: by default where the first USBL fixes say."""
+        with self._lock:
+            self._restart(start)
+
+    def _restart(self, start: Start | None) -> None:
+        now_ns = self._imu.time_ns
+        start = start or Start(tuple(self._around.station_world_m), UNKNOWN_M)
+        tilt_std = max(whole_std(self._imu, "orientation"), LEVEL_STD_RAD)
+        self._filter.start(
+            time_ns=now_ns,
+            position_world_m=start.position_world_m,
+            orientation_xyzw=self._first_orientation().as_quat(),
+            position_std_m=np.full(3, start.position_std_m),
+            attitude_std_rad=np.array([tilt_std, tilt_std, YAW_STD_RAD]),
+            velocity_world_m_s=np.asarray(start.velocity_world_m_s, float),
+            velocity_std_m_s=start.velocity_std_m_s,
+        )
+        self._listen(dict.fromkeys([IMU, *self._aids], now_ns + 1), now_ns)
+
+    def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
+        """Take samples from now on. from_ns: of each sensor; imu_ns: until when the filter knows the IMU's."""
+        for stream in self._open:
+            stream.close()
+        self._imu_ns = imu_ns
+        self._now_ns = -1
+        self._from_ns = dict(from_ns)
+        self._imu_stream = self._imu.stream(from_ns[IMU])
+        self._streams: dict[str, StreamLike] = {
+            name: sensor.stream(from_ns[name]) for name, sensor in self._aids.items()
+        }
+        self._open = [self._imu_stream, *self._streams.values()]
+
+    def _first_orientation(self) -> Rotation:
+        """Return roll and pitch as the IMU has them, and the compass's heading where there is one."""
+        value = self._imu.read()
+        world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
+        for compass in self._aids.values():
+            if compass.kind == "compass" and compass.on:
+                ahead = world_from_body.apply(body_from_sensor(compass).apply([1.0, 0.0, 0.0]))
+                turn = magnetic_north_rad(compass) - compass.read() - math.atan2(ahead[1], ahead[0])
+                return Rotation.from_rotvec([0.0, 0.0, turn]) * world_from_body
+        return world_from_body
+
+    def update(self) -> None:
+        """Take in all that has arrived. Done by itself whenever the estimate is looked at."""
+        with self._lock:
+            self._current()
+
+    def _current(self) -> _core.NavigationFilter:
+        """Return the filter with all that has arrived."""
+        now_ns = self._imu.time_ns
+        if now_ns != self._now_ns:
+            self._now_ns = now_ns
+            self._take_imu(now_ns)
+            for name, stream in self._streams.items():
+                self._take_aid(name, stream)
+            self._filter.catch_up()
+        return self._filter
+
+    def _take_aid(self, name: str, stream: StreamLike) -> None:
+        samples, sensor = stream.take(), self._aids[name]
+        if not len(samples.stamps_ns):
+            return
+        self._from_ns[name] = int(samples.stamps_ns[-1]) + 1
+        if sensor.on:
+            useful, readings = AIDS[sensor.kind].readings(sensor, samples, self._around)
+            stamps_ns, arrivals_ns = samples.stamps_ns[useful], samples.arrivals_ns[useful]
+            self._filter.add_readings(self._indices[name], stamps_ns, arrivals_ns, readings[useful])
+
+    def _take_imu(self, now_ns: int) -> None:
+        samples = self._imu_stream.take()
+        if self._imu.on and len(samples.stamps_ns):
+            turn = self._body_from_imu.T
+            rates, forces = samples.readings[:, :3] @ turn, samples.readings[:, 3:6] @ turn
+            self._filter.add_imu(samples.stamps_ns, np.hstack([rates, forces]))
+            stamps_ns = np.concatenate([[self._imu_ns], samples.stamps_ns.astype(np.int64)])
+            for gap in np.flatnonzero(np.diff(stamps_ns) > self._silence_ns):
+                self._be_silent(int(stamps_ns[gap]), int(stamps_ns[gap + 1]))
+            self._imu_ns = int(stamps_ns[-1])
+            self._from_ns[IMU] = self._imu_ns + 1
+        self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
+
+    def _be_silent(self, before_ns: int, after_ns: int) -> int:
+        """Tell the filter of the IMU's silence at fixed times between two; returns the last of them."""
+        while before_ns + self._silence_ns < after_ns:
+            before_ns += self._silence_ns
+            self._filter.add_silence(before_ns)
+        return before_ns
+
+    @property
+    def time_s(self) -> float:
+        """The time that the estimate is of: the newest IMU sample's, seconds."""
+        with self._lock:
+            return self._current().time_ns * 1e-9
+
+    @property
+    def pose(self) -> Pose:
+        """The estimated pose."""
+        with self._lock:
+            now = self._current()
+            return Pose(now.position_world_m, now.orientation_xyzw, now.world_from_body)
+
+    @property
+    def velocity(self) -> Velocity:
+        """The estimated velocity over ground."""
+        with self._lock:
+            now = self._current()
+            return Velocity(now.linear_body_m_s, now.angular_body_rad_s)
+
+    @property
+    def rate_std_rad_s(self) -> float:
+        """The standard deviation of the white noise in the angular velocity, rad/s; its bias's is in `covariance`."""
+        return white_std(self._imu, "angular_velocity")
+
+    @property
+    def covariance(self) -> Array:
+        """(15, 15) of the errors of position [m] and velocity [m/s], world axes, attitude [rad], and the IMU's biases.
+
+        The last three in body axes: attitude, gyroscope [rad/s], accelerometer [m/s2]. Of the IMU's centre.
+        """
+        with self._lock:
+            return np.asarray(self._current().covariance[:15, :15])
+
+    @property
+    def position_std_m(self) -> Array:
+        """(3,) standard deviations of the position along east, north and up."""
+        return np.sqrt(np.diagonal(self.covariance)[:3])
+
+    @property
+    def imu_biases(self) -> tuple[Array, Array]:
+        """The estimated biases of gyroscope [rad/s] and accelerometer [m/s2], body axes, (3,) each."""
+        with self._lock:
+            now = self._current()
+            return now.rate_bias_rad_s, now.force_bias_m_s2
+
+    @property
+    def counts(self) -> dict[str, tuple[int, int]]:
+        """The scalars of each aid's readings that were used, and those that were rejected as outliers, by sensor."""
+        with self._lock:
+            now = self._current()
+            return {name: now.counts(index) for name, index in self._indices.items()}
+
+    @property
+    def too_late(self) -> int:
+        """How many readings arrived too late to be used, 4 s after their measurement."""
+        with self._lock:
+            return self._current().too_late
+
+    def save(self) -> str:
+        """Save the state, for `restore`."""
+        with self._lock:
+            filter_ = base64.b64encode(self._current().save()).decode()
+            return json.dumps({"filter": filter_, "imu_ns": self._imu_ns, "from_ns": self._from_ns})
+
+    def restore(self, saved: str) -> None:
+        """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
+        state = json.loads(saved)
+        with self._lock:
+            self._filter.restore(base64.b64decode(state["filter"]))
+            self._listen(state["from_ns"], state["imu_ns"])

@@ -1,0 +1,66 @@
+"""The interfaces of vehicle and sensors that navigation uses; uwsim.Simulator's have them, and remote ones may."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
+
+from uwsim import _core
+
+
+class SamplesLike(Protocol):
+    """stamps_ns, arrivals_ns (n,) uint64; readings (n, width): the kind's fields side by side; valid (n,) bool."""
+
+    @property
+    def stamps_ns(self) -> NDArray[Any]: ...
+    @property
+    def arrivals_ns(self) -> NDArray[Any]: ...
+    @property
+    def readings(self) -> NDArray[Any]: ...
+    @property
+    def valid(self) -> NDArray[Any]: ...
+
+
+class StreamLike(Protocol):
+    """Samples to come."""
+
+    def take(self) -> SamplesLike:
+        """Return those that have arrived since the last call."""
+
+    def close(self) -> None:
+        """Get no more."""
+
+
+class InstrumentLike(Protocol):
+    """A sensor with its mounting, parameters and errors."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def on(self) -> bool: ...
+    @property
+    def period_s(self) -> float: ...
+    @property
+    def latency_s(self) -> float: ...
+    @property
+    def spec(self) -> _core.SensorSpec: ...
+    @property
+    def time_ns(self) -> int:
+        """The present, nanoseconds."""
+
+    def read(self) -> Any:
+        """Return the newest value."""
+
+    def stream(self, from_ns: int | None = None) -> StreamLike:
+        """Return the samples to come, measured from from_ns on; by default later than now."""
+
+
+class Instrumented(Protocol):
+    """A vehicle with sensors by name."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def sensors(self) -> Mapping[str, InstrumentLike]: ...

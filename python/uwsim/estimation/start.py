@@ -1,0 +1,18 @@
+"""Start: what is known of a vehicle's motion when its navigation begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Start:
+    """Position and velocity, with standard deviations of each axis; world ENU.
+
+    Attitude is not part of it: it comes from the first readings of the IMU and the compass.
+    """
+
+    position_world_m: tuple[float, float, float]
+    position_std_m: float
+    velocity_world_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity_std_m_s: float = 0.3

@@ -1,0 +1,91 @@
+"""The navigation that a simulated vehicle carries: a Navigator that starts when its estimate is first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from uwsim.estimation import Navigator, Start
+from uwsim.journal import Journal
+
+KEPT_SAMPLES_S = 10.0  # samples are taken in at least so often, so that few are kept
+ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
+"""How well position and velocity are known where navigation starts: assumed, as of a surveyed dock."""
+MOVES = ("place", "dock", "undock")
+
+
+class OnboardNavigation:
+    """One vehicle's Navigator, kept up to date as the simulator runs, and started anew when the vehicle is moved.
+
+    make(start): makes the Navigator. start: what is known now. end_streams: ends those of the vehicle's sensors.
+    """
+
+    def __init__(
+        self,
+        vehicle: str,
+        journal: Journal,
+        step_s: float,
+        tick: Callable[[], int],
+        make: Callable[[Start], Navigator],
+        start: Callable[[], Start],
+    ) -> None:
+        self._vehicle, self._journal, self._tick = vehicle, journal, tick
+        self._make, self._start = make, start
+        self._every_ticks = max(round(KEPT_SAMPLES_S / step_s), 1)
+        self._navigator: Navigator | None = None
+        self.due_tick = 0
+
+    @property
+    def navigator(self) -> Navigator:
+        """The Navigator; the first look starts it."""
+        if self._navigator is None:
+            self._navigator = self._make(self._start())
+            self._attend()
+            # A replay has to start it at the same tick.
+            self._journal.note("start_navigation", vehicle=self._vehicle)
+        return self._navigator
+
+    def _attend(self) -> None:
+        self.due_tick = self._tick() + self._every_ticks
+        if self not in self._journal.observers:
+            self._journal.attach(self)
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether somebody has asked for the estimate."""
+        return self._navigator is not None
+
+    def take_in(self) -> None:
+        """Take in what the sensors have sampled, if it has begun."""
+        if self._navigator is not None:
+            self._navigator.update()
+
+    def observe(self) -> None:
+        """See Observer."""
+        self.take_in()
+        self.due_tick = self._tick() + self._every_ticks
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Start anew where the vehicle was put."""
+        if name in MOVES and arguments["vehicle"] == self._vehicle:
+            self.restart()
+
+    def restart(self) -> None:
+        """Start anew, now, if it has begun."""
+        if self._navigator is not None:
+            self._navigator.restart(self._start())
+            self._attend()
+
+    def save(self) -> str | None:
+        """Save the Navigator's state; None if it has not begun."""
+        return None if self._navigator is None else self._navigator.save()
+
+    def restore(self, saved: str | None) -> None:
+        """Continue from a saved state; without one, start anew. Raises ValueError."""
+        if saved is None:
+            self.restart()
+            return
+        if self._navigator is None:
+            self._navigator = self._make(self._start())
+        self._navigator.restore(saved)
+        self._attend()

@@ -1,0 +1,119 @@
+"""A sensor's samples, each once, as they arrive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakSet
+
+import numpy as np
+from numpy.typing import NDArray
+
+Take = Callable[[], tuple[Any, Any, Any, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Samples in the order of their arrival; dropped ones are not among them.
+
+    stamps_ns, arrivals_ns: (n,) uint64, when they were measured and when they came. readings: (n, width) float64, the
+    kind's fields side by side (_core.sensor_kind(kind).fields). valid: (n,), whether there was a measurement.
+    """
+
+    stamps_ns: NDArray[np.uint64]
+    arrivals_ns: NDArray[np.uint64]
+    readings: NDArray[np.float64]
+    valid: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    def since(self, from_ns: int) -> Samples:
+        """Return those that were measured at from_ns or later."""
+        new = self.stamps_ns >= from_ns
+        return self if new.all() else Samples(*(part[new] for part in self.parts))
+
+    @property
+    def parts(self) -> tuple[NDArray[Any], ...]:
+        """The four arrays."""
+        return self.stamps_ns, self.arrivals_ns, self.readings, self.valid
+
+    @staticmethod
+    def joined(pieces: Sequence[Samples]) -> Samples:
+        """Return several pieces as one."""
+        if len(pieces) == 1:
+            return pieces[0]
+        columns = zip(*(piece.parts for piece in pieces), strict=True)
+        return Samples(*(np.concatenate(column) for column in columns))
+
+
+class SampleStream:
+    """The samples of one sensor from a time on; see Sensor.stream."""
+
+    def __init__(self, source: SampleSource, from_ns: int) -> None:
+        self._source = source
+        self._from_ns = from_ns
+        self._pieces: list[Samples] = []
+
+    def take(self) -> Samples:
+        """Return the samples that have arrived since the last call."""
+        if not self._source.feeds(self):
+            raise ValueError("the stream has ended, as its simulator was reset or restored: ask the sensor for another")
+        self._source.hand_out()
+        pieces, self._pieces = self._pieces, []
+        return Samples.joined(pieces)
+
+    def receive(self, samples: Samples) -> None:
+        """Keep samples for the next `take`."""
+        self._pieces.append(samples.since(self._from_ns))
+
+    def close(self) -> None:
+        """Get no more."""
+        self._source.leave(self)
+
+    __del__ = close
+
+
+class SampleSource:
+    """Hands a sensor's samples out to all its streams.
+
+    take: the sensor's new samples. watch(from_ns): begins to keep them, or with None keeps none any more.
+    """
+
+    def __init__(self, take: Take, watch: Callable[[int | None], None]) -> None:
+        self._take = take
+        self._watch = watch
+        self._streams: WeakSet[SampleStream] = WeakSet()
+
+    def stream(self, from_ns: int) -> SampleStream:
+        """Return a new stream."""
+        if self._streams:
+            self.hand_out()
+        else:
+            self._watch(from_ns)
+        stream = SampleStream(self, from_ns)
+        self._streams.add(stream)
+        return stream
+
+    def feeds(self, stream: SampleStream) -> bool:
+        """Whether a stream still gets samples."""
+        return stream in self._streams
+
+    def leave(self, stream: SampleStream) -> None:
+        """Forget a stream; after the last one, samples are not kept."""
+        if self.feeds(stream):
+            self._streams.discard(stream)
+            if not self._streams:
+                self._watch(None)
+
+    def close(self) -> None:
+        """End all streams: they get nothing more. For a simulator that goes back in time."""
+        self._streams.clear()
+        self._watch(None)
+
+    def hand_out(self) -> None:
+        """Give all streams what has arrived."""
+        samples = Samples(*self._take())
+        for stream in self._streams:
+            stream.receive(samples)

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "uwsim/core/check.h"
+#include "uwsim/estimation/navigation_filter.h"
+
+namespace uwsim {
+namespace {
+
+constexpr double kGravity = 9.80665;
+constexpr std::uint64_t kStep_ns = 5'000'000;
+constexpr std::array<double, 6> kAtRest = {0, 0, 0, 0, 0, kGravity};
+
+FilterStart known(double position_std = 0, double velocity_std = 0, double attitude_std = 0) {
+  FilterStart start;
+  start.position_std_m.setConstant(position_std);
+  start.velocity_std_m_s = velocity_std;
+  start.attitude_std_rad.setConstant(attitude_std);
+  return start;
+}
+
+NavigationFilter at_rest(const ImuErrors& errors, const FilterStart& start, double seconds) {
+  NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
+  filter.start(start);
+  for (std::uint64_t t = kStep_ns; t <= static_cast<std::uint64_t>(seconds * 1e9); t += kStep_ns) {
+    filter.add_imu(t, kAtRest.data());
+  }
+  filter.catch_up();
+  return filter;
+}
+
+TEST(NavigationFilter, LevelTurnsOnACircle) {
+  NavigationFilter filter({}, Eigen::Vector3d(0.3, 0, 0), kGravity);
+  FilterStart start;
+  start.velocity_world_m_s = {1, 0.2 * 0.3, 0};  // of the IMU, at 0.3 m ahead of the origin, which flies at 1 m/s
+  filter.start(start);
+  const double rate = 0.2, seconds = 2 * EIGEN_PI / rate;
+  const std::array<double, 6> turning = {0, 0, rate, -rate * rate * 0.3, rate, kGravity};
+  std::uint64_t t = 0;
+  while (1e-9 * static_cast<double>(t) < seconds) filter.add_imu(t += kStep_ns, turning.data());
+  filter.catch_up();
+  EXPECT_LT(filter.position_body_origin_m().norm(), 0.02);  // a whole circle of 5 m radius
+  EXPECT_NEAR(filter.velocity_body_m_s().x(), 1, 1e-3);
+}
+
+/// With nothing but white noise of the accelerometer of density s, velocity is a random walk: std s sqrt(t), and
+/// position its integral: s sqrt(t^3 / 3).
+TEST(NavigationFilter, WhiteForceNoiseGrowsAsARandomWalk) {
+  ImuErrors errors;
+  errors.force_std = 0.2;
+  const double density = errors.force_std * std::sqrt(errors.period_s), t = 20;
+  const auto filter = at_rest(errors, known(), t);
+  const ErrorMatrix& p = filter.state().covariance;
+  EXPECT_NEAR(std::sqrt(p(kVelocity, kVelocity)), density * std::sqrt(t), 0.01 * density * std::sqrt(t));
+  const double expected = density * std::sqrt(t * t * t / 3);
+  EXPECT_NEAR(std::sqrt(p(kPosition, kPosition)), expected, 0.01 * expected);
+}
+
+/// A tilt error e makes gravity look like an acceleration g e.
+TEST(NavigationFilter, ATiltErrorBecomesAPositionError) {
+  const double tilt = 1e-3, t = 10;
+  const auto filter = at_rest({}, known(0, 0, tilt), t);
+  const double expected = 0.5 * kGravity * tilt * t * t;
+  EXPECT_NEAR(std::sqrt(filter.state().covariance(kPosition, kPosition)), expected, 0.01 * expected);
+}
+
+TEST(NavigationFilter, ABiasInBothPartsGrowsAsItsDriftDoes) {
+  const BiasModel drift{.turn_on_std = 0, .drift_std = 0.1, .drift_time_s = 5, .walk = 0};
+  EXPECT_NEAR(drift.decay(5), std::exp(-1), 1e-12);
+  EXPECT_NEAR(drift.growth(1e9), 0.01, 1e-12);  // stationary
+  const BiasModel both{.turn_on_std = 1, .drift_std = 0.1, .drift_time_s = 5, .walk = 0};
+  EXPECT_EQ(both.decay(5), 1);
+  EXPECT_NEAR(both.growth(0.01), drift.growth(0.01), 0.01 * drift.growth(0.01));
+}
+
+/// Fixes that come late and out of order give the state that they give in time, to the last bit.
+TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
+  const auto made = [](bool late) {
+    ImuErrors errors{.rate_std = 1e-3,
+                     .force_std = 1e-2,
+                     .period_s = 0.005,
+                     .rate_bias = {1e-3, 0, 0, 0},
+                     .force_bias = {0.02, 0, 0, 0}};
+    auto filter = std::make_unique<NavigationFilter>(errors, Eigen::Vector3d::Zero(), kGravity);
+    const int fix = filter->add_aid(acoustic_fix_aid({0.1, 0, 0.2}, {5, 5, 0}, 0.1, 0.02));
+    const int depth = filter->add_aid(depth_aid({0, 0, 0.1}, 0.01, {0.02, 0, 0, 0}));
+    filter->start(known(1, 0.1, 0.01));
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    std::vector<std::pair<std::uint64_t, std::array<double, 3>>> waiting;
+    for (std::uint64_t k = 1; k <= 4000; ++k) {
+      const std::uint64_t t = k * kStep_ns;
+      std::array<double, 6> imu = kAtRest;
+      for (double& value : imu) value += 0.01 * normal(random);
+      filter->add_imu(t, imu.data());
+      if (k % 10 == 0) {
+        const double reading = 0.01 * normal(random);
+        filter->add_reading(depth, t - 2'000'000, t, &reading);
+      }
+      if (k % 200 == 0) waiting.push_back({t, {-5 + 0.1 * normal(random), -5, 0.1}});
+      while (!waiting.empty() && waiting.front().first + (late ? 1'500'000'000u : 0u) <= t) {
+        filter->add_reading(fix, waiting.front().first, t, waiting.front().second.data());
+        waiting.erase(waiting.begin());
+      }
+      if (!late || k % 7 == 0) filter->catch_up();
+    }
+    for (const auto& [t, reading] : waiting) filter->add_reading(fix, t, t, reading.data());
+    filter->catch_up();
+    return filter;
+  };
+  const auto in_time = made(false), late = made(true);
+  EXPECT_EQ(in_time->state().position_m, late->state().position_m);
+  EXPECT_EQ(in_time->state().covariance, late->state().covariance);
+  EXPECT_EQ(in_time->state().counts[0].accepted, late->state().counts[0].accepted);
+  NavigationFilter copy(ImuErrors{.rate_std = 1e-3,
+                                  .force_std = 1e-2,
+                                  .period_s = 0.005,
+                                  .rate_bias = {1e-3, 0, 0, 0},
+                                  .force_bias = {0.02, 0, 0, 0}},
+                        Eigen::Vector3d::Zero(), kGravity);
+  EXPECT_THROW(copy.restore(late->save()), InvalidValue);  // it has no aids
+}
+
+TEST(NavigationFilter, AnOutlierIsLeftOutUntilItRepeats) {
+  NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
+  const int depth = filter.add_aid(depth_aid(Eigen::Vector3d::Zero(), 0.01, {}));
+  filter.start(known(0.01));
+  const double far = 3;
+  for (std::uint64_t k = 1; k <= 5; ++k) {
+    filter.add_imu(k * kStep_ns, kAtRest.data());
+    filter.add_reading(depth, k * kStep_ns, k * kStep_ns, &far);
+    filter.catch_up();
+    EXPECT_EQ(filter.state().position_m.z() == 0, k < 5);
+  }
+  EXPECT_NEAR(filter.state().position_m.z(), -3, 0.1);
+}
+
+}  // namespace
+}  // namespace uwsim

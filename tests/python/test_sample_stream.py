@@ -1,0 +1,59 @@
+"""A stream gives each sample of a sensor once, as it arrives."""
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+
+
+@pytest.fixture
+def sim() -> Simulator:
+    sim = Simulator("lake", seed=5)
+    sim.rov.undock()
+    return sim
+
+
+def test_every_sample_comes_once_whenever_they_are_taken(sim: Simulator) -> None:
+    often, at_once = ({name: s.stream() for name, s in sim.rov.sensors.items()} for _ in range(2))
+    taken = {name: [] for name in often}
+    sim.rov.set_effort(surge=0.5, yaw=0.2)
+    for steps in (1, 7, 400, 3, 189):
+        sim.step(steps)
+        for name, stream in often.items():
+            taken[name].append(stream.take().readings)
+    for name, stream in at_once.items():
+        assert np.array_equal(np.concatenate(taken[name]), stream.take().readings, equal_nan=True), name
+
+
+def test_samples_are_those_that_reads_give(sim: Simulator) -> None:
+    dvl = sim.rov.sensors["dvl"]
+    stream, read = dvl.stream(), {}
+    for _ in range(600):
+        sim.step()
+        sample = dvl.sample()
+        if sample.valid:
+            read[sample.stamp_ns] = sample.value.velocity_m_s
+    samples = stream.take()
+    new = samples.stamps_ns.tolist()
+    assert len(new) == len(set(new)) > 10 and set(read) - {0} <= set(new)
+    assert all((samples.readings[k, :3] == read[stamp]).all() for k, stamp in enumerate(new) if stamp in read)
+    assert (samples.arrivals_ns - samples.stamps_ns == round(dvl.latency_s * 1e9)).all()
+
+
+def test_dropped_samples_do_not_come(sim: Simulator) -> None:
+    sim.parameters["rov.sensors.dvl.drop_out"] = 0.5
+    stream = sim.rov.sensors["dvl"].stream()
+    sim.advance(40.0)
+    assert 0.3 < len(stream.take()) / 200 < 0.7
+
+
+def test_streams_survive_a_change_of_parameters_but_not_a_reset(sim: Simulator) -> None:
+    stream = sim.rov.sensors["depth"].stream()
+    sim.advance(1.0)
+    sim.parameters["rov.sensors.depth.noise.std"] = 0.5
+    sim.advance(1.0)
+    readings = stream.take().readings[:, 0]
+    assert len(readings) == 40 and np.std(readings[21:]) > 5 * np.std(readings[:19])
+    sim.reset()
+    with pytest.raises(ValueError, match="the stream has ended"):
+        stream.take()
