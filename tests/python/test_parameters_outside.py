@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -14,6 +15,7 @@ from websockets.sync.client import connect as websocket
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
 
 PATIENCE_S = 20.0
 
@@ -86,3 +88,10 @@ def test_the_command_line_lists_them() -> None:
     assert table[1].split()[:4] == ["rov.drag.linear.surge", "29.4", "N", "s/m"]
     assert len(table) == 7
     assert "did you mean 'rov.drag'?" in error_line(uwsim("parameters", "pool", "rov.drg"))
+    parameters = Simulator("pool").parameters
+    reasons = {"rov.fins": "has no values here", "rov.sonar.noise": "has no effect: it is for `mode: physics`"}
+    for name, why in reasons.items():
+        with pytest.raises(ValueError, match=f"{re.escape(name)}'\\]: {why}"):
+            parameters.list(name)
+    with pytest.raises(ValueError, match=r"must be in \[0\.01, 1000000\] kg"):
+        parameters["rov.mass_kg"] = 1e9
