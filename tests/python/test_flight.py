@@ -15,6 +15,7 @@ from uwsim.flight.fly import fly, resume
 from uwsim.flight.mission_file import MissionError
 from uwsim.mapping import OccupancyMap
 from uwsim.missions import StoppedError, goto, hold, parallel, turn_to, wait
+from uwsim.scenario.read.assets import assets_folder
 
 ROUND = """
 from uwsim.missions import goto, turn_to
@@ -289,3 +290,19 @@ def test_holding_a_place_keeps_it() -> None:
 
     path = fly(mission, "pool").samples["rov"].path_world_m
     assert np.linalg.norm(path[-25:] - path[-1], axis=1).max() < 0.05
+
+
+def test_what_a_link_carried_is_in_the_summary(tmp_path: Path) -> None:
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text() + "link: {modem: ideal_acoustic}\n"
+    (tmp_path / "linked.yaml").write_text(text)
+    sim = uwsim.Simulator(tmp_path / "linked.yaml")
+
+    def mission(vehicle):
+        for _ in range(3):
+            sim.link.send("rov", "station", "hello", bytes(10))
+            yield wait(0.5)
+
+    fly(mission, sim, tmp_path / "out", report="json")
+    (row,) = json.loads((tmp_path / "out" / "summary.json").read_text())["link"]
+    assert (row["topic"], row["given"], row["delivered"], row["bytes_delivered"]) == ("hello", 3, 3, 30)
+    assert 0.0 < row["delay_s"] < 0.01, "sound needs 4 ms for the six metres to the station"

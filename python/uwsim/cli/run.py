@@ -28,7 +28,10 @@ def run(
         list[str] | None,
         typer.Option(help="Vehicle that flies; may be given several times. Default: the first, or all for `vehicles`."),
     ] = None,
-    estimate: Annotated[str, typer.Option(help="What vehicles know of their pose, and maps are made with.")] = "truth",
+    estimate: Annotated[
+        str,
+        typer.Option(help="What vehicles know of their pose, and maps are made with: truth."),
+    ] = "truth",
     time_limit: Annotated[
         float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")
     ] = None,

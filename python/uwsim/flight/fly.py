@@ -17,7 +17,7 @@ from uwsim.flight.folder import made_folder
 from uwsim.flight.map_maker import MapMaker, default_voxel_m, require_sonar
 from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
-from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
+from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord, LinkRow
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
 from uwsim.flight.results import REPORTS, RESULT_FILES, write_results
 from uwsim.flight.samples import Sampler
@@ -224,7 +224,7 @@ class _Flight:
         end_tick = sim.tick + max(1, math.ceil(self._limit_s / sim.step_s - 1e-6))
         limit = f"the {'time limit' if self._limited else 'mission time'} of {self._limit_s:g} s is over"
         clock = FlightClock(sim, end_tick, limit, self._on_pause)
-        own = {name: OwnVehicle(sim.vehicles[name], clock, hear=self._log.add) for name in self._names}
+        own = {name: self._own_vehicle(name, clock) for name in self._names}
         self._hear("", "begun", {"mission": self._title, "scenario": sim.scenario.name, "seed": sim.seed})
         sampler = Sampler(sim, own, self._hear)
         self._repeating = self.saved is not None
@@ -269,7 +269,11 @@ class _Flight:
             pings_world_m={} if maker is None else maker.paths_world_m,
             echo_count=0 if maker is None else maker.echo_count,
             range_max_m=0.0 if maker is None else maker.range_max_m,
+            link=_link_rows(sim),
         )
+
+    def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
+        return OwnVehicle(self._sim.vehicles[name], clock, hear=self._log.add)
 
     def _map_maker(self, own: Mapping[str, OwnVehicle]) -> MapMaker:
         assert self.occupancy is not None
@@ -318,6 +322,14 @@ class _Flight:
             return
         now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
         maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(now)))
+
+
+def _link_rows(sim: Simulator) -> list[LinkRow]:
+    counts = [] if sim.link is None else sim.link.counts()
+    return [
+        LinkRow(c.topic, c.sender, c.given, c.delivered, sum(c.lost.values()), c.late, c.bytes_delivered, c.delay_s)
+        for c in counts
+    ]
 
 
 def _require_known(name: str, value: str, known: Iterable[str]) -> None:

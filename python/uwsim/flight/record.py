@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,19 @@ INTERRUPTED = "interrupted (Ctrl-C)"
 DONE = "the mission is complete"
 
 
+class LinkRow(NamedTuple):
+    """What the link did with the messages of one topic and sender. lost: in the water; late: never sent."""
+
+    topic: str
+    sender: str
+    given: int
+    delivered: int
+    lost: int
+    late: int
+    bytes_delivered: int
+    delay_s: float
+
+
 @dataclass(frozen=True, eq=False)
 class FlightRecord:
     """A mission that was flown.
@@ -25,6 +38,7 @@ class FlightRecord:
     result: what the mission returned; None if it did not end by itself. ended_because: a sentence. ended_early: whether
     something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. occupancy: the
     map; pings_world_m: the sonars' estimated positions at each ping, by vehicle; score: of the map, None without one.
+    link: what it carried, by topic.
     """
 
     mission: str
@@ -45,6 +59,7 @@ class FlightRecord:
     echo_count: int = 0
     range_max_m: float = 0.0
     score: MapScore | None = None
+    link: list[LinkRow] = field(default_factory=list)
 
     @property
     def interrupted(self) -> bool:

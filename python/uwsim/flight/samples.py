@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.arguments import plain
 from uwsim.atomic_file import write_atomically
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator import Simulator
@@ -26,6 +27,8 @@ COLUMNS = (
     "depth_m", "altitude_m", "speed_m_s", "battery_percent", "distance_to_station_m",
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
 )  # fmt: skip
+TOO_MANY = {"set_effort", "set_wrench", "set_thrusters", "set_fins", "link_send"}
+"""Commands that are not told of one by one."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
 Hear = Callable[[str, str, dict[str, Any]], object]
 """Called with a vehicle's name, an event and its values."""
@@ -103,10 +106,10 @@ class Sampler:
             rows.append(row)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Tell of commands, apart from those that steer."""
-        if not name.startswith("set_") or name in ("set_lamp", "set_parameter", "set_parameters", "set_optics"):
-            values = {key: value for key, value in arguments.items() if key not in ("vehicle", "state")}
-            self._hear(str(arguments.get("vehicle", "")), name, values)
+        """Tell of commands, apart from those that steer, and messages over the link."""
+        if name not in TOO_MANY:
+            values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
+            self._hear(str(arguments.get("vehicle") or ""), name, values)
 
     def samples(self) -> dict[str, Samples]:
         """Return all samples so far, by vehicle."""

@@ -88,6 +88,7 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
         "events": len(flown.events),
         "pings": len(flown.all_pings_world_m),
         "echoes": flown.echo_count,
+        "link": [row._asdict() for row in flown.link],
         "vehicles": {name: vehicle_values(samples) for name, samples in flown.samples.items()},
     }
 

@@ -25,6 +25,7 @@ SLOWEST_M_S, SLOW_DOWN_PER_S = 0.1, 0.4  # speed near the end: SLOWEST + SLOW_DO
 FACE_FROM_M = 1.0  # farther away, it faces the way
 TURN_FIRST_RAD = math.radians(45.0)
 BACK_PER_S = 0.5  # speed back to a point or a line, per metre
+CLIMB_M = 1.0  # largest error of height that is steered by: fast dives with way on nose slender vehicles over
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
 
 
@@ -193,7 +194,8 @@ def _steer(
         raise StoppedError("the battery is used up")
     if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
         raise StoppedError("capsized: the vehicle has nosed or rolled over")
-    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
+    z_m = float(vehicle.pose.position_world_m[2])
+    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_m + min(max(z_world_m - z_m, -CLIMB_M), CLIMB_M))
     yield wait(vehicle.autopilot.period_s)
 
 

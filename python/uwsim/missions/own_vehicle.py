@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from uwsim.arguments import plain
 from uwsim.control.autopilot import Autopilot
-from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
-from uwsim.missions.vehicle import CameraLike, LampLike
+from uwsim.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
+from uwsim.missions.vehicle import CameraLike, LampLike, Panel
 from uwsim.sealed import Sealed
 
 CONTROL_PERIOD_S = 0.1
@@ -144,7 +144,7 @@ class OwnVehicle(Sealed):
         """Surge, sway, heave, roll, pitch, yaw as last commanded here."""
         return self._effort
 
-    def telemetry(self) -> PanelLike:
+    def telemetry(self) -> Panel:
         """Read the vehicle's panel."""
         return self._hull.telemetry()  # type: ignore[no-any-return]
 

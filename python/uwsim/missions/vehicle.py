@@ -8,6 +8,25 @@ from typing import Any, Protocol
 from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
 
 
+class Panel(PanelLike, Protocol):
+    """The vehicle's panel; NaN, of a remote vehicle, for what it does not tell."""
+
+    @property
+    def depth_m(self) -> float: ...
+    @property
+    def speed_m_s(self) -> float: ...
+    @property
+    def distance_to_seabed_m(self) -> float: ...
+    @property
+    def distance_to_station_m(self) -> float: ...
+    @property
+    def range_warning(self) -> bool: ...
+    @property
+    def proximity_warning(self) -> bool: ...
+    @property
+    def collision_warning(self) -> bool: ...
+
+
 class LampLike(Protocol):
     """Lamps on one switch."""
 
@@ -74,7 +93,7 @@ class Vehicle(Protocol):
     ) -> None:
         """Command efforts in [-1, 1] along and about the body's axes, held until the next call."""
 
-    def telemetry(self) -> PanelLike:
+    def telemetry(self) -> Panel:
         """Read the vehicle's panel."""
 
     def log(self, event: str, **values: Any) -> None:
