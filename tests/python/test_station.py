@@ -19,6 +19,7 @@ from uwsim.live import LiveSimulator, replay
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.replay import replay as replay_recording
 from uwsim.station import Site, Station
+from uwsim.station.preview import AREA, OBSTACLE, STATION
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +63,24 @@ def test_what_is_wrong_is_said_at_its_field():
         answer = ada.call("start", **wrong)
         assert not answer["success"] and set(answer["errors"]) == set(wrong)
         assert ada.call("check", scenario="pool") == {"success": True, "message": "", "errors": {}}
+
+
+def test_the_start_screen_has_a_picture_of_each_scenario_from_above():
+    with serving() as (_, server):
+        status, body, headers = get(server, "/preview/pool.png")
+        assert (status, headers["Content-Type"]) == (200, "image/png")
+        picture = np.asarray(Image.open(io.BytesIO(body)).convert("RGB"))
+        height, width, _ = picture.shape
+        assert width == height  # 20 m
+
+        def colour_at(x_m, y_m):
+            return tuple(picture[round(height * (10.0 - y_m) / 20.0), round(width * (10.0 + x_m) / 20.0)])
+
+        assert (colour_at(3.0, 0.0), colour_at(-6.0, 0.0), colour_at(4.0, 2.0)) == (OBSTACLE, STATION, AREA)
+        assert colour_at(0.0, 2.0) == colour_at(0.0, -2.0)  # the flat bed
+        assert get(server, "/preview/../pool.png")[0] == get(server, "/preview/nowhere.png")[0] == 404
+    with serving(is_fixed=True) as (_, server):
+        assert get(server, "/preview/pool.png")[0] == 404
 
 
 def test_one_flies_and_the_other_watches_until_the_controls_are_handed_over(pool):

@@ -44,9 +44,12 @@ def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
         ada = Page(socket)
         ada.id = ada.call("join", name="Ada")["id"]
         assert ada.call("take_control")["success"]
+        bob.subscribe("/station/state")
         time.sleep(2.5)  # she lets the vehicle drift
+        assert bob.message("/station/state", lambda state: state["pilot"] == ada.id)["pilot_silence"] == 0.0
         assert "Ada has the controls" in bob.call("take_control")["message"]
         socket.protocol.send_frame = lambda frame: None  # nothing of hers arrives any more, answers to pings included
+        assert bob.message("/station/state", lambda state: state["pilot_silence"] > 0.0)["pilot"] == ada.id
         deadline = time.monotonic() + PATIENCE_S
         while not bob.call("take_control")["success"]:
             assert time.monotonic() < deadline

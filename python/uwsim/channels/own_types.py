@@ -86,6 +86,7 @@ float32 speed                  # simulated seconds per second that are wanted; 0
 float32 factor                 # and achieved
 float32 lateness               # s, worst delay of a step
 string pilot                   # client who has the controls; empty: nobody
+float32 pilot_silence          # s without anything from the pilot, answers to pings included; 0 below 1.5: all is well
 string[] member_ids
 string[] member_names
 string[] asking                # members who want the controls

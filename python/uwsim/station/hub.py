@@ -15,9 +15,10 @@ from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 from uwsim.scenario import ScenarioError
 from uwsim.simulator import Simulator
-from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
+from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save, scenarios
 from uwsim.station.lease import Lease
 from uwsim.station.prepared import Prepared
+from uwsim.station.preview import preview_png
 from uwsim.station.pulse import STATE, Pulse
 from uwsim.station.running import Running
 from uwsim.station.saves import go_on_with_maps, load_saved, saved_names
@@ -163,6 +164,12 @@ class Station:
                 running.stop()
             self._enter(before)
             self._starting.release()
+
+    def preview(self, scenario: str) -> bytes:
+        """Return a PNG from above of a scenario that may be chosen. Raises LookupError, ScenarioError, OSError."""
+        if self.is_fixed or scenario not in scenarios(self.offered):
+            raise LookupError(scenario)
+        return preview_png(scenario)
 
     def quit(self) -> None:
         """End the simulator: back to the start screen. Raises ValueError if there is none."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 STATE = "station/state"
 STATE_S = 0.5
+SILENT_S = 1.5  # without anything from a pilot, who is pinged every second
 LOGGER = logging.getLogger("uwsim.station")
 
 
@@ -93,12 +94,18 @@ class Pulse:
             "session": station.session,
             "edition": 0 if running is None else running.edition,
             "pilot": lease.pilot,
+            "pilot_silence": self._pilot_silence_s(),
             "member_ids": list(lease.members),
             "member_names": list(lease.members.values()),
             "asking": list(lease.asking),
             "recording": "" if running is None or running.recorder is None else running.recorder.path.name,
         }
         return state if running is None else state | _progress(running)
+
+    def _pilot_silence_s(self) -> float:
+        pilot = self._station.lease.pilot
+        silence_s = self._station.node.silence_s(pilot) if pilot else 0.0
+        return silence_s if silence_s >= SILENT_S else 0.0
 
 
 def _progress(running: Running) -> Values:

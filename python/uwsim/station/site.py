@@ -1,4 +1,4 @@
-"""What the station serves over HTTP: the page's own files, the scene, maps and snapshots."""
+"""What the station serves over HTTP: the page's own files, previews of scenarios, the scene, maps and snapshots."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ TYPES = {
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
 WAITING_MAX = 40  # requests for what must be made
-DATA = re.compile(r"/(scene|map|snapshot)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview)/")
+PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
 class File(NamedTuple):
@@ -66,7 +67,7 @@ class Site:
             file = await asyncio.get_running_loop().run_in_executor(self._pool, self._made, path)
         except LookupError:
             return _not_found(request)
-        except (ValueError, RuntimeError) as error:
+        except (ValueError, RuntimeError, OSError) as error:
             return _answer(request, HTTPStatus.NOT_FOUND, File(f"{error}\n".encode(), "text/plain; charset=utf-8"))
         finally:
             self._waiting -= 1
@@ -74,6 +75,9 @@ class Site:
 
     def _made(self, path: str) -> File:
         """Make what a path stands for. Raises LookupError if nothing, ValueError if it cannot be made now."""
+        asked = PREVIEW.fullmatch(path)
+        if asked is not None:
+            return File(self._station.preview(asked[1]), TYPES[".png"])
         running = self._station.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)

@@ -214,9 +214,12 @@ function showBanner() {
     ? `Not connected to ${new URL(station.bridge.url, location.href).host}; trying again.${station.isPlain ? ' The vehicle goes on as last told!' : ' The vehicle stops by itself.'}`
     : state.error
       ? `The simulation stopped: ${state.error}`
-      : '';
+      : station.pilotSilence > 0
+        ? `${station.nameOf(state.pilot)} has been silent for ${Math.round(station.pilotSilence)} s: efforts are zero.`
+        : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';
+  byId('banner').dataset.kind = connected && !state.error ? 'silence' : '';
 }
 
 globalThis.station = { station, telemetry, pilot, views, scene, panel, bindings, recorder }; // for the browser's console and tests

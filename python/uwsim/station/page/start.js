@@ -1,5 +1,7 @@
 // The start screen: what to simulate, or where a simulator runs already.
 import { byId, el, write } from './dom.js';
+import { Preview } from './preview.js';
+import { number, options } from './start_inputs.js';
 
 const CHECK_MS = 250;
 const OWN = 'The scenario’s own';
@@ -11,6 +13,7 @@ export class StartScreen {
   #fields = new Map(); // name: { box, input, hint, wrong }
   #timer = 0;
   #checks = 0;
+  #preview = new Preview();
   #isOld = false; // what the catalog says of saved sessions
 
   constructor(station) {
@@ -60,6 +63,7 @@ export class StartScreen {
           ]),
           { wide: true },
         ),
+        this.#preview.element,
         this.#field(
           'vehicle',
           'Vehicle',
@@ -235,7 +239,10 @@ export class StartScreen {
     const answer = this.isElsewhere
       ? { errors: this.#addressErrors() }
       : await this.station.check(this.choice).catch(() => null);
-    if (answer && count === this.#checks) this.#mark(answer.errors ?? {});
+    if (!answer || count !== this.#checks) return;
+    this.#mark(answer.errors ?? {});
+    const scenario = this.isElsewhere || this.savedName ? '' : this.#fields.get('scenario').input.value;
+    this.#preview.show(scenario, scenario && this.station.href(`/preview/${encodeURIComponent(scenario)}.png`));
   }
 
   #addressErrors() {
@@ -287,26 +294,4 @@ export class StartScreen {
     write(message, text);
     message.dataset.kind = kind;
   }
-}
-
-function options(choices) {
-  const select = el('select');
-  for (const { value, text, hint } of choices) {
-    const option = el('option', { value: String(value) }, text);
-    if (hint) option.dataset.hint = hint;
-    select.append(option);
-  }
-  return select;
-}
-
-function number({ min, max, step }) {
-  return el('input', {
-    type: 'text',
-    inputMode: 'numeric',
-    autocomplete: 'off',
-    spellcheck: false,
-    'data-min': min,
-    'data-max': max,
-    'data-step': step,
-  });
 }

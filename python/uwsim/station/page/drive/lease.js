@@ -27,11 +27,19 @@ export class Lease {
           : 'You fly'
         : state.pilot === ''
           ? 'Take the controls'
-          : state.asking.includes(id)
-            ? `Asked ${this.station.nameOf(state.pilot)}`
-            : `${this.station.nameOf(state.pilot)} flies`;
+          : this.station.pilotSilence > 0
+            ? `${this.station.nameOf(state.pilot)} is silent: take over`
+            : state.asking.includes(id)
+              ? `Asked ${this.station.nameOf(state.pilot)}`
+              : `${this.station.nameOf(state.pilot)} flies`;
     write(this.button, text);
-    this.button.dataset.mine = isPilot ? (asks.length ? 'asked' : 'yes') : 'no';
+    this.button.dataset.mine = isPilot
+      ? asks.length
+        ? 'asked'
+        : 'yes'
+      : this.station.pilotSilence > 0
+        ? 'silent'
+        : 'no';
     this.button.disabled = !connected;
     const wish = asks.find((member) => !this.#refused.has(member));
     if (isPilot && wish && !document.querySelector('dialog[open]')) this.#offer(wish);

@@ -47,6 +47,11 @@ export class Station extends EventTarget {
     return this.state.phase === 'running';
   }
 
+  // Seconds for which nothing has come from the pilot, if that is somebody else and his connection seems dead, else 0.
+  get pilotSilence() {
+    return this.isPilot || this.state.pilot === '' ? 0 : (this.state.pilot_silence ?? 0);
+  }
+
   // Whether this is a rosbridge without a station: see PlainBackend.
   get isPlain() {
     return this.#backend.isPlain;

@@ -1,0 +1,41 @@
+// A picture of the chosen scenario from above.
+import { el } from './dom.js';
+
+const LEGEND = { station: 'Station', start: 'Vehicle at its start', obstacle: 'Obstacles', area: 'Area to survey' };
+
+export class Preview {
+  #shown = '';
+
+  constructor() {
+    this.image = el('img', {
+      alt: '',
+      onload: () => this.#show(true),
+      onerror: () => this.#show(false),
+    });
+    const legend = Object.entries(LEGEND).map(([kind, text]) =>
+      el('li', {}, el('span', { className: `mark mark-${kind}`, 'aria-hidden': 'true' }), text),
+    );
+    this.element = el(
+      'figure',
+      { className: 'preview', hidden: true },
+      this.image,
+      el('figcaption', {}, el('p', {}, 'From above, north up'), el('ul', {}, ...legend)),
+    );
+  }
+
+  // Show the picture of a scenario; '' for none. The last one stays until the next is there.
+  show(scenario, url) {
+    if (scenario === this.#shown) return;
+    this.#shown = scenario;
+    if (!scenario) {
+      this.#show(false);
+      return;
+    }
+    this.image.alt = `${scenario} from above: depths, obstacles, station and start`;
+    this.image.src = url;
+  }
+
+  #show(isShown) {
+    this.element.hidden = !isShown || this.#shown === '';
+  }
+}

@@ -1,0 +1,26 @@
+// The inputs of the start screen.
+import { el } from './dom.js';
+
+// A choice of { value, text, hint }.
+export function options(choices) {
+  const select = el('select');
+  for (const { value, text, hint } of choices) {
+    const option = el('option', { value: String(value) }, text);
+    if (hint) option.dataset.hint = hint;
+    select.append(option);
+  }
+  return select;
+}
+
+// A number as text: what is none is sent as it is, and the server says why.
+export function number({ min, max, step }) {
+  return el('input', {
+    type: 'text',
+    inputMode: 'numeric',
+    autocomplete: 'off',
+    spellcheck: false,
+    'data-min': min,
+    'data-max': max,
+    'data-step': step,
+  });
+}
