@@ -454,12 +454,17 @@ class World:
         (3,) -> the name of a closed solid that encloses the point, or None.
         """
     def surface_mesh(
-        self,
+        self, with_terrain: bool = True
     ) -> tuple[
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.uint16]
     ]:
         """
-        (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain and all solids.
+        (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain, if asked for, and all solids.
+        """
+    @property
+    def highest_m(self) -> float:
+        """
+        Height of the terrain's highest point; -inf without one.
         """
     @property
     def label_names(self) -> list[str]:

@@ -37,7 +37,7 @@ py::array_t<double> height_at(const World& world, const py::object& xy_m) {
 
 using SurfaceMesh = py::typing::Tuple<py::array_t<double>, py::array_t<std::uint32_t>, py::array_t<Label>>;
 
-SurfaceMesh surface_mesh(const World& world) {
+SurfaceMesh surface_mesh(const World& world, bool with_terrain) {
   std::vector<double> vertices;
   std::vector<std::uint32_t> triangles;
   std::vector<Label> labels;
@@ -52,7 +52,7 @@ SurfaceMesh surface_mesh(const World& world) {
     }
     labels.insert(labels.end(), triangle_count, label);
   };
-  if (const auto& terrain = world.terrain()) {
+  if (const auto& terrain = world.terrain(); terrain && with_terrain) {
     add(
         kTerrain, terrain->nx() * terrain->ny(), [&](std::size_t k) { return terrain->vertex(k); },
         terrain->triangle_count(), [&](std::size_t k) { return terrain->triangle(k); });
@@ -138,8 +138,13 @@ void bind_world(py::module_& m) {
             return py::make_tuple(near.x(), near.y(), far.x(), far.y());
           },
           "(x0, y0, x1, y1) [m]")
-      .def("surface_mesh", &surface_mesh,
-           "(vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain and all solids.");
+      .def_property_readonly(
+          "highest_m",
+          [](const World& w) { return w.terrain() ? static_cast<double>(w.terrain()->highest_m()) : -HUGE_VAL; },
+          "Height of the terrain's highest point; -inf without one.")
+      .def("surface_mesh", &surface_mesh, py::arg("with_terrain") = true,
+           "(vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain, if asked for, and "
+           "all solids.");
   bind_fixed_world(m);
   bind_surface_sampler(m);
 }

@@ -138,8 +138,10 @@ struct RayScene::Fixed {
 RayScene::RayScene(const World& world) {
   // Never destroyed: Embree's own statics may be gone before ours.
   static auto& made = *new RecentlyMade<Fixed>;
-  fixed_ = made.find_or_make([&](const Fixed& known) { return have_same_surfaces(known.surfaces, world); },
-                             [&] { return std::make_shared<const Fixed>(world); });
+  const bool has_terrain = world.terrain() != nullptr;  // others are bodies, and quickly made
+  fixed_ = made.find_or_make(
+      has_terrain, [&](const Fixed& known) { return have_same_surfaces(known.surfaces, world); },
+      [&] { return std::make_shared<const Fixed>(world); });
 }
 
 RayScene RayScene::with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden) const {

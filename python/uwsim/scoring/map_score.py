@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,18 +89,19 @@ def score_map(
     more voxels than true_surface.MAX_VOXELS.
     """
     rays = rays or _core.RayScene(world)
-    occupied = sorted_unique(pack_keys(_grid_keys(occupied_centres_m, resolution_m)))
+    occupied_keys = pack_keys(_grid_keys(occupied_centres_m, resolution_m))
+    occupied = sorted_unique(occupied_keys)
     visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
     covered = _have_occupied_neighbour(visible, occupied)
     centres = np.ascontiguousarray(occupied_centres_m, np.float64)
     any_occupied = len(centres) > 0
     distances = rays.distance_m(centres) if any_occupied else np.empty(0)
-    right = _hold_surface(rays, centres, distances, resolution_m)
+    right = _hold_surface(rays, centres, distances, resolution_m, lambda some: _are_in(occupied_keys[some], visible))
     seabed = compare_seabed(world, rays, depth_grid(centres, resolution_m), area_world_m) if any_occupied else None
     return MapScore(
         coverage=float(covered.mean()) if len(covered) else 0.0,
         precision=float(right.mean()) if any_occupied else float("nan"),
-        recall=float(np.isin(visible, occupied).mean()) if len(visible) else 0.0,
+        recall=float(_are_in(visible, occupied).mean()) if len(visible) else 0.0,
         occupied_voxels=len(centres),
         distance_mean_m=float(distances.mean()) if any_occupied else float("nan"),
         distance_p95_m=float(np.percentile(distances, 95.0)) if any_occupied else float("nan"),
@@ -113,19 +115,28 @@ def score_map(
 
 
 def _hold_surface(
-    rays: _core.RayScene, centres_m: NDArray[np.float64], distances_m: NDArray[np.float64], edge_m: float
+    rays: _core.RayScene,
+    centres_m: NDArray[np.float64],
+    distances_m: NDArray[np.float64],
+    edge_m: float,
+    are_known_to: Callable[[NDArray[np.int64]], NDArray[np.bool_]],
 ) -> NDArray[np.bool_]:
     """Return which cubes of edge_m about centres (n, 3) the true surface runs through: (n,) bool.
 
     distances_m: (n,), from the centres to the surface. Within half an edge it runs through the cube, beyond half a
     diagonal it does not; a cube in between is split into eight, at most HALVINGS times, and its parts decide.
+    are_known_to: tells which of some cubes the surface is known to run through; they are not split.
     """
     holds = np.zeros(len(centres_m), bool)
     cube_of, half_m = np.arange(len(centres_m)), edge_m / 2.0
     corners = half_m * (np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3))
     for halving in range(HALVINGS + 1):
         holds[cube_of[distances_m <= half_m + TOUCH_M]] = True
-        undecided = (distances_m <= np.sqrt(3.0) * half_m + TOUCH_M) & ~holds[cube_of]
+        undecided = np.flatnonzero((distances_m <= np.sqrt(3.0) * half_m + TOUCH_M) & ~holds[cube_of])
+        if halving == 0:
+            known = are_known_to(undecided)
+            holds[undecided[known]] = True
+            undecided = undecided[~known]
         cube_of, centres_m = cube_of[undecided], centres_m[undecided]
         if halving == HALVINGS or not len(cube_of):
             break
@@ -147,12 +158,16 @@ def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[
 def _have_occupied_neighbour(voxels: NDArray[np.int64], occupied: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return which packed keys (n,) have an occupied voxel at most one away on every axis: (n,) bool."""
     found = np.zeros(len(voxels), bool)
-    if not len(occupied):
-        return found
     steps = np.stack(np.meshgrid(*[np.array([0, -1, 1])] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     for step in pack_keys(steps) - pack_keys(np.zeros((1, 3), np.int64)):
         missing = np.flatnonzero(~found)
-        wanted = voxels[missing] + step
-        at = np.minimum(np.searchsorted(occupied, wanted), len(occupied) - 1)
-        found[missing] = occupied[at] == wanted
+        found[missing] = _are_in(voxels[missing] + step, occupied)
     return found
+
+
+def _are_in(keys: NDArray[np.int64], sorted_keys: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which of the packed keys (n,) are among the sorted ones: (n,) bool."""
+    if not len(sorted_keys):
+        return np.zeros(len(keys), bool)
+    at = np.minimum(np.searchsorted(sorted_keys, keys), len(sorted_keys) - 1)
+    return np.asarray(sorted_keys[at] == keys)

@@ -75,13 +75,15 @@ def compare_seabed(
     centres = np.stack([grid.west_m + (columns + 0.5) * grid.cell_m, grid.south_m + (rows + 0.5) * grid.cell_m], axis=1)
     inside = inside_polygon(centres, area_world_m)
     rows, columns, centres = rows[inside], columns[inside], centres[inside]
-    vertices, triangles, labels = world.surface_mesh()
-    may_be_blocked = _near(vertices[triangles[labels != TERRAIN_LABEL]], grid)[rows, columns]
+    vertices, triangles, _ = world.surface_mesh(with_terrain=False)
+    may_be_blocked = _near(vertices[triangles], grid)[rows, columns]
     height = np.empty(len(centres))
     for batch, xy in _samples(centres, grid.cell_m):
         height[batch] = world.height_at(xy).reshape(len(height[batch]), -1).mean(axis=1)
     blocked = np.zeros(len(centres), bool)
-    top_m, bottom_m = float(vertices[:, 2].max(initial=0.0)), float(vertices[:, 2].min(initial=0.0))
+    heights_m = np.array([0.0, world.lowest_m, world.highest_m, *vertices[:, 2]])
+    heights_m = heights_m[np.isfinite(heights_m)]  # without a terrain its heights are not
+    top_m, bottom_m = float(heights_m.max()), float(heights_m.min())
     blocked[may_be_blocked] = _blocked(rays, centres[may_be_blocked], grid.cell_m, top_m, bottom_m)
     error, true_depth = np.full(grid.depth_m.shape, np.nan), np.full(grid.depth_m.shape, np.nan)
     obstructed = np.zeros(grid.depth_m.shape, bool)

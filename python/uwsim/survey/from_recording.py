@@ -25,7 +25,7 @@ from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import PingToMap
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest
-from uwsim.survey.results import write_results
+from uwsim.survey.results import Scoring, write_results
 from uwsim.survey.terminal import Terminal
 
 PINGS = Channel(NAME, SONAR_PING, "out", "each ping of the survey, with the poses of body and sonar in the world")
@@ -72,7 +72,8 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
         record = SurveyRecord(
             **values, path_world_m=log.path_world_m, area_world_m=log.area_world_m, sample_ping=log.sample
         )
-        write_results(sim, occupancy, record, report, Terminal(), "full")
+        with Scoring(sim, occupancy, record) as scoring:
+            write_results(sim, occupancy, record, report, Terminal(), "full", scoring)
     return len(log.positions_world_m)
 
 

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Literal
+from types import TracebackType
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.mapping import OccupancyMap
-from uwsim.scoring.map_score import score_map
+from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import score_values, write_json
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
@@ -29,6 +33,32 @@ FIGURE_FILES = (
 RESULT_FILES = (TRACK, REPORT, SUMMARY, *FIGURE_FILES)
 
 
+class Scoring:
+    """Scores a survey's map on a thread, so that the map can be written meanwhile. A context manager, which ends it."""
+
+    def __init__(self, sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> None:
+        self._pool = ThreadPoolExecutor(1, "scoring")
+        self._scored = self._pool.submit(_scored, sim, occupancy, record)
+
+    def result(self) -> tuple[MapScore, NDArray[np.float64]]:
+        """Wait for the score; returns it and the centres (n, 3) of the occupied voxels. Raises what score_map does."""
+        return self._scored.result()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._pool.shutdown()
+
+
+def _scored(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> tuple[MapScore, NDArray[np.float64]]:
+    occupied = occupancy.occupied_voxels()
+    path, area, range_m = record.path_world_m, record.area_world_m, record.range_max_m
+    return score_map(sim.world, occupied, occupancy.resolution_m, path, area, range_m, rays=sim.scene), occupied
+
+
 def write_results(
     sim: Simulator,
     occupancy: OccupancyMap,
@@ -36,30 +66,21 @@ def write_results(
     out: Path,
     terminal: Terminal,
     report: Report,
+    scoring: Scoring | None,
 ) -> float | None:
-    """Score the map, print the summary, then write files into `out`; returns the coverage. Raises OSError.
+    """Print the summary, then write files into `out`; returns the coverage. Raises OSError.
 
     report: "full" writes the track, the figures and the REPORT; "json" the track and SUMMARY; "none" the track alone,
-    and does not score: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
+    without scoring: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
     """
-    if report == "none":
+    if report == "none" or scoring is None:
         terminal.result(f"ended because {record.stopped_because}")
         record.track.write(out / TRACK)
         terminal.result(f"{out / MAP}")
         return None
-    with terminal.status("scoring the map"), ThreadPoolExecutor(1, "count") as counter:
-        occupied = occupancy.occupied_voxels()
-        statistics = counter.submit(occupancy.statistics)
-        score = score_map(
-            sim.world,
-            occupied,
-            occupancy.resolution_m,
-            record.path_world_m,
-            record.area_world_m,
-            record.range_max_m,
-            rays=sim.scene,
-        )
-        free_voxels = statistics.result().free_voxels
+    with terminal.status("scoring the map"):
+        free_voxels = occupancy.statistics().free_voxels
+        score, occupied = scoring.result()
     terminal.result(summary_table(record, score, free_voxels))
     terminal.result(f"ended because {record.stopped_because}")
     record.track.write(out / TRACK)

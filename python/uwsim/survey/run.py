@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,7 @@ from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, surv
 from uwsim.survey.flyable_lanes import flyable_plan
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
-from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, write_results
+from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
 from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
 
 if TYPE_CHECKING:
@@ -190,7 +191,14 @@ class _SurveyRun:
             except OSError as second:
                 raise OSError(f"{error}; and {second}") from error
             raise
-        self._write_map()
+        scored = nullcontext() if self.report == "none" else Scoring(self.sim, self.occupancy, record)
+        with scored as scoring:
+            self._write_map()
+            return self._finish(record, autosave, scoring)
+
+    def _finish(self, record: SurveyRecord, autosave: Autosave, scoring: Scoring | None) -> SurveyRecord:
+        """Once the map is written, verify it and write the results."""
+        out, terminal = self.checkpoint.out, self.terminal
         if record.interrupted:
             resumable = self.checkpoint.exists and autosave.failure is None
             hint = "; uwsim survey --resume continues" if resumable else ""
@@ -200,7 +208,7 @@ class _SurveyRun:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         self._close_recording(record)
         try:
-            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report)
+            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report, scoring)
         except OSError as error:
             hint = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
             raise OSError(f"{error} ({out / MAP} is complete{hint})") from error
