@@ -306,3 +306,26 @@ def test_what_a_link_carried_is_in_the_summary(tmp_path: Path) -> None:
     (row,) = json.loads((tmp_path / "out" / "summary.json").read_text())["link"]
     assert (row["topic"], row["given"], row["delivered"], row["bytes_delivered"]) == ("hello", 3, 3, 30)
     assert 0.0 < row["delay_s"] < 0.01, "sound needs 4 ms for the six metres to the station"
+
+
+def test_a_flight_by_the_filter_steers_and_maps_by_the_estimate(mission: Path, tmp_path: Path) -> None:
+    true = fly(mission, "pool", map=True)
+    flown = fly(mission, "pool", tmp_path / "out", map=True, estimate="filter", report="json")
+    samples = flown.samples["rov"]
+    off_m = np.linalg.norm(samples.estimated_path_world_m - samples.path_world_m, axis=1)
+    assert 1e-3 < off_m.max() < 1.0
+    assert (true.samples["rov"].estimated_path_world_m == true.samples["rov"].path_world_m).all()
+    values = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert values["vehicles"]["rov"]["estimate_rms_m"] == pytest.approx(np.sqrt((off_m**2).mean()))
+    pings_m = flown.pings_world_m["rov"]
+    apart_m = np.linalg.norm(samples.estimated_path_world_m[:, None] - pings_m[None], axis=2).min(axis=0)
+    assert np.median(apart_m) < 0.7, "the pings are where the vehicle thinks that it is, and the head on its hull"
+    assert flown.occupancy.to_bytes("bt") != true.occupancy.to_bytes("bt")
+
+
+def test_a_flight_by_the_filter_is_resumed_to_the_same_map(mission: Path, tmp_path: Path) -> None:
+    whole = fly(mission, "pool", tmp_path / "whole", map=True, estimate="filter", report="none")
+    assert whole.simulated_s > 15.0
+    fly(mission, "pool", tmp_path / "half", map=True, estimate="filter", report="none", autosave=StopAfter(150))
+    resume(tmp_path / "half", report="none")
+    assert (tmp_path / "half" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()

@@ -30,7 +30,7 @@ def run(
     ] = None,
     estimate: Annotated[
         str,
-        typer.Option(help="What vehicles know of their pose, and maps are made with: truth."),
+        typer.Option(help="What vehicles know of their pose, and maps are made with: truth, or filter."),
     ] = "truth",
     time_limit: Annotated[
         float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")

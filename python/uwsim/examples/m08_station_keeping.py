@@ -1,4 +1,4 @@
-"""Shows station keeping in a gusting current of 0.5 m/s: how far the vehicle is pushed from its place."""
+"""Shows station keeping in a gusting current of 0.5 m/s, by the vehicle's own instruments alone."""
 
 import tempfile
 from pathlib import Path
@@ -32,7 +32,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "gusts.yaml"
         path.write_text(text)
-        flown = uwsim.fly(mission, path, vehicles=["scout"])
+        flown = uwsim.fly(mission, path, vehicles=["scout"], estimate="filter")
     there_s = next(event.time_s for event in flown.events if event.name == "there")
     samples = flown.samples["scout"]
     off_m = np.linalg.norm(samples.path_world_m - PLACE_M, axis=1)[samples["time_s"] > there_s + 10.0]

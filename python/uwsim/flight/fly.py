@@ -64,7 +64,8 @@ def fly(
     scenario: a name, a path, a Scenario, or a Simulator, which flies on from where it is. out: a folder for log.jsonl,
     track-VEHICLE.csv, map.bt and, by report, report.html ("full"), summary.json ("json") or neither ("none").
     arguments: for the mission's other parameters. vehicles: names; by default all if the mission takes `vehicles`, else
-    the first. estimate: what vehicles know of their pose, and what the map is made with. time_limit_s: simulated; by
+    the first. estimate: what vehicles know of their pose, and what the map is made with: the "truth", or that of their
+    "filter" (Vehicle.estimate). time_limit_s: simulated; by
     default the scenario's mission time. record: a new recording (.mcap), of record_topics; by default all but pictures.
     show: shows an activity while a block runs.
 
@@ -273,7 +274,9 @@ class _Flight:
         )
 
     def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
-        return OwnVehicle(self._sim.vehicles[name], clock, hear=self._log.add)
+        hull = self._sim.vehicles[name]
+        estimate = hull.estimate if self._estimate == "filter" else None
+        return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
     def _map_maker(self, own: Mapping[str, OwnVehicle]) -> MapMaker:
         assert self.occupancy is not None

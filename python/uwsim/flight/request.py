@@ -12,7 +12,7 @@ from pydantic import ConfigDict
 from uwsim.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
-ESTIMATES: tuple[EstimateKind, ...] = ("truth",)
+ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
 
 
 @dataclass(frozen=True)
