@@ -14,8 +14,9 @@ from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.mission_file import MissionError
 from uwsim.mapping import OccupancyMap
-from uwsim.missions import StoppedError, goto, hold, parallel, turn_to, wait
+from uwsim.missions import StoppedError, goto, hold, mow, parallel, turn_to, wait
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.survey.fly import fly_survey, survey_plan
 
 ROUND = """
 from uwsim.missions import goto, turn_to
@@ -329,3 +330,26 @@ def test_a_flight_by_the_filter_is_resumed_to_the_same_map(mission: Path, tmp_pa
     fly(mission, "pool", tmp_path / "half", map=True, estimate="filter", report="none", autosave=StopAfter(150))
     resume(tmp_path / "half", report="none")
     assert (tmp_path / "half" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
+
+
+def test_the_lawn_mower_as_a_mission_makes_the_survey_s_map() -> None:
+    sim = uwsim.Simulator("pool")
+    surveyed, _ = fly_survey(sim)
+
+    def mission(vehicle):
+        yield from mow(vehicle, survey_plan(sim.scenario.survey))
+
+    flown = fly(mission, "pool", map=True)
+    assert flown.occupancy.to_bytes("ot") == surveyed.to_bytes("ot")
+
+
+def test_a_mission_that_ends_at_once_has_a_report(tmp_path: Path) -> None:
+    def mission(vehicle):
+        return 3
+        yield
+
+    flown = fly(mission, "pool", tmp_path, map=True)
+    assert flown.result == 3
+    assert flown.simulated_s == 0.0
+    assert (tmp_path / "report.html").exists()
+    assert (tmp_path / "map.bt").exists()

@@ -17,7 +17,7 @@ from uwsim.figures.style import ACCENT, HEIGHTS, INK, add_colour_bar, add_legend
 from uwsim.figures.style import save_figure as save
 
 WIDTH_IN = 4.4  # narrow, so that text is legible on a phone
-TRACKS = (ACCENT, "#7b2cbf", "#d00070", "#f4a300", "#ffffff")
+TRACKS = (ACCENT, "#00b4d8", "#d00070", "#f4a300", "#80ed99")
 GROUND, GROUND_LINE, WATER, ALARM = "#b9ab98", "#6d6150", "#e6f0f6", "#d62828"
 CELLS = 220
 Paths = Mapping[str, NDArray[np.float64]]

@@ -94,9 +94,11 @@ def fly(
             )
     names = tuple(vehicles) or (tuple(sim.vehicles) if takes == "vehicles" else (sim.rov.name,))
     for name in names:
-        sim.vehicles[name]  # raises ValueError for an unknown one
+        vehicle = sim.vehicles[name]  # raises ValueError for an unknown one
         if map:
             require_sonar(sim, name)
+        if estimate == "filter":
+            _ = vehicle.estimate  # raises ValueError for a vehicle without an IMU
     request = None
     if file is not None and isinstance(scenario, str | Path):
         request = FlightRequest(

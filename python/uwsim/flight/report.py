@@ -114,16 +114,18 @@ def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator | None) -> li
 def _map_figures(
     out: Path, flown: FlightRecord, sim: Simulator, area_m: NDArray[np.float64], occupied_m: NDArray[np.floating]
 ) -> list[Figure]:
-    score, path_m = flown.score, flown.all_pings_world_m
+    score = flown.score
     assert score is not None
+    first, path_m = next(iter(flown.pings_world_m.items()))
+    whose = f" The line is the way of {first}." if len(flown.pings_world_m) > 1 else ""
     figures = [
         Figure(
             out / "truth_and_map.png", "Truth and map",
-            "The area flown over, cut out of the true world, and the occupied voxels of the map.", wide=True,
+            f"The area flown over, cut out of the true world, and the occupied voxels of the map.{whose}", wide=True,
         ),
         Figure(
             out / "map_from_above.png", "The map from above",
-            "The highest occupied voxel of each column. Surface that was in sight but is missing is pink.", wide=True,
+            f"The highest occupied voxel of each column. What was in sight but is missing is pink.{whose}", wide=True,
         ),
         Figure(
             out / "where_it_is_wrong.png", "Where the map is wrong",
