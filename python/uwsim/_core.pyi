@@ -2395,19 +2395,6 @@ class Simulation:
     def in_physics_mode(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> bool: ...
-    def motion(
-        self, vehicle: typing.SupportsInt | typing.SupportsIndex
-    ) -> tuple[
-        numpy.typing.NDArray[numpy.float64],
-        numpy.typing.NDArray[numpy.float64],
-        numpy.typing.NDArray[numpy.float64],
-        numpy.typing.NDArray[numpy.float64],
-        numpy.typing.NDArray[numpy.float64],
-    ]:
-        """
-        position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and
-        angular_body_rad_s (3,): read-only.
-        """
     def link_counts(
         self, topic: typing.SupportsInt | typing.SupportsIndex, from_node: typing.SupportsInt | typing.SupportsIndex
     ) -> TopicCounts: ...
@@ -2455,6 +2442,19 @@ class Simulation:
     def link_waiting(self, node: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
         """
         (messages, bytes) in a node's queue
+        """
+    def motion(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.float64],
+    ]:
+        """
+        position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and
+        angular_body_rad_s (3,): read-only.
         """
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex

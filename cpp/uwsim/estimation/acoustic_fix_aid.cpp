@@ -18,22 +18,32 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
     const double range = fix.norm();
     if (!(range > 1e-6)) return;
-    const Eigen::Vector3d sight = fix / range, across = sight.unitOrthogonal(), up = sight.cross(across);
-    correct_along(state, fix, sight, range_std_ * range_std_);
+    // Where the position is known well, axes along and across the line to it keep the range free of the bearing's
+    // error: seen along the measured line, the vehicle is R (1 - cos error) nearer than R.
+    const double position_variance = state.covariance.diagonal().segment<3>(kPosition).sum();
+    const bool is_known = position_variance < kKnown * kKnown * range * range;
+    const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();
+    const Eigen::Vector3d across = sight.unitOrthogonal(), up = sight.cross(across);
+    const double along = is_known ? range - expected(state).norm() : sight.dot(fix - expected(state));
     const double sideways = bearing_std_ * range;
-    correct_along(state, fix, across, sideways * sideways);
-    correct_along(state, fix, up, sideways * sideways);
+    correct_along(state, along, sight, range_std_ * range_std_);
+    correct_along(state, across.dot(fix - expected(state)), across, sideways * sideways);
+    correct_along(state, up.dot(fix - expected(state)), up, sideways * sideways);
   }
 
  private:
-  void correct_along(FilterState& state, const Eigen::Vector3d& fix, const Eigen::Vector3d& axis,
-                     double variance) const {
-    const Eigen::Vector3d expected = state.position_m + state.orientation * lever_ - station_;
+  static constexpr double kKnown = 0.1;  // share of the range
+
+  Eigen::Vector3d expected(const FilterState& state) const {
+    return state.position_m + state.orientation * lever_ - station_;
+  }
+
+  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, double variance) const {
     ErrorVector h = ErrorVector::Zero(state.errors());
     h.segment<3>(kPosition) = axis;
     h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
     constexpr double kLeast = 1e-6;  // m2: so that an exact fix still has a gate
-    Aid::correct(state, axis.dot(fix - expected), h, std::max(variance, kLeast));
+    Aid::correct(state, residual, h, std::max(variance, kLeast));
   }
 
   Eigen::Vector3d lever_, station_;

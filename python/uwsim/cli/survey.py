@@ -41,6 +41,10 @@ def survey(
             help="Discard ranges with which their neighbours in the swath disagree. Default: in physics mode.",
         ),
     ] = None,
+    estimate: Annotated[
+        str | None,
+        typer.Option(help="truth, or filter: fly and map by the vehicle's own instruments. Default: truth."),
+    ] = None,
     report: Annotated[
         str,
         typer.Option(help="full: report.html and figures; json: summary.json instead; none: map.bt alone, no score."),
@@ -76,6 +80,7 @@ def survey(
         "voxel_m": voxel,
         "engine": engine,
         "outlier_filter": outlier_filter,
+        "estimate": estimate,
     }
     if resume and record is not None:
         raise ValueError("--record: a survey that is resumed cannot be recorded from its start")
@@ -89,6 +94,7 @@ def survey(
             out, threads=threads, autosave_s=autosave, map_memory_mb=map_memory, report=report, **arguments
         )
     else:
+        arguments["estimate"] = estimate or "truth"
         flown = run_survey(
             scenario or "lake",
             out,

@@ -16,6 +16,7 @@ from uwsim.arguments import plain
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
 from uwsim.live.commands import bound_command
+from uwsim.live.log_navigation import LogNavigation
 from uwsim.live.pace import Pace, Speed
 from uwsim.live.requests import Request
 from uwsim.live.step_loop import StepLoop
@@ -59,6 +60,7 @@ class LiveSimulator:
         self._pace = Pace(speed, self.simulator.step_s)
         self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
         self._thread: threading.Thread | None = None
+        self._navigation_log = LogNavigation(self.simulator, self.log)
 
     @property
     def rov(self) -> LiveVehicle:
@@ -92,6 +94,7 @@ class LiveSimulator:
             raise RuntimeError("the live simulator runs already")
         self._pace.restart()
         self._loop.open()
+        self.simulator.journal.attach(self._navigation_log)
         self._thread = threading.Thread(target=self._loop.run, name="uwsim-live", daemon=True)
         self._thread.start()
         # A thread that is in native code when the interpreter ends would abort the process.
@@ -104,6 +107,7 @@ class LiveSimulator:
         if self._thread is None or self._on_loop:
             return
         self._thread.join(STOP_S)
+        self.simulator.journal.detach(self._navigation_log)
         if self._thread.is_alive():
             logger.warning("the live simulator stops as soon as a call ends that has lasted for %g s", STOP_S)
 

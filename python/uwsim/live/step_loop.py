@@ -199,7 +199,7 @@ class StepLoop:
             self._notice_jump(request)
             request.future.set_exception(error)
             return
-        if request.name is not None:
+        if request.name is not None and request.name != "start_navigation":  # logged where it takes effect
             self.log.append(Entry(tick, request.name, request.arguments))
         self._notice_jump(request)
         request.future.set_result(result)

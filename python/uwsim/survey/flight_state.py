@@ -58,6 +58,7 @@ class _StateFile(BaseModel):
     stage_wall_s: dict[str, float]
     area_world_m: EncodedArray
     path_world_m: EncodedArray
+    position_error_m: EncodedArray
     echo_count: int
     richest: _SampleFile | None
     richest_score: float
@@ -77,6 +78,7 @@ def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
         "stage_wall_s": state.stage_wall_s,
         "area_world_m": _encoded(log.area_world_m),
         "path_world_m": _encoded(log.path_world_m),
+        "position_error_m": _encoded(np.array(log.position_error_m)),
         "echo_count": log.echo_count,
         "richest": None if log.sample is None else {name: _encoded(a) for name, a in vars(log.sample).items()},
         "richest_score": log.sample_score,
@@ -103,6 +105,7 @@ def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
     log = PingLog(
         area_world_m=_decoded(read.area_world_m),
         positions_world_m=list(_decoded(read.path_world_m).reshape(-1, 3)),
+        position_error_m=_decoded(read.position_error_m).tolist(),
         echo_count=read.echo_count,
         sample=None if sample is None else PingSample(**sample),
         sample_score=read.richest_score,

@@ -15,6 +15,7 @@ import numpy as np
 from uwsim.control.protocols import Clock, SurveyVehicle
 from uwsim.mapping import OccupancyMap
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission
+from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
 from uwsim.simulator import Simulator
 from uwsim.survey.flight_state import FlightState
@@ -22,7 +23,7 @@ from uwsim.survey.flyable_lanes import SurveyAreaWarning, flyable_plan
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import HullBox, PingToMap
 from uwsim.survey.pinging_clock import PingingClock, TakePing
-from uwsim.survey.record import INTERRUPTED, SurveyRecord
+from uwsim.survey.record import INTERRUPTED, EstimateKind, SurveyRecord
 from uwsim.survey.wall_time import AUTOSAVE, WallTimer
 
 HULL_MARGIN_M = 0.05
@@ -54,6 +55,7 @@ def fly_survey(
     resume: FlightState | None = None,
     outlier_filter: bool | None = None,
     on_ping_taken: TakePing | None = None,
+    estimate: EstimateKind = "truth",
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end or to Ctrl-C; returns the map and the record in both cases.
 
@@ -62,7 +64,8 @@ def fly_survey(
     decoder; receives each depth string and returns the string that arrives. reference: a second map, which gets every
     scan one by one. supervisor: may save or stop the flight whenever the mission waits. resume: a saved flight to
     continue; `occupancy` and `reference` must be the maps that were saved with it.
-    outlier_filter: see filters_outliers. on_ping_taken: called with each ping, the panel and the body's pose.
+    outlier_filter: see filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. on_ping_taken: called
+    with each ping, the panel and the body's pose as the map was told it.
     Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown, ValueError when the
     flight cannot be resumed. Fewer such lanes are left out, with a SurveyAreaWarning.
     """
@@ -70,7 +73,7 @@ def fly_survey(
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
     filters = filters_outliers(sim, outlier_filter)
-    flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken)
+    flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken, estimate)
     with PingToMap(
         occupancy,
         sim.rov.sonar.model,
@@ -97,8 +100,9 @@ class _Flight:
         supervisor: FlightSupervisor | None,
         resume: FlightState | None,
         on_ping_taken: TakePing | None = None,
+        estimate: EstimateKind = "truth",
     ) -> None:
-        self._on_ping_taken = on_ping_taken
+        self._on_ping_taken, self._estimate_kind = on_ping_taken, estimate
         self._sim, self._occupancy, self._reference = sim, occupancy, reference
         self._supervisor, self._resume = supervisor, resume
         self._wall_start_s = time.perf_counter()
@@ -115,7 +119,8 @@ class _Flight:
         self, chain: PingToMap, make_mission: MakeMission, survey: Survey, on_progress: Callable[[float], None]
     ) -> str:
         """Fly the mission; returns the reason why it ended."""
-        self._chain = chain
+        self._chain, rov = chain, self._sim.rov
+        estimate = rov.estimate if self._estimate_kind == "filter" else None
         self._clock = PingingClock(
             self._sim,
             chain,
@@ -124,11 +129,14 @@ class _Flight:
             lambda: on_progress(self._mission.progress),
             self._on_pause,
             self._on_ping_taken,
+            estimate,
         )
         plan, self._left_out = flyable_plan(self._sim, survey_plan(survey))
         if self._left_out is not None:
             warnings.warn(self._left_out, SurveyAreaWarning, stacklevel=3)
-        self._mission = make_mission(self._sim.rov, self._clock, plan)
+        self._mission = make_mission(
+            rov if estimate is None else OwnVehicle(rov, self._clock, estimate=estimate), self._clock, plan
+        )
         if self._resume is not None:
             self._clock.steps_to_ping = self._resume.steps_to_ping
             _restore_mission(self._mission, self._resume)
@@ -187,6 +195,8 @@ class _Flight:
             stage_wall_s=self.timer.wall_s,
             ended_early=stopped_because != COVERED,
             lanes_left_out=self._left_out,
+            estimate=self._estimate_kind,
+            position_error_m=np.array(log.position_error_m),
             pings_with_warning=dict(log.pings_with_warning),
             warning_limits_m=_warning_limits_m(sim.scenario),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 
@@ -22,23 +23,35 @@ _LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
 class PingLog:
     """The position of each ping, the number of echoes, and the ping with the most distinct labels.
 
-    pings_with_warning: the number of pings during which each of PANEL_WARNINGS was lit.
+    pings_with_warning: the number of pings during which each of PANEL_WARNINGS was lit. position_error_m: how far the
+    sonar was from where the map was told that it was.
     """
 
     area_world_m: NDArray[np.float64]
     positions_world_m: list[NDArray[np.float64]] = field(default_factory=list)
+    position_error_m: list[float] = field(default_factory=list)
     echo_count: int = 0
     sample: PingSample | None = None
     sample_score: float = -1.0
     pings_with_warning: dict[str, int] = field(default_factory=lambda: dict.fromkeys(PANEL_WARNINGS, 0))
 
-    def add(self, ping: _core.Ping, points_world_m: NDArray[np.float32], panel: _core.Telemetry) -> None:
-        """Log a ping's position, echoes and warnings; every few pings, keep it as the sample if it is better."""
+    def add(
+        self,
+        ping: _core.Ping,
+        points_world_m: NDArray[np.float32],
+        panel: _core.Telemetry,
+        mapped_from_m: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Log a ping's position, echoes and warnings; every few pings, keep it as the sample if it is better.
+
+        mapped_from_m: (3,) where the map was told that the sonar was, if not where it was.
+        """
         for name, is_lit in zip(PANEL_WARNINGS, _LIT(panel), strict=True):
             if is_lit:
                 self.pings_with_warning[name] += 1
         position = ping.world_from_sonar[:3, 3].copy()  # a view would keep the whole ping
         self.positions_world_m.append(position)
+        self.position_error_m.append(0.0 if mapped_from_m is None else math.dist(position, mapped_from_m))
         self.echo_count += len(points_world_m)
         if len(self.positions_world_m) % PINGS_PER_CANDIDATE:
             return
@@ -52,7 +65,10 @@ class PingLog:
     def copy(self) -> PingLog:
         """Return a copy that later pings do not change."""
         return replace(
-            self, positions_world_m=self.positions_world_m.copy(), pings_with_warning=self.pings_with_warning.copy()
+            self,
+            positions_world_m=self.positions_world_m.copy(),
+            position_error_m=self.position_error_m.copy(),
+            pings_with_warning=self.pings_with_warning.copy(),
         )
 
     @property

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.control.protocols import EstimateLike
 from uwsim.simulator import Simulator
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import PingToMap
@@ -20,7 +21,8 @@ class PingingClock:
 
     on_ping: called after each ping. on_pause: called at the end of each wait, before the mission continues; at that
     moment everything that the mission will do depends only on its saved state. on_taken: called with each ping, the
-    panel and world_from_body (4, 4).
+    panel and world_from_body (4, 4) as the map was told it. estimate: where the map is told that the vehicle is; by
+    default where it is.
     """
 
     def __init__(
@@ -32,8 +34,10 @@ class PingingClock:
         on_ping: Callable[[], None],
         on_pause: Callable[[], None],
         on_taken: TakePing | None = None,
+        estimate: EstimateLike | None = None,
     ) -> None:
         self._sim = sim
+        self._estimate = estimate
         self._chain = chain
         self._log = log
         self._steps_between_pings = max(1, round(ping_interval_s / sim.step_s))
@@ -65,10 +69,13 @@ class PingingClock:
         rov = self._sim.rov
         with self._chain.timer.measure("rays"):
             ping = rov.sonar.ping()
-        body, panel = rov.pose.world_from_body, rov.telemetry()
+        body, panel, sonar = rov.pose.world_from_body, rov.telemetry(), ping.world_from_sonar
+        if self._estimate is not None:
+            estimated = self._estimate.pose.world_from_body
+            sonar, body = estimated @ np.linalg.inv(body) @ sonar, estimated
         deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
-        points = self._chain.insert(ping.ranges_m, body, ping.world_from_sonar, self._sim.time_s, deviation_m)
-        self._log.add(ping, points, panel)
+        points = self._chain.insert(ping.ranges_m, body, sonar, self._sim.time_s, deviation_m)
+        self._log.add(ping, points, panel, sonar[:3, 3])
         if self._on_taken is not None:
             self._on_taken(ping, panel, body)
         self._on_ping()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from uwsim.survey.wall_time import MAP_THREAD_STAGES
 
 INTERRUPTED = "interrupted (Ctrl-C)"
 FloatArray = NDArray[np.floating]
+EstimateKind = Literal["truth", "filter"]
+ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,9 @@ class SurveyRecord:
     ranging.reject_outliers was in the chain. pings_with_warning: number of pings
     during which each of the panel's warnings was lit; warning_limits_m: the distances from which they are. coverage:
     share of the visible surface that is in the map, 0..1; None when the map was not scored.
-    lanes_left_out: a sentence on the lanes that cannot be flown; None if there are none.
+    lanes_left_out: a sentence on the lanes that cannot be flown; None if there are none. estimate: whether mission and
+    map went by the true pose or by the vehicle's own filter; path_world_m is the true path in both cases.
+    position_error_m: (n,), how far the sonar was from where the map was told that it was, at each ping.
     """
 
     scenario_name: str
@@ -68,6 +73,8 @@ class SurveyRecord:
     warning_limits_m: dict[str, float] = field(default_factory=dict)
     coverage: float | None = None
     lanes_left_out: str | None = None
+    estimate: EstimateKind = "truth"
+    position_error_m: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
 
     @property
     def interrupted(self) -> bool:

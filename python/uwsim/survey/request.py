@@ -10,6 +10,7 @@ from pydantic import ConfigDict
 
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.simulator import Simulator
+from uwsim.survey.record import EstimateKind
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class SurveyRequest:
     engine: MapEngine
     verify_map: bool
     outlier_filter: bool | None = None
+    estimate: EstimateKind = "truth"
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 

@@ -19,7 +19,7 @@ from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
 from uwsim.survey.flyable_lanes import flyable_plan
-from uwsim.survey.record import SurveyRecord
+from uwsim.survey.record import ESTIMATES, EstimateKind, SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
 from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
@@ -48,6 +48,7 @@ def run_survey(
     outlier_filter: bool | None = None,
     record: Path | None = None,
     record_topics: tuple[str, ...] | None = None,
+    estimate: EstimateKind = "truth",
 ) -> SurveyRecord:
     """Fly a scenario's survey and write map.bt, report.html and figures into `out`; returns the survey's record.
 
@@ -56,12 +57,17 @@ def run_survey(
     which `resume_survey` continues; 0 for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the
     bytes of map.bt do not depend on it. report: "full"; "json" for map.bt and summary.json without report and figures;
     "none" for map.bt alone, without a score. outlier_filter: replaces the scenario's.
+    estimate: "filter" flies and maps by the vehicle's own instruments (Vehicle.estimate) instead of the truth.
     record: a new recording, from which `uwsim map from` makes map and report again; record_topics: see Recorder.
     Raises ScenarioError or ValueError for an error in the scenario or the arguments, OSError for `out`. However the
     flight ends, the map of everything seen until then is written.
     """
     _require_interval(autosave_s)
     kind = _checked_report(report)
+    if estimate not in ESTIMATES:
+        raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
+    if estimate != "truth" and record is not None:
+        raise ValueError(f"record: a survey with estimate = {estimate!r} cannot be recorded, only one with the truth")
     terminal = Terminal()
     with terminal.status(f"building {scenario}"):
         _require_surveyable(load(scenario))  # before the world is built
@@ -87,6 +93,7 @@ def run_survey(
             engine=engine or "bricks",
             verify_map=verify_map,
             outlier_filter=filters_outliers(sim, outlier_filter),
+            estimate=estimate,
         )
         occupancy, reference = request.new_map(map_memory_mb), request.new_reference()
     _require_writable(out)
@@ -235,6 +242,7 @@ class _SurveyRun:
                 resume=saved.state if saved is not None else None,
                 outlier_filter=self.request.outlier_filter,
                 on_ping_taken=on_ping_taken,
+                estimate=self.request.estimate,
             )[1]
 
     def _close_recording(self, record: SurveyRecord | None) -> None:

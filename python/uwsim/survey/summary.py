@@ -26,11 +26,19 @@ def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) ->
         ("echoes", f"{record.echo_count:,}"),
         ("path flown while pinging", f"{record.path_length_m:,.0f} m"),
         ("collisions", f"{record.collision_count:,}"),
+        *_error_rows(record),
         *warning_rows(record),
         ("occupied voxels", f"{score.occupied_voxels:,}"),
         ("free voxels", f"{free_voxel_count:,}"),
         *score_rows(score),
     ]
+
+
+def _error_rows(record: SurveyRecord) -> list[tuple[str, str]]:
+    error = record.position_error_m
+    if record.estimate == "truth" or not len(error):
+        return []
+    return [("error of the estimated position", f"mean {error.mean():.2f} m, largest {error.max():.2f} m")]
 
 
 def flight_values(record: SurveyRecord) -> dict[str, Any]:
@@ -56,6 +64,8 @@ def flight_values(record: SurveyRecord) -> dict[str, Any]:
         "collisions": record.collision_count,
         "pings_with_warning": record.pings_with_warning,
         "lanes_left_out": record.lanes_left_out,
+        "estimate": record.estimate,
+        "position_error_mean_m": float(record.position_error_m.mean()) if len(record.position_error_m) else 0.0,
     }
 
 
