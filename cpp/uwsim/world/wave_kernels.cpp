@@ -2,6 +2,7 @@
 
 #include "uwsim/core/instruction_set.h"
 #include "uwsim/world/wave_kernels_impl.h"
+#include "uwsim/world/wave_sums_impl.h"
 
 namespace uwsim {
 
@@ -9,6 +10,12 @@ const WaveKernels& baseline_wave_kernels() { return kKernels; }
 
 const WaveKernels& wave_kernels() {
   return widest(baseline_wave_kernels(), avx2_wave_kernels(), avx512_wave_kernels());
+}
+
+const WaveSumKernels& baseline_wave_sum_kernels() { return kSumKernels; }
+
+const WaveSumKernels& wave_sum_kernels() {
+  return widest(baseline_wave_sum_kernels(), avx2_wave_sum_kernels(), avx512_wave_sum_kernels());
 }
 
 }  // namespace uwsim

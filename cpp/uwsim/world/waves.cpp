@@ -8,6 +8,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/with_unit.h"
+#include "uwsim/world/wave_sums.h"
 
 namespace uwsim {
 namespace {
@@ -85,9 +86,12 @@ std::size_t Waves::count_reaching(double z_m) const {
   return static_cast<std::size_t>(end - waves_.begin());
 }
 
-/// Fills in the crests of the first `count` waves; returns the surface's height, which is the sum of their cosines.
+/// Fills in the crests of the first `count` waves, and zeros up to a whole block; returns the surface's height, which
+/// is the sum of their cosines.
 double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const {
   double height = 0;
+  if (wave_sum_kernels().crests(&waves_[0].amplitude_m, count, x, y, time_s, &crests[0].cosine, height)) return height;
+  height = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const Wave& w = waves_[k];
     const double phase = w.number_x_rad_m * x + w.number_y_rad_m * y - w.omega_rad_s * time_s + w.phase_rad;
@@ -146,24 +150,13 @@ WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double he
                                const Eigen::Vector3d& current_m_s) const {
   WaveMotion sum;
   const Stretched at = stretched(z_m, height);
-  Eigen::Vector3d surface = Eigen::Vector3d::Zero();  // eta by x, y and t
-  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-  for (std::size_t j = 0; j < count; ++j) {
-    const Wave& w = waves_[j];
-    const double up = w.deep * std::exp(w.number_rad_m * at.z_m);
-    const double down = w.deep < 1 ? w.deep * std::exp(-w.number_rad_m * (at.z_m + 2 * depth_m_)) : 0;
-    const double along = w.omega_rad_s * w.shallow * (up + down) / w.number_rad_m;  // over k, along the heading
-    const double rise = w.omega_rad_s * w.shallow * (up - down);
-    const double c = crests[j].cosine, s = crests[j].sine, kx = w.number_x_rad_m, ky = w.number_y_rad_m;
-    sum.velocity_m_s += Eigen::Vector3d(along * c * kx, along * c * ky, rise * s);
-    sum.local_m_s2 += w.omega_rad_s * Eigen::Vector3d(along * s * kx, along * s * ky, -rise * c);
-    surface += s * Eigen::Vector3d(-kx, -ky, w.omega_rad_s);
-    xx -= along * s * kx * kx;
-    xy -= along * s * kx * ky;
-    yy -= along * s * ky * ky;
-    xz += rise * c * kx;
-    yz += rise * c * ky;
-  }
+  static_assert(sizeof(Wave) == WaveSumKernels::kNumbers * sizeof(double) && sizeof(Crest) == 2 * sizeof(double));
+  WaveMotionSums sums;
+  wave_sum_kernels().motion(&waves_[0].amplitude_m, count, &crests[0].cosine, at.z_m, depth_m_, sums);
+  sum.velocity_m_s = Eigen::Map<const Eigen::Vector3d>(sums.velocity_m_s);
+  sum.local_m_s2 = Eigen::Map<const Eigen::Vector3d>(sums.local_m_s2);
+  const Eigen::Vector3d surface(Eigen::Map<const Eigen::Vector3d>(sums.surface));  // eta by x, y and t
+  const auto& [xx, xy, yy, xz, yz] = sums.gradient;
   const Eigen::Vector3d carried = sum.velocity_m_s + current_m_s;
   const double surface_rises = surface.z() + carried.x() * surface.x() + carried.y() * surface.y();
   const double rises = at.by_point * carried.z() + at.by_surface * surface_rises;
@@ -204,24 +197,12 @@ WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Ma
   const double height = crests_at(c.x(), c.y(), time_s, count, crests.data());
   const double z = unstretched(c.z(), height);
   sum.force = volume_m3 * motion_under(crests.data(), count, height, c.z(), current_m_s).convective_m_s2;
-  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d h = second.col(2);
-  for (std::size_t j = 0; j < count; ++j) {
-    const Wave& w = waves_[j];
-    const Eigen::Vector3d across(w.number_x_rad_m, w.number_y_rad_m, 0);
-    const double k = w.number_rad_m;
-    const Eigen::Vector3d g = second * across;
-    for (const double sign : {1.0, -1.0}) {
-      if (sign < 0 && w.deep == 1) break;
-      const double share = w.deep * (sign > 0 ? std::exp(k * z) : std::exp(-k * (z + 2 * depth_m_)));
-      const double a = share * crests[j].cosine, b = share * crests[j].sine;
-      const double real = volume_m3 + 0.5 * (k * k * h.z() - across.dot(g)), imaginary = sign * k * across.dot(h);
-      const double p = a * real - b * imaginary, q = a * imaginary + b * real;
-      sum.force += gravity_m_s2_ * (q * across - sign * k * p * up);
-      sum.moment -= gravity_m_s2_ *
-                    (a * (k * k * h.cross(up) - g.cross(across)) - b * sign * k * (g.cross(up) + h.cross(across)));
-    }
-  }
+  WavesOnVolume on{z, depth_m_, volume_m3, {}};
+  Eigen::Map<Eigen::Matrix3d>(&on.second_m5[0][0]) = second;  // symmetric
+  Eigen::Vector3d force, moment;
+  wave_sum_kernels().load(&waves_[0].amplitude_m, count, &crests[0].cosine, on, force.data(), moment.data());
+  sum.force += gravity_m_s2_ * force;
+  sum.moment += gravity_m_s2_ * moment;
   return sum;
 }
 

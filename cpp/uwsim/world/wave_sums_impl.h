@@ -1,0 +1,168 @@
+#pragma once
+
+#include "uwsim/core/lane_functions.h"
+#include "uwsim/world/wave_sums.h"
+
+// Compiled once for each instruction set: hence the anonymous namespace.
+namespace uwsim {
+namespace {
+
+constexpr std::size_t kLanes = 8;
+
+/// Eight waves. Unused places have no amplitude.
+struct WaveBlock {
+  DoubleLanes amplitude, omega, k, kx, ky, phase, deep, shallow;
+  bool is_deep = true;  ///< all of them are deep-water waves
+
+  /// From rows, transposed: halves of rows, then quarters, then numbers change places.
+  WaveBlock(const double* waves, std::size_t count) {
+    DoubleLanes rows[kLanes], halves[kLanes], quarters[kLanes];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      rows[lane] = lane < count ? load_lanes(waves + kLanes * lane) : DoubleLanes{0, 0, 1, 0, 0, 0, 1, 1};
+    }
+    const auto mix = [](DoubleLanes a, DoubleLanes b, IndexLanes from) { return __builtin_shuffle(a, b, from); };
+    for (std::size_t n = 0; n < 4; ++n) {
+      halves[n] = mix(rows[n], rows[n + 4], IndexLanes{0, 1, 2, 3, 8, 9, 10, 11});
+      halves[n + 4] = mix(rows[n], rows[n + 4], IndexLanes{4, 5, 6, 7, 12, 13, 14, 15});
+    }
+    for (std::size_t n = 0; n < 4; ++n) {
+      const std::size_t one = n < 2 ? n : n + 2, other = one + 2;
+      quarters[one] = mix(halves[one], halves[other], IndexLanes{0, 1, 8, 9, 4, 5, 12, 13});
+      quarters[other] = mix(halves[one], halves[other], IndexLanes{2, 3, 10, 11, 6, 7, 14, 15});
+    }
+    constexpr IndexLanes kEven = {0, 8, 2, 10, 4, 12, 6, 14}, kOdd = {1, 9, 3, 11, 5, 13, 7, 15};
+    DoubleLanes* const columns[] = {&amplitude, &omega, &k, &kx, &ky, &phase, &deep, &shallow};
+    for (std::size_t n = 0; n < kLanes; n += 2) {
+      *columns[n] = mix(quarters[n], quarters[n + 1], kEven);
+      *columns[n + 1] = mix(quarters[n], quarters[n + 1], kOdd);
+    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane) is_deep = is_deep && deep[lane] == 1;
+  }
+
+  DoubleLanes up(double z_m) const { return deep * exponential(k * z_m); }
+  /// The share of the waves' reflection at the bed.
+  DoubleLanes down(double z_m, double depth_m) const {
+    if (is_deep) return DoubleLanes{};
+    const DoubleLanes share = deep * exponential(-k * (z_m + 2 * depth_m));
+    return deep < 1 ? share : DoubleLanes{};
+  }
+};
+
+struct CrestBlock {
+  DoubleLanes cosine, sine;
+
+  explicit CrestBlock(const double* crests) {
+    const DoubleLanes one = load_lanes(crests), other = load_lanes(crests + kLanes);
+    cosine = __builtin_shuffle(one, other, IndexLanes{0, 2, 4, 6, 8, 10, 12, 14});
+    sine = __builtin_shuffle(one, other, IndexLanes{1, 3, 5, 7, 9, 11, 13, 15});
+  }
+};
+
+void store_crests(DoubleLanes cosine, DoubleLanes sine, double* crests) {
+  store_lanes(__builtin_shuffle(cosine, sine, IndexLanes{0, 8, 1, 9, 2, 10, 3, 11}), crests);
+  store_lanes(__builtin_shuffle(cosine, sine, IndexLanes{4, 12, 5, 13, 6, 14, 7, 15}), crests + kLanes);
+}
+
+/// Calls visit(block, first) for each block of eight waves.
+template <typename Visit>
+inline void visit_blocks(const double* waves, std::size_t count, const Visit& visit) {
+  for (std::size_t first = 0; first < count; first += kLanes)
+    visit(WaveBlock(waves + WaveSumKernels::kNumbers * first, count - first), first);
+}
+
+bool crests(const double* waves, std::size_t count, double x_m, double y_m, double time_s, double* crests,
+            double& height_m) {
+  DoubleLanes height{}, largest{};
+  visit_blocks(waves, count, [&](const WaveBlock& w, std::size_t first) {
+    const DoubleLanes phase = w.kx * x_m + w.ky * y_m - w.omega * time_s + w.phase;
+    const DoubleLanes size = phase < 0 ? -phase : phase;
+    largest = size > largest ? size : largest;
+    DoubleLanes sine, cosine;
+    sine_and_cosine(phase, sine, cosine);
+    store_crests(w.amplitude * cosine, w.amplitude * sine, crests + 2 * first);
+    height += w.amplitude * cosine;
+  });
+  height_m = sum_of_lanes(height);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (!(largest[lane] <= WaveSumKernels::kMostPhase_rad)) return false;
+  }
+  return true;
+}
+
+void motion(const double* waves, std::size_t count, const double* crests, double z_m, double depth_m,
+            WaveMotionSums& sums) {
+  DoubleLanes velocity[3]{}, local[3]{}, surface[3]{}, xx{}, xy{}, yy{}, xz{}, yz{};
+  visit_blocks(waves, count, [&](const WaveBlock& w, std::size_t first) {
+    const auto [c, s] = CrestBlock(crests + 2 * first);
+    const DoubleLanes up = w.up(z_m), down = w.down(z_m, depth_m), speed = w.omega * w.shallow;
+    const DoubleLanes along = speed * (up + down) / w.k;  // over k, along the heading
+    const DoubleLanes rise = speed * (up - down);
+    const DoubleLanes along_c = along * c, along_s = along * s, rise_c = rise * c;
+    velocity[0] += along_c * w.kx;
+    velocity[1] += along_c * w.ky;
+    velocity[2] += rise * s;
+    local[0] += w.omega * (along_s * w.kx);
+    local[1] += w.omega * (along_s * w.ky);
+    local[2] -= w.omega * rise_c;
+    surface[0] -= s * w.kx;
+    surface[1] -= s * w.ky;
+    surface[2] += s * w.omega;
+    xx -= along_s * w.kx * w.kx;
+    xy -= along_s * w.kx * w.ky;
+    yy -= along_s * w.ky * w.ky;
+    xz += rise_c * w.kx;
+    yz += rise_c * w.ky;
+  });
+  for (int k = 0; k < 3; ++k) {
+    sums.velocity_m_s[k] = sum_of_lanes(velocity[k]);
+    sums.local_m_s2[k] = sum_of_lanes(local[k]);
+    sums.surface[k] = sum_of_lanes(surface[k]);
+  }
+  const DoubleLanes* const gradient[] = {&xx, &xy, &yy, &xz, &yz};
+  for (int k = 0; k < 5; ++k) sums.gradient[k] = sum_of_lanes(*gradient[k]);
+}
+
+/// The integral of a wave's pressure gradient, per unit of gravity, for kappa = (i k_x, i k_y, `number`).
+struct LoadSums {
+  DoubleLanes force[3]{}, moment[3]{};
+
+  void add(const WaveBlock& w, const WavesOnVolume& on, DoubleLanes number, DoubleLanes a, DoubleLanes b) {
+    const auto& second = on.second_m5;
+    const DoubleLanes g0 = second[0][0] * w.kx + second[0][1] * w.ky, g1 = second[1][0] * w.kx + second[1][1] * w.ky,
+                      g2 = second[2][0] * w.kx + second[2][1] * w.ky;
+    const double h0 = second[0][2], h1 = second[1][2], h2 = second[2][2];
+    const DoubleLanes k2 = number * number;
+    const DoubleLanes real = on.volume_m3 + 0.5 * (k2 * h2 - (w.kx * g0 + w.ky * g1));
+    const DoubleLanes imaginary = number * (w.kx * h0 + w.ky * h1);
+    const DoubleLanes p = a * real - b * imaginary, q = a * imaginary + b * real;
+    force[0] += q * w.kx;
+    force[1] += q * w.ky;
+    force[2] -= number * p;
+    const DoubleLanes bn = b * number;
+    moment[0] -= a * (k2 * h1 + g2 * w.ky) - bn * (g1 - h2 * w.ky);
+    moment[1] -= -a * (k2 * h0 + g2 * w.kx) + bn * (g0 - h2 * w.kx);
+    moment[2] -= -a * (g0 * w.ky - g1 * w.kx) - bn * (h0 * w.ky - h1 * w.kx);
+  }
+};
+
+void load(const double* waves, std::size_t count, const double* crests, const WavesOnVolume& on, double* force,
+          double* moment) {
+  LoadSums sums;
+  visit_blocks(waves, count, [&](const WaveBlock& w, std::size_t first) {
+    const auto [c, s] = CrestBlock(crests + 2 * first);
+    const DoubleLanes up = w.up(on.z_m);
+    sums.add(w, on, w.k, up * c, up * s);
+    if (w.is_deep) return;
+    const DoubleLanes down = w.down(on.z_m, on.depth_m);
+    sums.add(w, on, -w.k, down * c, down * s);
+  });
+  for (int k = 0; k < 3; ++k) {
+    force[k] = sum_of_lanes(sums.force[k]);
+    moment[k] = sum_of_lanes(sums.moment[k]);
+  }
+}
+
+constexpr WaveSumKernels kSumKernels = {crests, motion, load};
+
+}  // namespace
+}  // namespace uwsim
