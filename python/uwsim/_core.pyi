@@ -26,6 +26,7 @@ __all__: list[str] = [
     "Current",
     "DepthCamera",
     "Detection",
+    "Eigenray",
     "FinParameters",
     "FixedWater",
     "FixedWorld",
@@ -38,6 +39,7 @@ __all__: list[str] = [
     "LinkKind",
     "LinkQuality",
     "LinkSpec",
+    "LinkWater",
     "MapEngine",
     "MapOptions",
     "MediumAccess",
@@ -81,11 +83,15 @@ __all__: list[str] = [
     "Waves",
     "World",
     "absorption_db_km",
+    "ambient_noise_db_hz",
+    "bit_error",
     "bottom_echo",
+    "bottom_loss_db",
     "decode_depth_string",
     "depth_image",
     "depth_image_ranges",
     "effect_names",
+    "eigenrays",
     "encode_depth_string",
     "filter_range",
     "ground_plane",
@@ -96,6 +102,8 @@ __all__: list[str] = [
     "material_names",
     "mounted_pose",
     "multibeam_model",
+    "network_trial",
+    "packet_error",
     "pass_through",
     "points_above",
     "refracted",
@@ -114,6 +122,7 @@ __all__: list[str] = [
     "soundings",
     "stream_name",
     "surface_class_names",
+    "surface_loss_db",
     "transform_points",
     "voxel_grid",
 ]
@@ -3054,6 +3063,37 @@ class LinkQuality:
     @property
     def spread_s(self) -> float: ...
 
+class Eigenray:
+    """
+    A ray of sound that connects two points; dips are below the horizontal.
+    """
+    @property
+    def arrival_dip_rad(self) -> float: ...
+    @property
+    def bottom_bounces(self) -> int: ...
+    @property
+    def bottom_grazing_rad(self) -> float: ...
+    @property
+    def launch_dip_rad(self) -> float: ...
+    @property
+    def length_m(self) -> float: ...
+    @property
+    def surface_bounces(self) -> int: ...
+    @property
+    def surface_grazing_rad(self) -> float: ...
+    @property
+    def time_s(self) -> float: ...
+
+class LinkWater:
+    """
+    How sound gets from one transducer to another.
+    """
+    def __init__(self, spec: LinkSpec, water: Water) -> None: ...
+    def hear(self, scene: RayScene, from_world_m: typing.Any, to_world_m: typing.Any) -> Reception:
+        """
+        Between two points at rest.
+        """
+
 def absorption_db_km(
     frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
     temperature_deg_c: typing.SupportsFloat | typing.SupportsIndex,
@@ -3065,6 +3105,12 @@ def absorption_db_km(
     Absorption of sound in water [dB/km], Francois and Garrison 1982. Raises ValueError.
     """
 
+def ambient_noise_db_hz(
+    frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
+    wind_m_s: typing.SupportsFloat | typing.SupportsIndex,
+    shipping: typing.SupportsFloat | typing.SupportsIndex,
+) -> float: ...
+def bit_error(modulation: Modulation, fading: bool, gamma: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
 def bottom_echo(
     sonar: SonarFigures,
     bottom: BottomMaterial,
@@ -3079,6 +3125,12 @@ def bottom_echo(
     detector averages, and the ratio [dB] with which one half of such echoes are detected.
     """
 
+def bottom_loss_db(
+    density_ratio: typing.SupportsFloat | typing.SupportsIndex,
+    speed_ratio: typing.SupportsFloat | typing.SupportsIndex,
+    attenuation_db_wavelength: typing.SupportsFloat | typing.SupportsIndex,
+    grazing_rad: typing.SupportsFloat | typing.SupportsIndex,
+) -> float: ...
 def decode_depth_string(
     text: str,
     beams: typing.SupportsInt | typing.SupportsIndex,
@@ -3110,6 +3162,18 @@ def depth_image_ranges(
 def effect_names() -> list[str]:
     """
     The names of the effects.
+    """
+
+def eigenrays(
+    profile: SoundSpeedProfile,
+    from_depth_m: typing.SupportsFloat | typing.SupportsIndex,
+    to_depth_m: typing.SupportsFloat | typing.SupportsIndex,
+    across_m: typing.SupportsFloat | typing.SupportsIndex,
+    bottom_m: typing.SupportsFloat | typing.SupportsIndex,
+    with_bounces: bool = True,
+) -> list[Eigenray]:
+    """
+    The rays between two points, by travel time. Raises ValueError.
     """
 
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
@@ -3192,6 +3256,23 @@ def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> Multib
     The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
     """
 
+def network_trial(
+    modem: ModemSpec,
+    nodes: typing.SupportsInt | typing.SupportsIndex,
+    rate_1_s: typing.SupportsFloat | typing.SupportsIndex,
+    seconds: typing.SupportsFloat | typing.SupportsIndex,
+    bytes: typing.SupportsInt | typing.SupportsIndex,
+    delay_s: typing.SupportsFloat | typing.SupportsIndex = 0.1,
+    seed: typing.SupportsInt | typing.SupportsIndex = 0,
+) -> TopicCounts:
+    """
+    Counts of a network under random load: all nodes but the first send messages of one packet to that, a Poisson
+    process each; all are heard alike, 54 dB above the noise. Raises ValueError. Releases the GIL.
+    """
+
+def packet_error(
+    bit_error: typing.SupportsFloat | typing.SupportsIndex, bits: typing.SupportsFloat | typing.SupportsIndex
+) -> float: ...
 def pass_through(
     points_m: typing.Any,
     axis: typing.SupportsInt | typing.SupportsIndex,
@@ -3337,6 +3418,12 @@ def surface_class_names() -> list[str]:
     The names of the surface classes, by the numbers in Picture.classes.
     """
 
+def surface_loss_db(
+    frequency_hz: typing.SupportsFloat | typing.SupportsIndex,
+    sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+    rms_height_m: typing.SupportsFloat | typing.SupportsIndex,
+    grazing_rad: typing.SupportsFloat | typing.SupportsIndex,
+) -> float: ...
 def transform_points(
     points_source_m: typing.Any, target_from_source: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "uwsim/acoustics/modem/network_trial.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
@@ -77,20 +78,15 @@ struct Network {
   }
 };
 
-/// Poisson arrivals at all nodes but node 0, to which they are sent; `rate_1_s` of each.
-double throughput(Network& run, double rate_1_s, double seconds) {
-  const RandomStream arrivals(3, "arrivals");
-  const std::uint64_t topic = run.network.topic("load");
-  const double chance = rate_1_s * 1e-9 * kStep_ns;
-  for (std::uint64_t tick = 0; tick < static_cast<std::uint64_t>(seconds * 1e9 / kStep_ns); ++tick) {
-    for (std::size_t node = 1; node < run.network.nodes(); ++node) {
-      if (arrivals.uniform(tick, static_cast<std::uint32_t>(node)) < chance) {
-        run.network.send(node, message(0, topic, std::string(60, 'x')), run.now_ns);
-      }
-    }
-    run.step();
-  }
-  return static_cast<double>(run.sum(topic).delivered) * run.network.modem().packet_s(60) / seconds;
+NetworkTrial trial_of(const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds) {
+  NetworkTrial trial;
+  trial.modem = modem;
+  trial.nodes = nodes;
+  trial.rate_1_s = rate_1_s;
+  trial.seconds = seconds;
+  trial.bytes = 60;
+  trial.seed = 3;
+  return trial;
 }
 
 TEST(PacketNetwork, AMessageArrivesAfterItsTravelTimeAndItsDuration) {
@@ -174,18 +170,15 @@ TEST(PacketNetwork, TooFastIsFatalAndIsReported) {
 
 TEST(PacketNetwork, PureAlohaDeliversGExpMinus2GAndPeaksNear18Percent) {
   // Abramson 1970: S = G exp(-2 G). Many nodes, so that few of them have two packets at a time.
+  const double packet_s = aloha().packet_s(60);
   for (const double load : {0.1, 0.25, 0.5, 1.0}) {
-    Network run(aloha(), 41);
-    const double rate = load / 40 / run.network.modem().packet_s(60);
-    const double got = throughput(run, rate, 6000);
-    EXPECT_NEAR(got, load * std::exp(-2 * load), 0.012) << "G = " << load;
+    const TopicCounts counts = run_trial(trial_of(aloha(), 41, load / 40 / packet_s, 6000));
+    EXPECT_NEAR(static_cast<double>(counts.delivered) * packet_s / 6000, load * std::exp(-2 * load), 0.012) << load;
   }
 }
 
 TEST(PacketNetwork, TdmaNeverCollides) {
-  Network run(tdma(), 5);
-  throughput(run, 2.0, 600);  // far more than it can carry
-  const auto all = run.sum(0);
+  const TopicCounts all = run_trial(trial_of(tdma(), 5, 2.0, 600));  // far more than it can carry
   EXPECT_EQ(all.lost[static_cast<std::size_t>(Loss::kCollision)] + all.lost[static_cast<std::size_t>(Loss::kDeaf)], 0u);
   // Four of five slots are used, one packet each.
   EXPECT_NEAR(static_cast<double>(all.delivered), 600 / 0.75 * 0.8, 6);
@@ -193,18 +186,13 @@ TEST(PacketNetwork, TdmaNeverCollides) {
 
 TEST(PacketNetwork, AQueueWaitsAsLongAsPollaczekAndKhinchineSay) {
   // M/D/1: mean wait in the queue = rho / (2 (1 - rho)) x service time.
-  ModemSpec cable;
+  ModemSpec cable = aloha();
   cable.kind = LinkKind::kCable;
-  cable.bit_rate_bit_s = 1000;
-  cable.packet_bytes = 60;
-  cable.header_bytes = 4;
-  cable.queue_bytes = 1000000;
+  const double service = cable.packet_s(60);
   for (const double rho : {0.3, 0.6, 0.8}) {
-    Network run(cable);
-    run.medium.delay_s = 0;
-    const double service = cable.packet_s(60);
-    throughput(run, rho / service, 40000);
-    const TopicCounts& counts = run.network.counts(0, 1);
+    NetworkTrial trial = trial_of(cable, 2, rho / service, 40000);
+    trial.heard.delay_s = 0;
+    const TopicCounts counts = run_trial(trial);
     const double load = static_cast<double>(counts.given) * service / 40000;  // as drawn
     const double mean = counts.delay_s / static_cast<double>(counts.delivered) - service;
     EXPECT_NEAR(mean / (load / (2 * (1 - load)) * service), 1, 0.05) << "rho = " << rho;
@@ -229,18 +217,26 @@ TEST(PacketNetwork, NoiseLosesWhatTheCurveSays) {
 }
 
 TEST(PacketNetwork, RestoredItGoesOnToTheSameEnd) {
-  const auto load = [](Network& run, double seconds) { throughput(run, 0.3, seconds); };
-  Network whole(aloha(), 6);
-  load(whole, 20);
+  const auto load = [](Network& run, int messages) {
+    const std::uint64_t topic = run.network.topic("load");
+    for (int k = 0; k < messages; ++k) {
+      run.network.send(1 + static_cast<std::size_t>(k % 5), message(0, topic, std::string(100, 'x')), run.now_ns);
+      run.run(0.3);
+    }
+  };
+  ModemSpec modem = aloha();
+  modem.backoff_s = 0.5;
+  Network whole(modem, 6);
+  load(whole, 40);
   StateArchive saved;
   whole.network.exchange_state(saved);
-  Network other(aloha(), 6);
+  Network other(modem, 6);
   StateArchive restored(saved.bytes());
   other.network.exchange_state(restored);
   restored.finish();
   other.now_ns = whole.now_ns;
-  load(whole, 20);
-  load(other, 20);
+  load(whole, 40);
+  load(other, 40);
   StateArchive a, b;
   whole.network.exchange_state(a);
   other.network.exchange_state(b);

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "bindings/core/arrays.h"
 #include "bindings/sim/binders.h"
+#include "uwsim/acoustics/modem/network_trial.h"
 #include "uwsim/sim/link.h"
 
 namespace uwsim::bindings {
@@ -67,6 +69,65 @@ void bind_link_figures(py::module_& m) {
       .def_readwrite("faults", &LinkSpec::faults);
 }
 
+/// The link's physics by themselves, for validation and figures.
+void bind_link_physics(py::module_& m) {
+  py::class_<Eigenray>(m, "Eigenray", "A ray of sound that connects two points; dips are below the horizontal.")
+      .def_readonly("surface_bounces", &Eigenray::surface_bounces)
+      .def_readonly("bottom_bounces", &Eigenray::bottom_bounces)
+      .def_readonly("launch_dip_rad", &Eigenray::launch_dip_rad)
+      .def_readonly("arrival_dip_rad", &Eigenray::arrival_dip_rad)
+      .def_readonly("time_s", &Eigenray::time_s)
+      .def_readonly("length_m", &Eigenray::length_m)
+      .def_readonly("surface_grazing_rad", &Eigenray::surface_grazing_rad)
+      .def_readonly("bottom_grazing_rad", &Eigenray::bottom_grazing_rad);
+  m.def(
+      "eigenrays",
+      [](const SoundSpeedProfile& profile, double from_depth_m, double to_depth_m, double across_m, double bottom_m,
+         bool with_bounces) {
+        return eigenrays(profile, {from_depth_m, to_depth_m, across_m, bottom_m}, with_bounces);
+      },
+      py::arg("profile"), py::arg("from_depth_m"), py::arg("to_depth_m"), py::arg("across_m"), py::arg("bottom_m"),
+      py::arg("with_bounces") = true, "The rays between two points, by travel time. Raises ValueError.");
+  m.def("bit_error", &bit_error, py::arg("modulation"), py::arg("fading"), py::arg("gamma"));
+  m.def("packet_error", &packet_error, py::arg("bit_error"), py::arg("bits"));
+  m.def("surface_loss_db", &surface_loss_db, py::arg("frequency_hz"), py::arg("sound_speed_m_s"),
+        py::arg("rms_height_m"), py::arg("grazing_rad"));
+  m.def(
+      "bottom_loss_db",
+      [](double density_ratio, double speed_ratio, double attenuation_db_wavelength, double grazing_rad) {
+        return bottom_loss_db({density_ratio, speed_ratio, attenuation_db_wavelength}, grazing_rad);
+      },
+      py::arg("density_ratio"), py::arg("speed_ratio"), py::arg("attenuation_db_wavelength"), py::arg("grazing_rad"));
+  m.def(
+      "ambient_noise_db_hz",
+      [](double frequency_hz, double wind_m_s, double shipping) {
+        return ambient_noise_db_hz(frequency_hz, {wind_m_s, shipping});
+      },
+      py::arg("frequency_hz"), py::arg("wind_m_s"), py::arg("shipping"));
+  py::class_<LinkWater>(m, "LinkWater", "How sound gets from one transducer to another.")
+      .def(py::init<const LinkSpec&, const Water&>(), py::arg("spec"), py::arg("water"))
+      .def(
+          "hear",
+          [](const LinkWater& water, const RayScene& scene, const py::object& from_m, const py::object& to_m) {
+            const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+            return water.hear(scene, {as_vector3(from_m, "from_world_m"), zero},
+                              {as_vector3(to_m, "to_world_m"), zero});
+          },
+          py::arg("scene"), py::arg("from_world_m"), py::arg("to_world_m"), "Between two points at rest.");
+  m.def(
+      "network_trial",
+      [](const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds, std::uint64_t bytes,
+         double delay_s, std::uint64_t seed) {
+        NetworkTrial trial{modem, nodes, rate_1_s, seconds, bytes, {true, delay_s, 130, 76, 0, 0}, seed, 0.005};
+        const py::gil_scoped_release unlocked;
+        return run_trial(trial);
+      },
+      py::arg("modem"), py::arg("nodes"), py::arg("rate_1_s"), py::arg("seconds"), py::arg("bytes"),
+      py::arg("delay_s") = 0.1, py::arg("seed") = 0,
+      "Counts of a network under random load: all nodes but the first send messages of one packet to that, a Poisson\n"
+      "process each; all are heard alike, 54 dB above the noise. Raises ValueError. Releases the GIL.");
+}
+
 void bind_link_results(py::module_& m) {
   py::class_<Reception>(m, "Reception", "How a packet reaches a receiver; levels in dB re 1 uPa.")
       .def_readonly("reached", &Reception::reached)
@@ -125,6 +186,7 @@ void bind_link_results(py::module_& m) {
 void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
   bind_link_figures(m);
   bind_link_results(m);
+  bind_link_physics(m);
   simulation
       .def("set_link", &OwnedSimulation::set_link, py::arg("spec"),
            "Joins the station, node 0, and all vehicles, node 1 + index. Once. Raises ValueError.")

@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "uwsim/acoustics/sound_path.h"
 #include "uwsim/core/check.h"
 #include "uwsim/sonar/water_sound.h"
 
@@ -15,7 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDeepest_m = 12000;
-constexpr int kChords = 8;             // of a bent ray, to see what stands in its way
+constexpr int kChords = 4;             // of a bent ray, to see what stands in its way
 constexpr double kOffTheBed = 0.05;    // of the water's depth: how far from the flat bottom a bouncing ray is looked at
 constexpr double kBesideHit_m = 0.01;  // to go on behind a solid
 constexpr int kSolidsPassed = 8;
@@ -26,56 +25,88 @@ Eigen::Vector3d along(const Eigen::Vector3d& level, double dip_rad) {
   return std::cos(dip_rad) * level - std::sin(dip_rad) * Eigen::Vector3d::UnitZ();
 }
 
-/// Whether terrain lies between two points.
-bool blocked(const RayScene& scene, Eigen::Vector3d from, const Eigen::Vector3d& to) {
-  for (int passed = 0; passed < kSolidsPassed; ++passed) {
-    const Eigen::Vector3d line = to - from;
-    const double length = line.norm();
-    if (!(length > 2 * kBesideHit_m)) return false;
-    const RayHit hit = scene.cast({from, line / length}, length);
-    if (!(hit.distance_m < length)) return false;
-    if (hit.label == kTerrain) return true;
-    from += (hit.distance_m + kBesideHit_m) / length * line;
-  }
-  return false;
-}
-
 /// The depth of the first surface under a point; infinite where there is none.
 double bed_under(const RayScene& scene, const Eigen::Vector3d& point_world_m) {
   const Eigen::Vector3d top(point_world_m.x(), point_world_m.y(), 0);
   return scene.cast({top, -Eigen::Vector3d::UnitZ()}, kDeepest_m).distance_m;
 }
 
-/// The corners of a ray, or points on it where it bends.
-std::vector<Eigen::Vector3d> trace(const SoundSpeedProfile& profile, const Eigenray& ray, const Transducer& from,
-                                   const Transducer& to, const Eigen::Vector3d& level, double bottom_m) {
-  std::vector<Eigen::Vector3d> points = {from.position_world_m};
-  const double start_m = depth_of(from);
-  const auto add = [&](double across_m, double depth_m) {
-    points.push_back(from.position_world_m + across_m * level + (start_m - depth_m) * Eigen::Vector3d::UnitZ());
+/// A straight piece of a ray's path.
+struct Segment {
+  Eigen::Vector3d from, to;
+  std::size_t path;  // to which it belongs
+};
+
+/// The pieces of a ray: between its bounces, or chords of a bent one. Between its ends a bent ray is taken for the
+/// cubic that leaves and arrives as it does.
+void add_segments(const Eigenray& ray, bool bends, const Transducer& from, const Transducer& to,
+                  const Eigen::Vector3d& level, double bottom_m, std::size_t path, std::vector<Segment>& segments) {
+  const double start_m = depth_of(from), end_m = depth_of(to);
+  Eigen::Vector3d last = from.position_world_m;
+  const auto go = [&](const Eigen::Vector3d& point) {
+    segments.push_back({last, point, path});
+    last = point;
+  };
+  const auto at = [&](double across_m, double depth_m) {
+    return Eigen::Vector3d(from.position_world_m + across_m * level + (start_m - depth_m) * Eigen::Vector3d::UnitZ());
   };
   if (ray.surface_bounces + ray.bottom_bounces == 0) {
-    for (int k = 1; k < kChords && profile.steepest_1_s() > 0; ++k) {
-      const SoundState at = travel(profile, start_m, ray.launch_dip_rad, ray.time_s * k / kChords);
-      add(at.across_m, at.depth_m);
+    double across_m = 0;
+    for (const double leg_m : ray.across_m) across_m += leg_m;
+    const double down = across_m * std::tan(ray.launch_dip_rad), up = across_m * std::tan(ray.arrival_dip_rad);
+    for (int k = 1; k < kChords && bends; ++k) {
+      const double t = static_cast<double>(k) / kChords, u = 1 - t;
+      const double depth_m =
+          u * u * (1 + 2 * t) * start_m + u * u * t * down + t * t * (3 - 2 * t) * end_m - t * t * u * up;
+      go(at(t * across_m, std::max(0.0, depth_m)));
     }
   } else {
     double across_m = 0;
     bool at_surface = ray.launch_dip_rad < 0;
     for (int k = 0; k + 1 < ray.legs; ++k, at_surface = !at_surface) {
       across_m += ray.across_m[static_cast<std::size_t>(k)];
-      add(across_m, at_surface ? 0 : (1 - kOffTheBed) * bottom_m);
+      go(at(across_m, at_surface ? 0 : (1 - kOffTheBed) * bottom_m));
     }
   }
-  points.push_back(to.position_world_m);
-  return points;
+  go(to.position_world_m);
 }
 
-bool visible(const RayScene& scene, const std::vector<Eigen::Vector3d>& points) {
-  for (std::size_t k = 1; k < points.size(); ++k) {
-    if (blocked(scene, points[k - 1], points[k])) return false;
+/// Whether terrain lies on a segment behind a solid that it meets first.
+bool blocked_behind(const RayScene& scene, const Segment& segment, double beyond_m) {
+  const Eigen::Vector3d line = (segment.to - segment.from).normalized();
+  Eigen::Vector3d from = segment.from;
+  for (int passed = 0; passed < kSolidsPassed; ++passed) {
+    from += (beyond_m + kBesideHit_m) * line;
+    const double length = (segment.to - from).dot(line);
+    if (!(length > kBesideHit_m)) return false;
+    const RayHit hit = scene.cast({from, line}, length);
+    if (!(hit.distance_m < length)) return false;
+    if (hit.label == kTerrain) return true;
+    beyond_m = hit.distance_m;
   }
-  return true;
+  return false;
+}
+
+/// Which paths terrain blocks; all segments are cast together.
+std::vector<bool> blocked_paths(const RayScene& scene, const std::vector<Segment>& segments, std::size_t paths) {
+  std::vector<Ray> rays;
+  double longest_m = 0;
+  for (const Segment& segment : segments) {
+    const Eigen::Vector3d line = segment.to - segment.from;
+    const double length = line.norm();
+    longest_m = std::max(longest_m, length);
+    rays.push_back({segment.from, length > 0 ? Eigen::Vector3d(line / length) : -Eigen::Vector3d::UnitZ()});
+  }
+  std::vector<RayHit> hits(rays.size());
+  std::vector<bool> blocked(paths, false);
+  if (longest_m > 0) scene.cast(rays, longest_m, hits);
+  for (std::size_t k = 0; k < segments.size() && longest_m > 0; ++k) {
+    if (!(hits[k].distance_m < (segments[k].to - segments[k].from).norm())) continue;
+    if (hits[k].label == kTerrain || blocked_behind(scene, segments[k], hits[k].distance_m)) {
+      blocked[segments[k].path] = true;
+    }
+  }
+  return blocked;
 }
 
 ModemWater modem_water(const LinkSpec& spec, const Water& water) {
@@ -133,15 +164,20 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
   const double deepest = std::max(depth_of(from), depth_of(to));
   double bottom_m = bed_under(scene, 0.5 * (from.position_world_m + to.position_world_m));
   if (bottom_m <= deepest) bottom_m = kInfinity;  // the bed half-way stands above the ends: nothing bounces off it
+  const std::vector<Eigenray> rays = eigenrays(water_.profile, {depth_of(from), depth_of(to), across_m, bottom_m});
+  std::vector<Segment> segments;
+  const bool bends = water_.profile.steepest_1_s() > 0;
+  for (std::size_t k = 0; k < rays.size(); ++k) add_segments(rays[k], bends, from, to, level, bottom_m, k, segments);
+  const std::vector<bool> blocked = blocked_paths(scene, segments, rays.size());
   std::vector<HeardPath> paths;
-  double first_s = kInfinity;
-  for (const Eigenray& ray : eigenrays(water_.profile, {depth_of(from), depth_of(to), across_m, bottom_m})) {
-    if (!visible(scene, trace(water_.profile, ray, from, to, level, bottom_m))) continue;
+  for (std::size_t k = 0; k < rays.size(); ++k) {  // by travel time
+    if (blocked[k]) continue;
+    const Eigenray& ray = rays[k];
+    if (paths.empty()) {
+      heard.closing_m_s = from.velocity_world_m_s.dot(along(level, ray.launch_dip_rad)) -
+                          to.velocity_world_m_s.dot(along(level, ray.arrival_dip_rad));
+    }
     paths.push_back({ray, modem_.source_level_db - path_loss_db(modem_, water_, ray, depth_of(from), depth_of(to))});
-    if (ray.time_s >= first_s) continue;
-    first_s = ray.time_s;
-    heard.closing_m_s = from.velocity_world_m_s.dot(along(level, ray.launch_dip_rad)) -
-                        to.velocity_world_m_s.dot(along(level, ray.arrival_dip_rad));
   }
   const double closing_m_s = heard.closing_m_s;
   heard = reception(modem_, water_, paths);

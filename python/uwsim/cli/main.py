@@ -20,6 +20,7 @@ from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
 from uwsim.cli.doctor import doctor
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
+from uwsim.cli.link import link
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.parameters import parameters
@@ -56,6 +57,7 @@ app.command()(diff)
 app.command()(scenario)
 app.command()(parameters)
 app.command()(sonar)
+app.command()(link)
 app.command()(validate)
 app.command()(reproduce)
 app.command()(camera)

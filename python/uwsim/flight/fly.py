@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import FlightCheckpoint, SavedFlight, state_digest
@@ -28,6 +28,10 @@ from uwsim.missions.steps import drive
 from uwsim.missions.stopped import StoppedError
 from uwsim.scenario import Scenario
 from uwsim.simulator import Simulator
+
+if TYPE_CHECKING:
+    from uwsim.channels import Channel
+    from uwsim.link import Carrier
 
 AUTOSAVE_S = 30.0
 Show = Callable[[str], AbstractContextManager[object]]
@@ -188,6 +192,7 @@ class _Flight:
         self.saved: SavedFlight | None = None
         self._repeating = False
         self._maker: MapMaker | None = None
+        self._channels: list[Channel] | None = None
 
     def run(self, record: Path | None = None, topics: tuple[str, ...] | None = None) -> FlightRecord:
         """Fly, write the results whatever happened, and raise what the mission raised."""
@@ -197,11 +202,14 @@ class _Flight:
         self._log = MissionLog(self._out)
         self._begun_s, began_s = self._sim.time_s, time.perf_counter()
         recorder = self._recorder(record, topics)
+        carrier = self._carrier()
         try:
             with self._show(f"flying {self._title}"):
                 flown = self._flown(began_s)
         finally:
             self._log.close()
+            if carrier is not None:
+                carrier.close()
             if recorder is not None:
                 recorder.close()
         if self._out is not None:
@@ -212,13 +220,28 @@ class _Flight:
             raise flown.error
         return flown
 
+    def _said(self) -> list[Channel]:
+        """Return the simulator's channels, the same for recorder and link."""
+        from uwsim.channels import channels
+
+        if self._channels is None:
+            self._channels = channels(self._sim)
+        return self._channels
+
+    def _carrier(self) -> Carrier | None:
+        """Begin to tell the station what the vehicles say, if the scenario has a link."""
+        if self._sim.link is None:
+            return None
+        from uwsim.link import Carrier
+
+        return Carrier(self._sim, self._said()).start()
+
     def _recorder(self, record: Path | None, topics: tuple[str, ...] | None) -> Any:
         if record is None:
             return None
-        from uwsim.channels import channels
         from uwsim.recording.recorder import MAP_TYPE, Recorder  # here, since recording formats take long to import
 
-        said = channels(self._sim)
+        said = self._said()
         costly = [c.name for c in said if c.late or c.type == MAP_TYPE] if topics is None else []
         return Recorder(self._sim, record, topics=topics, without=costly, shared=said).start()
 

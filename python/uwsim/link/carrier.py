@@ -12,6 +12,7 @@ from typing import Any, Self
 from uwsim.channels import Channel, Service
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels
+from uwsim.link.offline import Offline
 from uwsim.link.rates import send_rates
 from uwsim.link.schedule import Schedule
 from uwsim.link.seen import seen_channels
@@ -30,19 +31,20 @@ logger = logging.getLogger("uwsim.link")
 
 
 class Carrier:
-    """Both ends of a live simulator's link.
+    """Both ends of a simulator's link.
 
         with LiveSimulator("lake", ...) as live, Carrier(live, channels) as carrier:
             server.channels = carrier.channels
 
-    channels: as `uwsim.channels.channels` returns them. Everything that is sent is a command of the log, so that a
-    replay sends the same; what arrives is unpacked from what was carried. Over a modem every channel that the scenario
-    names is sent at a rate that the modem has room for (`rates`), pictures only while somebody listens; over a cable
-    or the ideal link, what somebody listens to.
+    simulator: live, or one that its owner steps. channels: as `uwsim.channels.channels` returns them. All that is sent
+    is a command of the log, so that a replay sends the same; what arrives is unpacked from what was carried. Over a
+    modem every channel that the scenario names is sent at a rate that the modem has room for (`rates`), pictures only
+    while somebody listens; over a cable or the ideal link, what somebody listens to.
     """
 
-    def __init__(self, live: LiveSimulator, channels: Iterable[Channel]) -> None:
-        self._live = live
+    def __init__(self, simulator: LiveSimulator | Simulator, channels: Iterable[Channel]) -> None:
+        live = Offline(simulator) if isinstance(simulator, Simulator) else simulator
+        self._live: LiveSimulator = live  # type: ignore[assignment]  # of which it has all that is used here
         given = list(channels)
         sim = live.simulator
         network = sim.link
@@ -62,17 +64,24 @@ class Carrier:
         self.due_tick = 0
         self.cancelled = False
 
-    def __enter__(self) -> Self:
-        """Begin to carry. The simulator must run."""
+    def start(self) -> Self:
+        """Begin to carry; return itself. Raises NotRunningError."""
         self._live.read(self._begin).result()
         self._live.attend(self)
         return self
+
+    def close(self) -> None:
+        """Carry no more."""
+        self.cancelled = True
+
+    def __enter__(self) -> Self:
+        return self.start()
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Carry no more."""
-        self.cancelled = True
+        self.close()
 
     def over(self, services: Iterable[Service]) -> list[Service]:
         """Return services whose commands to vehicles go over the link: they answer when the command is queued."""

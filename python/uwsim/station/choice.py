@@ -10,10 +10,10 @@ from uwsim.channels.guest import Values
 from uwsim.live.pace import Speed, checked_speed
 from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.read.assets import packaged_names
+from uwsim.scenario.spec.modem import load_modem
 from uwsim.scenario.spec.sonar import WIRE_NUMBERS, load_sonar
 
 FIELDS = ("scenario", "vehicle", "sonar", "mission_time_s", "seed", "speed", "link")
-LINKS = {"none": "a tether: commands and readings at once, none lost"}
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
@@ -42,8 +42,9 @@ def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
             "sonar_model": lambda: _sonar(values["sonar"]),
             "mission_time_s": lambda: values["mission_time_s"],
             "seed": lambda: _whole(values["seed"], "seed"),
+            "modem": lambda: _link(values["link"]),
         }
-        names = {"vehicle_model": "vehicle", "sonar_model": "sonar"}
+        names = {"vehicle_model": "vehicle", "sonar_model": "sonar", "modem": "link"}
         for argument, read in changes.items():
             field = names.get(argument, argument)
             scenario = _try(errors, field, lambda: scenario.with_changes(**{argument: read()})) or scenario  # noqa: B023
@@ -78,11 +79,11 @@ def catalog(offered: str = "lake") -> Values:
             {"name": name, "description": load_vehicle(name).description} for name in packaged_names("vehicles")
         ],
         "sonars": _sonars(),
-        "links": [{"name": name, "description": description} for name, description in LINKS.items()],
+        "links": [{"name": name, "description": load_modem(name).description} for name in _modems()],
         "speeds": list(SPEEDS),
         "defaults": {
             "scenario": offered, "vehicle": None, "sonar": None, "mission_time_s": None, "seed": None, "speed": 1.0,
-            "link": "none",
+            "link": link.modem.name if (link := load(offered).link) else "none",
         },
     }  # fmt: skip
 
@@ -155,6 +156,10 @@ def _speed(value: Any) -> Speed:
     return "max" if value == 0 and not isinstance(value, bool) else checked_speed(1.0 if value is None else value)
 
 
-def _link(value: Any) -> None:
-    if value is not None and value not in LINKS:
-        raise ValueError(f"link = {str(value)[:40]!r}: must be one of {', '.join(LINKS)}")
+def _link(value: Any) -> str | None:
+    return None if value is None else _name(value, _modems())
+
+
+def _modems() -> list[str]:
+    """Return the packaged modems; none comes first."""
+    return sorted(packaged_names("modems"), key=lambda name: (name != "none", name))

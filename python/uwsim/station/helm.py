@@ -44,17 +44,21 @@ class LeastDelay:
 class Helm:
     """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
 
-    `beat` must be called at least twice a second, and when it says: it sets efforts to zero when commands have ceased.
+    repeats: efforts are given again although they are held: one before may have been lost on a link. `beat` must be
+    called at least twice a second, and when it says: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(
         self,
         live: LiveSimulator,
         steering: Mapping[str, Steering],
+        *,
+        repeats: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._live = live
         self._steering = steering
+        self._repeats = repeats
         self._clock = clock
         self._lock = threading.Lock()
         self._delay = LeastDelay()
@@ -99,7 +103,7 @@ class Helm:
                     return
 
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
-        if efforts == self._efforts[vehicle]:  # held anyway: the log need not repeat it
+        if efforts == self._efforts[vehicle] and not self._repeats:  # held anyway: the log need not repeat it
             done: Future[Values] = Future()
             done.set_result({"success": True, "message": "", "tick": self._live.tick, **answer})
             return done

@@ -12,6 +12,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.served import served_channels
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire, table_of
+from uwsim.link import Carrier
 from uwsim.live import COMMANDS, LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.recorder import MAP_TYPE
@@ -58,7 +59,11 @@ class Running:
         self.services = services(sim)
         self.table = table_of(sim)
         self.maps = self.table.maps
-        self.helm = Helm(live, self.table.steering)
+        self.carrier = None if sim.link is None else Carrier(live, self.channels)
+        self.far = live if self.carrier is None else self.carrier.remote()  # as pilots command it
+        if self.carrier is not None:
+            self.channels, self.services = self.carrier.channels, self.carrier.over(self.services)
+        self.helm = Helm(self.far, self.table.steering, repeats=self.carrier is not None)
         self.scene = Scene(sim, self.table.sources)
         self.views = Views(live, self.table, node, stir)
         self.recorder: Recorder | None = None
@@ -70,6 +75,8 @@ class Running:
         """Step, and let the map grow."""
         if not self.live.running:
             self.live.start()
+        if self.carrier is not None:
+            self.carrier.start()
         for name, ping_map in self.maps.items():
             rate_hz = self.table.pings[name].rate_hz
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
@@ -85,6 +92,8 @@ class Running:
     def stop(self) -> None:
         """Finish the recording, and stop stepping."""
         self.stop_recording()
+        if self.carrier is not None:
+            self.carrier.close()
         self.live.stop()
 
     def record(self, path: Path) -> None:

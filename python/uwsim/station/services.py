@@ -84,7 +84,7 @@ class Services:
         name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
         if not isinstance(name, str) or name not in PILOTED or not isinstance(arguments, dict):
             raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(PILOTED)}")
-        live = self._station.present().live
+        live = self._station.present().far
         given = {str(key): value for key, value in arguments.items()}
         return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given))
 

@@ -15,6 +15,7 @@ SUITES = {
     "sonar": "uwsim.validate.sonar",
     "imaging": "uwsim.validate.imaging",
     "camera": "uwsim.validate.camera",
+    "link": "uwsim.validate.link",
 }
 
 

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kIterations = 100;
-constexpr double kLevel = 1e-7;  // a leg that is less steep counts as so steep: its length errs by 5e-15
+constexpr double kExact = 1e-13;  // of the angle by which a ray is found
+constexpr double kLevel = 1e-7;   // a leg that is less steep counts as so steep: its length errs by 5e-15
 
 /// atanh(x) / x
 double atanhc(double x) {
@@ -50,19 +51,21 @@ LegSum leg(const SoundSpeedProfile& profile, double depth_m, double other_m, con
   const auto [top, bottom] = std::minmax(depth_m, other_m);
   const double p = snell.p_s_m();
   LegSum sum;
-  for (std::size_t k = profile.layer_at(top); k < profile.layers().size(); ++k) {
+  std::size_t k = profile.layer_at(top);
+  double upper = top, c1 = profile.layers()[k].at(top), s1 = snell.sine_at(c1);
+  for (; upper < bottom; ++k) {
     const SoundLayer& layer = profile.layers()[k];
-    const double upper = std::max(top, layer.top_m), lower = std::min(bottom, layer.bottom_m);
-    if (upper >= bottom) break;
-    const double c1 = layer.at(upper), c2 = layer.at(lower), down = lower - upper;
-    const double s1 = snell.sine_at(c1), s2 = snell.sine_at(c2);
+    const double lower = std::min(bottom, layer.bottom_m), down = lower - upper;
+    const double c2 = layer.at(lower), s2 = snell.sine_at(c2);
     const double across = p * (c1 + c2) * down / (s1 + s2);
     sum.across_m += across;
-    if (!all) continue;
-    const double slope = down / (s2 * c1 + s1 * c2);
-    sum.time_s += 2 * slope * atanhc(layer.gradient_1_s * slope);
-    const double half_turn = 0.5 * std::atan2(p * std::abs(s2 * c1 - s1 * c2), p * p * c1 * c2 + s1 * s2);
-    sum.length_m += std::hypot(across, down) * per_sinc(half_turn);
+    if (all) {
+      const double slope = down / (s2 * c1 + s1 * c2);
+      sum.time_s += 2 * slope * atanhc(layer.gradient_1_s * slope);
+      const double half_turn = 0.5 * std::atan2(p * std::abs(s2 * c1 - s1 * c2), p * p * c1 * c2 + s1 * s2);
+      sum.length_m += std::hypot(across, down) * per_sinc(half_turn);
+    }
+    upper = lower, c1 = c2, s1 = s2;
   }
   return sum;
 }
@@ -71,8 +74,10 @@ LegSum leg(const SoundSpeedProfile& profile, double depth_m, double other_m, con
 double fastest_between(const SoundSpeedProfile& profile, double depth_m, double other_m) {
   const auto [top, bottom] = std::minmax(depth_m, other_m);
   double fastest = std::max(profile.at(top), profile.at(bottom));
-  for (const SoundLayer& layer : profile.layers()) {
-    if (layer.top_m > top && layer.top_m < bottom) fastest = std::max(fastest, layer.at(layer.top_m));
+  for (std::size_t k = profile.layer_at(top) + 1; k < profile.layers().size(); ++k) {
+    const SoundLayer& layer = profile.layers()[k];
+    if (layer.top_m >= bottom) break;
+    if (layer.top_m > top) fastest = std::max(fastest, layer.at(layer.top_m));
   }
   return fastest;
 }
@@ -100,7 +105,7 @@ double root(const Function& f, double a, double fa, double b, double fb) {
       a = b, fa = fb;
     }
     b = m, fb = fm;
-    if (std::abs(fm) < 1e-14) return m;
+    if (std::abs(fm) < kExact) return m;
   }
   return b;
 }
@@ -140,7 +145,16 @@ bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, 
   const double least = 0.1 * kLevel;
   const double at_least = error(least);
   if (at_least > 0) return false;  // even the flattest leg does not reach so far
-  snell.sine = root(error, 1.0, error(1.0), least, at_least);
+  // Near the straight line, as far as a first try shows on which side of it.
+  const double guess = std::clamp(std::sin(wanted), 2 * least, 0.999);
+  const double at_guess = error(guess);
+  double other = at_guess > 0 ? std::max(least, 0.8 * guess) : std::min(1.0, 1.25 * guess);
+  double at_other = error(other);
+  if ((at_other > 0) == (at_guess > 0)) {
+    other = at_guess > 0 ? least : 1.0;
+    at_other = at_guess > 0 ? at_least : error(1.0);
+  }
+  snell.sine = root(error, other, at_other, guess, at_guess);
   return true;
 }
 

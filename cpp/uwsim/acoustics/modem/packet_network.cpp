@@ -18,6 +18,20 @@ std::uint64_t ns(double seconds) { return static_cast<std::uint64_t>(std::llroun
 
 }  // namespace
 
+TopicCounts& TopicCounts::operator+=(const TopicCounts& other) {
+  given += other.given;
+  replaced += other.replaced;
+  refused += other.refused;
+  late += other.late;
+  sent += other.sent;
+  delivered += other.delivered;
+  bytes_sent += other.bytes_sent;
+  bytes_delivered += other.bytes_delivered;
+  for (std::size_t k = 0; k < kLossKinds; ++k) lost[k] += other.lost[k];
+  delay_s += other.delay_s;
+  return *this;
+}
+
 PacketNetwork::PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults,
                              std::uint64_t seed, std::uint64_t step_ns)
     : modem_((modem.check(), modem)),
@@ -265,21 +279,15 @@ void PacketNetwork::finish(const Flight& flight, Loss loss) {
 
 /// Drops the flights with which nothing that is still to come can overlap.
 void PacketNetwork::forget_flights(std::uint64_t now_ns) {
-  const auto is_over = [&](const Flight& old) {
-    if (old.ends_ns > now_ns || (old.is_meant && !old.done)) return false;
-    return std::none_of(flights_.begin(), flights_.end(), [&](const Flight& other) {
-      return other.is_meant && !other.done && other.at == old.at && other.starts_ns < old.ends_ns;
-    });
-  };
-  over_.clear();
-  for (const Flight& flight : flights_) over_.push_back(is_over(flight));
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < flights_.size(); ++k) {
-    if (over_[k]) continue;
-    if (kept != k) flights_[kept] = std::move(flights_[k]);
-    ++kept;
+  first_start_ns_.assign(nodes_.size(), kNever);  // of what is still to arrive at each node
+  for (const Flight& flight : flights_) {
+    if (!flight.is_meant || flight.done) continue;
+    first_start_ns_[flight.at] = std::min(first_start_ns_[flight.at], flight.starts_ns);
   }
-  flights_.resize(kept);
+  std::erase_if(flights_, [&](const Flight& old) {
+    const bool is_over = old.ends_ns <= now_ns && (!old.is_meant || old.done);
+    return is_over && first_start_ns_[old.at] >= old.ends_ns;
+  });
 }
 
 std::uint64_t PacketNetwork::next_arrival_ns(std::uint64_t now_ns) const {

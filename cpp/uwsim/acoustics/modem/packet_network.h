@@ -49,6 +49,7 @@ struct TopicCounts {
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;
   std::array<std::uint64_t, kLossKinds> lost{};
   double delay_s = 0;  ///< sum over all that were delivered, from when they were given
+  TopicCounts& operator+=(const TopicCounts& other);
   void exchange_state(StateArchive& archive);
 };
 
@@ -144,7 +145,7 @@ class PacketNetwork {
   std::vector<Partial> partials_;
   std::deque<LinkDelivery> deliveries_;
   std::vector<std::size_t> arrived_;  // kept from step to step for their memory, as is the next
-  std::vector<bool> over_;
+  std::vector<std::uint64_t> first_start_ns_;
   std::uint64_t next_message_ = 0, next_packet_ = 0;
   std::uint64_t next_end_ns_ = ~std::uint64_t{0};  // of the flights
   std::uint64_t waiting_ = 0;                      // messages in all queues

@@ -1,0 +1,37 @@
+"""`uwsim link`: try a link, and draw delay, delivery and goodput against range and time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.options import ScenarioName, Seed
+
+
+def link(
+    scenario: ScenarioName = "lake",
+    out: Annotated[Path, typer.Option(help="The figure to write, a PNG.")] = Path("link.png"),
+    modem: Annotated[
+        str | None,
+        typer.Option(help="Name of a packaged modem, or a YAML file. Default: the scenario's link, else s2cm_hs."),
+    ] = None,
+    depth: Annotated[float, typer.Option(help="At which the vehicle goes [m].")] = 10.0,
+    seed: Seed = None,
+) -> None:
+    """Try a link: a vehicle goes away from the station and comes back, and its modem sends all it can.
+
+    Draws delay, delivery and goodput against range and time, beside what the sonar equation says for open water.
+    """
+    from uwsim.figures.link_trial import draw_link_trial
+    from uwsim.link.trial import run_trial, summary
+    from uwsim.scenario import load
+
+    if not 0.5 <= depth <= 10_000:
+        raise ValueError(f"--depth = {depth:g} m: must be in [0.5, 10000] m")
+    loaded = load(scenario)
+    trial = run_trial(loaded, modem or (None if loaded.link else "s2cm_hs"), seed=seed, depth_m=depth)
+    draw_link_trial(trial, out)
+    typer.echo(summary(trial))
+    typer.echo(f"delay, delivery and goodput against range and time: {out}")

@@ -1,0 +1,192 @@
+"""A vehicle that goes away from the station and comes back while its modem sends all it can: what arrives, and when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.network import STATION, Network
+from uwsim.scenario import Scenario
+from uwsim.scenario.build.link import link_spec
+from uwsim.scenario.build.station import in_world
+from uwsim.scenario.spec.link import LinkFault
+from uwsim.simulator import Simulator
+
+TOPIC = "trial"
+BEARINGS = 36
+STRIDE_M = 4.0
+FARTHEST_M = 20_000.0
+MARGIN_M = 2.0  # above the bed
+PACKETS_A_PLACE = 20
+MESSAGE_BYTES_MAX = 64
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Leg:
+    """What one place gave: its range from the station's transducer, and what arrived of what was sent there.
+
+    delay_s: the sound's, NaN where there is no path. waited_s: mean from `send` to the arrival. goodput_bit_s: of
+    payloads.
+    """
+
+    time_s: float
+    range_m: float
+    delay_s: float
+    snr_db: float
+    sent: int
+    delivered: int
+    waited_s: float
+    goodput_bit_s: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What the equations say for water without a bed, by range: the share of packets that arrive, and the delay."""
+
+    range_m: Floats
+    delivery: Floats
+    delay_s: Floats
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A trial of a link. message_bytes: of each message."""
+
+    scenario: Scenario
+    modem: str
+    message_bytes: int
+    legs: list[Leg]
+    open_water: Curve
+    faults: tuple[LinkFault, ...]
+
+
+def run_trial(
+    scenario: str | Path | Scenario, modem: str | None, *, seed: int | None = None, depth_m: float = 10.0
+) -> Trial:
+    """Go out along the longest clear way at a depth, and back; at each place send for a while. Raises ValueError."""
+    sim = Simulator(scenario, link=modem, seed=seed)
+    network, rov = sim.link, sim.rov
+    if network is None or sim.scenario.link is None:
+        raise ValueError("link: the scenario has none, or it is of kind 'none': choose one with --modem")
+    size = min(MESSAGE_BYTES_MAX, network.modem.packet_bytes)
+    out = _places(sim, depth_m)
+    legs = []
+    for place in [*out, *reversed(out)]:
+        rov.place(place)
+        legs.append(_leg(sim, network, rov.name, size))
+    return Trial(
+        sim.scenario, network.modem.name, size, legs, _open_water(sim, size, depth_m), sim.scenario.link.faults
+    )
+
+
+def _places(sim: Simulator, depth_m: float) -> list[Floats]:
+    """Return places along the bearing on which a vehicle gets farthest at that depth."""
+    start = np.asarray(sim.scenario.station.position_m, np.float64)
+    best: list[Floats] = []
+    for bearing in np.linspace(0.0, 2.0 * np.pi, BEARINGS, endpoint=False):
+        along = np.array([np.cos(bearing), np.sin(bearing), 0.0])
+        places: list[Floats] = []
+        for far_m in np.arange(STRIDE_M, FARTHEST_M, STRIDE_M):
+            place = start + far_m * along
+            place[2] = -depth_m
+            if not _is_clear(sim, place):
+                break
+            places.append(place)
+        if len(places) > len(best):
+            best = places
+    if not best:
+        raise ValueError(f"link: no clear water around the station at {depth_m:g} m: choose another --depth")
+    return best
+
+
+def _is_clear(sim: Simulator, place: Floats) -> bool:
+    """Whether the bed is known there, and well below."""
+    (height_m,) = sim.world.height_at(place[None, :2])
+    return bool(np.isfinite(height_m) and height_m < place[2] - MARGIN_M)
+
+
+def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
+    """Send as much as the modem takes, and wait until it has arrived."""
+    began_s, modem = sim.time_s, network.modem
+    station = in_world(sim.scenario.station, sim.scenario.link.station_transducer_m)  # type: ignore[union-attr]
+    place = sim.rov.pose.position_world_m.copy()
+    heard = network.reception(vehicle, STATION)
+    before = _counts(network)
+    for _ in range(PACKETS_A_PLACE):
+        network.send(vehicle, STATION, TOPIC, bytes(size))
+    turn_s = len(network.nodes) * (modem.slot_s + modem.guard_s)
+    longest_s = PACKETS_A_PLACE * max(modem.packet_s(size) + modem.backoff_s, turn_s) + 2.0 * turn_s + 60.0
+    done_s = sim.time_s
+    while sim.time_s - began_s < longest_s:
+        sim.step(max(1, round(0.05 / sim.step_s)))
+        rest = _counts(network)
+        done_s = sim.time_s
+        if rest.sent + rest.refused - before.sent - before.refused >= PACKETS_A_PLACE and _settled(rest):
+            break
+    after = _counts(network)
+    got = network.received(STATION, began_s)
+    delivered = after.delivered - before.delivered
+    return Leg(
+        time_s=began_s,
+        range_m=float(np.linalg.norm(place - station)),
+        delay_s=heard.delay_s if heard.reached else np.nan,
+        snr_db=heard.snr_db if heard.reached else np.nan,
+        sent=after.sent - before.sent,
+        delivered=delivered,
+        waited_s=float(np.mean([one.arrived_s - one.given_s for one in got])) if got else np.nan,
+        goodput_bit_s=8.0 * size * delivered / (done_s - began_s),
+    )
+
+
+class _Sums:
+    """The counts of the trial's messages."""
+
+    def __init__(self, network: Network) -> None:
+        found = [one for one in network.counts() if one.topic == TOPIC]
+        self.sent = sum(one.sent for one in found)
+        self.refused = sum(one.refused for one in found)
+        self.delivered = sum(one.delivered for one in found)
+        self.lost = sum(sum(one.lost.values()) for one in found)
+
+
+def _counts(network: Network) -> _Sums:
+    return _Sums(network)
+
+
+def _settled(counts: _Sums) -> bool:
+    """Whether nothing is on its way."""
+    return counts.sent == counts.delivered + counts.lost
+
+
+def _open_water(sim: Simulator, size: int, depth_m: float) -> Curve:
+    """Return delivery and delay by range in water without a bed, up to where nothing arrives any more."""
+    setup = sim.scenario.link
+    assert setup is not None
+    spec = link_spec(setup, sim.scenario.station)
+    assert spec is not None
+    water, nothing = _core.LinkWater(spec, sim.world.water), _core.RayScene(_core.World())
+    ranges_m = np.geomspace(5.0, FARTHEST_M, 160)
+    start = np.array([0.0, 0.0, spec.station_transducer_world_m[2]])
+    heard = [water.hear(nothing, start, (far_m, 0.0, -depth_m)) for far_m in ranges_m]
+    is_modem = setup.modem.kind == "modem"
+    delivery = [1.0 - one.packet_loss(spec.modem, size) if is_modem else 1.0 for one in heard]
+    delays_s = [one.delay_s if one.reached else np.nan for one in heard]
+    return Curve(ranges_m, np.array(delivery), np.array(delays_s))
+
+
+def summary(trial: Trial) -> str:
+    """Return a line on what was found."""
+    sent, delivered = sum(leg.sent for leg in trial.legs), sum(leg.delivered for leg in trial.legs)
+    farthest_m = max(leg.range_m for leg in trial.legs)
+    heard = trial.open_water.delivery >= 0.5
+    reach = f"{trial.open_water.range_m[heard].max():,.0f} m" if heard.any() else "nowhere"
+    return (
+        f"{trial.modem} in {trial.scenario.name}: {delivered} of {sent} messages of {trial.message_bytes} bytes "
+        f"delivered within {farthest_m:,.0f} m; without a bed half of them would reach {reach}"
+    )

@@ -1,0 +1,101 @@
+"""What a link costs: a step of 20 vehicles with one, under as much traffic as it carries, against a step without.
+
+Both take turns within one run, so that other load on the machine affects them alike; the median of the ratios of each
+round is reported. Measured in the processor time of the process, on one thread.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from uwsim import Simulator
+from uwsim.scenario import VehicleEntry, load
+from uwsim.scenario.spec.vehicle import load_vehicle
+
+VEHICLES = 20
+LIMIT = 1.2
+EFFORT = 0.2
+MESSAGE_BYTES = 21  # the nine values of the panel
+console = Console()
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="Medians are over so many rounds.")] = 11,
+    steps: Annotated[int, typer.Option(min=1, help="Steps of each case in a round.")] = 2000,
+    vehicle: Annotated[str, typer.Option(help="The vehicles' model.")] = "bluerov2_heavy",
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the results to this JSON file, too.")] = None,
+) -> None:
+    """Measure all cases in turns and print the medians of their ratios to a step without a link."""
+    cases = {"no link": Fleet(None, vehicle)}
+    cases |= {modem: Fleet(modem, vehicle) for modem in ("ideal_acoustic", "s2cm_hs", "micromodem")}
+    cases["s2cm_hs, aloha"] = Fleet("s2cm_hs", vehicle, access="aloha")
+    times: dict[str, list[float]] = {name: [] for name in cases}
+    for _ in range(rounds):
+        for name, fleet in cases.items():
+            times[name].append(fleet.step_s(steps))
+    figures = {}
+    for name, fleet in cases.items():
+        ratio = statistics.median(a / b for a, b in zip(times[name], times["no link"], strict=True))
+        us = 1e6 * statistics.median(times[name])
+        figures[name] = {"step_us": us, "ratio": ratio, "delivered_per_s": fleet.delivered_per_s()}
+        verdict = "" if name == "no link" else f", {'within' if ratio <= LIMIT else 'BEYOND'} {LIMIT:g}"
+        console.print(
+            f"{name:16s} {us:8.1f} us a step, {ratio:5.3f} of a step without{verdict}; "
+            f"{figures[name]['delivered_per_s']:.1f} messages a simulated second delivered"
+        )
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=1))
+
+
+class Fleet:
+    """Twenty vehicles over the lake, each with the panel's message to send once a second."""
+
+    def __init__(self, modem: str | None, model: str, *, access: str | None = None) -> None:
+        scenario = load("lake")
+        entry = VehicleEntry.model_validate(
+            {"name": "x", "model": load_vehicle(model), "start": {"position_m": (0, 0, 0)}}
+        )
+        places = [(-90.0 + 12.0 * (k % 5), -60.0 + 12.0 * (k // 5), -8.0) for k in range(VEHICLES)]
+        vehicles = tuple(
+            entry.model_copy(
+                update={"name": f"rov{k}", "start": entry.start.model_copy(update={"position_m": place})}  # type: ignore[union-attr]
+            )
+            for k, place in enumerate(places)
+        )
+        scenario = scenario.model_copy(update={"vehicles": vehicles})
+        if modem is not None:
+            scenario = scenario.with_changes(modem=modem)
+            if access is not None and scenario.link is not None:
+                scenario = scenario.model_copy(update={"link": scenario.link.model_copy(update={"access": access})})
+        self._sim = Simulator(scenario, threads=1)
+        for rov in self._sim.vehicles.values():
+            rov.set_effort(surge=EFFORT)
+
+    def step_s(self, steps: int) -> float:
+        """Return the mean processor time of a step; messages are given before, once for each simulated second."""
+        spent_s, sim = 0.0, self._sim
+        per_second = round(1.0 / sim.step_s)
+        for _ in range(max(1, steps // per_second)):
+            if sim.link is not None:
+                for name in sim.vehicles:
+                    sim.link.send(name, "station", "state", bytes(MESSAGE_BYTES), priority=1, replaces=True)
+            began_s = time.process_time()
+            sim.step(per_second)
+            spent_s += time.process_time() - began_s
+        return spent_s / (max(1, steps // per_second) * per_second)
+
+    def delivered_per_s(self) -> float:
+        """Return the messages that arrived in each simulated second so far."""
+        link = self._sim.link
+        return 0.0 if link is None else sum(one.delivered for one in link.counts()) / self._sim.time_s
+
+
+if __name__ == "__main__":
+    typer.run(main)
