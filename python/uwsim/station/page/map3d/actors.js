@@ -102,8 +102,9 @@ export class Vessel {
     this.group.add(hull);
   }
 
-  move({ position, orientation }) {
-    this.group.position.set(...position);
+  // Where it truly is, if that may be seen: there its sonar draws the map.
+  move({ position, true_position: truth, is_truth: isTruth, orientation }) {
+    this.group.position.set(...(isTruth ? truth : position));
     this.group.quaternion.set(...orientation);
     this.track.add(this.group.position);
   }

@@ -37,8 +37,9 @@ const AROUND = [
 
 // How well the vehicle knows where it is, and how far it is off where that may be seen.
 function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
-  const off = isTruth ? `${fixed(Math.hypot(...position.map((value, k) => value - truth[k])), 2)} m off` : '';
-  return Number.isFinite(position[0]) ? `estimate ± ${fixed(Math.hypot(...std), 2)} m ${off}`.trim() : '';
+  if (!Number.isFinite(position[0])) return '';
+  const off_m = Math.hypot(...position.map((value, k) => value - truth[k]));
+  return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? `, truly ${fixed(off_m, 2)} m off` : ''}`;
 }
 
 // "2.0° S": to starboard.
