@@ -21,6 +21,8 @@ __all__: list[str] = [
     "Camera",
     "CameraScene",
     "CollisionShape",
+    "ControlGains",
+    "ControlModel",
     "Craft",
     "CraftParameters",
     "Current",
@@ -30,6 +32,7 @@ __all__: list[str] = [
     "FinParameters",
     "FixedWater",
     "FixedWorld",
+    "Guidance",
     "ImagingKind",
     "ImagingSonar",
     "InstructionSet",
@@ -40,19 +43,24 @@ __all__: list[str] = [
     "LinkQuality",
     "LinkSpec",
     "LinkWater",
+    "LoopGains",
     "MapEngine",
     "MapOptions",
     "MediumAccess",
     "ModemSpec",
     "Modulation",
+    "MotionController",
     "MultibeamModel",
     "NavigationFilter",
     "NoiseSpec",
     "OccupancyMap",
     "Optics",
     "Parameter",
+    "PathFollower",
     "PhysicsPing",
     "Picture",
+    "Pid",
+    "PidGains",
     "Ping",
     "PingBatch",
     "RayHits",
@@ -1066,6 +1074,225 @@ class Autopilot:
         """
     @integrals.setter
     def integrals(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
+
+class PidGains:
+    def __init__(
+        self,
+        *,
+        proportional: typing.SupportsFloat | typing.SupportsIndex,
+        integral: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        derivative: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        filter_s: typing.SupportsFloat | typing.SupportsIndex = 0.1,
+        tracking_s: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+    ) -> None: ...
+
+class Pid:
+    """
+    A PID controller with filtered derivative and anti-windup by back-calculation.
+    """
+    def __init__(self) -> None: ...
+    def output(
+        self,
+        error: typing.SupportsFloat | typing.SupportsIndex,
+        measured: typing.SupportsFloat | typing.SupportsIndex,
+        gains: PidGains,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> float: ...
+    def settle(
+        self,
+        applied: typing.SupportsFloat | typing.SupportsIndex,
+        gains: PidGains,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        Ends the period with what the actuators made of the output.
+        """
+    @property
+    def derivative(self) -> float: ...
+    @property
+    def integral(self) -> float: ...
+
+class ControlModel:
+    """
+    What a controller knows of its vehicle, deep in still water.
+    """
+    def __init__(
+        self, craft: Craft, actuators: ActuatorsSpec, density_kg_m3: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None: ...
+    def effort(
+        self,
+        wrench_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        surge_m_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        Efforts (6,) for a wrench (6,) that can be reached.
+        """
+    def reachable(
+        self,
+        wrench_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        surge_m_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        The wrench (6,) that thrusters, and fins at a speed ahead, can give when this one is wanted. Torque comes first, and force has
+        what is left; both keep their direction.
+        """
+    def wrench_body(
+        self,
+        world_from_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"],
+        velocity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+        """
+        The wrench (6,) that gives an acceleration (6,) at a rotation (3, 3) and velocity (6,), body axes.
+        """
+    @property
+    def driven(self) -> typing.Annotated[list[bool], "FixedSize(6)"]:
+        """
+        Whether thrusters or fins drive an axis, surge to yaw.
+        """
+
+class LoopGains:
+    """
+    The cascade of one axis.
+    """
+    def __init__(
+        self,
+        *,
+        position_1_s: typing.SupportsFloat | typing.SupportsIndex,
+        velocity_1_s: typing.SupportsFloat | typing.SupportsIndex,
+        integral_1_s2: typing.SupportsFloat | typing.SupportsIndex,
+        acceleration_1: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class ControlGains:
+    """
+    Gains and limits of all loops.
+    """
+    def __init__(
+        self,
+        *,
+        loops: typing.Annotated[collections.abc.Sequence[LoopGains], "FixedSize(6)"],
+        filter_s: typing.SupportsFloat | typing.SupportsIndex,
+        tracking_s: typing.SupportsFloat | typing.SupportsIndex,
+        speed_max_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        climb_max_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        turn_max_rad_s: typing.SupportsFloat | typing.SupportsIndex,
+        acceleration_max_m_s2: typing.SupportsFloat | typing.SupportsIndex,
+        turn_acceleration_max_rad_s2: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class MotionController:
+    """
+    Position, depth, heading, attitude and velocity loops.
+    """
+    def __init__(
+        self, model: ControlModel, gains: ControlGains, period_s: typing.SupportsFloat | typing.SupportsIndex
+    ) -> None:
+        """
+        Raises ValueError for gains that are not valid.
+        """
+    def hold_velocity(
+        self,
+        pose: typing.Any,
+        velocity: typing.Any,
+        velocity_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+    ) -> tuple[float, float, float, float, float, float]:
+        """
+        Efforts of one control period that hold a velocity (6,) in body axes, [m/s] and [rad/s].
+        """
+    def reach(
+        self,
+        pose: typing.Any,
+        velocity: typing.Any,
+        position_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        velocity_world_m_s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        roll_rad: typing.SupportsFloat | typing.SupportsIndex,
+        pitch_rad: typing.SupportsFloat | typing.SupportsIndex,
+        heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple[float, float, float, float, float, float]:
+        """
+        Efforts of one control period towards a position (3,) that moves at a velocity (3,); positions that are NaN
+        are free. pose, velocity: see Autopilot.steer.
+        """
+    @property
+    def force_share(self) -> float:
+        """
+        The share of the wanted force that the thrusters gave in the last period.
+        """
+    @property
+    def memory(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (25,) what one period leaves to the next, to be saved.
+        """
+    @memory.setter
+    def memory(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[25, 1]"]) -> None: ...
+
+class Guidance:
+    """
+    Where a path leads from a position.
+    """
+    @property
+    def along_m(self) -> float:
+        """
+        distance flown along the path
+        """
+    @property
+    def course_rad(self) -> float:
+        """
+        of the velocity, from the world's x, counter-clockwise
+        """
+    @property
+    def cross_track_m(self) -> float:
+        """
+        distance from the path, positive to port of it
+        """
+    @property
+    def is_done(self) -> bool:
+        """
+        whether the end is passed
+        """
+    @property
+    def left_m(self) -> float:
+        """
+        distance to the path's end
+        """
+    @property
+    def path_rad(self) -> float:
+        """
+        direction of the segment
+        """
+    @property
+    def z_world_m(self) -> float:
+        """
+        of the path, beside the vehicle
+        """
+
+class PathFollower:
+    """
+    Line-of-sight guidance along straight segments.
+    """
+    def __init__(
+        self,
+        points_m: typing.Any,
+        lookahead_m: typing.SupportsFloat | typing.SupportsIndex,
+        integral_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        points_m: (n, 3), at least two corners. Raises ValueError.
+        """
+    def guide(self, position_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> Guidance:
+        """
+        Guidance of one control period.
+        """
+    @property
+    def integral_s(self) -> float: ...
+    @integral_s.setter
+    def integral_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def segment(self) -> int: ...
+    @segment.setter
+    def segment(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 
 class SensorKind:
     """

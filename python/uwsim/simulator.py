@@ -26,7 +26,7 @@ from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
-from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
+from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario.spec.optics import Optics
@@ -126,6 +126,7 @@ class Simulator(Sealed):
             sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
             step_s=self.step_s,
             navigate=self._navigator,
+            control=vehicle_control(self.scenario, entry.model, spec),
         )
 
     def _navigator(self, vehicle: Vehicle, start: Start) -> Navigator:

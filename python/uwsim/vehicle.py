@@ -22,6 +22,7 @@ from uwsim.journal import Journal
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
 from uwsim.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
+from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.sealed import Sealed
@@ -48,6 +49,8 @@ class Vehicle(Sealed):
 
     sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first. cameras,
     imaging_sonars: by name. lamps: by the name of their switch.
+    control: the model and the gains of its file, for uwsim.control.Controller; parameters that change later are not in
+    it.
     Commands are held until the next one; a command that raises ValueError changes nothing. A docked vehicle's thrusters
     are off: the first time that simulated time passes while it is commanded, there is a DockedWarning.
     """
@@ -58,6 +61,7 @@ class Vehicle(Sealed):
     cameras: Named[Camera]
     lamps: Named[Lamp]
     imaging_sonars: Named[ImagingSonar]
+    control: ControlSettings
     _changed_by = MappingProxyType(
         {
             "pose": "place()",
@@ -83,10 +87,12 @@ class Vehicle(Sealed):
         sensors_on: Mapping[str, bool],
         step_s: float,
         navigate: Callable[[Vehicle, Start], Navigator],
+        control: ControlSettings,
     ) -> None:
         self._simulation = simulation
         self._index = index
         self.name = spec.name
+        self.control = control
         sensors = {
             s.name: Sensor(simulation, index, k, s, step_s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)
         }

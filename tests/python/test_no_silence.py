@@ -65,7 +65,7 @@ def test_an_assignment_without_effect_is_an_error(sim: Simulator, owner: str, na
         (lambda sim: OccupancyMap(0.5), "resolution_m", "it is fixed when the map is made or read"),
         (lambda sim: Autopilot(sim.rov), "gain", "unknown attribute; did you mean 'gains'"),
         (lambda sim: Autopilot(sim.rov), "period_s", "it is fixed when the autopilot is made"),
-        (lambda sim: VelocityHold(sim.rov, 0.1), "gains", "it is fixed when the controller is made"),
+        (lambda sim: VelocityHold(sim.rov, 0.1), "controller", "it is fixed when the controller is made"),
         (lambda sim: lawn_mower(sim), "lanes", "use the plan's lanes"),
         (lambda sim: lawn_mower(sim), "stat", "unknown attribute; did you mean 'state'"),
         (lambda sim: lawn_mower(sim).state, "lanes", "no attribute 'lanes'"),

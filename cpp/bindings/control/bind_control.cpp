@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 
 #include "bindings/binders.h"
+#include "bindings/control/binders.h"
 #include "bindings/control/estimate.h"
 #include "uwsim/control/autopilot.h"
 
@@ -43,6 +44,8 @@ void bind_control(py::module_& m) {
           "Efforts of one control period, surge to yaw, each in [-1, 1]. pose has world_from_body (4, 4), velocity "
           "has\n"
           "linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.");
+  bind_motion_controller(m);
+  bind_path_follower(m);
 }
 
 }  // namespace uwsim::bindings

@@ -120,6 +120,15 @@ void Actuators::allocate_fins() {
   }
 }
 
+Vector6d Actuators::fin_torque_body() const {
+  Vector6d torque = Vector6d::Zero();
+  for (std::size_t k = 0; k < fins_.size(); ++k) {
+    torque += fins_[k].column().cwiseProduct(fin_angles_rad_.row(static_cast<Eigen::Index>(k)).transpose());
+  }
+  torque.head<3>().setZero();
+  return torque;
+}
+
 void Actuators::set_effort(const Vector6d& effort) {
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
     require(std::abs(effort(axis)) <= 1, std::string("effort.") + kAxes[static_cast<std::size_t>(axis)], effort(axis),

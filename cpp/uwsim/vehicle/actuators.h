@@ -43,6 +43,12 @@ class Actuators {
   /// [N, N m].
   const std::array<Vector6d, 2>& full_wrench_body() const { return full_; }
 
+  /// Of wrenches to thrusters.
+  const Allocation& allocation() const { return allocation_; }
+  /// Torques of the fins at full effort about each axis alone, for 1 N/m^2 of dynamic pressure in flow from ahead; 0
+  /// for axes about which they do not turn the vehicle [m^3].
+  Vector6d fin_torque_body() const;
+
   /// Surge, sway, heave, roll, pitch, yaw in [-1, 1]. Full effort on one axis alone is the largest wrench along or
   /// about it that the thrusters give, and the largest deflection of the fins that turn the vehicle about it; efforts
   /// on several axes are scaled down together until nothing saturates. Efforts on axes that are not controllable are

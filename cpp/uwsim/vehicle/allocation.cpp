@@ -62,19 +62,20 @@ Allocation::Allocation(Eigen::Matrix<double, 6, Eigen::Dynamic> columns, const E
   idle_ = q.rightCols(n - rank);
 }
 
-/// The largest multiple of a wrench within the limits, and the cancelling thrusts that go with it.
+/// The largest multiple of a wrench within the limits, or within what is left of them, and the cancelling thrusts that
+/// go with it.
 struct Allocation::Limit {
   double multiple = 0;
   Eigen::VectorXd idle;
 };
 
-Allocation::Limit Allocation::limit(const Eigen::VectorXd& least) const {
+Allocation::Limit Allocation::limit(const Eigen::VectorXd& least, const Eigen::VectorXd& left) const {
   const double size = least.cwiseAbs().maxCoeff();
   Eigen::MatrixXd moves(least.size(), 1 + idle_.cols());
   moves << least / size, idle_;
   const Eigen::VectorXd start = Eigen::VectorXd::Zero(moves.cols());
   const Eigen::VectorXd x =
-      minimise_in_polytope(0, Eigen::VectorXd::Unit(moves.cols(), 0), both_signs(moves), bounds_, start);
+      minimise_in_polytope(0, Eigen::VectorXd::Unit(moves.cols(), 0), both_signs(moves), left, start);
   return {x(0) / size, x.tail(idle_.cols())};
 }
 
@@ -86,13 +87,33 @@ Eigen::VectorXd Allocation::least_effort(const Vector6d& wrench_body) const {
 
 double Allocation::largest_multiple(const Vector6d& wrench_body) const {
   const Eigen::VectorXd least = least_effort(wrench_body);
-  return least.size() == 0 || least.isZero(0) ? 0 : limit(least).multiple;
+  return least.size() == 0 || least.isZero(0) ? 0 : limit(least, bounds_).multiple;
+}
+
+Vector6d Allocation::driven_part(const Vector6d& wrench_body) const {
+  Vector6d part = Vector6d::Zero();
+  for (const Eigen::Index axis : axes_) part(axis) = wrench_body(axis);
+  return part;
+}
+
+Vector6d Allocation::reachable(const Vector6d& wrench_body) const {
+  const Vector6d wanted = driven_part(wrench_body);
+  const Eigen::VectorXd least = least_effort(wanted);
+  if (((both_signs(least) - bounds_).array() <= 0).all()) return wanted;
+  Vector6d torque = wanted, force = wanted;
+  torque.head<3>().setZero();
+  force.tail<3>().setZero();
+  torque *= std::min(1.0, torque.isZero(0) ? 1.0 : largest_multiple(torque));
+  if (force.isZero(0)) return torque;
+  const Eigen::VectorXd used = thrusts_n(torque).cwiseQuotient(limit_n_);
+  const Eigen::VectorXd left = (bounds_ - both_signs(used)).cwiseMax(0);
+  return torque + std::min(1.0, limit(least_effort(force), left).multiple) * force;
 }
 
 Eigen::VectorXd Allocation::thrusts_n(const Vector6d& wrench_body) const {
   const Eigen::VectorXd least = least_effort(wrench_body);
   if (((both_signs(least) - bounds_).array() <= 0).all()) return least.cwiseProduct(limit_n_);
-  const Limit most = limit(least);
+  const Limit most = limit(least, bounds_);
   if (most.multiple <= 1) return (most.multiple * least + idle_ * most.idle).cwiseProduct(limit_n_);
   const Eigen::VectorXd inside = most.idle / most.multiple;  // feasible: the polytope is convex and contains 0
   const Eigen::VectorXd left = bounds_ - both_signs(least);

@@ -30,12 +30,16 @@ class Allocation {
   const std::array<bool, 6>& driven() const { return driven_; }
   /// Thrusts (n,) [N] for a wrench [N, N m]. Components about axes that are not driven are ignored.
   Eigen::VectorXd thrusts_n(const Vector6d& wrench_body) const;
+  /// The wrench that the limits allow when this one is wanted: the torque or the largest multiple of it, and with it
+  /// the force or the largest multiple of that. Components about axes that are not driven are 0.
+  Vector6d reachable(const Vector6d& wrench_body) const;
   /// The largest multiple of a wrench within the limits; 0 for a wrench about axes that are not driven.
   double largest_multiple(const Vector6d& wrench_body) const;
 
  private:
   struct Limit;
-  Limit limit(const Eigen::VectorXd& least) const;
+  Limit limit(const Eigen::VectorXd& least, const Eigen::VectorXd& left) const;
+  Vector6d driven_part(const Vector6d& wrench_body) const;
   Eigen::VectorXd least_effort(const Vector6d& wrench_body) const;
 
   std::array<bool, 6> driven_{};

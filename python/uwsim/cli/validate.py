@@ -12,7 +12,7 @@ from uwsim.cli.exit_codes import FAILED
 
 def validate(
     suites: Annotated[
-        list[str] | None, typer.Argument(help="Any of dynamics, sonar, imaging, camera, link. Default: all.")
+        list[str] | None, typer.Argument(help="Any of dynamics, sonar, imaging, camera, link, control. Default: all.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,
 ) -> None:

@@ -52,6 +52,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "volume_m3",
             "sonar",
             "material",
+            "control",
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin"}),

@@ -1,5 +1,6 @@
 """Scenarios: their YAML files are read (`read`), checked (`spec`) and turned into core objects (`build`)."""
 
+from uwsim.scenario.build.control import ControlSettings, control_settings
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.build.start_pose import start_pose
 from uwsim.scenario.build.terrain import Terrain, build_terrain
@@ -14,6 +15,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 __all__ = [
+    "ControlSettings",
     "RepairWarning",
     "RigidBody",
     "Scenario",
@@ -25,6 +27,7 @@ __all__ = [
     "build_terrain",
     "build_world",
     "closed_mesh",
+    "control_settings",
     "load",
     "load_mesh",
     "load_vehicle",

@@ -16,6 +16,7 @@ SUITES = {
     "imaging": "uwsim.validate.imaging",
     "camera": "uwsim.validate.camera",
     "link": "uwsim.validate.link",
+    "control": "uwsim.validate.control",
 }
 
 

@@ -45,3 +45,8 @@ def along(
     distance = np.abs(found - reference) / scale
     worst = int(np.argmax(np.where(np.isfinite(distance), distance, np.inf)))
     return Check(group, name, float(reference[worst]), float(found[worst]), float(distance[worst]), tolerance, unit)
+
+
+def at_most(group: str, name: str, limit: float, got: float, unit: str = "") -> Check:
+    """Compare a value with its limit; the error is its share of the limit."""
+    return Check(group, f"{name} at most", limit, got, got / limit, 1.0, unit)

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.scenario.build.actuator import actuators_spec
-from uwsim.scenario.build.ballast import mass_with_ballast
-from uwsim.scenario.build.hull import rigid_body, vehicle_hull
+from uwsim.scenario.build.control import ControlSettings, built_settings
+from uwsim.scenario.build.craft import craft
 from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import sensor_spec
@@ -32,7 +32,7 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     model = vehicle.model
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
-    spec.craft = _craft(model, surface_density_kg_m3(scenario.water))
+    spec.craft = craft(model, surface_density_kg_m3(scenario.water))
     spec.actuators = actuators_spec(model)
     if model.collision_pieces is not None:
         from uwsim.scenario.build.collision_pieces import (
@@ -51,6 +51,11 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     if model.sonar is not None:
         spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
     return spec
+
+
+def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.VehicleSpec) -> ControlSettings:
+    """Return the control settings of a vehicle whose spec is built. Raises ScenarioError."""
+    return built_settings(model, spec.craft, spec.actuators, surface_density_kg_m3(scenario.water))
 
 
 @contextmanager
@@ -99,13 +104,3 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
         acoustics=acoustics,
         strengths_db=[bottom.strength_db for bottom in bottoms],
     )
-
-
-def _craft(model: VehicleModel, water_density_kg_m3: float) -> _core.Craft:
-    body = rigid_body(model, water_density_kg_m3)
-    parameters = _core.CraftParameters()
-    parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass_with_ballast(model, body)
-    parameters.added_mass = model.matrix("added_mass")
-    parameters.linear_damping = model.matrix("linear_damping")
-    parameters.quadratic_damping = model.matrix("quadratic_damping")
-    return _core.Craft(parameters, *vehicle_hull(model))

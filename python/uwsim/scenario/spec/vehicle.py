@@ -13,6 +13,7 @@ from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
 from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
+from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
@@ -57,6 +58,7 @@ class VehicleModel(Model):
     the hull; zero by default.
     inertia_kg_m2: principal moments about the centre of mass along the body's axes.
     max_force_n, max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters.
+    control: gains and limits of the loops of uwsim.control.Controller.
     thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one.
     friction: Coulomb's coefficient; two bodies in contact combine by the geometric mean. restitution: the share of the
     approach speed that is kept; of two bodies in contact the larger one counts. material: of the hull, for cameras.
@@ -102,6 +104,7 @@ class VehicleModel(Model):
     cameras: CameraMounts = Field(default_factory=dict)
     lamps: LampSwitches = Field(default_factory=dict)
     material: MaterialSpec = Material(kind="paint")
+    control: Control = Control()
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())

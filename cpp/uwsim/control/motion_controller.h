@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "uwsim/control/control_model.h"
+#include "uwsim/control/motion_estimate.h"
+#include "uwsim/control/pid.h"
+
+namespace uwsim {
+
+/// The cascade of one axis: a position error gives a velocity, a velocity error an acceleration.
+struct LoopGains {
+  double position_1_s = 0;    ///< velocity for each unit of position error [1/s]
+  double velocity_1_s = 0;    ///< acceleration for each unit of velocity error [1/s]
+  double integral_1_s2 = 0;   ///< acceleration for each unit of the velocity error's integral [1/s^2]
+  double acceleration_1 = 0;  ///< share of the measured acceleration that is opposed, as added inertia would
+};
+
+struct ControlGains {
+  std::array<LoopGains, 6> loops;  ///< surge to yaw
+  double filter_s = 0.1;           ///< of the measured acceleration
+  double tracking_s = 1;           ///< of the anti-windup: see PidGains
+  double speed_max_m_s = 1;        ///< horizontal, towards a position
+  double climb_max_m_s = 0.5;      ///< vertical, towards a position
+  double turn_max_rad_s = 0.5;     ///< towards an attitude
+  double acceleration_max_m_s2 = 0.5;
+  double turn_acceleration_max_rad_s2 = 1;
+
+  /// Throws InvalidValue that names the field.
+  void check(double period_s) const;
+};
+
+/// What to hold. Positions that are NaN are free: the velocity alone holds there.
+struct MotionTarget {
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< of the position, fed forward
+  double roll_rad = 0;
+  double pitch_rad = 0;
+  double heading_rad = 0;
+};
+
+/// What one control period leaves to the next.
+struct MotionMemory {
+  Eigen::Vector3d integral_world = Eigen::Vector3d::Zero();      ///< of surge, sway, heave [m/s^2]
+  Eigen::Vector3d integral_body = Eigen::Vector3d::Zero();       ///< of roll, pitch, yaw [rad/s^2]
+  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< the last reference
+  Eigen::Vector3d turn_body_rad_s = Eigen::Vector3d::Zero();     ///< the last reference
+  Vector6d measured_body = Vector6d::Zero();                     ///< the last velocity
+  Vector6d derivative_body = Vector6d::Zero();                   ///< of the filters
+  bool begun = false;
+};
+
+/// Position, depth, heading, attitude and velocity loops: a cascade (Fossen 2021, "Handbook of Marine Craft
+/// Hydrodynamics and Motion Control", 2nd ed., ch. 15).
+///
+/// Errors of position and attitude give reference velocities: a gain times the error near the target, and farther away
+/// the fastest from which the vehicle can stop there. Their rates are limited (a reference model, sec. 12.1). A PID
+/// loop for each axis turns the errors of velocity into accelerations a, and tau = M a - f(eta, nu_ref) feeds forward
+/// drag, Coriolis and restoring forces of the vehicle's model. The attitude's error is the vector of the rotation that
+/// is left to make. The integrals of surge, sway and heave are kept in world axes, since what they counteract, a
+/// current or a wrong trim, does not turn with the vehicle. All of it assumes deep water at rest; the loops take care
+/// of the rest. A vehicle that no thruster lifts climbs by its pitch.
+class MotionController {
+ public:
+  /// Throws InvalidValue for gains that are not valid.
+  MotionController(ControlModel model, const ControlGains& gains, double period_s);
+
+  /// Efforts of one control period, surge to yaw, that lead to a target.
+  Vector6d reach(const MotionEstimate& estimate, const MotionTarget& target);
+  /// Efforts of one control period that hold a velocity in body axes, [m/s] and [rad/s]. Roll and pitch are kept level
+  /// while no rate is wanted about them.
+  Vector6d hold_velocity(const MotionEstimate& estimate, const Vector6d& velocity_body);
+
+  const ControlModel& model() const { return model_; }
+  /// The share of the wanted force that the thrusters gave in the last period.
+  double force_share() const { return force_share_; }
+  MotionMemory memory;
+
+ private:
+  Eigen::Vector3d turn_towards(const MotionEstimate& estimate, const MotionTarget& target) const;
+  Vector6d track(const MotionEstimate& estimate, const Eigen::Vector3d& velocity_world_m_s,
+                 const Eigen::Vector3d& turn_body_rad_s);
+
+  ControlModel model_;
+  ControlGains gains_;
+  double period_s_;
+  double force_share_ = 1;
+};
+
+}  // namespace uwsim

@@ -1,0 +1,63 @@
+"""What a controller needs to know of a vehicle, from its file: the model of its motion, gains and limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from uwsim import _core
+from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.craft import craft
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.control import Loop
+from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
+
+AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+
+
+@dataclass(frozen=True, eq=False)
+class ControlSettings:
+    """A vehicle's model and gains, as its file gives them."""
+
+    model: _core.ControlModel
+    gains: _core.ControlGains
+
+
+def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 1000.0) -> ControlSettings:
+    """Return the settings of a vehicle: a packaged name, a file or a model, in water of a density.
+
+    Raises ScenarioError, also for gains of an axis that nothing drives.
+    """
+    model = vehicle if isinstance(vehicle, VehicleModel) else load_vehicle(vehicle)
+    return built_settings(model, craft(model, density_kg_m3), actuators_spec(model), density_kg_m3)
+
+
+def built_settings(
+    model: VehicleModel, body: _core.Craft, actuators: _core.ActuatorsSpec, density_kg_m3: float
+) -> ControlSettings:
+    """Return the settings of a vehicle whose parts are built. Raises ScenarioError."""
+    plant = _core.ControlModel(body, actuators, density_kg_m3)
+    control = model.control
+    for axis, is_driven in zip(AXES, plant.driven, strict=True):
+        if axis in control.model_fields_set and not is_driven:
+            raise ScenarioError(f"control.{axis}: nothing drives the {axis} of '{model.name}'", at=("control", axis))
+    gains = _core.ControlGains(
+        loops=[_loop(getattr(control, axis)) for axis in AXES],
+        filter_s=control.filter_s,
+        tracking_s=control.tracking_s,
+        speed_max_m_s=control.speed_max_m_s,
+        climb_max_m_s=control.climb_max_m_s,
+        turn_max_rad_s=control.turn_max_rad_s,
+        acceleration_max_m_s2=control.acceleration_max_m_s2,
+        turn_acceleration_max_rad_s2=control.turn_acceleration_max_rad_s2,
+    )
+    return ControlSettings(plant, gains)
+
+
+def _loop(loop: Loop) -> _core.LoopGains:
+    return _core.LoopGains(
+        position_1_s=loop.position_1_s,
+        velocity_1_s=loop.velocity_1_s,
+        integral_1_s2=loop.integral_1_s2,
+        acceleration_1=loop.acceleration_share,
+    )

@@ -1,0 +1,56 @@
+"""A vehicle's control loops: gains and limits, for uwsim.control.Controller."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from uwsim.scenario.spec.fields import InRange, Model
+
+Rate = Annotated[float, InRange(0, 100, "1/s")]
+Seconds = Annotated[float, InRange(0.001, 100, "s")]
+
+
+class Loop(Model):
+    """The cascade of one axis; units of error are m or rad.
+
+    position_1_s: reference velocity for each unit of position error. velocity_1_s: acceleration for each unit of
+    velocity error. integral_1_s2: acceleration for each unit of the velocity error's integral. acceleration_share:
+    share of the measured acceleration that is opposed, as added inertia would.
+    """
+
+    position_1_s: Rate = 1.0
+    velocity_1_s: Rate = 3.0
+    integral_1_s2: Annotated[float, InRange(0, 1000, "1/s2")] = 1.5
+    acceleration_share: Annotated[float, InRange(0, 10)] = 0.0
+
+
+class TurningLoop(Loop):
+    """The cascade of roll, pitch or yaw."""
+
+    position_1_s: Rate = 2.0
+    velocity_1_s: Rate = 4.0
+    integral_1_s2: Annotated[float, InRange(0, 1000, "1/s2")] = 4.0
+
+
+class Control(Model):
+    """Gains and limits of all loops. An axis that nothing drives has none.
+
+    filter_s: time constant of the measured acceleration's filter. tracking_s: time constant with which a saturated
+    integral follows what the thrusters give. speed_max_m_s, climb_max_m_s, turn_max_rad_s: of the reference velocities
+    towards a position, horizontal and vertical, and an attitude. acceleration_max_m_s2, turn_acceleration_max_rad_s2:
+    of the reference velocities' change.
+    """
+
+    surge: Loop = Loop()
+    sway: Loop = Loop()
+    heave: Loop = Loop()
+    roll: TurningLoop = TurningLoop()
+    pitch: TurningLoop = TurningLoop()
+    yaw: TurningLoop = TurningLoop()
+    filter_s: Seconds = 0.2
+    tracking_s: Seconds = 1.0
+    speed_max_m_s: Annotated[float, InRange(0.01, 20, "m/s")] = 1.0
+    climb_max_m_s: Annotated[float, InRange(0.01, 20, "m/s")] = 0.4
+    turn_max_rad_s: Annotated[float, InRange(0.01, 10, "rad/s")] = 0.5
+    acceleration_max_m_s2: Annotated[float, InRange(0.01, 20, "m/s2")] = 0.5
+    turn_acceleration_max_rad_s2: Annotated[float, InRange(0.01, 20, "rad/s2")] = 1.0

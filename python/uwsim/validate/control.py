@@ -1,0 +1,40 @@
+"""The control loops of the packaged vehicles: step responses against the limits that their gains are tuned for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.scenario import load_vehicle
+from uwsim.validate.check import Check, at_most
+from uwsim.validate.step_responses import StepResponse, step_responses
+
+VEHICLES = ("rov", "paper", "bluerov2_heavy", "bluerov2_wu", "bluerov2_tank")
+"""The packaged vehicles that thrusters alone steer; remus100 steers by fins, whose forces the loops do not know."""
+RISE_S = {"m": 5.0, "rad": 5.0, "m/s": 2.5, "rad/s": 1.5}
+SETTLING_S = {"m": 10.0, "rad": 10.0, "m/s": 5.0, "rad/s": 4.0}
+OVERSHOOT, STEADY = 0.1, 0.02  # shares of the step
+
+
+def run(out: Path | None) -> list[Check]:
+    """Return the checks of all vehicles; draw their step responses into the folder `out`."""
+    checks = []
+    for name in VEHICLES:
+        responses = step_responses(name, load_vehicle(name))
+        checks += [check for response in responses for check in response_checks(response)]
+        if out is not None:
+            from uwsim.validate.step_figures import draw_steps
+
+            draw_steps(responses, out / f"control-{name}.png")
+    return checks
+
+
+def response_checks(response: StepResponse) -> list[Check]:
+    """Compare one step's rise, overshoot, settling and steady error with their limits."""
+    step, unit = response.step, response.step.unit
+    name = f"{step.name} {step.size:.3g} {unit}"
+    return [
+        at_most(response.vehicle, f"{name}: rise", RISE_S[unit], response.rise_s, "s"),
+        at_most(response.vehicle, f"{name}: overshoot", OVERSHOOT, response.overshoot),
+        at_most(response.vehicle, f"{name}: settling", SETTLING_S[unit], response.settling_s, "s"),
+        at_most(response.vehicle, f"{name}: steady error", STEADY, response.steady_error),
+    ]

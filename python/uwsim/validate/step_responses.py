@@ -1,0 +1,139 @@
+"""Step responses of a vehicle's control loops, flown by the simulator in deep still water."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control import Controller
+from uwsim.scenario import VehicleModel
+from uwsim.simulator import Simulator
+from uwsim.validate.flights import START_M, deep_water
+from uwsim.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+PERIOD_S, DURATION_S, STEADY_S = 0.05, 30.0, 5.0
+SETTLED = 0.05  # share of the step
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of one quantity. needs: the axis that must be driven. command, read: set it, and read it."""
+
+    name: str
+    unit: str
+    size: float
+    needs: str
+    command: Callable[[Controller, float], None]
+    read: Callable[[Vehicle], float]
+
+
+def _at(x_m: float = 0.0, y_m: float = 0.0, z_m: float = 0.0) -> Array:
+    return np.add(START_M, (x_m, y_m, z_m), dtype=np.float64)
+
+
+def _tilt(rov: Vehicle, row: int) -> float:
+    return math.asin(float(np.clip(rov.pose.world_from_body[2, row], -1.0, 1.0)))
+
+
+STEPS = (
+    Step("ahead", "m", 2.0, "surge", lambda c, s: c.hold(_at(x_m=s), 0.0), lambda r: r.pose.position_world_m[0]),
+    Step("aside", "m", 2.0, "sway", lambda c, s: c.hold(_at(y_m=s), 0.0), lambda r: r.pose.position_world_m[1]),
+    Step(
+        "depth",
+        "m",
+        1.0,
+        "heave",
+        lambda c, s: c.hold(_at(z_m=s), 0.0),
+        lambda r: r.pose.position_world_m[2] - START_M[2],
+    ),
+    Step("heading", "rad", math.pi / 2, "yaw", lambda c, s: c.hold(START_M, s), lambda r: r.pose.yaw_rad),
+    Step("roll", "rad", 0.1, "roll", lambda c, s: c.hold(START_M, 0.0, roll_rad=s), lambda r: _tilt(r, 1)),
+    Step("pitch", "rad", 0.1, "pitch", lambda c, s: c.hold(START_M, 0.0, pitch_rad=s), lambda r: -_tilt(r, 0)),
+    Step(
+        "surge",
+        "m/s",
+        0.5,
+        "surge",
+        lambda c, s: c.velocity((s, 0, 0, 0, 0, 0)),
+        lambda r: r.velocity.linear_body_m_s[0],
+    ),
+    Step(
+        "sway",
+        "m/s",
+        0.3,
+        "sway",
+        lambda c, s: c.velocity((0, s, 0, 0, 0, 0)),
+        lambda r: r.velocity.linear_body_m_s[1],
+    ),
+    Step(
+        "yaw rate",
+        "rad/s",
+        0.3,
+        "yaw",
+        lambda c, s: c.velocity((0, 0, 0, 0, 0, s)),
+        lambda r: r.velocity.angular_body_rad_s[2],
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class StepResponse:
+    """A step as flown: values in shares of the step, (n,), at times_s (n,)."""
+
+    vehicle: str
+    step: Step
+    times_s: Array
+    values: Array
+
+    @property
+    def rise_s(self) -> float:
+        """Time from 10 to 90 % of the step; inf if it is not reached."""
+        return self._first(0.9) - self._first(0.1)
+
+    @property
+    def overshoot(self) -> float:
+        """Largest share beyond the step."""
+        return max(0.0, float(self.values.max()) - 1.0)
+
+    @property
+    def settling_s(self) -> float:
+        """Time after which the value stays within 5 % of the step; inf if it never does."""
+        out = np.flatnonzero(~(np.abs(self.values - 1.0) <= SETTLED))
+        if len(out) == 0:
+            return 0.0
+        return math.inf if out[-1] + 1 == len(self.values) else float(self.times_s[out[-1] + 1])
+
+    @property
+    def steady_error(self) -> float:
+        """Largest error in the last seconds, as a share of the step."""
+        return float(np.abs(self.values[self.times_s > self.times_s[-1] - STEADY_S] - 1.0).max())
+
+    def _first(self, share: float) -> float:
+        reached = np.flatnonzero(self.values >= share)
+        return float(self.times_s[reached[0]]) if len(reached) else math.inf
+
+
+def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
+    """Fly all steps that the vehicle's thrusters drive."""
+    sim = deep_water(model)
+    return [_fly(name, sim, step) for step in STEPS if step.needs in sim.rov.controllable]
+
+
+def _fly(name: str, sim: Simulator, step: Step) -> StepResponse:
+    rov = sim.rov
+    rov.set_effort()
+    sim.advance(2.0)  # thrusters come to rest
+    rov.place(START_M)
+    controller = Controller(rov, PERIOD_S)
+    values = []
+    for _ in range(round(DURATION_S / PERIOD_S)):
+        step.command(controller, step.size)
+        sim.advance(PERIOD_S)
+        values.append(step.read(rov) / step.size)
+    times_s = np.asarray(PERIOD_S * np.arange(1, len(values) + 1), np.float64)
+    return StepResponse(name, step, times_s, np.array(values, np.float64))
