@@ -1,7 +1,9 @@
 """Flights of missions: what they record, how they end, and that a resumed one gives the same map."""
 
 import json
+import signal
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -353,3 +355,20 @@ def test_a_mission_that_ends_at_once_has_a_report(tmp_path: Path) -> None:
     assert flown.simulated_s == 0.0
     assert (tmp_path / "report.html").exists()
     assert (tmp_path / "map.bt").exists()
+
+
+def test_ctrl_c_ends_a_flight_with_its_results_and_it_can_be_resumed(tmp_path: Path) -> None:
+    path, out = tmp_path / "long.py", tmp_path / "out"
+    path.write_text(
+        "from uwsim.missions import hold\ndef mission(vehicle):\n    vehicle.undock()\n    yield from hold(vehicle)\n"
+    )
+    options = ["--scenario", "pool", "--mission-time", "100000", "--report", "json", "--out", str(out)]
+    process = subprocess.Popen([*UWSIM, "run", str(path), *options], stderr=subprocess.PIPE, text=True)
+    wait_for(out / "log.jsonl", process)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+    assert "interrupted" in json.loads((out / "summary.json").read_text())["ended_because"]
+    assert (out / "checkpoint" / "flight.json").exists()
