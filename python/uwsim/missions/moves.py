@@ -65,7 +65,7 @@ def goto(
         share = 0.0 if altitude_m is not None or whole_m < 1e-6 else min(left_m / whole_m, 1.0)
         ahead = min(speed, BACK_PER_S * left_m) / max(left_m, 1e-9)
         velocity = (ahead * (x - at_x), ahead * (y - at_y))
-        yield from _steer(vehicle, heading, velocity, z_m + share * (start_z - z_m))
+        yield from steer(vehicle, heading, velocity, z_m + share * (start_z - z_m))
 
 
 def hold(
@@ -83,7 +83,7 @@ def hold(
     heading = pose.yaw_rad if heading_rad is None else heading_rad
     end_s = vehicle.time_s + duration_s - 1e-6
     while vehicle.time_s < end_s:
-        yield from _steer(vehicle, heading, _back_to(vehicle, x, y), height())
+        yield from steer(vehicle, heading, _back_to(vehicle, x, y), height())
 
 
 def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
@@ -94,7 +94,7 @@ def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math
     while abs(left_rad := wrap_angle(heading_rad - vehicle.pose.yaw_rad)) > within_rad:
         if vehicle.time_s > deadline_s:
             raise StoppedError(f"stuck in a turn, {abs(math.degrees(left_rad)):.0f} degrees before its end")
-        yield from _steer(vehicle, heading_rad, _back_to(vehicle, x, y), z)
+        yield from steer(vehicle, heading_rad, _back_to(vehicle, x, y), z)
 
 
 def dive_to(vehicle: OwnVehicle, depth_m: float, *, within_m: float = 0.2) -> Steps[None]:
@@ -106,7 +106,7 @@ def dive_to(vehicle: OwnVehicle, depth_m: float, *, within_m: float = 0.2) -> St
     while abs(left_m := depth_m + float(vehicle.pose.position_world_m[2])) > within_m:
         if vehicle.time_s > deadline_s:
             raise StoppedError(f"stuck {abs(left_m):.1f} m from a depth of {depth_m:g} m")
-        yield from _steer(vehicle, heading, _back_to(vehicle, x, y), -depth_m)
+        yield from steer(vehicle, heading, _back_to(vehicle, x, y), -depth_m)
 
 
 def follow(
@@ -150,7 +150,7 @@ def _along(
         share = 0.0 if altitude_m is not None else 1.0 - min(max(along_m / length_m, 0.0), 1.0)
         z_m = height()
         z_m += share * (float(start[2]) - z_m) if share else 0.0
-        yield from _steer(vehicle, heading, (ahead * east - aside * north, ahead * north + aside * east), z_m)
+        yield from steer(vehicle, heading, (ahead * east - aside * north, ahead * north + aside * east), z_m)
 
 
 def _target(
@@ -186,7 +186,7 @@ def _back_to(vehicle: OwnVehicle, x: float, y: float) -> tuple[float, float]:
     return share * (x - at_x), share * (y - at_y)
 
 
-def _steer(
+def steer(
     vehicle: OwnVehicle, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float
 ) -> Steps[None]:
     """Steer for one control period. Raises StoppedError if the battery is empty or the vehicle has capsized."""

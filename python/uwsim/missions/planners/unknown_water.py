@@ -1,0 +1,178 @@
+"""The adaptive lawn-mower into unknown water: no polygon and no chart, it turns where the sonar says so.
+
+It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees something ahead that cannot be
+passed over; then it steps aside and turns. Where nothing unflown is left beside it, it goes back over water that it has
+flown to the nearest opening, and mows on from there. It is complete when no opening is left within the bound.
+
+The rule for turning is the published simulator's; going back to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
+online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line spacing.
+What it leaves out: cells that something higher than the vehicle may fly reaches into, and water that is connected only
+by passages narrower than about two cells.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from uwsim.missions.moves import steer
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.planners.cells import Cell, Cells, nearest
+from uwsim.missions.planners.lookout import HIGHEST_Z_M, Lookout
+from uwsim.missions.steps import Steps
+from uwsim.missions.stopped import StoppedError
+
+CLEARANCE_M = 1.5  # of the vehicle flying at its highest: what reaches higher closes a cell
+ECHOES_TO_CLOSE = 4  # of one ping
+OVERSHOOT = 1.0  # cells beyond the next one at which a lane aims
+STUCK_S = 30.0  # time for a cell beside four times what its length needs
+STUCK_CELLS = 3  # in a row: the vehicle itself is stuck
+FIND_BED_S, FIND_BED_M_S = 180.0, 0.3
+ARRIVED = 0.25  # of a cell, past whose middle the next one is chosen
+PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lane before aside
+
+
+@dataclass(frozen=True)
+class MownWater:
+    """What has been flown: middles of the cells that the vehicle was in, and of those closed to it, (n, 2)."""
+
+    flown_m: tuple[tuple[float, float], ...]
+    closed_m: tuple[tuple[float, float], ...]
+    cell_m: float
+
+    @property
+    def flown_m2(self) -> float:
+        """Area of the flown cells."""
+        return len(self.flown_m) * self.cell_m**2
+
+
+def mow_unknown_water(
+    vehicle: OwnVehicle,
+    bound_m: float,
+    *,
+    line_spacing_m: float | None = None,
+    altitude_m: float = 4.0,
+    speed_m_s: float = 0.6,
+    heading_rad: float | None = None,
+) -> Steps[MownWater]:
+    """Mow all water that can be reached within bound_m of where it begins; return what was flown.
+
+    line_spacing_m: by default half of the width that the sonar sees of a flat bed. heading_rad: of the lanes; by
+    default the vehicle's. Logs `closed` with a reason for each cell that the sonar closes, `opening` where it mows on,
+    and `complete`. Raises ValueError, StoppedError.
+    """
+    lookout = Lookout(vehicle, altitude_m, speed_m_s)
+    spacing_m = 0.5 * lookout.swath_m if line_spacing_m is None else line_spacing_m
+    if not 1.0 <= spacing_m <= bound_m < math.inf:
+        raise ValueError(f"line_spacing_m = {spacing_m:g} m: must be at least 1 m and at most bound_m = {bound_m:g} m")
+    yield from lookout.tilt()
+    yield from find_bed(vehicle)
+    mower = _Mower(lookout, bound_m, spacing_m, vehicle.pose.yaw_rad if heading_rad is None else heading_rad)
+    return (yield from mower.steps())
+
+
+def find_bed(vehicle: OwnVehicle) -> Steps[None]:
+    """Dive on the spot until the altimeter sees the bed. Raises StoppedError if it does not."""
+    pose, end_s = vehicle.pose, vehicle.time_s + FIND_BED_S
+    while not math.isfinite(float(vehicle.sensors["altitude"].read())):
+        if vehicle.time_s > end_s:
+            raise StoppedError("no bed below: the altimeter sees nothing")
+        z_m = float(vehicle.pose.position_world_m[2])
+        yield from steer(vehicle, pose.yaw_rad, (0.0, 0.0), z_m - FIND_BED_M_S)
+
+
+class _Mower:
+    def __init__(self, lookout: Lookout, bound_m: float, spacing_m: float, heading_rad: float) -> None:
+        self._lookout, self._vehicle, self._bound_m = lookout, lookout.vehicle, bound_m
+        start = self._vehicle.pose.position_world_m
+        self._start = float(start[0]), float(start[1])
+        self._cells = Cells(self._start, heading_rad, spacing_m)
+        self._flown: dict[Cell, None] = {(0, 0): None}  # in their order
+        self._closed: dict[Cell, str] = {}
+        self._stuck = 0
+
+    def steps(self) -> Steps[MownWater]:
+        cell: Cell = (0, 0)
+        while (way := self._next(cell)) is not None:
+            if len(way) > 2:
+                self._vehicle.log("opening", position_m=list(self._cells.middle_m(way[-1])), cells_back=len(way) - 2)
+            for following in way[1:]:
+                if not (yield from self._enter(cell, following)):
+                    break
+                cell = following
+        cells = self._cells
+        mown = MownWater(
+            tuple(cells.middle_m(c) for c in self._flown), tuple(cells.middle_m(c) for c in self._closed), cells.edge_m
+        )
+        self._vehicle.log("complete", flown_m2=mown.flown_m2, closed_cells=len(mown.closed_m), bound_m=self._bound_m)
+        return mown
+
+    def _next(self, cell: Cell) -> list[Cell] | None:
+        """The way to the next unflown cell: along the lane, else aside, else the nearest opening; None at the end."""
+        for di, dj in PRIORITY:
+            following = (cell[0] + di, cell[1] + dj)
+            if self._open(following):
+                return [cell, following]
+        return nearest(cell, self._open, lambda c: c in self._flown and c not in self._closed)
+
+    def _open(self, cell: Cell) -> bool:
+        """Whether a cell is within the bound, not flown and, for all that is known, not closed."""
+        return (
+            cell not in self._flown
+            and cell not in self._closed
+            and math.dist(self._cells.middle_m(cell), self._start) <= self._bound_m
+        )
+
+    def _close(self, cell: Cell, reason: str) -> None:
+        if cell not in self._closed:
+            self._closed[cell] = reason
+            self._vehicle.log("closed", position_m=list(self._cells.middle_m(cell)), reason=reason)
+
+    def _enter(self, cell: Cell, following: Cell) -> Steps[bool]:
+        """Fly into a neighbouring cell along the line through both; return whether the vehicle got there."""
+        edge_m, lookout = self._cells.edge_m, self._lookout
+        (x, y), (to_x, to_y) = self._cells.middle_m(cell), self._cells.middle_m(following)
+        ahead = ((to_x - x) / edge_m, (to_y - y) / edge_m)
+        deadline_s = self._vehicle.time_s + STUCK_S + 4.0 * edge_m / lookout.speed_m_s
+        while True:
+            at_x, at_y, _ = self._vehicle.pose.position_world_m.tolist()
+            left_m = (to_x - at_x) * ahead[0] + (to_y - at_y) * ahead[1]
+            aside_m = abs((to_y - at_y) * ahead[0] - (to_x - at_x) * ahead[1])
+            if left_m < ARRIVED * edge_m and aside_m < 0.5 * edge_m:
+                self._flown[following] = None
+                self._stuck = 0
+                return True
+            if following in self._closed and following not in self._flown:
+                return False
+            if not math.isfinite(float(self._vehicle.sensors["altitude"].read())):
+                self._close(following, "no bed below")
+                return False
+            if self._vehicle.time_s > deadline_s:
+                self._close(following, "stuck")
+                self._stuck += 1
+                if self._stuck == STUCK_CELLS:
+                    raise StoppedError(f"stuck at ({at_x:.1f}, {at_y:.1f}) m")
+                return False
+            reach_m = OVERSHOOT * edge_m
+            yield from lookout.towards((to_x + reach_m * ahead[0], to_y + reach_m * ahead[1]))
+            self._chart()
+            if lookout.must_stop and self._facing(ahead):
+                self._close(following, "too high ahead")
+                return False
+
+    def _facing(self, ahead: tuple[float, float]) -> bool:
+        yaw_rad = self._vehicle.pose.yaw_rad
+        return math.cos(yaw_rad) * ahead[0] + math.sin(yaw_rad) * ahead[1] > math.cos(math.radians(30.0))
+
+    def _chart(self) -> None:
+        """Close the cells into which something reaches that the vehicle cannot pass over."""
+        echoes = self._lookout.echoes_world_m
+        high = echoes[echoes[:, 2] > HIGHEST_Z_M - CLEARANCE_M]
+        if len(high) < ECHOES_TO_CLOSE:
+            return
+        cells, counts = np.unique(self._cells.of(high), axis=0, return_counts=True)
+        for i, j in cells[counts >= ECHOES_TO_CLOSE].tolist():
+            if (i, j) not in self._flown:
+                self._close((i, j), "shoal")
