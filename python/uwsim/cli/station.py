@@ -25,6 +25,9 @@ def station(
         "127.0.0.1"
     ),
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
+    link: Annotated[
+        str | None, typer.Option(help="The modem that the start screen begins with: a packaged one's name.")
+    ] = None,
     truth: Truth = True,
     wire: Wire = "both",
     origin: Origin = "world",
@@ -45,12 +48,15 @@ def station(
     from uwsim.bridges.rosbridge.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.scenario import load
+    from uwsim.scenario.read.assets import packaged_names
     from uwsim.station import Site, Station
 
     if certfile is None:
         need("--certfile", keyfile=keyfile)
     load(scenario)  # a mistake is said here, not on the page
-    hub = Station(offered=scenario, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
+    if link is not None and link not in packaged_names("modems"):
+        raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
+    hub = Station(offered=scenario, link=link, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
     server = RosbridgeServer(
         None,
         host=host,

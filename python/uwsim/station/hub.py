@@ -34,10 +34,10 @@ class Station:
         with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
             ...
 
-    offered: the scenario that the start screen begins with. is_fixed: it runs one simulator, which `run` is given: no
-    start screen. truth: whether pilots may see the vehicle's true position. wire, origin: see uwsim.channels. threads:
-    of simulators. folder: where `save` writes. phase: "idle" (the start screen), "starting", "running". session: a
-    number that changes with each simulator and each restart.
+    offered, link: the scenario that the start screen begins with, and the modem, if not the scenario's. is_fixed: it
+    runs one simulator, which `run` is given: no start screen. truth: whether pilots may see the vehicle's true
+    position. wire, origin: see uwsim.channels. threads: of simulators. folder: where `save` writes. phase: "idle" (the
+    start screen), "starting", "running". session: a number that changes with each simulator and each restart.
     """
 
     name = "/station"
@@ -46,6 +46,7 @@ class Station:
         self,
         *,
         offered: str = "lake",
+        link: str | None = None,
         is_fixed: bool = False,
         truth: bool = True,
         wire: Wire = "both",
@@ -55,6 +56,7 @@ class Station:
     ) -> None:
         self.folder = folder or Path.cwd()
         self.offered = offered
+        self.link = link
         self.is_fixed = is_fixed
         self.running: Running | None = None
         self.lease = Lease()

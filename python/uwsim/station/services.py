@@ -93,7 +93,9 @@ class Services:
         return {"success": True, "message": ""}
 
     def _catalog(self, caller: str, request: Values) -> Values:
-        return {**catalog(self._station.offered), "saves": saved_names(self._station.folder)}
+        found = catalog(self._station.offered)
+        defaults = found["defaults"] | ({"link": self._station.link} if self._station.link else {})
+        return {**found, "defaults": defaults, "saves": saved_names(self._station.folder)}
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("saved") is None:
