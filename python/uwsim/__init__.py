@@ -1,5 +1,19 @@
 """uwsim: a fast, headless underwater robotics simulator.
 
+    import uwsim
+
+    sim = uwsim.Simulator("lake", seed=7)     # or the path of a YAML file; uwsim.scenarios() lists the packaged ones
+    rov = sim.rov                             # the first of sim.vehicles
+    rov.undock()
+    rov.set_effort(surge=0.5)                 # held until the next command
+    sim.advance(2.0)                          # simulated seconds
+    rov.pose, rov.telemetry()                 # where it is, what its panel shows
+    rov.sensors["imu"].read()
+    rov.sonar.ping().plot()
+    rov.cameras["front"].capture().save("front.png")
+
+help(uwsim.Simulator) and help(type(rov)) tell the rest.
+
 World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103); quaternions x, y, z, w; SI units.
 """
 
@@ -27,7 +41,7 @@ _MODULE_OF = {
     "fly": "uwsim.flight.fly",
 }
 
-__all__ = ["DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__", "fly"]
+__all__ = ["DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__", "fly", "scenarios"]
 
 
 def __getattr__(name: str) -> Any:
@@ -36,6 +50,13 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
+
+
+def scenarios() -> list[str]:
+    """Return the names of the packaged scenarios."""
+    from uwsim.scenario import packaged_scenarios
+
+    return list(packaged_scenarios())
 
 
 def __dir__() -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pose:
     """A vehicle's pose: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
 
@@ -25,6 +25,16 @@ class Pose:
         """Heading of the body's x axis from east, counter-clockwise, in (-pi, pi]."""
         return math.atan2(self.world_from_body[1, 0], self.world_from_body[0, 0])
 
+    def to_dict(self) -> dict[str, Vector]:
+        """Return the arrays by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def __repr__(self) -> str:
+        east, north, up = self.position_world_m.tolist()
+        turn = ", ".join(f"{part:.4f}" for part in self.orientation_xyzw.tolist())
+        yaw_deg = math.degrees(self.yaw_rad)
+        return f"Pose(({east:.3f}, {north:.3f}, {up:.3f}) m, yaw {yaw_deg:.1f} deg, orientation x y z w ({turn}))"
+
 
 @dataclass(frozen=True, eq=False)
 class Velocity:
@@ -32,3 +42,7 @@ class Velocity:
 
     linear_body_m_s: Vector
     angular_body_rad_s: Vector
+
+    def to_dict(self) -> dict[str, Vector]:
+        """Return the arrays by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}

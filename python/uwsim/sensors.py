@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast, overload
 
 from uwsim import _core
+from uwsim.named import Named
+from uwsim.readings import READINGS, AccelerationReading, DvlReading, ImuReading, UsblReading, VelocityReading
 from uwsim.sample_stream import SampleSource, SampleStream
 from uwsim.sealed import Sealed
 
-Value = float | SimpleNamespace
-"""A scalar in the sensor's unit, or a namespace of floats and (n,) arrays for a sensor of several quantities."""
+R = TypeVar("R")
+"""What a sensor reads: a float in its unit, or one of the classes of uwsim.readings."""
+
+
+ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity", "compass", "contact"]
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class Sample(Generic[R]):
     """A sensor's value as `Sensor.read` returns it, the simulated time of its measurement, and whether it is valid."""
 
-    value: Value
+    value: R
     stamp_ns: int
     valid: bool
 
@@ -28,7 +33,7 @@ class Sample:
         return self.stamp_ns * 1e-9
 
 
-class Sensor(Sealed):
+class Sensor(Sealed, Generic[R]):
     """A sensor with noise from its own seeded stream.
 
     Repeated reads at one time return the same sample; neither reads nor other sensors change later samples.
@@ -75,7 +80,8 @@ class Sensor(Sealed):
         self._vehicle = vehicle
         self._index = index
         kind = _core.sensor_kind(spec.kind)
-        self._scalar = next(iter(kind.fields)) if _is_scalar(kind) else None
+        self._reading = READINGS.get(kind.name)
+        self._scalar = next(iter(kind.fields)) if self._reading is None else None
         self._units = {field: unit for field, (_, unit) in kind.fields.items()}
         self.name = spec.name
         self.kind = kind.name
@@ -94,8 +100,8 @@ class Sensor(Sealed):
         """The unit of the value, such as "m"; for several quantities by name, such as {"velocity_m_s": "m/s"}."""
         return self._units if self._scalar is None else self._units[self._scalar]
 
-    def read(self, *, noise: bool = True) -> Value:
-        """Return the newest sample that has arrived: a float in `unit`, or a namespace of several quantities.
+    def read(self, *, noise: bool = True) -> R:
+        """Return the newest sample that has arrived: a float in `unit`, or several quantities (uwsim.readings).
 
         Between samples this is the last one; if it was dropped, the last one that was not; before the first has
         arrived, the present. `sample` tells these apart. noise=False returns the present true value, without errors,
@@ -103,7 +109,7 @@ class Sensor(Sealed):
         """
         return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise))
 
-    def sample(self, *, noise: bool = True) -> Sample:
+    def sample(self, *, noise: bool = True) -> Sample[R]:
         """Return the value of `read` with its time and validity.
 
         Invalid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
@@ -129,14 +135,35 @@ class Sensor(Sealed):
         """Simulated time, nanoseconds."""
         return self._simulation.time_ns
 
-    def _value(self, reading: _core.SensorReading) -> Value:
-        if not self.on:
-            nothing = {field: value * math.nan for field, value in reading.values.items()}
-            return math.nan if self._scalar is not None else SimpleNamespace(**nothing)
-        if self._scalar is not None:
-            return float(reading.values[self._scalar])
-        return SimpleNamespace(**reading.values)
+    def _value(self, reading: _core.SensorReading) -> R:
+        values = reading.values if self.on else {field: value * math.nan for field, value in reading.values.items()}
+        if self._reading is not None:
+            return cast(R, self._reading(**values))
+        assert self._scalar is not None
+        return cast(R, float(values[self._scalar]))
+
+    def __repr__(self) -> str:
+        rate = f"{self.rate_hz:g} Hz" if self.rate_hz else "read at any time"
+        return f"<Sensor '{self.name}' ({self.kind}, {rate}{'' if self.on else ', off'}): {self.meaning}>"
 
 
-def _is_scalar(kind: _core.SensorKind) -> bool:
-    return [width for width, _ in kind.fields.values()] == [1]
+class Sensors(Named[Sensor[Any]]):
+    """A vehicle's sensors by name. One that has the name of a kind is of that kind, so its readings' type is known."""
+
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, name: Literal["imu"], /) -> Sensor[ImuReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["velocity"], /) -> Sensor[VelocityReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["acceleration"], /) -> Sensor[AccelerationReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["dvl"], /) -> Sensor[DvlReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["usbl"], /) -> Sensor[UsblReading]: ...
+        @overload
+        def __getitem__(self, name: ScalarKind, /) -> Sensor[float]: ...
+        @overload
+        def __getitem__(self, name: str, /) -> Sensor[Any]: ...
+        def __getitem__(self, name: str, /) -> Sensor[Any]: ...

@@ -6,7 +6,7 @@ import json
 import os
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, Self
+from typing import NoReturn, Self, Unpack
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.sealed import Sealed
 from uwsim.sonars.mounted import imaging_models, imaging_sonars
 from uwsim.sonars.surroundings import Surroundings
@@ -175,7 +175,7 @@ class Simulator(Sealed):
         """The light, for cameras: the scenario's, or as last set."""
         return self.parameters.scenario.optics
 
-    def set_optics(self, **changes: Any) -> None:
+    def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
         """Change the light, such as jerlov="5C" or sun_elevation_deg=2, from now on. Raises ValueError."""
         self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
 
@@ -248,8 +248,12 @@ class Simulator(Sealed):
     def advance(self, duration_s: float) -> None:
         """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
         steps = number(duration_s, "duration_s", "s") / self.step_s
-        if not np.isfinite(steps) or steps < 0 or abs(steps - round(steps)) > STEP_TOLERANCE * max(1.0, steps):
-            raise ValueError(f"duration_s = {duration_s} s: must be a whole number of steps of {self.step_s} s")
+        if not np.isfinite(steps) or steps < 0:
+            raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
+        if abs(steps - round(steps)) > STEP_TOLERANCE * max(1.0, steps):
+            rule = f"must be a whole number of steps of {self.step_s:g} s (the scenario's step_s)"
+            nearest = f"advance({round(steps) * self.step_s:.6g}), or wait({duration_s:.6g}), which rounds"
+            raise ValueError(f"duration_s = {duration_s} s: {rule}; take {nearest}")
         self.step(round(steps))
 
     def wait(self, duration_s: float) -> None:
@@ -346,6 +350,22 @@ class Simulator(Sealed):
             self._dock.hull_radii_m[index] = hull_radius_m(entry.model)
             change_cameras(rov.cameras, camera_mounts(entry.model))
             rov.change(entry, specs[index], sonars[index])
+
+    def __repr__(self) -> str:
+        vehicles = ", ".join(self.vehicles)
+        return f"<Simulator '{self.scenario.name}', seed {self.seed}, at {self.time_s:.3f} s, with {vehicles}>"
+
+    def __copy__(self) -> NoReturn:
+        raise TypeError(
+            "a Simulator cannot be copied or pickled: make another of sim.scenario, and give it this one's state by "
+            "save_state() and restore_state()"
+        )
+
+    def __deepcopy__(self, memo: object) -> NoReturn:
+        self.__copy__()
+
+    def __reduce__(self) -> NoReturn:
+        self.__copy__()
 
     def __enter__(self) -> Self:
         return self

@@ -26,7 +26,7 @@ from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.sealed import Sealed
-from uwsim.sensors import Sensor
+from uwsim.sensors import Sensor, Sensors
 from uwsim.sonars.imaging import Acoustics
 from uwsim.sonars.mounted import ImagingSonar
 from uwsim.sonars.multibeam import Sonar
@@ -56,7 +56,7 @@ class Vehicle(Sealed):
     """
 
     name: str
-    sensors: Named[Sensor]
+    sensors: Sensors
     sonars: Named[Sonar]
     cameras: Named[Camera]
     lamps: Named[Lamp]
@@ -93,11 +93,11 @@ class Vehicle(Sealed):
         self._index = index
         self.name = spec.name
         self.control = control
-        sensors = {
+        sensors: dict[str, Sensor[Any]] = {
             s.name: Sensor(simulation, index, k, s, step_s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)
         }
         sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
-        self.sensors = Named(sensors, f"{spec.name}.sensors")
+        self.sensors = Sensors(sensors, f"{spec.name}.sensors")
         self.sonars = Named(sonars, f"{spec.name}.sonars")
         self.cameras = Named(cameras, f"{spec.name}.cameras")
         self.lamps = Named(lamps, f"{spec.name}.lamps")
@@ -114,6 +114,11 @@ class Vehicle(Sealed):
         self._navigation = OnboardNavigation(
             spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
         )
+
+    def __repr__(self) -> str:
+        east, north, up = self.pose.position_world_m.tolist()
+        state = "released" if self.released else "docked"
+        return f"<Vehicle '{self.name}', {state}, at ({east:.2f}, {north:.2f}, {up:.2f}) m>"
 
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
         """Go on with other figures. Simulator.parameters calls this."""

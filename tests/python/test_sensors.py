@@ -1,13 +1,13 @@
 """Sensors in Python: readings, samples, units, and their figures in a vehicle's YAML file."""
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from uwsim import Simulator, _core
+from uwsim.readings import Reading
 from uwsim.scenario import ScenarioError, load, load_vehicle
 from uwsim.scenario.build.sensor import sensor_spec
 from uwsim.scenario.read.assets import assets_folder
@@ -40,8 +40,8 @@ def fly(sim: Simulator, duration_s: float) -> None:
     sim.advance(duration_s)
 
 
-def flat(value: float | SimpleNamespace) -> list[float]:
-    parts = vars(value).values() if isinstance(value, SimpleNamespace) else [value]
+def flat(value: float | Reading) -> list[float]:
+    parts = value.to_dict().values() if isinstance(value, Reading) else [value]
     return [float(number) for part in parts for number in np.atleast_1d(part)]
 
 
@@ -170,7 +170,7 @@ def test_contact_and_proximity_detect_the_pools_bed() -> None:
         ({"kind": "proximity"}, r"range_max_m: missing"),
         ({"kind": "compass", "hard_iron_ut": [1, 2]}, r"hard_iron_ut = \[1, 2\]: must have 3 values"),
         ({"kind": "imu", "channels": {"gyro": {}}}, r"channels.gyro = 'gyro': must be one of angular_velocity.*"),
-        ({"kind": "depth", "rate_hz": 0}, r"rate_hz = 0 Hz: must be in \[0.0001, 100000.0\] Hz"),
+        ({"kind": "depth", "rate_hz": 0}, r"rate_hz = 0 Hz: must be in \[0.0001, 100000\] Hz"),
         ({"kind": "depth", "drop_out": 1.0}, r"drop_out = 1: must be in \[0, 0.999\]"),
         ({"kind": "depth", "noise": {"bias_std": 1.0}}, r"noise.bias_time_s: missing: .*"),
         ({"kind": "depth", "noise": {"limits": [2, 1]}}, r"noise.limits = \[2.0, 1.0\]: must be the lower, .*"),

@@ -8,6 +8,7 @@
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/record.h"
 #include "bindings/sim/binders.h"
 #include "bindings/sim/owned_simulation.h"
 #include "bindings/sonar/physics_ping.h"
@@ -67,14 +68,14 @@ PingArrays arrays_of(std::unique_ptr<PingMemory> memory, const std::vector<py::s
 }
 
 struct Ping : PingArrays {
-  int model;
-  std::uint64_t time_ns;
+  int model = 0;
+  std::uint64_t time_ns = 0;
   Eigen::Matrix4d world_from_sonar;
   py::array angles_rad;
 };
 
 struct PingBatch : PingArrays {
-  int model;
+  int model = 0;
   py::array world_from_sonar, angles_rad;
 };
 
@@ -172,33 +173,45 @@ PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t in
   return out;
 }
 
+std::string describe(const Ping& ping) { return describe_fan("Ping", ping.ranges_m, ping.valid, ping.time_ns); }
+
+std::string describe_batch(const PingBatch& batch) {
+  return "PingBatch(" + std::to_string(batch.ranges_m.shape(0)) + " pings of " +
+         std::to_string(batch.ranges_m.shape(1)) + " beams)";
+}
+
 }  // namespace
 
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
-  py::class_<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, one value for each beam.")
-      .def_readonly("model", &Ping::model, "EM 2040 variant 1..4; 0: another sonar")
-      .def_readonly("time_ns", &Ping::time_ns)
-      .def_readonly("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")
-      .def_readonly("angles_rad", &Ping::angles_rad, "(beams,) float32, about the sonar's +z, positive to port")
-      .def_readonly("ranges_m", &Ping::ranges_m, "(beams,) float32, inf = no echo")
-      .def_readonly("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN = no echo")
-      .def_readonly("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
-      .def_readonly("intensity_db", &Ping::intensity_db,
-                    "(beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo")
-      .def_readonly("labels", &Ping::labels, "(beams,) uint16, see Simulator.label_names")
-      .def_readonly("valid", &Ping::valid, "(beams,) bool");
+  Record<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, one value for each beam.")
+      .field("model", &Ping::model, "EM 2040 variant 1..4; 0: another sonar")
+      .field("time_ns", &Ping::time_ns)
+      .field("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")
+      .field("angles_rad", &Ping::angles_rad, "(beams,) float32, about the sonar's +z, positive to port")
+      .field("ranges_m", &Ping::ranges_m, "(beams,) float32, inf = no echo")
+      .field("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN = no echo")
+      .field("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
+      .field("intensity_db", &Ping::intensity_db,
+             "(beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo")
+      .field("labels", &Ping::labels, "(beams,) uint16, see Simulator.label_names")
+      .field("valid", &Ping::valid, "(beams,) bool")
+      .described_by(&describe)
+      .drawn_by("uwsim.sonars.fan_plot")
+      .done();
 
-  py::class_<PingBatch>(m, "PingBatch",
-                        "Several pings of one sonar. Arrays are read-only, one row for each ping; see Ping.")
-      .def_readonly("model", &PingBatch::model, "EM 2040 variant 1..4; 0: another sonar")
-      .def_readonly("world_from_sonar", &PingBatch::world_from_sonar, "(n, 4, 4) float64")
-      .def_readonly("angles_rad", &PingBatch::angles_rad, "(beams,) float32, common to all pings")
-      .def_readonly("ranges_m", &PingBatch::ranges_m, "(n, beams) float32, inf = no echo")
-      .def_readonly("points_sonar_m", &PingBatch::points_sonar_m, "(n, beams, 3) float32, NaN = no echo")
-      .def_readonly("incidence_rad", &PingBatch::incidence_rad, "(n, beams) float32 in [0, pi/2], NaN = no echo")
-      .def_readonly("intensity_db", &PingBatch::intensity_db, "(n, beams) float32, -inf = no echo")
-      .def_readonly("labels", &PingBatch::labels, "(n, beams) uint16")
-      .def_readonly("valid", &PingBatch::valid, "(n, beams) bool");
+  Record<PingBatch>(m, "PingBatch",
+                    "Several pings of one sonar. Arrays are read-only, one row for each ping; see Ping.")
+      .field("model", &PingBatch::model, "EM 2040 variant 1..4; 0: another sonar")
+      .field("world_from_sonar", &PingBatch::world_from_sonar, "(n, 4, 4) float64")
+      .field("angles_rad", &PingBatch::angles_rad, "(beams,) float32, common to all pings")
+      .field("ranges_m", &PingBatch::ranges_m, "(n, beams) float32, inf = no echo")
+      .field("points_sonar_m", &PingBatch::points_sonar_m, "(n, beams, 3) float32, NaN = no echo")
+      .field("incidence_rad", &PingBatch::incidence_rad, "(n, beams) float32 in [0, pi/2], NaN = no echo")
+      .field("intensity_db", &PingBatch::intensity_db, "(n, beams) float32, -inf = no echo")
+      .field("labels", &PingBatch::labels, "(n, beams) uint16")
+      .field("valid", &PingBatch::valid, "(n, beams) bool")
+      .described_by(&describe_batch)
+      .done();
 
   simulation
       .def(

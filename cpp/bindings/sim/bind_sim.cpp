@@ -2,13 +2,16 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
+#include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/record.h"
 #include "bindings/sensors/sensor_reading.h"
 #include "bindings/sim/binders.h"
 #include "bindings/sim/owned_simulation.h"
@@ -103,23 +106,35 @@ void bind_specs(py::module_& m) {
       .def_readwrite("sonars", &VehicleSpec::sonars);
 }
 
+std::string describe(const Telemetry& t) {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "Telemetry(t = %.3f s: depth %.2f m, speed %.2f m/s, %.2f m above the bed, %.1f m from the station, "
+                "%.1f deg C, %.0f Pa, battery %.1f %%%s%s%s)",
+                t.time_s, t.depth_m, t.speed_m_s, t.distance_to_seabed_m, t.distance_to_station_m, t.temperature_deg_c,
+                t.pressure_pa, t.battery_percent, t.range_warning ? ", RANGE" : "",
+                t.proximity_warning ? ", PROXIMITY" : "", t.collision_warning ? ", COLLISION" : "");
+  return text;
+}
+
 void bind_results(py::module_& m) {
-  py::class_<Telemetry>(m, "Telemetry", "The instrument panel of a vehicle, as in the paper.")
-      .def_readonly("time_s", &Telemetry::time_s)
-      .def_readonly("speed_m_s", &Telemetry::speed_m_s)
-      .def_readonly("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
-      .def_readonly("acceleration_m_s2", &Telemetry::acceleration_m_s2)
-      .def_readonly("temperature_deg_c", &Telemetry::temperature_deg_c)
-      .def_readonly("pressure_pa", &Telemetry::pressure_pa, "absolute")
-      .def_readonly("depth_m", &Telemetry::depth_m)
-      .def_readonly("distance_to_station_m", &Telemetry::distance_to_station_m)
-      .def_readonly("distance_to_seabed_m", &Telemetry::distance_to_seabed_m,
-                    "straight down; inf where there is nothing")
-      .def_readonly("mission_time_s", &Telemetry::mission_time_s, "since the release")
-      .def_readonly("battery_percent", &Telemetry::battery_percent, "what is left of the mission time")
-      .def_readonly("range_warning", &Telemetry::range_warning)
-      .def_readonly("proximity_warning", &Telemetry::proximity_warning)
-      .def_readonly("collision_warning", &Telemetry::collision_warning);
+  Record<Telemetry>(m, "Telemetry", "The instrument panel of a vehicle, as in the paper.")
+      .field("time_s", &Telemetry::time_s)
+      .field("speed_m_s", &Telemetry::speed_m_s)
+      .field("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
+      .field("acceleration_m_s2", &Telemetry::acceleration_m_s2)
+      .field("temperature_deg_c", &Telemetry::temperature_deg_c)
+      .field("pressure_pa", &Telemetry::pressure_pa, "absolute")
+      .field("depth_m", &Telemetry::depth_m)
+      .field("distance_to_station_m", &Telemetry::distance_to_station_m)
+      .field("distance_to_seabed_m", &Telemetry::distance_to_seabed_m, "straight down; inf where there is nothing")
+      .field("mission_time_s", &Telemetry::mission_time_s, "since the release")
+      .field("battery_percent", &Telemetry::battery_percent, "what is left of the mission time")
+      .field("range_warning", &Telemetry::range_warning)
+      .field("proximity_warning", &Telemetry::proximity_warning)
+      .field("collision_warning", &Telemetry::collision_warning)
+      .described_by(&describe)
+      .done();
 }
 
 }  // namespace

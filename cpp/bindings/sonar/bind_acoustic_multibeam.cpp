@@ -1,13 +1,17 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/record.h"
 #include "bindings/sonar/binders.h"
 #include "bindings/sonar/physics_ping.h"
 #include "uwsim/sonar/acoustic_multibeam.h"
@@ -16,38 +20,44 @@
 namespace uwsim::bindings {
 namespace {
 
+std::string describe(const PhysicsPing& ping) {
+  return describe_fan("PhysicsPing", ping.ranges_m, ping.valid, ping.time_ns);
+}
+
 void bind_ping(py::module_& m) {
   py::enum_<Detection>(m, "Detection", "How the range of a beam was detected.")
       .value("NONE", Detection::kNone)
       .value("AMPLITUDE", Detection::kAmplitude)
       .value("PHASE", Detection::kPhase)
       .value("FALSE", Detection::kFalse, "Noise was detected as an echo.");
-  py::class_<PhysicsPing>(
+  Record<PhysicsPing>(
       m, "PhysicsPing",
       "One multibeam ping in physics mode: the arrays of Ping and more, read-only, one value for each beam.")
-      .def_readonly("model", &PhysicsPing::model, "EM 2040 variant 1..4; 0: not on the wire")
-      .def_readonly("time_ns", &PhysicsPing::time_ns)
-      .def_readonly("world_from_sonar", &PhysicsPing::world_from_sonar, "(4, 4) float64, at transmission")
-      .def_readonly("ranges_m", &PhysicsPing::ranges_m,
-                    "(beams,) float32, sound speed at the head x half the travel time; inf = no detection")
-      .def_readonly("angles_rad", &PhysicsPing::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
-      .def_readonly("points_sonar_m", &PhysicsPing::points_sonar_m,
-                    "(beams, 3) float32, the range along the beam's axis; NaN = no detection")
-      .def_readonly("incidence_rad", &PhysicsPing::incidence_rad,
-                    "(beams,) float32 in [0, pi/2], true value; NaN = no detection, or a false one")
-      .def_readonly("intensity_db", &PhysicsPing::intensity_db,
-                    "(beams,) float32, received level less source level, with speckle and noise; -inf = no detection")
-      .def_readonly("snr_db", &PhysicsPing::snr_db,
-                    "(beams,) float32, signal-to-noise ratio at the detector; -inf = no detection")
-      .def_readonly("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf = no detection")
-      .def_readonly(
-          "deviation_m", &PhysicsPing::deviation_m,
-          "(beams,) float32, standard deviation of the echo's place by the instrument's own figures, from its "
-          "range's\nerror and the beam's width; inf = no detection")
-      .def_readonly("labels", &PhysicsPing::labels,
-                    "(beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one")
-      .def_readonly("valid", &PhysicsPing::valid, "(beams,) bool: detected, false detections included")
-      .def_readonly("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection");
+      .field("model", &PhysicsPing::model, "EM 2040 variant 1..4; 0: not on the wire")
+      .field("time_ns", &PhysicsPing::time_ns)
+      .field("world_from_sonar", &PhysicsPing::world_from_sonar, "(4, 4) float64, at transmission")
+      .field("ranges_m", &PhysicsPing::ranges_m,
+             "(beams,) float32, sound speed at the head x half the travel time; inf = no detection")
+      .field("angles_rad", &PhysicsPing::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
+      .field("points_sonar_m", &PhysicsPing::points_sonar_m,
+             "(beams, 3) float32, the range along the beam's axis; NaN = no detection")
+      .field("incidence_rad", &PhysicsPing::incidence_rad,
+             "(beams,) float32 in [0, pi/2], true value; NaN = no detection, or a false one")
+      .field("intensity_db", &PhysicsPing::intensity_db,
+             "(beams,) float32, received level less source level, with speckle and noise; -inf = no detection")
+      .field("snr_db", &PhysicsPing::snr_db,
+             "(beams,) float32, signal-to-noise ratio at the detector; -inf = no detection")
+      .field("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf = no detection")
+      .field("deviation_m", &PhysicsPing::deviation_m,
+             "(beams,) float32, standard deviation of the echo's place by the instrument's own figures, from its "
+             "range's\nerror and the beam's width; inf = no detection")
+      .field("labels", &PhysicsPing::labels,
+             "(beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one")
+      .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, false detections included")
+      .field("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection")
+      .described_by(&describe)
+      .drawn_by("uwsim.sonars.fan_plot")
+      .done();
 }
 
 void bind_spec(py::module_& m) {
@@ -107,6 +117,27 @@ void bind_instrument(py::module_& m) {
 }
 
 }  // namespace
+
+std::string describe_fan(const char* name, const py::array& ranges_m, const py::array& valid, std::uint64_t time_ns) {
+  const py::array_t<float> ranges(ranges_m);
+  const py::array_t<bool> heard(valid);
+  py::ssize_t echoes = 0;
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
+  for (py::ssize_t beam = 0; beam < ranges.size(); ++beam) {
+    if (!heard.at(beam)) continue;
+    ++echoes;
+    nearest = std::min(nearest, ranges.at(beam));
+    farthest = std::max(farthest, ranges.at(beam));
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "%s(t = %.3f s: %zu beams, ", name, static_cast<double>(time_ns) * 1e-9,
+                static_cast<std::size_t>(ranges.size()));
+  std::string line = text;
+  if (echoes == 0) return line + "no echo)";
+  std::snprintf(text, sizeof text, "%zu echoes, %.2f to %.2f m)", static_cast<std::size_t>(echoes),
+                static_cast<double>(nearest), static_cast<double>(farthest));
+  return line + text;
+}
 
 PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const Pose& world_from_sonar,
                          std::uint64_t time_ns) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 
 #include "uwsim/sonar/acoustic_multibeam.h"
 
@@ -13,13 +14,17 @@ namespace uwsim::bindings {
 struct PhysicsPing {
   int model = 0;
   std::uint64_t time_ns = 0;
-  Eigen::Matrix4d world_from_sonar;
+  Eigen::Matrix4d world_from_sonar = Eigen::Matrix4d::Identity();
   pybind11::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, snr_db, travel_time_s, deviation_m,
       labels, valid, detections;
 };
 
 /// Moves the results of a ping into arrays.
 PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const Pose& world_from_sonar,
+                         std::uint64_t time_ns);
+
+/// A line for a person: a ping's time, its beams, and its echoes' ranges.
+std::string describe_fan(const char* name, const pybind11::array& ranges_m, const pybind11::array& valid,
                          std::uint64_t time_ns);
 
 }  // namespace uwsim::bindings

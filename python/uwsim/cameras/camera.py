@@ -61,6 +61,9 @@ class Camera(Sealed):
             scene.heads[name] = self._head
         self._core: _core.Camera | None = None  # built on first use: its table of rays takes time
 
+    def __repr__(self) -> str:
+        return f"<Camera '{self.name}', {self.info.width} x {self.info.height} pixels>"
+
     def change(self, mount: CameraMount) -> None:
         """Go on with another mount. Simulator.parameters calls this."""
         if mount != self.mount:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import io
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.atomic_file import write_atomically
 from uwsim.cameras.image_file import check_suffix, encode_jpeg, encode_png, write_image
 
 Floats = NDArray[np.float64]
@@ -33,7 +36,7 @@ class CameraInfo:
     p: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame:
     """One picture. All arrays are read-only and come from one pass.
 
@@ -80,6 +83,34 @@ class Frame:
         """Write a .png, .jpg or .jpeg file, whole or not at all. Raises ValueError for other suffixes, OSError."""
         check_suffix("path", Path(path))
         write_image(Path(path), self._rgb_or_error())
+
+    def save_npz(self, path: str | Path) -> None:
+        """Write all arrays, the time and the pose, whole or not at all, as np.load reads them. ValueError, OSError."""
+        target = Path(path)
+        if target.suffix != ".npz":
+            raise ValueError(f"path '{target}': must end in .npz")
+        content = io.BytesIO()
+        np.savez_compressed(content, **self._arrays())
+        write_atomically(target, content.getvalue())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return its fields by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def _arrays(self) -> dict[str, Any]:
+        names = {"label_names": np.array(self.label_names), "class_names": np.array(self.class_names)}
+        skipped = ("info", "rays", "task_s", *names)
+        plain = {name: np.asarray(value) for name, value in self.to_dict().items() if name not in skipped}
+        return {**plain, **names, "k": self.info.k, "d": self.info.d}
+
+    def _repr_png_(self) -> bytes | None:
+        """Show the picture in notebooks."""
+        return self.png() if len(self.rgb) else None
+
+    def __repr__(self) -> str:
+        height, width = self.depth_m.shape
+        colour = "" if len(self.rgb) else ", geometry only"
+        return f"Frame({width} x {height} pixels, {self.info.frame}, t = {self.time_ns * 1e-9:.3f} s{colour})"
 
     def _rgb_or_error(self) -> NDArray[np.uint8]:
         if not len(self.rgb):

@@ -28,6 +28,9 @@ class Lamp(Sealed):
         self._vehicle = ""
         self._orientations_xyzw = [mount_orientation_xyzw(spot.yaw_pitch_roll_deg) for spot in spec.spots]
 
+    def __repr__(self) -> str:
+        return f"<Lamp '{self.name}', {'on' if self.on else 'off'}>"
+
     def change(self, spec: Lamps) -> None:
         """Go on with other figures. Simulator.parameters calls this."""
         self.__dict__["spec"] = spec

@@ -73,7 +73,7 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
         sensor = source.of(sim).sensors[name]
         if not sensor.on:
             return None
-        sample: Sample = sensor.sample()
+        sample: Sample[Any] = sensor.sample()
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
         mount = source.model(sim).sensors[name]

@@ -62,8 +62,10 @@ def set_up(sim: Simulator, request: CameraRequest) -> Camera:
             raise ValueError(f"lamps = {name!r}: must be one of {', '.join(sim.rov.lamps) or 'none'}")
     for name, lamp in sim.rov.lamps.items():
         lamp.on = name in request.lamps
-    changes = {"jerlov": request.jerlov, "sun_elevation_deg": request.sun_deg}
-    sim.set_optics(**{key: value for key, value in changes.items() if value is not None})
+    if request.jerlov is not None:
+        sim.set_optics(jerlov=request.jerlov)
+    if request.sun_deg is not None:
+        sim.set_optics(sun_elevation_deg=request.sun_deg)
     if request.pose is not None:
         place_as_typed(sim.rov, request.pose)
     if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # false for nan, too

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import warnings
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -41,8 +41,27 @@ app = typer.Typer(
     name="uwsim",
     help="A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap.",
     epilog=exit_code_help(),
-    **SETTINGS,
+    **{**SETTINGS, "add_completion": True},
 )
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"uwsim {version('uwsim')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap."""
+
+
 app.command()(survey)
 app.command()(run)
 app.command()(serve)

@@ -9,6 +9,7 @@ import typer
 
 SETTINGS: dict[str, Any] = {
     "add_completion": False,
+    "context_settings": {"help_option_names": ["-h", "--help"]},
     "pretty_exceptions_enable": False,
     "rich_markup_mode": None,  # markup would swallow units in brackets
 }

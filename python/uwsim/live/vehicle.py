@@ -59,7 +59,7 @@ class LiveVehicle:
         return self._vehicle.released
 
     @property
-    def sensors(self) -> Mapping[str, Sensor]:
+    def sensors(self) -> Mapping[str, Sensor[Any]]:
         """The sensors by name."""
         return self._vehicle.sensors
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,9 @@ from uwsim import _core
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
 from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts
 from uwsim.sealed import Sealed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MapFormat = Literal["bt", "ot"]
 MapEngine = Literal["bricks", "octomap"]
@@ -266,6 +269,18 @@ class OccupancyMap(Sealed):
         if suffix not in (".bt", ".ot"):
             raise ValueError(f"map path '{target}': must end in .bt or .ot")
         self._map.write(target, suffix.removeprefix("."))
+
+    def view(self) -> Figure:
+        """Draw it from above, coloured by height: a matplotlib Figure."""
+        from uwsim.mapping.plan_view import plan_view  # matplotlib takes a while to import
+
+        return plan_view(self)
+
+    def _repr_png_(self) -> bytes:
+        """Show the view from above in notebooks."""
+        from uwsim.mapping.plan_view import png
+
+        return png(self)
 
     def __repr__(self) -> str:
         origin = ", ".join(f"{x:g}" for x in self.origin_world_m)

@@ -54,6 +54,9 @@ class ImagingSonar(Sealed):
         self.name = name
         self.model = checked_model(sim, mount)
 
+    def __repr__(self) -> str:
+        return f"<ImagingSonar '{self.name}' ({type(self.model).__name__})>"
+
     def change(self, model: Acoustics) -> None:
         """Go on with other figures. Simulator.parameters calls this."""
         self.__dict__["model"] = model

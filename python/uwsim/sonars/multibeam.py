@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import MappingProxyType
 from typing import cast
 
@@ -47,6 +48,11 @@ class Sonar(Sealed):
         """Go on with another model or mode. Simulator.parameters calls this."""
         in_physics_mode = self._simulation.in_physics_mode(self._vehicle, self._index)
         self.__dict__ |= {"model": spec.model, "mode": "physics" if in_physics_mode else "geometry"}
+
+    def __repr__(self) -> str:
+        span_deg = math.degrees(self.model.field_of_view_rad)
+        fan = f"{self.model.beams} beams over {span_deg:.0f} deg, {self.model.range_max_m:g} m"
+        return f"<Sonar '{self.name}': {self.model.name}, {fan}, {self.mode} mode>"
 
     def aim(self, elevation_rad: float) -> None:
         """Set the elevation to which the head turns: positive is up, 0 straight ahead. ValueError beyond +-pi/2.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, TypedDict
 
 from pydantic import BeforeValidator, model_validator
 
@@ -40,6 +40,19 @@ def _jerlov(value: object) -> object:
     if not isinstance(value, str):
         raise broken(f"must be one of {', '.join(_core.jerlov_types())}")
     return value
+
+
+class OpticsChanges(TypedDict, total=False):
+    """The fields of Optics, as keyword arguments."""
+
+    jerlov: str
+    coefficients: WaterCoefficients | Mapping[str, Any] | None
+    sun_elevation_deg: float
+    sun_azimuth_deg: float
+    wind_m_s: float
+    wind_heading_deg: float
+    particles_per_m3: float
+    turbulence_k: float
 
 
 class Optics(Model):

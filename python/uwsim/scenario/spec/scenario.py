@@ -60,6 +60,11 @@ class Scenario(Model):
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 
+    def __repr__(self) -> str:
+        vehicles = ", ".join(vehicle.name for vehicle in self.vehicles)
+        about = f"seed {self.seed}, {len(self.obstacles)} obstacles, vehicles {vehicles}"
+        return f"<Scenario '{self.name}': {about}; {' '.join(self.description.split())}>"
+
     @model_validator(mode="after")
     def _names_are_unique(self) -> Scenario:
         taken = set(RESERVED_NAMES)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field, StrictBool, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
@@ -127,5 +127,14 @@ def _sensors(value: object, info: ValidationInfo) -> object:
     return load_sensors(value, (info.context or {}).get("folder")) if isinstance(value, str | Path) else value
 
 
-Sensors = Annotated[dict[Name, SensorMount], BeforeValidator(_sensors)]
+def _named_as_their_kind(sensors: dict[str, SensorMount]) -> dict[str, SensorMount]:
+    """A sensor that has the name of a kind is of that kind: programs, and their type checkers, rely on it."""
+    kinds = _core.sensor_kinds()
+    for name, mount in sensors.items():
+        if name in kinds and mount.kind != name:
+            raise broken(f"must be {name}, as the sensor has that name", at=(name, "kind"), value=mount.kind)
+    return sensors
+
+
+Sensors = Annotated[dict[Name, SensorMount], BeforeValidator(_sensors), AfterValidator(_named_as_their_kind)]
 """By name; or the packaged name or the path of a SensorSet's file."""

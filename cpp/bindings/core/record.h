@@ -1,0 +1,96 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/typing.h>
+
+#include <functional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "bindings/core/arrays.h"
+
+namespace uwsim::bindings {
+
+/// A record's fields by name.
+using Fields = py::typing::Dict<py::str, py::object>;
+
+/// A result as Python sees it: read-only fields, from which follow to_dict(), copies and pickles.
+template <typename T>
+class Record {
+ public:
+  Record(py::module_& m, const char* name, const char* doc) : class_(m, name, doc) {}
+
+  template <typename Base, typename Member>
+  Record& field(const char* name, Member Base::*member, const char* doc = "") {
+    class_.def_readonly(name, member, doc);
+    fields_.push_back({name, [member](const T& value) { return as_object(value.*member); },
+                       [member](T& value, const py::object& given) {
+                         value.*member = given.cast<Member>();
+                         if constexpr (std::is_same_v<Member, py::array>) forbid_writing(value.*member);
+                       }});
+    return *this;
+  }
+
+  /// A line for a person, such as "Ping(400 beams, ...)".
+  Record& described_by(std::string (*describe)(const T&)) {
+    class_.def("__repr__", describe);
+    return *this;
+  }
+
+  /// What notebooks show, drawn by `module`, which is imported then: plot() gives a matplotlib figure.
+  Record& drawn_by(const char* module) {
+    class_
+        .def(
+            "plot", [module](const py::object& self) { return py::module_::import(module).attr("plot")(self); },
+            "Draw it: a matplotlib Figure.")
+        .def("_repr_png_", [module](const py::object& self) { return py::module_::import(module).attr("png")(self); });
+    return *this;
+  }
+
+  py::class_<T>& done() {
+    class_
+        .def(
+            "to_dict", [fields = fields_](const T& value) { return as_dict(fields, value); },
+            "Its fields by name; arrays are not copied.")
+        .def("__copy__", [](const py::object& self) { return self; })
+        .def(
+            "__deepcopy__", [](const py::object& self, const py::object&) { return self; }, py::arg("memo"))
+        .def(py::pickle([fields = fields_](const T& value) { return as_dict(fields, value); },
+                        [fields = fields_](const Fields& state) {
+                          T value{};
+                          for (const Field& field : fields) field.set(value, state[field.name]);
+                          return value;
+                        }));
+    return class_;
+  }
+
+ private:
+  struct Field {
+    const char* name;
+    std::function<py::object(const T&)> get;
+    std::function<void(T&, const py::object&)> set;
+  };
+
+  template <typename Member>
+  static py::object as_object(const Member& value) {
+    if constexpr (py::detail::is_pyobject<Member>::value) {
+      return value;
+    } else {
+      return py::cast(value);
+    }
+  }
+
+  static Fields as_dict(const std::vector<Field>& fields, const T& value) {
+    Fields all;
+    for (const Field& field : fields) all[field.name] = field.get(value);
+    return all;
+  }
+
+  py::class_<T> class_;
+  std::vector<Field> fields_;
+};
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,42 @@
+"""The documentation's site: `tools/docs` builds it into build/site, warnings are errors."""
+
+import re
+from importlib.metadata import version as installed_version
+from typing import Any
+
+project = "uwsim"
+author = "the uwsim authors"
+version = release = installed_version("uwsim")
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
+source_suffix = {".md": "markdown"}
+exclude_patterns = ["_static"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+myst_links_external_new_tab = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_default_options = {"members": True, "undoc-members": False}
+autodoc_preserve_defaults = True
+
+html_theme = "furo"
+html_title = f"uwsim {release}"
+html_show_sphinx = False
+copybutton_prompt_text = r"\$ |>>> "
+copybutton_prompt_is_regexp = True
+copybutton_exclude = ".linenos, .gp"
+
+
+def _plain_docstring(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Our docstrings are plain English, no markup: stars and bars are what they are, code stands in backticks."""
+    text = "\n".join(lines)
+    text = re.sub(r"([*|\\])", r"\\\1", text)
+    text = re.sub(r"(?<!`)`([^`\n]+)`(?!`)", r"``\1``", text)
+    text = re.sub(r"\n\n(?=    \S)", "\n\n::\n\n", text, count=1)  # an example, indented
+    lines[:] = text.split("\n")
+
+
+def setup(app: Any) -> None:
+    """Sphinx calls this."""
+    app.connect("autodoc-process-docstring", _plain_docstring)

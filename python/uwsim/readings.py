@@ -1,0 +1,91 @@
+"""What sensors of several quantities read: a class a kind, with the fields that the core gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reading:
+    """Quantities that one sensor measured at one time; Sensor.unit gives their units."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the quantities by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def __repr__(self) -> str:
+        parts = (
+            f"{name}={np.array2string(np.asarray(value), precision=4, suppress_small=True, separator=', ')}"
+            for name, value in self.to_dict().items()
+        )
+        return f"{type(self).__name__}({', '.join(parts)})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImuReading(Reading):
+    """As sensor_msgs/Imu. angular_velocity_rad_s (3,); linear_acceleration_m_s2 (3,), specific force: at rest it is up.
+
+    Both along the sensor's axes. orientation_xyzw (4,): world from sensor.
+    """
+
+    angular_velocity_rad_s: Floats
+    linear_acceleration_m_s2: Floats
+    orientation_xyzw: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class VelocityReading(Reading):
+    """linear_velocity_m_s (3,) over ground and angular_velocity_rad_s (3,), along the sensor's axes."""
+
+    linear_velocity_m_s: Floats
+    angular_velocity_rad_s: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AccelerationReading(Reading):
+    """linear_acceleration_m_s2 (3,) without gravity and angular_acceleration_rad_s2 (3,), along the sensor's axes."""
+
+    linear_acceleration_m_s2: Floats
+    angular_acceleration_rad_s2: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DvlReading(Reading):
+    """velocity_m_s (3,) over the bottom along the sensor's axes.
+
+    beam_ranges_m (4,), inf: lost; beam_velocities_m_s (4,) along each beam; bottom_lock: 1 or 0.
+    """
+
+    velocity_m_s: Floats
+    beam_ranges_m: Floats
+    beam_velocities_m_s: Floats
+    bottom_lock: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UsblReading(Reading):
+    """position_m (3,) from the station along east, north and up; range_m.
+
+    azimuth_rad from east to north; elevation_rad, up is positive.
+    """
+
+    position_m: Floats
+    range_m: float
+    azimuth_rad: float
+    elevation_rad: float
+
+
+READINGS: dict[str, type[Reading]] = {
+    "imu": ImuReading,
+    "velocity": VelocityReading,
+    "acceleration": AccelerationReading,
+    "dvl": DvlReading,
+    "usbl": UsblReading,
+}
+"""By the sensor's kind. A kind that is not here reads one number."""

@@ -1,0 +1,35 @@
+"""The Python programs of the documentation's pages run as printed: all of a page, one after the other."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("page", ["first-dive"])
+def test_the_programs_of_a_page_run(page: str, tmp_path: Path) -> None:
+    text = (DOCS / f"{page}.md").read_text()
+    programs = re.findall(r"^```python\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
+    assert programs
+    run = subprocess.run(
+        [sys.executable, "-c", "\n".join(programs)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, "-m", "tools.reference", str(tmp_path)], cwd=DOCS.parent, check=True)
+    scenario = (tmp_path / "scenario.md").read_text()
+    assert "| `step_s` | number in 0.0005 ... 0.02 s | `0.005` |" in scenario
+    assert "## imu" in (tmp_path / "sensors.md").read_text()
+    assert "## uwsim survey" in (tmp_path / "commands.md").read_text()
+    assert "`scan`" in (tmp_path / "channels.md").read_text()

@@ -1,0 +1,31 @@
+"""Writes the reference pages that follow from the program itself: python -m tools.reference FOLDER."""
+
+import sys
+from pathlib import Path
+
+from tools.reference.channels import channels_page
+from tools.reference.commands import commands_page
+from tools.reference.python_names import python_page
+from tools.reference.scenario import scenario_page
+from tools.reference.sensors import sensors_page
+
+PAGES = {
+    "scenario": scenario_page,
+    "sensors": sensors_page,
+    "channels": channels_page,
+    "commands": commands_page,
+    "python": python_page,
+}
+
+
+def main() -> None:
+    """Write each page whose text has changed."""
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, page in PAGES.items():
+        target, text = folder / f"{name}.md", page()
+        if not target.exists() or target.read_text() != text:
+            target.write_text(text)
+
+
+main()

@@ -1,0 +1,39 @@
+"""The command reference: what `uwsim --help` and each command's --help say."""
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+HEAD = """# Commands
+
+What `uwsim COMMAND --help` says of each command.
+
+"""
+MAP = "map"
+
+
+def commands_page() -> str:
+    """Return the page, with a section for each command."""
+    overview = _help()
+    names = [*_names(overview), *(f"{MAP} {name}" for name in _names(_help(MAP)))]
+    with ThreadPoolExecutor() as pool:
+        texts = list(pool.map(lambda name: _help(*name.split()), names))
+    parts = [f"## uwsim {name}\n\n```text\n{text}\n```\n" for name, text in zip(names, texts, strict=True)]
+    return HEAD + f"```text\n{overview}\n```\n\n" + "\n".join(parts)
+
+
+def _help(*command: str) -> str:
+    program = "import sys; from uwsim.cli import main; sys.argv[0] = 'uwsim'; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, *command, "--help"],
+        check=True,
+        capture_output=True,
+        text=True,
+        env={"COLUMNS": "110", "PATH": "/usr/bin:/bin", "NO_COLOR": "1"},
+    )
+    return done.stdout.rstrip()
+
+
+def _names(overview: str) -> list[str]:
+    lines = overview.split("Commands:\n")[1].split("\n\n")[0].splitlines()
+    return [line.split()[0] for line in lines if line.startswith("  ") and not line.startswith("   ")]

@@ -1,0 +1,22 @@
+"""Tables and escapes of Markdown."""
+
+from collections.abc import Iterable, Sequence
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table; cells are Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
+
+
+def code(text: str) -> str:
+    """Return text as code, or nothing for nothing."""
+    return f"`{text}`" if text else ""
+
+
+def plain(text: str) -> str:
+    """Return text on one line in which nothing is markup."""
+    line = " ".join(text.split())
+    for mark in ("\\", "*", "_", "<", "[", "]", "`", "$"):
+        line = line.replace(mark, "\\" + mark)
+    return line
