@@ -133,6 +133,21 @@ def test_one_flies_and_hands_over(running):
     until(lambda: running.effort("surge") == 0.0 and not running.station.lease.pilot, "a lost pilot's end")
 
 
+def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkeypatch):
+    first = running.fly()
+    when(first, "station.station.isPilot")
+    second = running.fly()
+    assert second.is_hidden("#banner")
+    monkeypatch.setattr(running.station.node, "silence_s", lambda client: 4.0)  # as if her network had died
+    second.wait_for_selector("#banner:not([hidden])")
+    assert re.search(r"has been silent for 4 s: efforts are zero", second.inner_text("#banner"))
+    assert "take over" in second.inner_text("#lease")
+    assert first.is_hidden("#banner")
+    second.click("#lease")
+    when(second, "station.station.isPilot")
+    second.wait_for_selector("#banner", state="hidden")
+
+
 @pytest.mark.parametrize(
     ("ending", "undo"),
     [
