@@ -171,7 +171,7 @@ class Station:
         """Return a PNG from above of a scenario that may be chosen. Raises LookupError, ScenarioError, OSError."""
         if self.is_fixed or scenario not in scenarios(self.offered):
             raise LookupError(scenario)
-        return preview_png(scenario)
+        return self.prepared.afterwards(lambda: preview_png(scenario))  # the simulator is needed sooner
 
     def quit(self) -> None:
         """End the simulator: back to the start screen. Raises ValueError if there is none."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
 
 from uwsim.scenario import Scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.simulator import Simulator
+
+T = TypeVar("T")
 
 
 class Prepared:
@@ -43,6 +46,10 @@ class Prepared:
         if made is None or made.cancel():  # it would wait for the one before it
             return self._make(scenario)
         return made.result()
+
+    def afterwards(self, function: Callable[[], T]) -> T:
+        """Return what a function returns, which is called when nothing is being prepared any more."""
+        return self._worker.submit(function).result()
 
     def forget(self) -> None:
         """Free what was prepared."""
