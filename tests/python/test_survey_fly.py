@@ -10,6 +10,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.difference import map_difference
 from uwsim.missions import COVERED
 from uwsim.scoring.map_score import score_map
 from uwsim.survey.fly import fly_survey
@@ -124,3 +125,12 @@ def test_an_empty_battery_ends_the_survey() -> None:
     _, record = fly_survey(Simulator("pool", mission_time_s=4.0))
     assert record.stopped_because == "the battery is used up"
     assert record.simulated_s == pytest.approx(4.0, abs=0.11)
+
+
+def test_a_survey_by_the_filter_maps_what_the_vehicle_believes() -> None:
+    sim = Simulator("pool", mission_time_s=15.0)
+    occupancy, record = fly_survey(sim, estimate="filter")
+    true_map, _ = fly_survey(Simulator("pool", mission_time_s=15.0))
+    assert record.estimate == "filter" and len(record.position_error_m) == record.ping_count
+    assert 0.0 < record.position_error_m.max() < 1.0
+    assert map_difference(occupancy, true_map).differing > 0

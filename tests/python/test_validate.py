@@ -30,6 +30,7 @@ def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(
         return [relative("g", "good", 1.0, 1.0, 0.1), *extra]
 
     monkeypatch.setattr("uwsim.validate.dynamics.run", two_checks)
+    monkeypatch.setattr("uwsim.validate.estimation.SEEDS", 4)  # flights; its own test flies more
     extra: list[Check] = []
     passed = CliRunner().invoke(app, ["validate", "--out", str(tmp_path / "new")])
     assert passed.exit_code == 0

@@ -12,7 +12,8 @@ from uwsim.cli.exit_codes import FAILED
 
 def validate(
     suites: Annotated[
-        list[str] | None, typer.Argument(help="Any of dynamics, sonar, imaging, camera, link, control. Default: all.")
+        list[str] | None,
+        typer.Argument(help="Any of dynamics, sonar, imaging, camera, link, control, estimation. Default: all."),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,
 ) -> None:

@@ -17,6 +17,7 @@ SUITES = {
     "camera": "uwsim.validate.camera",
     "link": "uwsim.validate.link",
     "control": "uwsim.validate.control",
+    "estimation": "uwsim.validate.estimation",
 }
 
 
