@@ -7,6 +7,7 @@ import pytest
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.spec.control import Control
 from uwsim.validate.control import VEHICLES, response_checks
+from uwsim.validate.gust_flights import gust_checks
 from uwsim.validate.step_figures import draw_steps
 from uwsim.validate.step_responses import step_responses
 
@@ -15,6 +16,11 @@ from uwsim.validate.step_responses import step_responses
 def test_every_packaged_vehicle_answers_steps_within_the_limits(name: str) -> None:
     checks = [check for response in step_responses(name, load_vehicle(name)) for check in response_checks(response)]
     assert len(checks) >= 24
+    assert [check for check in checks if not check.passed] == []
+
+
+def test_a_vehicle_keeps_place_and_path_in_gusts_by_its_own_estimate() -> None:
+    checks = gust_checks("bluerov2_heavy", load_vehicle("bluerov2_heavy"))
     assert [check for check in checks if not check.passed] == []
 
 

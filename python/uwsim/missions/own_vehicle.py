@@ -80,6 +80,11 @@ class OwnVehicle(Sealed):
         return getattr(self._hull, "authority", None)
 
     @property
+    def control(self) -> Any:
+        """The model and the gains of its file, for uwsim.control.Controller, or None if they are not known."""
+        return getattr(self._hull, "control", None)
+
+    @property
     def sensors(self) -> Mapping[str, SensorLike]:
         """The sensors by name."""
         return self._hull.sensors  # type: ignore[no-any-return]

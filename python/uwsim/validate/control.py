@@ -1,4 +1,4 @@
-"""The control loops of the packaged vehicles: step responses against the limits that their gains are tuned for."""
+"""The control loops of the packaged vehicles: step responses, and flights in gusts, against limits."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 
 from uwsim.scenario import load_vehicle
 from uwsim.validate.check import Check, at_most
+from uwsim.validate.gust_flights import gust_checks
 from uwsim.validate.step_responses import StepResponse, step_responses
 
 VEHICLES = ("rov", "paper", "bluerov2_heavy", "bluerov2_wu", "bluerov2_tank")
@@ -25,7 +26,7 @@ def run(out: Path | None) -> list[Check]:
             from uwsim.validate.step_figures import draw_steps
 
             draw_steps(responses, out / f"control-{name}.png")
-    return checks
+    return checks + gust_checks("bluerov2_heavy", load_vehicle("bluerov2_heavy"))
 
 
 def response_checks(response: StepResponse) -> list[Check]:
