@@ -58,6 +58,10 @@ class ShoalChart(Sealed):
         cells, echoes = np.unique(np.floor(points[:, :2] / CELL_M).astype(np.int64), axis=0, return_counts=True)
         self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
 
+    def close(self, point_m: Point) -> None:
+        """Chart the cell of a point that something else than its height closes to the vehicle."""
+        self._chart([_cell(point_m)])
+
     def blocks(self, start_m: Point, end_m: Point) -> bool:
         """Whether a shoal lies on or beside the straight line between two points.
 

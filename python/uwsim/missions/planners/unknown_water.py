@@ -20,11 +20,10 @@ import numpy as np
 from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
-from uwsim.missions.planners.lookout import HIGHEST_Z_M, Lookout
+from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, Lookout
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
-CLEARANCE_M = 1.5  # of the vehicle flying at its highest: what reaches higher closes a cell
 ECHOES_TO_CLOSE = 4  # of one ping
 OVERSHOOT = 1.0  # cells beyond the next one at which a lane aims
 STUCK_S = 30.0  # time for a cell beside four times what its length needs

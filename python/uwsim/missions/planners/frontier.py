@@ -1,0 +1,131 @@
+"""Frontier exploration of the live OctoMap: always to the nearest column of which the map knows nothing.
+
+Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997, on columns of the map: a column is known if
+a voxel in it is occupied, which is the bed if nothing else; it is closed if one reaches so high that the vehicle cannot
+pass over it. Ways lead over known, open columns of the map, so obstacles are avoided on the map; the sonar looks ahead
+all the same. It ends when no unknown column within the bound is next to one that can be reached.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from uwsim.control.autopilot import wrap_angle
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.planners.cells import Cell, Cells, nearest
+from uwsim.missions.planners.live_map import LOOK_PERIOD_S, LiveMap
+from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, TURN_FIRST_RAD, Lookout
+from uwsim.missions.planners.unknown_water import find_bed
+from uwsim.missions.steps import Steps
+
+STUCK_S = 30.0  # time for a way beside four times what its length needs
+
+
+@dataclass(frozen=True, eq=False)
+class Explored:
+    """map: what was made on the way. known_m2: area of the known columns within the bound. given_up: unknown ones."""
+
+    map: OccupancyMap
+    known_m2: float
+    given_up: tuple[tuple[float, float], ...]
+
+
+def explore(
+    vehicle: OwnVehicle,
+    bound_m: float,
+    *,
+    altitude_m: float = 4.0,
+    speed_m_s: float = 0.6,
+    resolution_m: float = 0.5,
+    cell_m: float = 2.0,
+) -> Steps[Explored]:
+    """Explore all water that can be reached within bound_m of where it begins, until the map knows all of it.
+
+    resolution_m: of the live map. cell_m: edge of a column. Logs `frontier` where it goes, `given_up`, `explored`.
+    Raises ValueError, StoppedError.
+    """
+    if not resolution_m <= cell_m <= bound_m < math.inf:
+        raise ValueError(
+            f"cell_m = {cell_m} m: must be at least resolution_m = {resolution_m} m and at most bound_m = {bound_m} m"
+        )
+    start = vehicle.pose.position_world_m
+    cells = Cells((float(start[0]), float(start[1])), 0.0, cell_m)
+    live = LiveMap(vehicle, resolution_m, cells)
+    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=live.hear)
+    yield from lookout.tilt()
+    yield from find_bed(vehicle)
+    yield from lookout.steer(vehicle.pose.yaw_rad, (0.0, 0.0))
+    search = _Search(lookout, live, cells, bound_m)
+    while (way := search.way()) is not None:
+        yield from search.go(way)
+    known_m2 = cell_m**2 * sum(search.inside(cell) for cell in live.tops_m)
+    vehicle.log("explored", known_m2=known_m2, given_up=len(search.given_up), bound_m=bound_m)
+    return Explored(live.map, known_m2, tuple(cells.middle_m(cell) for cell in search.given_up))
+
+
+class _Search:
+    """given_up: columns that stay unknown. closed: known ones into which the vehicle cannot go for another reason."""
+
+    def __init__(self, lookout: Lookout, live: LiveMap, cells: Cells, bound_m: float) -> None:
+        self._lookout, self._vehicle, self._live, self._cells = lookout, lookout.vehicle, live, cells
+        self._bound_m = bound_m
+        self.given_up: dict[Cell, None] = {}
+        self._closed: set[Cell] = set()
+        self._here: Cell = (0, 0)  # the last known open column that it was in
+
+    def inside(self, cell: Cell) -> bool:
+        return math.dist(self._cells.middle_m(cell), self._cells.middle_m((0, 0))) <= self._bound_m
+
+    def _unknown(self, cell: Cell) -> bool:
+        return cell not in self._live.tops_m and cell not in self.given_up and self.inside(cell)
+
+    def _open(self, cell: Cell) -> bool:
+        top_m = self._live.tops_m.get(cell, math.inf)
+        return top_m < HIGHEST_Z_M - CLEARANCE_M and cell not in self._closed and self.inside(cell)
+
+    def way(self) -> list[Cell] | None:
+        """The way over open columns to the nearest unknown one."""
+        return nearest(self._here, self._unknown, self._open)
+
+    def go(self, way: list[Cell]) -> Steps[None]:
+        """Go along a way until its last column is known, or give that up, or close the column that is in the way."""
+        vehicle, frontier = self._vehicle, way[-1]
+        vehicle.log("frontier", position_m=list(self._cells.middle_m(frontier)), cells_away=len(way) - 1)
+        end_s = vehicle.time_s + STUCK_S + 4.0 * len(way) * self._cells.edge_m / self._lookout.speed_m_s
+        for cell in way:
+            middle = self._cells.middle_m(cell)
+            while math.dist(vehicle.pose.position_world_m[:2], middle) > 0.5 * self._cells.edge_m:
+                if not self._unknown(frontier):
+                    return
+                if vehicle.time_s > end_s:
+                    return self._give_up(frontier)
+                yield from self._lookout.towards(middle)
+                at = self._cells.cell_of(vehicle.pose.position_world_m)
+                if self._open(at):
+                    self._here = at
+                if self._lookout.must_stop and self._facing(middle):
+                    return self._close(cell, frontier)
+        end_s = vehicle.time_s + 2.0 * LOOK_PERIOD_S
+        while self._unknown(frontier):  # it is above it: the altimeter sees the bed, if there is one
+            if vehicle.time_s > end_s:
+                return self._give_up(frontier)
+            yield from self._lookout.towards(middle)
+
+    def _facing(self, point_m: tuple[float, float]) -> bool:
+        x, y, _ = self._vehicle.pose.position_world_m.tolist()
+        off_rad = wrap_angle(math.atan2(point_m[1] - y, point_m[0] - x) - self._vehicle.pose.yaw_rad)
+        return abs(off_rad) < TURN_FIRST_RAD
+
+    def _close(self, cell: Cell, frontier: Cell) -> None:
+        """Close the column that the vehicle was heading for; an unknown one is given up."""
+        if cell in (frontier, self._here):
+            self._give_up(frontier)
+        else:
+            self._closed.add(cell)
+            self._vehicle.log("closed", position_m=list(self._cells.middle_m(cell)), reason="too high ahead")
+
+    def _give_up(self, frontier: Cell) -> None:
+        self.given_up[frontier] = None
+        self._vehicle.log("given_up", position_m=list(self._cells.middle_m(frontier)))

@@ -1,0 +1,54 @@
+"""LiveMap: the OctoMap that a mission makes of its own pings in flight, and what it tells of each column of water."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control.protocols import PingLike
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.planners.cells import Cell, Cells
+
+PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 2.0
+LONGEST_RAY_M = 30.0  # a longer echo frees water up to here
+
+
+class LiveMap:
+    """Makes a map of pings as they are heard, at the vehicle's estimated poses, and of the bed straight below.
+
+    cells: the columns of `tops_m`.
+    """
+
+    def __init__(self, vehicle: OwnVehicle, resolution_m: float, cells: Cells) -> None:
+        self.map = OccupancyMap(resolution_m=resolution_m)
+        self._vehicle, self._cells = vehicle, cells
+        self._next_s = self._next_look_s = -math.inf
+        self._tops: dict[Cell, float] = {}
+
+    def hear(self, ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
+        """Put a ping into the map, if the last one is old enough."""
+        now_s = self._vehicle.time_s
+        if now_s < self._next_s:
+            return
+        self._next_s = now_s + PING_PERIOD_S
+        below_m = float(self._vehicle.sensors["altitude"].read())
+        bed = np.asarray(self._vehicle.pose.position_world_m, np.float64) - (0.0, 0.0, below_m)
+        points = np.vstack([echoes_world_m, bed]).astype(np.float32)  # one scan: none of its rays frees the bed
+        self.map.insert_scan(points, ping.world_from_sonar[:3, 3], LONGEST_RAY_M)
+
+    @property
+    def tops_m(self) -> dict[Cell, float]:
+        """Height of the highest occupied voxel in each column in which there is one; at most LOOK_PERIOD_S old."""
+        if self._vehicle.time_s >= self._next_look_s:
+            self._next_look_s = self._vehicle.time_s + LOOK_PERIOD_S
+            self._tops = self._read_tops()
+        return self._tops
+
+    def _read_tops(self) -> dict[Cell, float]:
+        voxels = self.map.occupied_voxels()
+        voxels = voxels[np.lexsort((voxels[:, 2],))]  # the highest last, so that it stays
+        cells = self._cells.of(voxels)
+        return {(i, j): z for (i, j), z in zip(cells.tolist(), voxels[:, 2].tolist(), strict=True)}

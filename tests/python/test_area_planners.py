@@ -1,0 +1,92 @@
+"""Planners that cover an area: lanes over any polygon, and frontiers of the map that is being made."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from matplotlib.path import Path as Polygon
+
+import uwsim
+from uwsim import Simulator
+from uwsim.missions.planners.boustrophedon import boustrophedon_lanes, mow_area
+from uwsim.missions.planners.frontier import explore
+
+CELL = [[-20, -20], [12, -20], [12, -6], [-6, -6], [-6, 14], [-20, 14]]
+COMB = [[0, 0], [40, 0], [40, 30], [30, 30], [30, 8], [22, 8], [22, 30], [12, 30], [12, 8], [6, 8], [6, 30], [0, 30]]
+TRIANGLE = [[0, 0], [31, 4], [9, 27]]
+
+
+@pytest.mark.parametrize("area", [CELL, COMB, COMB[::-1]])
+@pytest.mark.parametrize("spacing_m", [1.7, 4.0])
+def test_lanes_lie_in_the_polygon_and_every_point_of_it_is_within_half_a_spacing_of_one(area, spacing_m) -> None:
+    lanes = boustrophedon_lanes(area, spacing_m, np.zeros(2))
+    polygon = Polygon(np.array(area, float))
+    for lane in lanes:
+        inner = lane.start_m + np.linspace(0.01, 0.99, 50)[:, None] * (lane.end_m - lane.start_m)
+        assert polygon.contains_points(inner).all()
+    grid = np.mgrid[-25:45:0.9, -25:45:0.9].reshape(2, -1).T
+    for point in grid[polygon.contains_points(grid)]:
+        places = [lane.locate(point) for lane in lanes]
+        off = [
+            max(abs(across), along - lane.length_m, -along) for (along, across), lane in zip(places, lanes, strict=True)
+        ]
+        assert min(off) <= 0.5 * spacing_m + 1e-6
+
+
+def test_neighbouring_lanes_of_a_cell_run_back_and_forth_and_cells_are_few() -> None:
+    lanes = boustrophedon_lanes(COMB, 2.0, np.zeros(2))
+    turns_m = [np.linalg.norm(b.start_m - a.end_m) for a, b in pairwise(lanes)]
+    assert sum(turn_m > 2.5 for turn_m in turns_m) <= 3, "four cells or fewer"
+
+
+def test_lanes_are_across_the_narrowest_way_so_that_they_are_few() -> None:
+    lanes = boustrophedon_lanes(TRIANGLE, 2.0, np.zeros(2))
+    corners = np.array(TRIANGLE, float)
+    heights_m = []
+    for k in range(3):
+        side = corners[k] - corners[k - 1]
+        heights_m.append(abs(np.cross(side, corners[(k + 1) % 3] - corners[k])) / np.linalg.norm(side))
+    assert len(lanes) == np.ceil(min(heights_m) / 2.0)
+
+
+@pytest.mark.parametrize(
+    ("area", "match"),
+    [([[0, 0], [1, 1]], "k at least 3"), ([[0, 0], [1, 1], [2, 2]], "has no area"), ([[0, 0, 1]] * 3, "corners")],
+)
+def test_what_is_no_polygon_is_refused(area, match) -> None:
+    with pytest.raises(ValueError, match=match):
+        boustrophedon_lanes(area, 1.0, np.zeros(2))
+
+
+def test_a_concave_polygon_is_mown_at_the_altitude_without_a_collision() -> None:
+    def mission(vehicle):
+        vehicle.undock()
+        return (yield from mow_area(vehicle, CELL, altitude_m=3.0, overlap=0.3))
+
+    flown = uwsim.fly(mission, "cove")
+    assert not flown.ended_early and not flown.collisions and flown.result.left_out == ()
+    altitude_m = flown.samples["rov"]["altitude_m"][100:]
+    assert np.quantile(altitude_m, 0.05) > 2.3, "it follows the bed, and is higher where the bed rises ahead"
+    assert np.median(altitude_m) < 4.0
+
+
+def test_exploring_ends_when_the_map_knows_all_that_can_be_reached() -> None:
+    bound_m, cell_m = 20.0, 2.0
+
+    def mission(vehicle):
+        vehicle.undock()
+        return (yield from explore(vehicle, bound_m, altitude_m=3.0, cell_m=cell_m))
+
+    flown = uwsim.fly(mission, "cove")
+    assert not flown.ended_early, flown.ended_because
+    assert flown.collisions == 0
+    explored = flown.result
+    sim = Simulator("cove")
+    start = np.array([-13.0, -14.0])
+    grid = start + np.mgrid[-30:31:cell_m, -30:31:cell_m].reshape(2, -1).T
+    grid = grid[np.linalg.norm(grid - start, axis=1) < bound_m - 1.0]
+    open_water = grid[sim.world.height_at(grid) < -5.0]
+    voxels = explored.map.occupied_voxels()[:, :2]
+    known = [(np.abs(voxels - point).max(axis=1) <= 0.5 * cell_m).any() for point in open_water]
+    assert np.mean(known) > 0.97, f"{len(known) - sum(known)} of {len(known)} columns are unknown"
+    assert len(explored.given_up) <= 4
