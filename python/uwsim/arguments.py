@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.did_you_mean import did_you_mean
 
 
 def number(value: Any, name: str, unit: str = "") -> float:
@@ -30,3 +34,29 @@ def plain(value: Any, path: str) -> Any:
     if isinstance(value, Sequence):
         return [plain(item, f"{path}[{k}]") for k, item in enumerate(value)]
     raise ValueError(f"{path} is {type(value).__name__}: must be a number, text, a list or a dict")
+
+
+def numbers_by_name(
+    values: Mapping[str, float], what: str, known: list[str], unit: str = ""
+) -> list[tuple[str, float]]:
+    """Return (name, value) pairs. Raises ValueError for an unknown name or a value that is not a number."""
+    for name in values:
+        if name not in known:
+            rule = f"must be one of {', '.join(known)}" if known else "the vehicle has none"
+            raise ValueError(f"{what} = {name!r}: {rule}{did_you_mean(str(name), known)}")
+    return [(name, number(value, f"{what}.{name}", unit)) for name, value in values.items()]
+
+
+def checked_threads(threads: int | None) -> int:
+    """Return how many threads may be used, by default all. Raises ValueError."""
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
+        raise ValueError(f"threads = {threads!r}: must be a whole number in [1, 1024]")
+    return int(threads)
+
+
+def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a copy of the state, into which writing would have no effect."""
+    array.flags.writeable = False
+    return array

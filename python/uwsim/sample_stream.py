@@ -112,6 +112,11 @@ class SampleSource:
         self._streams.clear()
         self._watch(None)
 
+    def settle(self) -> None:
+        """Give all streams what has arrived so far: from now on the sensor tells otherwise."""
+        if self._streams:
+            self.hand_out()
+
     def hand_out(self) -> None:
         """Give all streams what has arrived."""
         samples = Samples(*self._take())

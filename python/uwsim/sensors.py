@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast, overload
 
 from uwsim import _core
+from uwsim.distortion import Distortion
 from uwsim.named import Named
 from uwsim.readings import READINGS, AccelerationReading, DvlReading, ImuReading, UsblReading, VelocityReading
 from uwsim.sample_stream import SampleSource, SampleStream
@@ -73,7 +74,7 @@ class Sensor(Sealed, Generic[R]):
     ) -> None:
         self._step_s = step_s
         self._source = SampleSource(
-            lambda: simulation.take_samples(vehicle, index),
+            lambda: self._told(*simulation.take_samples(vehicle, index)),
             lambda from_ns: simulation.watch_sensor(vehicle, index, from_ns),
         )
         self._simulation = simulation
@@ -82,14 +83,38 @@ class Sensor(Sealed, Generic[R]):
         kind = _core.sensor_kind(spec.kind)
         self._reading = READINGS.get(kind.name)
         self._scalar = next(iter(kind.fields)) if self._reading is None else None
+        self._fields = kind.fields
         self._units = {field: unit for field, (_, unit) in kind.fields.items()}
         self.name = spec.name
         self.kind = kind.name
         self.meaning = kind.meaning
+        self._distortion: Distortion | None = None
         self.change(spec, on)
+
+    @property
+    def distortion(self) -> Distortion | None:
+        """What a fault makes of its readings, if there is one; see Simulator.faults."""
+        return self._distortion
+
+    def distort(self, distortion: Distortion | None) -> None:
+        """Let it tell wrongly from now on, or no more. Faults call this."""
+        self._source.settle()
+        self._distortion = distortion
+
+    def stick(self) -> None:
+        """Let it tell its present reading again and again. Faults call this."""
+        self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
+
+    def _told(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
+        """Return samples as the sensor tells them now: distorted, or not valid while it is off."""
+        if self._distortion is not None:
+            readings = self._distortion.of_rows(readings, self._fields)
+        return stamps_ns, arrivals_ns, readings, valid & self.on
 
     def change(self, spec: _core.SensorSpec, on: bool) -> None:
         """Go on with other errors and times. Simulator.parameters calls this."""
+        if on != self.__dict__.get("on", on):
+            self._source.settle()
         period_s = max(1.0 / spec.rate_hz, self._step_s) if spec.rate_hz else self._step_s
         self.__dict__ |= {
             "rate_hz": spec.rate_hz or None, "latency_s": spec.latency_s, "period_s": period_s, "spec": spec, "on": on,
@@ -107,7 +132,7 @@ class Sensor(Sealed, Generic[R]):
         arrived, the present. `sample` tells these apart. noise=False returns the present true value, without errors,
         rate, latency and drop-outs. A sensor that is off reads NaN.
         """
-        return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise))
+        return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)
 
     def sample(self, *, noise: bool = True) -> Sample[R]:
         """Return the value of `read` with its time and validity.
@@ -116,13 +141,13 @@ class Sensor(Sealed, Generic[R]):
         sample was dropped, none has arrived yet, or the sensor is off.
         """
         reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
-        return Sample(self._value(reading), reading.stamp_ns, reading.valid and self.on)
+        return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
 
     def stream(self, from_ns: int | None = None) -> SampleStream:
         """Return the sensor's samples to come: each once, in the order of arrival, but for dropped ones.
 
         from_ns: the earliest time of measurement; by default later than now. Take them now and then, as they are kept
-        until then; they end when the simulator is reset or restored. A sensor that is off measures none the less.
+        until then; they end when the simulator is reset or restored. Those of a sensor that is off are not valid.
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
 
@@ -135,8 +160,10 @@ class Sensor(Sealed, Generic[R]):
         """Simulated time, nanoseconds."""
         return self._simulation.time_ns
 
-    def _value(self, reading: _core.SensorReading) -> R:
+    def _value(self, reading: _core.SensorReading, noise: bool) -> R:
         values = reading.values if self.on else {field: value * math.nan for field, value in reading.values.items()}
+        if noise and self._distortion is not None and self.on:
+            values = self._distortion.of(values)
         if self._reading is not None:
             return cast(R, self._reading(**values))
         assert self._scalar is not None

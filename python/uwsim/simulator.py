@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import NoReturn, Self, Unpack
@@ -11,12 +10,13 @@ from typing import NoReturn, Self, Unpack
 import numpy as np
 
 from uwsim import _core
-from uwsim.arguments import number
+from uwsim.arguments import checked_threads, number
 from uwsim.cameras import Camera
 from uwsim.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
 from uwsim.estimation import Navigator, Start
+from uwsim.failures import Aboard, EventLog, Faults
 from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.network import Network
@@ -48,14 +48,16 @@ class Simulator(Sealed):
     Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample.
-    One call at a time owns the simulator; others wait. cameras: the station's, by name. world: as built; it cannot be
-    changed.
+    One call at a time owns the simulator; others wait. cameras: the station's, by name. events: faults, alarms and
+    failsafes so far. world: as built; it cannot be changed.
     """
 
     threads: int
     scene: _core.RayScene
     journal: Journal
     cameras: Named[Camera]
+    events: EventLog
+    faults: Faults
     vehicles: Named[Vehicle]
     _changed_by = MappingProxyType(
         {
@@ -90,8 +92,9 @@ class Simulator(Sealed):
             sonar_frequency_khz=sonar_frequency_khz,
             modem=link,
         )
-        self.threads = _checked_threads(threads)
+        self.threads = checked_threads(threads)
         self.journal = Journal()
+        self.events = EventLog(self.scenario.step_s)
         self._world = build_world(self.scenario)
         self._fixed_world = _core.FixedWorld(self._world)
         self.scene = _core.RayScene(self._world)
@@ -107,7 +110,15 @@ class Simulator(Sealed):
         self.vehicles = Named(vehicles, "vehicles")
         self._link = Network.of(self._core, self.scenario, self.journal)
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
-        self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps)
+        self.faults = Faults(
+            self.scenario, vehicles, events=self.events, journal=self.journal, tick=lambda: self.tick,
+            apply=lambda: self.parameters.lay_anew(),
+        )  # fmt: skip
+        self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
+        self._aboard = Aboard(self.faults)
+        self._aboard.add_failsafes(
+            self.scenario, vehicles, dock=dock, network=self._link, events=self.events, tick=lambda: self.tick
+        )
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
         spec = vehicle_spec(self.scenario, entry)
@@ -240,10 +251,14 @@ class Simulator(Sealed):
         if n:
             for vehicle in self.vehicles.values():
                 vehicle.warn_if_docked()
+        tick = self.tick
+        self._aboard.step(tick, tick + int(n), self._step)
+
+    def _step(self, steps: int) -> None:
         if self.journal.observers:
-            self.journal.step(int(n), self.tick, self._core.step)
+            self.journal.step(steps, self.tick, self._core.step)
         else:
-            self._core.step(int(n))
+            self._core.step(steps)
 
     def advance(self, duration_s: float) -> None:
         """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
@@ -270,11 +285,13 @@ class Simulator(Sealed):
         the scenario has them. `version` goes on. Raises ValueError, changing nothing.
         """
         scenario = self.scenario.with_changes(seed=seed)
+        self._aboard.restart(scenario)
         self.parameters.replace({})
         if scenario.seed != self.seed:
             fill_with_water(self._world, scenario)
             self._fixed_world = _core.FixedWorld(self._world)
         self._core.restart(self._world, simulation_spec(scenario))
+        self.events.restore([])
         self._shared_scene.restart(scenario)
         self._scenario = scenario
         self.parameters.restart(scenario)
@@ -291,8 +308,8 @@ class Simulator(Sealed):
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
         aims = {name: head.save() for name, head in self._shared_scene.heads.items()}
         estimates = {name: saved for name, rov in self.vehicles.items() if (saved := rov.navigation.save()) is not None}
-        changes = self.parameters.changes
-        notes = json.dumps({"lamps": lit, "parameters": changes, "cameras": aims, "estimates": estimates})
+        kept = {"lamps": lit, "parameters": self.parameters.changes, "cameras": aims, "estimates": estimates}
+        notes = json.dumps({**kept, "programs": self._aboard.save(), "events": self.events.save()})
         return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
 
     def restore_state(self, state: bytes) -> None:
@@ -304,12 +321,17 @@ class Simulator(Sealed):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
         origin = scenario_fingerprint(self.scenario), build_fingerprint()
         notes, before = json.loads(_core.saved_notes(state, *origin)), self.parameters.changes
-        self.parameters.replace(notes["parameters"])
+        faults = self.faults.save()
+        self.faults.restore(notes["programs"]["faults"])
         try:
+            self.parameters.replace(notes["parameters"])
             self._core.restore_state(state, *origin)
         except ValueError:
+            self.faults.restore(faults)
             self.parameters.replace(before)
             raise
+        self._aboard.restore(notes["programs"])
+        self.events.restore(notes["events"])
         for name, lamps in notes["lamps"].items():
             for lamp, on in lamps.items():
                 self.vehicles[name].lamps[lamp].set_silently(on)
@@ -374,11 +396,3 @@ class Simulator(Sealed):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Do nothing: the world is freed with the object."""
-
-
-def _checked_threads(threads: int | None) -> int:
-    if threads is None:
-        return len(os.sched_getaffinity(0))
-    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
-        raise ValueError(f"threads = {threads!r}: must be a whole number in [1, 1024]")
-    return int(threads)

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.arguments import number
+from uwsim.arguments import number, numbers_by_name, read_only
 from uwsim.cameras import Camera, Lamp
-from uwsim.did_you_mean import did_you_mean
+from uwsim.command_gate import CommandGate, FailsafeLike
 from uwsim.docking import Dock, DockedWarning
 from uwsim.estimation import Navigator, Start
 from uwsim.journal import Journal
@@ -62,6 +62,7 @@ class Vehicle(Sealed):
     lamps: Named[Lamp]
     imaging_sonars: Named[ImagingSonar]
     control: ControlSettings
+    gate: CommandGate
     _changed_by = MappingProxyType(
         {
             "pose": "place()",
@@ -114,6 +115,7 @@ class Vehicle(Sealed):
         self._navigation = OnboardNavigation(
             spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
         )
+        self.gate = CommandGate(spec.name)
 
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()
@@ -144,6 +146,20 @@ class Vehicle(Sealed):
         From the smaller of the wrenches ahead and astern, and the full mass, added mass included.
         """
         return authority(self._craft, self.full_wrench_body)
+
+    @property
+    def failsafe(self) -> FailsafeLike | None:
+        """What it does by itself when nobody speaks to it or something fails; None unless its YAML file says so."""
+        return self.gate.failsafe
+
+    def steer_silently(self, efforts: Sequence[float]) -> None:
+        """Set efforts, saturated, without a note: what a program aboard does follows from what is noted already."""
+        self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
+
+    def override_failsafe(self) -> None:
+        """Take the vehicle back from its failsafe, which acts no more on this cause. ValueError if there is none."""
+        self.gate.override()
+        self._note("override_failsafe")
 
     def release(self) -> None:
         """Leave the station; the mission time starts. Does nothing if already free."""
@@ -208,7 +224,9 @@ class Vehicle(Sealed):
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
+        self.gate.hears()
         self._simulation.set_effort(self._index, *efforts)
+        self.gate.yields()
         self.__dict__["_commanded"] = any(efforts)  # faster than by __setattr__, which checks names
         if self._journal.observers:
             self._note("set_effort", **dict(zip(AXES, efforts, strict=True)))
@@ -216,7 +234,7 @@ class Vehicle(Sealed):
     @property
     def effort(self) -> Vector:
         """(6,) surge, sway, heave, roll, pitch, yaw as last set; zero after set_wrench or set_thrusters."""
-        return _read_only(self._simulation.effort(self._index))
+        return read_only(self._simulation.effort(self._index))
 
     @property
     def controllable(self) -> frozenset[str]:
@@ -228,7 +246,7 @@ class Vehicle(Sealed):
     def full_wrench_body(self) -> tuple[Vector, Vector]:
         """The largest wrenches in still water for each axis alone, ahead and astern: (6,) magnitudes, N and N m."""
         ahead, astern = self._simulation.full_wrench_body(self._index)
-        return _read_only(ahead), _read_only(astern)
+        return read_only(ahead), read_only(astern)
 
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
@@ -244,14 +262,18 @@ class Vehicle(Sealed):
             if np.shape(part) != (3,):
                 raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
             parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
+        self.gate.hears()
         self._simulation.set_wrench(self._index, np.array(parts))
+        self.gate.yields()
         self._commanded = any(parts)
         self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
         """Command thrusters in [-1, 1] by name; unnamed thrusters stop; fins stay. Raises ValueError."""
-        pairs = _numbers_by_name(commands, "thrusters", [name for name, _ in self._thruster_commands()])
+        pairs = numbers_by_name(commands, "thrusters", [name for name, _ in self._thruster_commands()])
+        self.gate.hears()
         self._simulation.set_thrusters(self._index, pairs)
+        self.gate.yields()
         self._commanded = any(value for _, value in pairs)
         self._note("set_thrusters", commands=dict(pairs))
 
@@ -270,8 +292,10 @@ class Vehicle(Sealed):
 
         Raises ValueError.
         """
-        pairs = _numbers_by_name(angles_rad, "fins", list(self.fins), "rad")
+        pairs = numbers_by_name(angles_rad, "fins", list(self.fins), "rad")
+        self.gate.hears()
         self._simulation.set_fins(self._index, pairs)
+        self.gate.yields()
         self._commanded = self._commanded or any(value for _, value in pairs)
         self._note("set_fins", angles_rad=dict(pairs))
 
@@ -369,20 +393,3 @@ class Vehicle(Sealed):
         if last is None or last[0] != version:
             self.__dict__["_last_panel"] = last = version, self._simulation.telemetry(self._index)
         return last[1]
-
-
-def _read_only(array: Vector) -> Vector:
-    """Return a copy of the state, into which writing would have no effect."""
-    array.flags.writeable = False
-    return array
-
-
-def _numbers_by_name(
-    values: Mapping[str, float], what: str, known: list[str], unit: str = ""
-) -> list[tuple[str, float]]:
-    """Return (name, value) pairs. Raises ValueError for an unknown name or a value that is not a number."""
-    for name in values:
-        if name not in known:
-            rule = f"must be one of {', '.join(known)}" if known else "the vehicle has none"
-            raise ValueError(f"{what} = {name!r}: {rule}{did_you_mean(str(name), known)}")
-    return [(name, number(value, f"{what}.{name}", unit)) for name, value in values.items()]

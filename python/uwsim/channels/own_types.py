@@ -34,6 +34,9 @@ bool range_warning
 bool proximity_warning
 bool collision_warning
 uint32 collisions              # since the start
+string failsafe                # what the vehicle does by itself: hold, surface, return, go_on; empty: nothing
+string failsafe_cause          # silence, battery, leak, thruster, sensor
+string[] alarms                # what it notices about itself
 """,
     MAP_CHANGES: """\
 std_msgs/Header header

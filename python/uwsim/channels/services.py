@@ -47,6 +47,7 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
             ("release", "leave the station, which lets go"),
             ("undock", "leave the station for free water"),
             ("dock", "return to the station, from close by"),
+            ("override_failsafe", "take the vehicle back from its failsafe"),
         )
     ]
     for lamp in vehicle.lamps:
@@ -66,7 +67,12 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
 
 
 def _commanded(vehicle: str, command: str) -> Callable[[LiveSimulator, Request], object]:
-    return lambda live, request: live.command(command, vehicle=vehicle).result()
+    def call(live: LiveSimulator, request: Request) -> object:
+        if live.simulator.faults.link_is_down(vehicle):
+            raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
+        return live.command(command, vehicle=vehicle).result()
+
+    return call
 
 
 def stream_service(topic: str, key: str, pictures: Pictures) -> Service:

@@ -34,22 +34,32 @@ class Steering:
         self.by_keys = False
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Give a command that does not steer."""
+        """Give a command that does not steer. While the vehicle's link is down it is lost, without a word."""
+        return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
+
+    def _is_cut_off(self, live: LiveSimulator) -> bool:
+        return live.simulator.faults.link_is_down(self._source.name)
+
+    def _command(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         future = live.command(name, vehicle=self._source.name, **arguments)
         future.add_done_callback(log_error)
         return future
 
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         """Give a command that steers; a velocity is no longer held."""
+        if self._is_cut_off(live):
+            return nothing_done()
         with self._lock:
             self.by_keys = False
             if self._loop is not None:
                 self._loop.cancel()
                 self._loop = None
-            return self.ask(live, name, **arguments)
+            return self._command(live, name, **arguments)
 
     def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
         """Hold a velocity (6,), [m/s] and [rad/s], in body axes, from now on."""
+        if self._is_cut_off(live):
+            return
         with self._lock:
             self._wanted = velocity_body
             self.by_keys = False
@@ -62,7 +72,14 @@ class Steering:
         efforts = hold.efforts(self._wanted)
         with self._lock:
             if self._loop is not None:  # no other command has come meanwhile
-                self.ask(live, "set_effort", **efforts)
+                self._command(live, "set_effort", **efforts)
+
+
+def nothing_done() -> Future[Any]:
+    """Return the future of a command that was lost: it has come to an end, and nobody knows."""
+    future: Future[Any] = Future()
+    future.set_result(None)
+    return future
 
 
 def log_error(future: Future[Any]) -> None:

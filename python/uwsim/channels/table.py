@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal
+from dataclasses import replace
+from typing import Any, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -71,23 +72,26 @@ class Table:
         found = station_picture(self.pictures, sim)
         for source in self.sources:
             pings, steering = self.pings.get(source.name), self.steering[source.name]
-            found += published_channels(source, sim, pings, self.pictures, steering)
+            found += over_link(source, published_channels(source, sim, pings, self.pictures, steering))
         return found
 
     def standard(self, sim: Simulator) -> list[Channel]:
         """Return ROS's usual topics."""
         found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
         for source in self.sources:
-            found += frames.vehicle_channels(source)
-            found += estimate_channels(source)
-            found.append(telemetry_channel(source, truth=self.truth))
-            found += sensor_channels(source, sim)
-            found += vehicle_cameras(source, sim, self.pictures)
-            found += imaging_channels(source, sim, self.pictures)
-            found += command_channels(source, sim, self.steering[source.name])
-            if source.name in self.pings:
-                found += scan_channels(source, self.pings[source.name])
-                found += self.maps[source.name].channels()
+            found += over_link(source, self._standard_of(source, sim))
+        return found
+
+    def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
+        found = frames.vehicle_channels(source) + estimate_channels(source)
+        found.append(telemetry_channel(source, truth=self.truth))
+        found += sensor_channels(source, sim)
+        found += vehicle_cameras(source, sim, self.pictures)
+        found += imaging_channels(source, sim, self.pictures)
+        found += command_channels(source, sim, self.steering[source.name])
+        if source.name in self.pings:
+            found += scan_channels(source, self.pings[source.name])
+            found += self.maps[source.name].channels()
         return found
 
     def services(self, sim: Simulator) -> list[Service]:
@@ -97,6 +101,18 @@ class Table:
         for source in self.sources:
             found += vehicle_services(source, sim, self.pictures, self.maps.get(source.name))
         return found
+
+
+def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
+    """Return a vehicle's channels, of which those that go over the link say nothing while a fault has it down."""
+
+    def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
+        return lambda sim: None if sim.faults.link_is_down(source.name) else read(sim)
+
+    return [
+        replace(channel, read=cut_off(channel.read)) if channel.over_link and channel.direction == "out" else channel
+        for channel in channels
+    ]
 
 
 _TABLES: WeakKeyDictionary[Simulator, Table] = WeakKeyDictionary()

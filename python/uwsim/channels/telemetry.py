@@ -33,6 +33,7 @@ def telemetry_channel(source: Source, *, truth: bool) -> Channel:
 def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
     """Return the message of this moment."""
     vehicle = source.of(sim)
+    failsafe = vehicle.failsafe
     panel, sensors, water = vehicle.telemetry(), vehicle.sensors, sim.world.water
     estimate = vehicle.estimate if has_estimate(source) else None
     return build.message(
@@ -65,6 +66,9 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
         proximity_warning=panel.proximity_warning,
         collision_warning=panel.collision_warning,
         collisions=vehicle.collisions,
+        failsafe="" if failsafe is None else failsafe.state,
+        failsafe_cause="" if failsafe is None else failsafe.cause,
+        alarms=[] if failsafe is None else list(failsafe.alarms),
     )
 
 

@@ -14,7 +14,18 @@ from uwsim.live.commands import bound_command
 
 TOPIC = "command/"
 CARRIED = frozenset(
-    ("release", "undock", "dock", "set_effort", "set_wrench", "set_thrusters", "set_fins", "aim", "set_lamp")
+    (
+        "release",
+        "undock",
+        "dock",
+        "override_failsafe",
+        "set_effort",
+        "set_wrench",
+        "set_thrusters",
+        "set_fins",
+        "aim",
+        "set_lamp",
+    )
 ) | {"aim_camera"}
 """Commands that a vehicle gets; the others, such as `place`, are for the simulator."""
 REPLACED = frozenset(("set_effort", "set_wrench", "set_thrusters", "set_fins", "aim"))

@@ -31,6 +31,21 @@ def dock(sim: Simulator, vehicle: str) -> None:
     _vehicle(sim, vehicle).dock()
 
 
+def inject_fault(sim: Simulator, kind: str, **figures: Any) -> None:
+    """Let something fail; see Simulator.faults."""
+    sim.faults.inject(kind, **figures)
+
+
+def end_fault(sim: Simulator, name: str) -> None:
+    """End a fault for good; see Simulator.faults."""
+    sim.faults.end(name)
+
+
+def override_failsafe(sim: Simulator, vehicle: str) -> None:
+    """Take a vehicle back from its failsafe; see Vehicle.override_failsafe."""
+    _vehicle(sim, vehicle).override_failsafe()
+
+
 def set_effort(sim: Simulator, vehicle: str, **effort: float) -> None:
     """Command efforts; see Vehicle.set_effort."""
     _vehicle(sim, vehicle).set_effort(**effort)
@@ -137,6 +152,9 @@ COMMANDS: dict[str, Callable[..., Any]] = {
         release,
         undock,
         dock,
+        override_failsafe,
+        inject_fault,
+        end_fault,
         set_effort,
         set_wrench,
         set_thrusters,

@@ -84,6 +84,10 @@ class LiveVehicle:
         """Return to the station; see Vehicle.dock."""
         self._command("dock")
 
+    def override_failsafe(self) -> None:
+        """Take the vehicle back from its failsafe; see Vehicle.override_failsafe."""
+        self._command("override_failsafe")
+
     def set_effort(
         self,
         surge: float = 0.0,

@@ -51,15 +51,18 @@ class Parameters(Mapping[str, Any]):
         apply: Callable[[Scenario], None],
         note: Callable[..., None],
         switches: Mapping[str, Switch],
+        overlay: Callable[[Scenario], Mapping[str, Any]] = lambda scenario: {},
     ) -> None:
         """Begin with a scenario's own values.
 
         apply: takes the changed scenario, or raises. note: learns of each change, as a command. switches: those whose
-        state is a parameter, by its name.
+        state is a parameter, by its name. overlay: the values that faults lay over a scenario's, by name, which
+        `changes` has not.
         """
         self._apply = apply
         self._note = note
         self._switches = dict(switches)
+        self._overlay = overlay
         self.restart(scenario)
 
     def restart(self, scenario: Scenario) -> None:
@@ -157,6 +160,10 @@ class Parameters(Mapping[str, Any]):
         """Set the values that `changes` gave, and all others to the scenario's. Raises ValueError, changing nothing."""
         self._switch_to(dict(changes), {})
 
+    def lay_anew(self) -> None:
+        """Take the overlay as it is now."""
+        self._switch_to(self._changes, {})
+
     def _switch_to(self, changes: dict[str, Any], switches: Mapping[str, bool], new: Iterable[str] = ()) -> None:
         running = self._with(changes)
         for name in new:
@@ -175,11 +182,13 @@ class Parameters(Mapping[str, Any]):
 
     def _with(self, changes: Mapping[str, Any]) -> Scenario:
         """Return the scenario with these changes. Raises ScenarioError with the parameters' names."""
-        if not changes:
-            return self._original
         places = {name: self._place(name) for name in changes}
+        base = self._original
         try:
-            return edited(self._original, {places[name]: value for name, value in changes.items()})
+            if changes:
+                base = edited(base, {places[name]: value for name, value in changes.items()})
+            over = self._overlay(base)
+            return edited(base, {self._place(name): value for name, value in over.items()}) if over else base
         except ScenarioError as error:
             raise ScenarioError.of([self._renamed(text) for text in error.mistakes]) from None
 

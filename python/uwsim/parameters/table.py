@@ -33,11 +33,13 @@ COORDINATES = ("x", "y", "z")
 COLOURS = ("red", "green", "blue")
 
 FIXED: dict[type[Model], frozenset[str]] = {
-    Scenario: frozenset(["name", "description", "seed", "step_s", "terrain", "ground", "obstacles", "link", "survey"]),
+    Scenario: frozenset(
+        ["name", "description", "seed", "step_s", "terrain", "ground", "obstacles", "link", "survey", "faults"]
+    ),
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
-    VehicleEntry: frozenset({"name", "start"}),
+    VehicleEntry: frozenset({"name", "start", "failsafe"}),
     VehicleModel: frozenset(
         [
             "name",
@@ -53,6 +55,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "sonar",
             "material",
             "control",
+            "failsafe",
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin"}),

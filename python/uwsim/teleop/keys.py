@@ -37,7 +37,7 @@ SWITCHES = {
     ";": Function.DOWN_OFF,
     "'": Function.DOWN_ON,
 }
-SERVICES = {"u": "undock", "y": "dock"}
+SERVICES = {"u": "undock", "y": "dock", "z": "override_failsafe"}
 """Keys of services that this project's servers offer beside the published wire."""
 ALL_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "c", "m", "-", "=", "?"
 
@@ -47,4 +47,4 @@ b space  up, down         i k  nose down, up                 j l  roll to port, 
 - =  less, more effort    x    all efforts to zero           c    zero, and give the helm away
 r    release              u y  undock, dock                  m    mark this place
 [ ]  front light off, on  ; '  down light off, on            , .  tilt the sonar down, up
-?    this help            Ctrl-Q  quit"""
+z    override failsafe    ?    this help                     Ctrl-Q  quit"""

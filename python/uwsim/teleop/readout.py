@@ -77,7 +77,9 @@ def take_telemetry(readout: Readout, message: Any) -> None:
         "NEAR THE SEABED": message.proximity_warning,
         "COLLISION": message.collision_warning,
     }
-    readout.warnings = tuple(name for name, on in lit.items() if on)
+    readout.warnings = tuple(name for name, on in lit.items() if on) + tuple(message.alarms)
+    if message.failsafe:
+        readout.warnings += (f"FAILSAFE: {message.failsafe} ({message.failsafe_cause}); z takes it back",)
 
 
 def take_state_data(readout: Readout, message: Any) -> None:

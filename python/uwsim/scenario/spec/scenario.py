@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.link import LinkSetup, link_setup
 from uwsim.scenario.spec.material import Ground
@@ -39,7 +40,7 @@ class Scenario(Model):
     """Everything that determines a run's results. World ENU, z up, water surface at z = 0.
 
     mission_time_s: how long a vehicle's battery lasts after its release. link: between station and vehicles; None: what
-    they say passes at once.
+    they say passes at once. faults: what fails, and when.
     """
 
     name: Name
@@ -57,6 +58,7 @@ class Scenario(Model):
     warnings: WarningLimits = WarningLimits()
     link: Annotated[LinkSetup | None, BeforeValidator(link_setup)] = None
     survey: Survey | None = None
+    faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)] = ()
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 

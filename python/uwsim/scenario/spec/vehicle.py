@@ -14,6 +14,7 @@ from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount
 from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
 from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
@@ -62,6 +63,7 @@ class VehicleModel(Model):
     thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one.
     friction: Coulomb's coefficient; two bodies in contact combine by the geometric mean. restitution: the share of the
     approach speed that is kept; of two bodies in contact the larger one counts. material: of the hull, for cameras.
+    failsafe: what it does when nobody speaks to it, or something fails.
     """
 
     name: Name
@@ -106,6 +108,7 @@ class VehicleModel(Model):
     material: MaterialSpec = Material(kind="paint")
     control: Control = Control()
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
+    failsafe: Failsafe | None = None
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 

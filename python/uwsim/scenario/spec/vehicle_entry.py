@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import BeforeValidator
 from pydantic_core.core_schema import ValidationInfo
 
+from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import Degrees, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
@@ -38,6 +39,7 @@ class VehicleEntry(Model):
     """One vehicle in the scenario.
 
     model: a packaged vehicle's name or the path of its YAML file, which is read into a VehicleModel.
+    failsafe: instead of the model's.
     start: `station` (docked there; None in Python) or a free pose.
     """
 
@@ -45,3 +47,4 @@ class VehicleEntry(Model):
     model: Annotated[VehicleModel, BeforeValidator(_vehicle_model)]
     start: Annotated[StartPose | None, BeforeValidator(_start)] = None
     sonar: SonarSetup = SonarSetup()
+    failsafe: Failsafe | None = None

@@ -1,0 +1,42 @@
+"""What a faulty sensor tells instead of its reading."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """How readings are distorted.
+
+    stuck: these values, by quantity. bias: added to every number of `field`, or of all without one.
+    """
+
+    stuck: dict[str, list[float]] | None = None
+    bias: float = 0.0
+    field: str | None = None
+
+    @staticmethod
+    def stuck_at(values: Mapping[str, Any]) -> Distortion:
+        """Return that of a sensor which tells these values again and again."""
+        return Distortion({name: [float(number) for number in np.ravel(value)] for name, value in values.items()})
+
+    def of(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what is told instead of values, by quantity: numbers, arrays (width,) or rows of them (n, width)."""
+        return {name: self._told(name, value) for name, value in values.items()}
+
+    def of_rows(self, readings: Any, fields: Mapping[str, tuple[int, str]]) -> Any:
+        """Return what is told instead of readings (n, width), the fields' quantities side by side."""
+        starts = np.cumsum([width for width, _ in fields.values()])[:-1]
+        columns = dict(zip(fields, np.split(readings, starts, axis=1), strict=True))
+        return np.hstack(list(self.of(columns).values()))
+
+    def _told(self, name: str, value: Any) -> Any:
+        if self.stuck is not None:
+            told = self.stuck[name]
+            return np.array(np.broadcast_to(told, np.shape(value))) if np.ndim(value) else told[0]
+        return value + self.bias if self.field in (None, name) else value

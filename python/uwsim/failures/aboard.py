@@ -1,0 +1,78 @@
+"""Everything that runs aboard a simulator's vehicles in simulated time, and the faults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from uwsim.docking import Dock
+from uwsim.failures.events import EventLog
+from uwsim.failures.failsafe import Failsafe
+from uwsim.failures.faults import Faults
+from uwsim.failures.program import Program
+from uwsim.network import Network
+from uwsim.scenario import Scenario
+from uwsim.vehicle import Vehicle
+
+
+class Aboard:
+    """The programs of a simulator, by name: its faults first, then the failsafes of its vehicles."""
+
+    def __init__(self, faults: Faults) -> None:
+        self._faults = faults
+        self._programs: dict[str, Program] = {"faults": faults}
+
+    def add_failsafes(
+        self,
+        scenario: Scenario,
+        vehicles: Mapping[str, Vehicle],
+        *,
+        dock: Dock,
+        network: Network | None,
+        events: EventLog,
+        tick: Callable[[], int],
+    ) -> None:
+        """Give each vehicle the failsafe that the scenario or its own file says."""
+        for entry in scenario.vehicles:
+            figures = entry.failsafe or entry.model.failsafe
+            if figures is None:
+                continue
+            vehicle = vehicles[entry.name]
+            east, north, up = (dock.exit_world_m if entry.start is None else vehicle.pose.position_world_m).tolist()
+            failsafe = Failsafe(
+                vehicle, figures, entry.model, home_m=(east, north, up), events=events, step_s=scenario.step_s,
+                tick=tick, water_kg=partial(self._faults.water_kg, entry.name),
+                link_silence_s=None if network is None else partial(self._silence_s, network, entry.name),
+            )  # fmt: skip
+            self._programs[f"failsafe of {entry.name}"] = failsafe
+            vehicle.gate.failsafe = failsafe
+
+    def _silence_s(self, network: Network, vehicle: str) -> float:
+        return max(network.silence_s(vehicle), self._faults.link_down_s(vehicle))
+
+    def step(self, tick: int, end: int, advance: Callable[[int], None]) -> None:
+        """Make the steps from a tick to another by `advance`, in parts that begin where a program is due."""
+        programs = self._programs.values()
+        while tick < end:
+            for program in programs:
+                if program.due_tick <= tick:
+                    program.act(tick)
+            part_end = min(end, max(tick + 1, min([program.due_tick for program in programs])))
+            advance(part_end - tick)
+            tick = part_end
+
+    def restart(self, scenario: Scenario) -> None:
+        """Be as at the start of a run of a scenario, which may have another seed."""
+        self._faults.begin_anew(scenario)
+        for program in self._programs.values():
+            program.restart()
+
+    def save(self) -> dict[str, Any]:
+        """Return all that the future depends on, as JSON values."""
+        return {name: program.save() for name, program in self._programs.items()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `save` returned."""
+        for name, program in self._programs.items():
+            program.restore(state[name])

@@ -1,0 +1,116 @@
+"""What a vehicle notices about itself, by what it has aboard: its charge, bilges, motors and readings.
+
+It sees no truth: a bias, which looks like any reading, goes unnoticed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.vehicle import VehicleModel
+
+Cause = Literal["battery", "leak", "thruster", "sensor"]
+LOOK_S = 0.5  # between two looks
+WET_KG = 0.05  # what a leak sensor in the bilge feels
+WEAK = 0.7  # share of the thrust that a command should give, below which a motor's telemetry is taken for a failure
+WORKING = 0.1  # share of full command below which a motor is not judged
+SILENT_LOOKS = 4  # of a sensor without a valid sample, or of a thruster that does not obey
+STUCK_LOOKS = 20  # of the same value to the last bit from a sensor with noise
+
+
+class Watched(Protocol):
+    """What alarms look at of a vehicle."""
+
+    @property
+    def thrusters(self) -> Mapping[str, Any]:
+        """Each thruster's command and thrust."""
+
+    @property
+    def sensors(self) -> Mapping[str, Any]:
+        """The sensors."""
+
+    def telemetry(self) -> Any:
+        """Read the vehicle's panel."""
+
+
+@dataclass
+class Alarms:
+    """The alarms of one vehicle. lit: which, in words, by name. counts, last: what looks leave to the next ones."""
+
+    model: VehicleModel
+    figures: Failsafe
+    lit: dict[str, Cause] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    last: dict[str, list[float]] = field(default_factory=dict)
+
+    def look(self, vehicle: Watched, water_kg: float) -> dict[str, Cause]:
+        """Look at everything that is watched; return the alarms that are lit now. water_kg: inside the hull."""
+        lit: dict[str, Cause] = {}
+        if vehicle.telemetry().battery_percent < self.figures.battery_percent:
+            lit["battery low"] = "battery"
+        if self.figures.leak_then is not None and water_kg >= WET_KG:
+            lit["water inside"] = "leak"
+        if self.figures.thruster_then is not None:
+            for name in self._weak_thrusters(vehicle):
+                lit[f"thruster {name} does not obey"] = "thruster"
+        if self.figures.sensor_then is not None:
+            for name, what in self._failing_sensors(vehicle):
+                lit[f"sensor {name} is {what}"] = "sensor"
+        self.lit = lit
+        return lit
+
+    def _weak_thrusters(self, vehicle: Watched) -> list[str]:
+        """Compare the thrust that each motor's revolutions tell of with that of its command, once spun up."""
+        weak = []
+        for name, state in vehicle.thrusters.items():
+            expected_n = abs(self._expected_n(name, state.command))
+            fails = abs(state.command) >= WORKING and abs(state.thrust_n) < WEAK * expected_n
+            if self._counted(f"thruster {name}", fails) >= SILENT_LOOKS:
+                weak.append(name)
+        return weak
+
+    def _expected_n(self, name: str, command: float) -> float:
+        mount = self.model.thrusters[name]
+        commands, thrusts_n = mount.model.curve_points
+        return float(mount.gain * np.interp(command, commands, thrusts_n))
+
+    def _failing_sensors(self, vehicle: Watched) -> list[tuple[str, str]]:
+        failing = []
+        for name, sensor in vehicle.sensors.items():
+            mount = self.model.sensors[name]
+            sample = sensor.sample()
+            values = _numbers(sample.value)
+            silent = all(math.isnan(value) for value in values)
+            if self._counted(f"silent {name}", silent) >= SILENT_LOOKS:
+                failing.append((name, "silent"))
+                continue
+            same = _never_repeats(mount) and sample.valid and values == self.last.get(name)
+            self.last[name] = values
+            if self._counted(f"stuck {name}", same) >= STUCK_LOOKS:
+                failing.append((name, "stuck"))
+        return failing
+
+    def _counted(self, what: str, fails: bool) -> int:
+        """Count the looks in a row at which something failed."""
+        self.counts[what] = self.counts.get(what, 0) + 1 if fails else 0
+        return self.counts[what]
+
+
+def _never_repeats(mount: SensorMount) -> bool:
+    """Whether a sensor's noise makes each sample another: some channel has noise that is not rounded."""
+    if mount.noise_std is not None:
+        return mount.noise_std > 0
+    errors = [mount.noise, *mount.channels.values()]
+    return any(noise is not None and (noise.std > 0 or noise.density > 0) and not noise.quantum for noise in errors)
+
+
+def _numbers(value: Any) -> list[float]:
+    parts = [value] if isinstance(value, float) else [getattr(value, each.name) for each in fields(value)]
+    return [float(number) for part in parts for number in np.ravel(part)]

@@ -1,0 +1,293 @@
+"""Failsafe: what a vehicle does by itself when nobody speaks to it, or when it notices that something aboard fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from uwsim.control.autopilot import Autopilot
+from uwsim.failures import manoeuvres
+from uwsim.failures.alarms import LOOK_S, Alarms
+from uwsim.failures.events import EventLog
+from uwsim.failures.manoeuvres import Beginning
+from uwsim.failures.program import NEVER
+from uwsim.scenario.spec.failsafe import Failsafe as Figures
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.sealed import Sealed
+from uwsim.vehicle import Vehicle
+
+PERIOD_S = 0.1  # of control
+SILENCE = "silence"
+ZERO = (0.0,) * 6
+
+
+class Steered:
+    """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self.last: tuple[float, ...] = ZERO
+
+    @property
+    def authority(self) -> Any:
+        """The vehicle's."""
+        return self._vehicle.authority
+
+    @property
+    def pose(self) -> Any:
+        """The vehicle's."""
+        return self._vehicle.pose
+
+    @property
+    def velocity(self) -> Any:
+        """The vehicle's."""
+        return self._vehicle.velocity
+
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Set efforts, saturated."""
+        self.last = (surge, sway, heave, roll, pitch, yaw)
+        self.insist()
+
+    def insist(self) -> None:
+        """Set the last efforts again."""
+        self._vehicle.steer_silently(self.last)
+
+
+class Failsafe(Sealed):
+    """The failsafe of one vehicle; see uwsim.scenario.spec.failsafe for its figures. It acts once it is released.
+
+    state: what it does: "" (nothing), hold, surface, return or go_on. cause: why: silence, battery, leak, thruster or
+    sensor. alarms: what it notices, in words. home_m: where it returns to.
+    """
+
+    figures: Figures
+    home_m: tuple[float, float, float]
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        figures: Figures,
+        model: VehicleModel,
+        *,
+        home_m: tuple[float, float, float],
+        events: EventLog,
+        step_s: float,
+        tick: Callable[[], int],
+        water_kg: Callable[[], float] = lambda: 0.0,
+        link_silence_s: Callable[[], float] | None = None,
+    ) -> None:
+        """home_m: where it returns to. water_kg: inside the hull. link_silence_s: of the link, if there is one."""
+        self.figures = figures
+        self.home_m = home_m
+        self._vehicle = vehicle
+        self._model = model
+        self._events = events
+        self._step_s = step_s
+        self._tick = tick
+        self._water_kg = water_kg
+        self._link_silence_s = link_silence_s
+        self._steered = Steered(vehicle)
+        self._pilot: Autopilot | None = None
+        self.restart()
+
+    def restart(self) -> None:
+        """Be as at the start of a run."""
+        self._state = self._cause = ""
+        self._heard_tick = self._free_tick = 0
+        self._was_free = False
+        self._overridden: set[str] = set()
+        self._began = Beginning(0.0, 0.0, 0.0, 0.0, 0.0)
+        self._pilot = None
+        self._alarms = Alarms(self._model, self.figures)
+        self._next_look = 0
+        self._next_control = NEVER
+
+    @property
+    def state(self) -> str:
+        """What it does."""
+        return self._state
+
+    @property
+    def cause(self) -> str:
+        """Why it does so."""
+        return self._cause
+
+    @property
+    def alarms(self) -> tuple[str, ...]:
+        """What it notices, in words."""
+        return tuple(self._alarms.lit)
+
+    @property
+    def has_control(self) -> bool:
+        """Whether it steers, and commands have no effect: not for silence without a link, which they end."""
+        is_ended_by_commands = self._cause == SILENCE and self._link_silence_s is None
+        return self._state in ("hold", "surface", "return") and not is_ended_by_commands
+
+    def heard(self) -> None:
+        """Take note of a command, which ends a silence; where there is a link, if it came through that."""
+        tick = self._heard_tick = self._tick()
+        if self._cause == SILENCE and not self._is_silent(tick):
+            self._end()
+
+    def insist(self) -> None:
+        """Set the last efforts again: a command has just replaced them."""
+        self._steered.insist()
+
+    def override(self) -> None:
+        """Give the vehicle back to its pilot: what has the controls now acts no more in this run."""
+        if self._cause and self._cause != SILENCE:
+            self._overridden.add(self._cause)
+        self._end()
+
+    # As a program
+
+    @property
+    def due_tick(self) -> int:
+        """The tick at which it looks or steers next."""
+        return min(self._next_look, self._next_control)
+
+    def act(self, tick: int) -> None:
+        """Look after the vehicle."""
+        if tick >= self._next_look:
+            self._look(tick)
+        if tick >= self._next_control:
+            self._steer(tick)
+            self._next_control = tick + self._ticks(PERIOD_S)
+
+    def save(self) -> dict[str, Any]:
+        """Return all that the future depends on."""
+        return {
+            "state": self._state,
+            "cause": self._cause,
+            "heard_tick": self._heard_tick,
+            "free_tick": self._free_tick,
+            "was_free": self._was_free,
+            "overridden": sorted(self._overridden),
+            "began": vars(self._began),
+            "integrals": None if self._pilot is None else list(self._pilot.integrals),
+            "efforts": list(self._steered.last),
+            "lit": self._alarms.lit,
+            "counts": self._alarms.counts,
+            "last": self._alarms.last,
+            "next_look": self._next_look,
+            "next_control": self._next_control,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continue from what `save` returned."""
+        self._state, self._cause = state["state"], state["cause"]
+        self._heard_tick, self._free_tick, self._was_free = state["heard_tick"], state["free_tick"], state["was_free"]
+        self._overridden, self._began = set(state["overridden"]), Beginning(**state["began"])
+        self._alarms = Alarms(self._model, self.figures, state["lit"], state["counts"], state["last"])
+        self._next_look, self._next_control = state["next_look"], state["next_control"]
+        self._steered.last = tuple(state["efforts"])
+        self._pilot = None
+        if state["integrals"] is not None:
+            east, north, up = state["integrals"]
+            self._take_pilot().integrals = (east, north, up)
+
+    # What it does
+
+    def _look(self, tick: int) -> None:
+        self._next_look = tick + self._ticks(LOOK_S)
+        if not self._vehicle.released:
+            self._was_free = False
+            self._end()
+            return
+        if not self._was_free:
+            self._was_free = True
+            self._heard_tick, self._free_tick = max(self._heard_tick, tick), tick
+        if self._watches_aboard:
+            self._look_aboard(tick)
+        if self._cause == SILENCE and not self._is_silent(tick):
+            self._end()
+        if self.figures.silence_s is None or self._state:
+            return
+        if self._is_silent(tick):
+            self._begin(tick, self.figures.then, SILENCE, silence_s=self.figures.silence_s)
+        else:
+            left = self._ticks(self.figures.silence_s) - self._silence_ticks(tick)
+            self._next_look = min(self._next_look, tick + max(left, 1))
+
+    def _is_silent(self, tick: int) -> bool:
+        return self.figures.silence_s is not None and self._silence_ticks(tick) >= self._ticks(self.figures.silence_s)
+
+    def _silence_ticks(self, tick: int) -> int:
+        """Return for how long nobody has commanded it; where there is a link, nothing has come through that."""
+        if self._link_silence_s is None:
+            return tick - self._heard_tick
+        return min(round(self._link_silence_s() / self._step_s), tick - self._free_tick)
+
+    @property
+    def _watches_aboard(self) -> bool:
+        figures = self.figures
+        watched = (figures.leak_then, figures.thruster_then, figures.sensor_then)
+        return figures.battery_percent > 0 or any(then is not None for then in watched)
+
+    def _look_aboard(self, tick: int) -> None:
+        before = set(self._alarms.lit)
+        lit = self._alarms.look(self._vehicle, self._water_kg())
+        for name in lit:
+            if name not in before:
+                self._events.add(tick, self._vehicle.name, "alarm", what=name)
+        for name in sorted(before - set(lit)):
+            self._events.add(tick, self._vehicle.name, "alarm_ends", what=name)
+        for name, cause in lit.items():
+            then = getattr(self.figures, f"{cause}_then")
+            if cause not in self._overridden and (not self._state or self._outranks(then)):
+                self._begin(tick, then, cause, what=name)
+
+    def _outranks(self, then: str) -> bool:
+        """Whether something graver than what it does now has come."""
+        order = ("go_on", "hold", "return", "surface")
+        return order.index(then) > order.index(self._state) or (self._cause == SILENCE and then != "go_on")
+
+    def _begin(self, tick: int, then: str, cause: str, **values: Any) -> None:
+        pose = self._vehicle.pose
+        x_m, y_m, z_m = pose.position_world_m.tolist()
+        self._state, self._cause = then, cause
+        self._began = Beginning(x_m, y_m, z_m, float(pose.yaw_rad), tick * self._step_s)
+        self._pilot = None
+        self._next_control = NEVER if then == "go_on" else tick
+        self._events.add(tick, self._vehicle.name, "failsafe", then=then, cause=cause, **values)
+
+    def _end(self) -> None:
+        if not self._state:
+            return
+        if self._state != "go_on" and self._vehicle.released:
+            self._steered.set_effort()
+        self._events.add(self._tick(), self._vehicle.name, "failsafe_ends", cause=self._cause)
+        self._state = self._cause = ""
+        self._next_control = NEVER
+        self._pilot = None
+
+    def _steer(self, tick: int) -> None:
+        pilot, time_s = self._take_pilot(), tick * self._step_s
+        if self._state == "hold":
+            manoeuvres.hold(pilot, self._began)
+        elif self._state == "surface":
+            manoeuvres.surface(pilot, self._began, self.figures, time_s)
+        elif self._state == "return":
+            manoeuvres.fly_back(pilot, self._began, self.figures, time_s, self.home_m, self._above_bed_m())
+
+    def _above_bed_m(self) -> float:
+        sensor = self._vehicle.sensors.get("altitude")
+        sample = None if sensor is None else sensor.sample()
+        return float(sample.value) if sample is not None and sample.valid else math.inf
+
+    def _take_pilot(self) -> Autopilot:
+        if self._pilot is None:
+            self._pilot = Autopilot(self._steered, PERIOD_S)
+        return self._pilot
+
+    def _ticks(self, duration_s: float) -> int:
+        return max(1, round(duration_s / self._step_s))

@@ -1,0 +1,111 @@
+"""Faults of a scenario: what fails, when, and for how long."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+
+Share = Annotated[float, InRange(0, 1)]
+Speed = Annotated[float, InRange(-5, 5, "m/s")]
+Axis = Literal["surge", "sway", "heave", "roll", "pitch", "yaw"]
+
+
+class FaultModel(Model):
+    """What every fault has.
+
+    name: in the log; by default its kind, or for several of one kind kind_2 and so on. vehicle: by default the first.
+    at_s: when it begins; or rate_per_h: how often it begins in an hour on average, at times that are drawn
+    (exponential intervals, from the seed). Exactly one. for_s: how long it lasts; by default to the end.
+    """
+
+    name: Name | None = None
+    vehicle: Name | None = None
+    at_s: Annotated[float, InRange(0, 1e6, "s")] | None = None
+    rate_per_h: Annotated[float, InRange(1e-6, 1e5, "1/h")] | None = None
+    for_s: Annotated[float, InRange(0.01, 1e6, "s")] | None = None
+
+    @model_validator(mode="after")
+    def _begins_at_some_time(self) -> FaultModel:
+        if (self.at_s is None) == (self.rate_per_h is None):
+            raise broken("exactly one of at_s and rate_per_h must be given")
+        return self
+
+
+class ThrusterFault(FaultModel):
+    """A thruster gives a share of its thrust; 0: it is out. The allocation does not know.
+
+    thruster: its name. axis: instead, for a vehicle without thrusters, whose force or torque on it weakens.
+    """
+
+    kind: Literal["thruster"]
+    thruster: str | None = None
+    axis: Axis | None = None
+    health: Share = 0.0
+
+    @model_validator(mode="after")
+    def _names_one(self) -> ThrusterFault:
+        if (self.thruster is None) == (self.axis is None):
+            raise broken("exactly one of thruster and axis must be given")
+        return self
+
+
+class SensorFault(FaultModel):
+    """A sensor fails. off: no readings. stuck: the last one, again and again. bias: a constant is added.
+
+    bias: in the sensor's unit, on every number of `field`, which is needed for a sensor of several quantities.
+    """
+
+    kind: Literal["sensor"]
+    sensor: str
+    mode: Literal["off", "stuck", "bias"] = "off"
+    bias: Annotated[float, InRange(-1e6, 1e6)] | None = None
+    field: str | None = None
+
+    @model_validator(mode="after")
+    def _has_a_bias_if_that_is_its_mode(self) -> SensorFault:
+        if (self.mode == "bias") != (self.bias is not None):
+            raise broken("bias must be given for `mode: bias`, and only then", at=("bias",))
+        if self.field is not None and self.mode != "bias":
+            raise broken("is only for `mode: bias`", at=("field",))
+        return self
+
+
+class BatteryFault(FaultModel):
+    """The battery's voltage sags: all thrusters give a share of their thrust. thrust: the share."""
+
+    kind: Literal["battery"]
+    thrust: Share
+
+
+class LeakFault(FaultModel):
+    """Water comes in, and stays when the leak ends: weight without buoyancy.
+
+    kg_per_s: the inflow. kg_max: after which the compartment is full. position_m: of the water in the body's frame; by
+    default at the centre of mass.
+    """
+
+    kind: Literal["leak"]
+    kg_per_s: Annotated[float, InRange(1e-6, 1000, "kg/s")]
+    kg_max: Annotated[float, InRange(1e-3, 1e6, "kg")] | None = None
+    position_m: Point3 | None = None
+
+
+class LinkLoss(FaultModel):
+    """Nothing passes between station and vehicle: commands are lost, and what the vehicle says over the link."""
+
+    kind: Literal["link"]
+
+
+class CurrentFault(FaultModel):
+    """The water moves otherwise: a velocity is added to water.current_world_m_s. East, north, up."""
+
+    kind: Literal["current"]
+    velocity_world_m_s: tuple[Speed, Speed, Speed]
+
+
+FaultSpec = Annotated[
+    ThrusterFault | SensorFault | BatteryFault | LeakFault | LinkLoss | CurrentFault, Field(discriminator="kind")
+]
