@@ -118,8 +118,12 @@ def test_a_server_that_goes_away_ends_the_mission_with_its_results(tmp_path: Pat
     [
         (["--connect", "http://localhost:1"], "must begin with ws://"),
         (["--connect", "ws://127.0.0.1:9"], "no rosbridge answers"),
-        (["--lockstep"], "--lockstep needs --connect"),
-        (["--connect", "ws://127.0.0.1:9", "--seed", "3"], "--seed cannot be given with --connect"),
+        (["--connect", "ws://127.0.0.1:9", "--estimate", "filter"], "--estimate: cannot be given with --connect"),
+        (["--voxel", "0.5"], "--voxel: needs --map"),
+        (["--record-topic", "odom"], "--record-topic: needs --record"),
+        (["--resume"], "the mission: cannot be given with --resume: the saved flight has its own"),
+        (["--lockstep"], "--lockstep: needs --connect"),
+        (["--connect", "ws://127.0.0.1:9", "--seed", "3"], "--seed: cannot be given with --connect"),
     ],
 )
 def test_wrong_ways_to_connect_are_one_line(options: list[str], words: str, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import MissionTime, Record, RecordTopics, Seed, SonarModel, Threads
+from uwsim.cli.options import MissionTime, Record, Seed, SonarModel, Threads, WithoutEffectError, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -29,9 +29,9 @@ def run(
         typer.Option(help="Vehicle that flies; may be given several times. Default: the first, or all for `vehicles`."),
     ] = None,
     estimate: Annotated[
-        str,
-        typer.Option(help="What vehicles know of their pose, and maps are made with: truth, or filter."),
-    ] = "truth",
+        str | None,
+        typer.Option(help="What vehicles know of their pose, and maps are made with: truth (default), or filter."),
+    ] = None,
     time_limit: Annotated[
         float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")
     ] = None,
@@ -42,22 +42,29 @@ def run(
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="With --connect: the simulator stands still while the mission thinks.")
     ] = False,
-    odometry: Annotated[str, typer.Option(help="With --connect: the topic of the vehicle's pose.")] = "odom",
+    odometry: Annotated[
+        str | None, typer.Option(help="With --connect: the topic of the vehicle's pose. Default: odom.")
+    ] = None,
     argument: Annotated[
         list[str] | None, typer.Option("--set", help="NAME=VALUE for another parameter of the mission.")
     ] = None,
-    function: Annotated[str, typer.Option(help="Name of the mission's function.")] = "mission",
+    function: Annotated[str | None, typer.Option(help="Name of the mission's function. Default: mission.")] = None,
     seed: Seed = None,
     sonar_model: SonarModel = None,
     mission_time: MissionTime = None,
     threads: Threads = None,
     record: Record = None,
-    record_topic: RecordTopics = None,
+    record_topic: Annotated[
+        list[str] | None,
+        typer.Option(help="Channels to record, such as odom or 'camera/*'. Default: all but pictures and the map."),
+    ] = None,
     report: Annotated[
         str,
         typer.Option(help="full: report.html, figures and summary.json; json: summary.json alone; none: neither."),
     ] = "full",
-    autosave: Annotated[float, typer.Option(help="Wall time between saves [s]; 0 for none.")] = 30.0,
+    autosave: Annotated[
+        float | None, typer.Option(help="Wall time between saves [s]; 0 for none. Default: 30.")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")] = False,
 ) -> None:
     """Fly a mission from a Python file; log, map and report it.
@@ -71,26 +78,30 @@ def run(
     from uwsim.flight.terminal import print_flight
     from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
 
-    given: dict[str, Any] = {
-        "the mission": mission, "--scenario": scenario, "--map": make_map or None, "--voxel": voxel,
-        "--vehicle": vehicle, "--time-limit": time_limit, "--set": argument, "--seed": seed,
-        "--sonar-model": sonar_model, "--mission-time": mission_time, "--record": record, "--connect": connect,
+    simulated = {
+        "--scenario": scenario, "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
+        "--mission-time": mission_time, "--threads": threads, "--record": record, "--autosave": autosave,
     }  # fmt: skip
-    if resume and (extra := [name for name, value in given.items() if value is not None]):
-        raise ValueError(f"--resume: {extra[0]} cannot be given: the saved flight has its own")
-    if lockstep and connect is None:
-        raise ValueError("--lockstep needs --connect")
-    if odometry != "odom" and connect is None:
-        raise ValueError("--odometry needs --connect")
-    simulated = ("--scenario", "--seed", "--sonar-model", "--mission-time", "--record")
-    if connect is not None and (extra := [name for name in simulated if given[name] is not None]):
-        raise ValueError(f"{extra[0]} cannot be given with --connect: the server has its own")
-    if not resume and mission is None:
-        raise ValueError("uwsim run: needs the mission's file, such as my_mission.py")
-    if record_topic and record is None:
-        raise ValueError("--record-topic needs --record")
+    ours = {
+        "the mission": mission, "--connect": connect, "--map": make_map or None, "--voxel": voxel, "--vehicle": vehicle,
+        "--time-limit": time_limit, "--set": argument, "--function": function, **simulated,
+    }  # fmt: skip
+    if resume:
+        kept = {name: value for name, value in ours.items() if name not in ("--threads", "--autosave")}
+        _refuse(kept, "--resume", "the saved flight has its own")
+    elif mission is None:
+        raise WithoutEffectError("needs the mission's file, such as my_mission.py")
+    if connect is None:
+        need("--connect", lockstep=lockstep, odometry=odometry)
+    else:
+        _refuse(simulated, "--connect", "the server has its own, or there is none")
+    if not make_map and not resume:
+        need("--map", voxel=voxel)
+    if record is None:
+        need("--record", record_topic=record_topic)
+    estimate, odometry, function = estimate or "truth", odometry or "odom", function or "mission"
     screen = Terminal()
-    saving = FlightAutosave(autosave, screen.message)
+    saving = FlightAutosave(30.0 if autosave is None else autosave, screen.message)
     with stop_on_ctrl_c(saving):
         if resume:
             flown = resume_flight(out, threads=threads, report=report, autosave=saving, show=screen.status)
@@ -144,6 +155,12 @@ def run(
         raise typer.Exit(STUCK)
     if flown.ended_early:
         raise typer.Exit(INCOMPLETE)
+
+
+def _refuse(options: dict[str, Any], by: str, why: str) -> None:
+    """Raise WithoutEffectError for an option that was given although another one leaves it without effect."""
+    if given := [name for name, value in options.items() if value is not None]:
+        raise WithoutEffectError(f"{given[0]}: cannot be given with {by}: {why}")
 
 
 def _arguments(texts: list[str]) -> dict[str, Any]:

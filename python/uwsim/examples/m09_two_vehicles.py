@@ -18,7 +18,7 @@ def mow_half(vehicle: OwnVehicle) -> Steps[None]:
     vehicle.sonar.aim(-0.5)
     lanes = lawn_mower_lanes(HALVES_M[vehicle.name], 6.0, 0.0, np.asarray(vehicle.pose.position_world_m[:2]))
     points = [end for lane in lanes for end in (lane.start_m, lane.end_m)]
-    yield from follow(vehicle, np.array(points), altitude_m=5.0, speed_m_s=0.4)
+    yield from follow(vehicle, np.array(points), altitude_m=5.0, speed_m_s=0.6)
     vehicle.log("half_done", lanes=len(lanes))
 
 

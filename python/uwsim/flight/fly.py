@@ -83,6 +83,8 @@ def fly(
     takes = first_parameter(fly_it)
     _require_known("estimate", estimate, ESTIMATES)
     _require_known("report", report, REPORTS)
+    if voxel_m is not None and not map:
+        raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
     saving = autosave or FlightAutosave(autosave_s)

@@ -60,6 +60,8 @@ def fly_remote(
     assert callable(fly_it)
     fly_it = with_arguments(fly_it, arguments or {})
     first_parameter(fly_it)
+    if voxel_m is not None and not map:
+        raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
     with ExitStack() as stack:

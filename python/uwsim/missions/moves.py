@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.control.autopilot import wrap_angle
+from uwsim.control.controller import Controller
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps, wait
 from uwsim.missions.stopped import StoppedError
@@ -82,8 +83,14 @@ def hold(
     x, y, height = _target(vehicle, "hold", pose.position_world_m if position_world_m is None else position_world_m)
     heading = pose.yaw_rad if heading_rad is None else heading_rad
     end_s = vehicle.time_s + duration_s - 1e-6
+    autopilot = vehicle.autopilot
     while vehicle.time_s < end_s:
-        yield from steer(vehicle, heading, _back_to(vehicle, x, y), height())
+        if isinstance(autopilot, Controller):
+            _require_able(vehicle)
+            autopilot.hold((x, y, height()), heading)
+            yield wait(autopilot.period_s)
+        else:
+            yield from steer(vehicle, heading, _back_to(vehicle, x, y), height())
 
 
 def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
@@ -189,14 +196,19 @@ def _back_to(vehicle: OwnVehicle, x: float, y: float) -> tuple[float, float]:
 def steer(
     vehicle: OwnVehicle, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float
 ) -> Steps[None]:
-    """Steer for one control period. Raises StoppedError if the battery is empty or the vehicle has capsized."""
+    """Steer for one control period. Raises StoppedError."""
+    _require_able(vehicle)
+    z_m = float(vehicle.pose.position_world_m[2])
+    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_m + min(max(z_world_m - z_m, -CLIMB_M), CLIMB_M))
+    yield wait(vehicle.autopilot.period_s)
+
+
+def _require_able(vehicle: OwnVehicle) -> None:
+    """Raise StoppedError if the battery is empty or the vehicle has capsized."""
     if vehicle.telemetry().battery_percent <= 0.0:
         raise StoppedError("the battery is used up")
     if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
         raise StoppedError("capsized: the vehicle has nosed or rolled over")
-    z_m = float(vehicle.pose.position_world_m[2])
-    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_m + min(max(z_world_m - z_m, -CLIMB_M), CLIMB_M))
-    yield wait(vehicle.autopilot.period_s)
 
 
 def _require_positive(step: str, **values: float) -> None:

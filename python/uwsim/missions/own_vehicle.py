@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from uwsim.arguments import plain
 from uwsim.control.autopilot import Autopilot
+from uwsim.control.controller import Controller
 from uwsim.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
 from uwsim.missions.vehicle import CameraLike, LampLike, Panel
 from uwsim.sealed import Sealed
@@ -66,12 +67,19 @@ class OwnVehicle(Sealed):
         return self.estimate.velocity
 
     @cached_property
-    def _autopilot(self) -> Autopilot:
-        return Autopilot(self, CONTROL_PERIOD_S)
+    def _autopilot(self) -> Autopilot | Controller:
+        settings = getattr(self._hull, "control", None)
+        if settings is None:
+            return Autopilot(self, CONTROL_PERIOD_S)
+        return Controller(self, CONTROL_PERIOD_S, settings=settings)
 
     @property
-    def autopilot(self) -> Autopilot:
-        """The autopilot of goto, hold and the others: one, so that it keeps what it has learnt of trim and current."""
+    def autopilot(self) -> Autopilot | Controller:
+        """What goto, hold and the others steer by: one, so that it keeps what it has learnt of trim and current.
+
+        A Controller with the model and the gains of the vehicle's file; of a remote vehicle, which tells neither, an
+        Autopilot. Both have `steer` and `period_s`.
+        """
         return self._autopilot
 
     @property
