@@ -1,0 +1,23 @@
+"""Shows an inspection: the sonar finds a pipeline and leads along it, the camera takes a picture every five metres."""
+
+import uwsim
+from uwsim.missions import OwnVehicle, Steps
+from uwsim.missions.planners.pipeline import PipelineTrack, follow_pipeline
+
+
+def mission(vehicle: OwnVehicle, heading_rad: float = -0.3) -> Steps[PipelineTrack]:
+    """Look for a pipe 0.8 m wide near one of its ends, and follow it to the other."""
+    vehicle.undock()
+    return (yield from follow_pipeline(vehicle, (-19.0, -5.0), heading_rad, diameter_m=0.8))
+
+
+def main() -> None:
+    """Fly it in the cove."""
+    flown = uwsim.fly(mission, "cove")
+    track = flown.result
+    pictures = [event.values["contrast"] for event in flown.events if event.name == "picture"]
+    print(f"{track.length_m:.0f} m of pipe in {flown.simulated_s:.0f} s, {len(pictures)} pictures")
+
+
+if __name__ == "__main__":
+    main()

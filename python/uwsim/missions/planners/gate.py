@@ -1,0 +1,142 @@
+"""Gate passing by sonar: finds two posts in a level ping, goes in front of the middle between them, and through.
+
+A post is a group of neighbouring beams that is narrow and whose echo is nearer than those on both sides of it. Two
+posts as far apart as the gate is wide are the gate; its place is the median over some pings. It is measured from afar,
+and again from in front of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control.protocols import PingLike
+from uwsim.missions.moves import goto, hold, turn_to
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.steps import Steps, until
+from uwsim.missions.stopped import StoppedError
+
+Floats = NDArray[np.float64]
+STAND_OFF_M = 5.0  # in front of the gate and behind it
+STEPS_OUT_M = 1.0  # by which a post is nearer than what is beside it
+WIDEST_POST_M = 0.8
+WIDTH_TOLERANCE = 0.2  # of the gate's width
+LOOKS, LOOK_PERIOD_S = 8, 0.3
+NEAR_M = 8.0  # the gate is at most this far from where it is said to be
+SEARCH_RAD = math.radians(30.0)  # looked aside, to both sides, if it is not seen ahead
+LEVEL_RAD = math.radians(0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Gate:
+    """As measured. middle_m: (2,), between the posts. heading_rad: of the passage, away from where it was seen."""
+
+    middle_m: Floats
+    heading_rad: float
+    width_m: float
+
+
+def pass_gate(
+    vehicle: OwnVehicle,
+    near_m: Sequence[float],
+    width_m: float,
+    height_m: float,
+    *,
+    speed_m_s: float = 0.4,
+) -> Steps[Gate]:
+    """Find a gate of a known width and height near a place (2,), from where the vehicle is, and pass it in its middle.
+
+    Logs `gate_seen` for each measurement and `gate_passed`. Raises StoppedError if it is not seen; ValueError.
+    """
+    for name, value in (("width_m", width_m), ("height_m", height_m)):
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{name} = {value} m: must be positive")
+    place = np.asarray(near_m, np.float64)
+    altitude_m = 0.5 * height_m
+    sonar = vehicle.sonar
+    sonar.aim(0.0)
+    yield from goto(vehicle, vehicle.pose.position_world_m[:2], altitude_m=altitude_m, speed_m_s=speed_m_s)
+    yield from until(lambda: abs(getattr(sonar, "elevation_rad", 0.0)) < LEVEL_RAD, timeout_s=60.0)
+    gate = yield from _found(vehicle, place, width_m, altitude_m)
+    for distance_m in (2.0 * STAND_OFF_M, STAND_OFF_M):
+        ahead = np.array([math.cos(gate.heading_rad), math.sin(gate.heading_rad)])
+        before = gate.middle_m - distance_m * ahead
+        if float((np.asarray(vehicle.pose.position_world_m[:2]) - before) @ ahead) > 0.0 and distance_m > STAND_OFF_M:
+            continue  # it is nearer than that already
+        yield from goto(vehicle, before, altitude_m=altitude_m, speed_m_s=speed_m_s)
+        yield from turn_to(vehicle, gate.heading_rad)
+        gate = (yield from _measured(vehicle, gate.middle_m, width_m, altitude_m)) or gate
+    ahead = np.array([math.cos(gate.heading_rad), math.sin(gate.heading_rad)])
+    behind = gate.middle_m + STAND_OFF_M * ahead
+    yield from goto(vehicle, behind, altitude_m=altitude_m, heading_rad=gate.heading_rad, speed_m_s=speed_m_s)
+    vehicle.log("gate_passed", middle_m=gate.middle_m.tolist(), heading_deg=math.degrees(gate.heading_rad))
+    return gate
+
+
+def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate]:
+    """Look where the gate should be, then to both sides."""
+    x, y, _ = vehicle.pose.position_world_m.tolist()
+    towards_rad = math.atan2(place[1] - y, place[0] - x)
+    for aside_rad in (0.0, SEARCH_RAD, -SEARCH_RAD):
+        yield from turn_to(vehicle, towards_rad + aside_rad)
+        gate = yield from _measured(vehicle, place, width_m, altitude_m)
+        if gate is not None:
+            return gate
+    raise StoppedError(f"no gate of {width_m:g} m is seen near ({place[0]:.1f}, {place[1]:.1f}) m")
+
+
+def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate | None]:
+    """The gate as the median of some pings from one place sees it; None if fewer than half of them do."""
+    seen = []
+    x, y, z = vehicle.pose.position_world_m.tolist()
+    here = (x, y, z - float(vehicle.sensors["altitude"].read()) + altitude_m)  # it may still be sinking
+    for _ in range(LOOKS):
+        yield from hold(vehicle, LOOK_PERIOD_S, position_world_m=here)
+        pair = gate_posts(posts(vehicle.sonar.ping()), place, width_m)
+        if pair is not None:
+            seen.append(pair)
+    if 2 * len(seen) < LOOKS:
+        return None
+    left, right = np.median(np.array(seen), axis=0)
+    across = left - right
+    heading_rad = math.atan2(-across[0], across[1])  # the left post is to port of the passage
+    gate = Gate(0.5 * (left + right), heading_rad, float(np.linalg.norm(across)))
+    vehicle.log("gate_seen", middle_m=gate.middle_m.tolist(), width_m=gate.width_m, pings=len(seen))
+    return gate
+
+
+def posts(ping: PingLike) -> Floats:
+    """The posts in a ping from starboard to port, (k, 2), world; see the file's head."""
+    ranges = np.where(np.isfinite(ping.ranges_m), ping.ranges_m, np.inf).astype(np.float64)
+    nearer = np.flatnonzero(ranges[:-1] - ranges[1:] > STEPS_OUT_M) + 1  # first beams of groups
+    points = np.asarray(ping.points_sonar_m, np.float64)
+    found = []
+    for first in nearer.tolist():
+        last = first
+        while last + 1 < len(ranges) and abs(ranges[last + 1] - ranges[last]) <= STEPS_OUT_M:
+            last += 1
+        width_m = float(np.linalg.norm(points[last] - points[first]))
+        if last + 1 < len(ranges) and ranges[last + 1] > ranges[last] and width_m <= WIDEST_POST_M:
+            middle = points[first : last + 1].mean(axis=0)
+            found.append(ping.world_from_sonar[:2, :3] @ middle + ping.world_from_sonar[:2, 3])
+    return np.array(found).reshape(-1, 2)
+
+
+def gate_posts(found: Floats, place: Floats, width_m: float) -> Floats | None:
+    """The two posts, port first, that are a gate of this width, and nearest to a place; None if no two are."""
+    pairs = [
+        np.array([port, starboard])
+        for starboard, port in combinations(found, 2)
+        if abs(float(np.linalg.norm(port - starboard)) - width_m) <= WIDTH_TOLERANCE * width_m
+    ]
+
+    def off_m(pair: Floats) -> float:
+        return float(np.linalg.norm(pair.mean(axis=0) - place))
+
+    best = min(pairs, key=off_m, default=None)
+    return best if best is not None and off_m(best) <= NEAR_M else None
