@@ -15,6 +15,7 @@ import typer
 
 from uwsim.cli.bench import bench
 from uwsim.cli.camera import camera
+from uwsim.cli.compare import compare
 from uwsim.cli.connect import connect
 from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
@@ -64,6 +65,7 @@ def _program(
 
 app.command()(survey)
 app.command()(run)
+app.command()(compare)
 app.command()(serve)
 app.command()(station)
 app.command()(teleop)

@@ -1,0 +1,30 @@
+"""Draws how much of the bed several missions have seen over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from uwsim.figures.style import add_legend, label_axes, new_figure, save_figure
+
+Curve = tuple[Sequence[float], Sequence[float]]
+
+
+def draw_comparison(path: Path, curves: Mapping[str, Sequence[Curve]]) -> None:
+    """Draw a line for each flight: times [s] and areas seen [m2]; flights of one mission share a colour.
+
+    Raises OSError.
+    """
+    figure = new_figure(9.6, 4.4)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, "What the sonar has seen", "simulated time [s]", "columns of 1 m with an echo [m²]")
+    for k, (name, lines) in enumerate(curves.items()):
+        for seed, (times_s, areas_m2) in enumerate(lines):
+            label = name if seed == 0 else None
+            axes.plot([0.0, *times_s], [0.0, *areas_m2], color=f"C{k}", linewidth=1.3, alpha=0.8, label=label)
+            if len(times_s):
+                axes.plot(times_s[-1], areas_m2[-1], "o", color=f"C{k}", markersize=4)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    add_legend(axes, 3)
+    save_figure(figure, path)

@@ -1,0 +1,44 @@
+"""How much of the bed and of what stands on it a flight has seen, over time: columns of 1 m with an echo in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from uwsim.simulator import Simulator
+
+CELL_M, PERIOD_S = 1.0, 1.0
+
+
+class SeenBed:
+    """Watches a simulator: once a second each vehicle pings, as it is; see uwsim.journal.Observer.
+
+    Echoes are counted at their true places, whatever the vehicles believe. times_s, areas_m2: of each look. cells: all
+    columns with an echo.
+    """
+
+    def __init__(self, sim: Simulator, vehicles: Iterable[str]) -> None:
+        self._sim, self._vehicles = sim, [sim.vehicles[name] for name in vehicles]
+        self._steps = max(1, round(PERIOD_S / sim.step_s))
+        self._start_s = sim.time_s
+        self.due_tick = sim.tick + self._steps
+        self.cells: set[tuple[int, int]] = set()
+        self.times_s: list[float] = []
+        self.areas_m2: list[float] = []
+
+    def observe(self) -> None:
+        """Look."""
+        self.due_tick = self._sim.tick + self._steps
+        for vehicle in self._vehicles:
+            if vehicle.released:
+                ping = vehicle.sonar.ping()
+                points = ping.points_sonar_m[np.isfinite(ping.ranges_m)] @ ping.world_from_sonar[:2, :3].T
+                columns = np.unique(np.floor((points + ping.world_from_sonar[:2, 3]) / CELL_M).astype(np.int64), axis=0)
+                self.cells.update((i, j) for i, j in columns.tolist())
+        self.times_s.append(self._sim.time_s - self._start_s)
+        self.areas_m2.append(len(self.cells) * CELL_M**2)
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Nothing depends on commands."""

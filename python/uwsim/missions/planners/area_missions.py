@@ -1,0 +1,48 @@
+"""The planners that cover an area, as missions with the same task: all water within bound_m of where they begin."""
+
+from __future__ import annotations
+
+import math
+
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.planners.boustrophedon import MownArea, mow_area
+from uwsim.missions.planners.frontier import Explored, explore
+from uwsim.missions.planners.unknown_water import MownWater, mow_unknown_water
+from uwsim.missions.steps import Steps
+
+CORNERS = 16  # of the polygon that stands for the circle
+
+
+def unknown_water(
+    vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
+) -> Steps[MownWater]:
+    """Mow without knowing more than the bound."""
+    _leave_station(vehicle)
+    return (yield from mow_unknown_water(vehicle, bound_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
+
+
+def frontier(
+    vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
+) -> Steps[Explored]:
+    """Go to the frontiers of the live map."""
+    _leave_station(vehicle)
+    return (yield from explore(vehicle, bound_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
+
+
+def boustrophedon(
+    vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
+) -> Steps[MownArea]:
+    """Mow the circle as a polygon, land or not."""
+    _leave_station(vehicle)
+    x, y, _ = vehicle.pose.position_world_m.tolist()
+    angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS)]
+    area_m = [(x + bound_m * math.cos(angle), y + bound_m * math.sin(angle)) for angle in angles]
+    return (yield from mow_area(vehicle, area_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
+
+
+def _leave_station(vehicle: OwnVehicle) -> None:
+    if not vehicle.released:
+        vehicle.undock()
+
+
+AREA_MISSIONS = {"unknown_water": unknown_water, "frontier": frontier, "boustrophedon": boustrophedon}
