@@ -54,14 +54,19 @@ def mow_area(
     lanes = boustrophedon_lanes(area_m, spacing_m, np.asarray(vehicle.pose.position_world_m[:2], np.float64))
     yield from lookout.tilt()
     yield from find_bed(vehicle)
+    return MownArea(spacing_m, len(lanes), (yield from fly_lanes(lookout, lanes)))
+
+
+def fly_lanes(lookout: Lookout, lanes: Sequence[Lane]) -> Steps[tuple[int, ...]]:
+    """Fly lanes in their order; return the numbers of those to whose start or end no way led, which are logged."""
     left_out = []
     for k, lane in enumerate(lanes):
         started = yield from lookout.go_to(lane.start_m)
-        vehicle.log("lane", number=k, of=len(lanes))
+        lookout.vehicle.log("lane", number=k, of=len(lanes))
         if not (yield from lookout.go_to(lane.end_m)) or not started:
             left_out.append(k)
-            vehicle.log("left_out", number=k)
-    return MownArea(spacing_m, len(lanes), tuple(left_out))
+            lookout.vehicle.log("left_out", number=k)
+    return tuple(left_out)
 
 
 def boustrophedon_lanes(area_m: Sequence[Sequence[float]] | Floats, spacing_m: float, near_m: Floats) -> list[Lane]:

@@ -19,12 +19,12 @@ LONGEST_RAY_M = 30.0  # a longer echo frees water up to here
 class LiveMap:
     """Makes a map of pings as they are heard, at the vehicle's estimated poses, and of the bed straight below.
 
-    cells: the columns of `tops_m`.
+    cells: the columns of `tops_m` and `certainty`. period_s: between the pings that are put in.
     """
 
-    def __init__(self, vehicle: OwnVehicle, resolution_m: float, cells: Cells) -> None:
+    def __init__(self, vehicle: OwnVehicle, resolution_m: float, cells: Cells, period_s: float = PING_PERIOD_S) -> None:
         self.map = OccupancyMap(resolution_m=resolution_m)
-        self._vehicle, self._cells = vehicle, cells
+        self._vehicle, self._cells, self._period_s = vehicle, cells, period_s
         self._next_s = self._next_look_s = -math.inf
         self._tops: dict[Cell, float] = {}
 
@@ -33,7 +33,7 @@ class LiveMap:
         now_s = self._vehicle.time_s
         if now_s < self._next_s:
             return
-        self._next_s = now_s + PING_PERIOD_S
+        self._next_s = now_s + self._period_s - 1e-6
         below_m = float(self._vehicle.sensors["altitude"].read())
         bed = np.asarray(self._vehicle.pose.position_world_m, np.float64) - (0.0, 0.0, below_m)
         points = np.vstack([echoes_world_m, bed]).astype(np.float32)  # one scan: none of its rays frees the bed
@@ -46,6 +46,14 @@ class LiveMap:
             self._next_look_s = self._vehicle.time_s + LOOK_PERIOD_S
             self._tops = self._read_tops()
         return self._tops
+
+    def certainty(self) -> dict[Cell, float]:
+        """The largest probability of an occupied voxel in each column in which there is one."""
+        voxels = self.map.occupied_voxels()
+        probabilities = self.map.probability_at(voxels)
+        order = np.argsort(probabilities, kind="stable")  # the most certain last, so that it stays
+        cells = self._cells.of(voxels[order])
+        return {(i, j): p for (i, j), p in zip(cells.tolist(), probabilities[order].tolist(), strict=True)}
 
     def _read_tops(self) -> dict[Cell, float]:
         voxels = self.map.occupied_voxels()

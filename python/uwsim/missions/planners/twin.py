@@ -1,0 +1,143 @@
+"""A digital twin: mow an area while its map is made, fly again where the map is thin or uncertain, return, dock.
+
+A column of the map is thin if no voxel in it is occupied, and uncertain if none is so with at least `certain`
+probability: the map has been contradicted there, or has seen it only once or twice from afar.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control.protocols import PoseLike
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.lanes import Lane
+from uwsim.missions.moves import goto, hold
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.planners.boustrophedon import boustrophedon_lanes, fly_lanes
+from uwsim.missions.planners.cells import Cell, Cells
+from uwsim.missions.planners.live_map import LiveMap
+from uwsim.missions.planners.lookout import Lookout
+from uwsim.missions.planners.unknown_water import find_bed
+from uwsim.missions.steps import Steps
+from uwsim.missions.stopped import StoppedError
+
+PING_PERIOD_S = 0.2
+PATCH = 3  # columns along each side of the patches that are flown over again
+DOCK_AHEAD_M, DOCK_SPEED_M_S, SETTLE_S = 0.8, 0.2, 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """map: of the whole flight; first_map: as it was before anything was flown again.
+
+    weak_before, weak_after: share of the area's columns that were thin or uncertain. patches: flown over again.
+    docked: whether it is back in the station's dock.
+    """
+
+    map: OccupancyMap
+    first_map: OccupancyMap
+    weak_before: float
+    weak_after: float
+    patches: int
+    docked: bool
+
+
+def make_twin(
+    vehicle: OwnVehicle,
+    area_m: Sequence[Sequence[float]],
+    *,
+    altitude_m: float = 3.0,
+    speed_m_s: float = 0.6,
+    overlap: float = 0.2,
+    resolution_m: float = 0.25,
+    certain: float = 0.8,
+    most_patches: int = 20,
+) -> Steps[Twin]:
+    """Make the twin of an area (k, 2); a docked vehicle leaves its dock before and is docked again afterwards.
+
+    Logs `weak` with the share of weak columns after each stage, `patch` for each one that is flown over again, and
+    `docked`. Raises ValueError, StoppedError.
+    """
+    if not 0.5 < certain < 1.0:
+        raise ValueError(f"certain = {certain}: must be above 0.5 and below 1")
+    dock = None if vehicle.released else vehicle.pose
+    if dock is not None:
+        vehicle.undock()
+    away = np.array(vehicle.pose.position_world_m, np.float64)
+    cells = Cells((float(away[0]), float(away[1])), 0.0, 2.0 * resolution_m)
+    live = LiveMap(vehicle, resolution_m, cells, PING_PERIOD_S)
+    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=live.hear)
+    lanes = boustrophedon_lanes(area_m, (1.0 - overlap) * lookout.swath_m, np.asarray(away[:2], np.float64))
+    inside = _columns(cells, boustrophedon_lanes(area_m, cells.edge_m, np.asarray(away[:2], np.float64)))
+    yield from lookout.tilt()
+    yield from find_bed(vehicle)
+    yield from fly_lanes(lookout, lanes)
+    first_map = OccupancyMap(resolution_m=resolution_m)
+    first_map.merge(live.map)
+
+    def weak() -> set[Cell]:
+        certainty = live.certainty()
+        return {cell for cell in inside if certainty.get(cell, 0.0) < certain}
+
+    now = before = weak()
+    vehicle.log("weak", share=len(before) / len(inside), stage="mown")
+    tried: set[Cell] = set()
+    while len(tried) < most_patches and (patch := _worst(now, tried, cells, vehicle)) is not None:
+        tried.add(patch)
+        vehicle.log("patch", position_m=list(_middle(patch, cells)))
+        yield from lookout.go_to(_middle(patch, cells))
+        now = weak()
+    vehicle.log("weak", share=len(now) / len(inside), stage="flown again")
+    if dock is not None:
+        yield from return_and_dock(lookout, dock, away)
+    return Twin(live.map, first_map, len(before) / len(inside), len(now) / len(inside), len(tried), dock is not None)
+
+
+def return_and_dock(lookout: Lookout, dock: PoseLike, exit_world_m: NDArray[np.float64]) -> Steps[None]:
+    """Go back to the dock's exit, back into the dock, and dock. Raises StoppedError if no way leads back."""
+    vehicle = lookout.vehicle
+    if not (yield from lookout.go_to(exit_world_m[:2])):
+        raise StoppedError("no way led back to the station")
+    yaw_rad = dock.yaw_rad
+    ahead = np.array([math.cos(yaw_rad), math.sin(yaw_rad), 0.0])
+    yield from goto(vehicle, exit_world_m, heading_rad=yaw_rad, within_m=0.3)
+    entry = np.asarray(dock.position_world_m) + DOCK_AHEAD_M * ahead
+    yield from goto(vehicle, entry, heading_rad=yaw_rad, speed_m_s=DOCK_SPEED_M_S, within_m=0.3)
+    yield from hold(vehicle, SETTLE_S, position_world_m=entry, heading_rad=yaw_rad)
+    vehicle.dock()
+    vehicle.log("docked")
+
+
+def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
+    """The columns under lanes that are one column apart: those of the polygon."""
+    points = []
+    for lane in lanes:
+        steps = np.arange(0.0, lane.length_m, 0.5 * cells.edge_m)
+        points.append(lane.start_m + steps[:, None] * lane.direction)
+    return {(i, j) for i, j in cells.of(np.concatenate(points)).tolist()}
+
+
+def _worst(weak: set[Cell], tried: set[Cell], cells: Cells, vehicle: OwnVehicle) -> Cell | None:
+    """The nearest patch, not tried yet, of which at least half is weak."""
+    counts: dict[Cell, int] = {}
+    for i, j in sorted(weak):
+        patch = (i // PATCH, j // PATCH)
+        counts[patch] = counts.get(patch, 0) + 1
+    candidates = [p for p, count in counts.items() if p not in tried and 2 * count >= PATCH**2]
+    x, y, _ = vehicle.pose.position_world_m.tolist()
+    return min(candidates, key=lambda p: math.dist(_middle(p, cells), (x, y)), default=None)
+
+
+def _middle(patch: Cell, cells: Cells) -> tuple[float, float]:
+    """The middle of a patch in the world."""
+    corners = [
+        cells.middle_m((PATCH * patch[0] + a, PATCH * patch[1] + b)) for a, b in product((0, PATCH - 1), repeat=2)
+    ]
+    x, y = np.mean(corners, axis=0).tolist()
+    return x, y
