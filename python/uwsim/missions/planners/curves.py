@@ -1,0 +1,123 @@
+"""Waypoints with Dubins paths or splines between them: for vehicles that cannot turn on the spot, and smooth tracks.
+
+A Dubins path is the shortest one of arcs of one radius and straight lines (Dubins, "On curves of minimal length with a
+constraint on average curvature", 1957), by OMPL. The spline is a cubic through all points, parametrised by the chords'
+lengths, by SciPy; its curvature has no limit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from uwsim.extras import need_extra
+from uwsim.missions.moves import follow, turn_to
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.steps import Steps
+
+Floats = NDArray[np.float64]
+Curve = Literal["dubins", "spline"]
+
+
+def fly_through(
+    vehicle: OwnVehicle,
+    points_world_m: Sequence[Sequence[float]] | Floats,
+    *,
+    curve: Curve = "dubins",
+    radius_m: float = 3.0,
+    altitude_m: float | None = None,
+    speed_m_s: float = 0.5,
+) -> Steps[Floats]:
+    """Fly from where the vehicle is through points (n, 3), or (n, 2) with altitude_m above the bed, on a curve.
+
+    radius_m: of the Dubins path's turns; the first leg begins with the vehicle's heading. Return the path that was
+    flown along, (m, 3) or (m, 2). It keeps off nothing. Raises ValueError, StoppedError.
+    """
+    width = 3 if altitude_m is None else 2
+    points = np.asarray(points_world_m, np.float64)
+    if points.ndim != 2 or points.shape[1:] != (width,) or not len(points) or not np.isfinite(points).all():
+        raise ValueError(
+            f"points_world_m.shape = {points.shape}: must be (n, 3), or (n, 2) with altitude_m, and finite"
+        )
+    if curve not in ("dubins", "spline"):
+        raise ValueError(f"curve = {curve!r}: must be dubins or spline")
+    whole = np.vstack([np.asarray(vehicle.pose.position_world_m, np.float64)[:width], points])
+    path = dubins_path(whole, radius_m, vehicle.pose.yaw_rad) if curve == "dubins" else spline_path(whole)
+    ahead = path[1] - path[0]
+    yield from turn_to(vehicle, math.atan2(ahead[1], ahead[0]))
+    yield from follow(vehicle, path, altitude_m=altitude_m, speed_m_s=speed_m_s)
+    return path
+
+
+def dubins_path(
+    points_m: Sequence[Sequence[float]] | Floats, radius_m: float, start_heading_rad: float, step_m: float = 0.5
+) -> Floats:
+    """The Dubins path through points (n, 2) or (n, 3), as points at most step_m apart.
+
+    It leaves the first point at start_heading_rad, the others along the bisector of both chords, and reaches the last
+    along its chord. The height changes evenly with the way between points. Raises ValueError.
+    """
+    points = _checked(points_m, radius_m=radius_m, step_m=step_m)
+    need_extra("ompl", "planning", "a Dubins path")
+    from ompl import base
+
+    space = base.DubinsStateSpace(radius_m)
+    states = [
+        _state(space, point, heading)
+        for point, heading in zip(points, _headings(points, start_heading_rad), strict=True)
+    ]
+    between = space.allocState()
+    path = [points[0]]
+    for (here, there), (a, b) in zip(pairwise(states), pairwise(points), strict=True):
+        count = max(1, math.ceil(float(space.distance(here, there)) / step_m))
+        for share in (np.arange(1, count + 1) / count).tolist():
+            space.interpolate(here, there, share, between)
+            path.append(np.array([between.getX(), between.getY(), *(a + share * (b - a))[2:]]))
+    return np.array(path)
+
+
+def spline_path(points_m: Sequence[Sequence[float]] | Floats, step_m: float = 0.5) -> Floats:
+    """The cubic spline through points (n, 2) or (n, 3), as points about step_m apart. Raises ValueError."""
+    points = _checked(points_m, step_m=step_m)
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    lengths = np.concatenate([[0.0], np.cumsum(chords)])
+    spline = make_interp_spline(lengths, points, k=min(3, len(points) - 1))
+    count = max(1, math.ceil(float(lengths[-1]) / step_m))
+    places = np.unique(np.concatenate([np.linspace(0.0, lengths[-1], count + 1), lengths]))
+    return np.asarray(spline(places), np.float64)
+
+
+def _headings(points: Floats, start_rad: float) -> list[float]:
+    chords = np.diff(points[:, :2], axis=0)
+    chords /= np.linalg.norm(chords, axis=1)[:, None]
+    headings = [start_rad]
+    for before, after in pairwise(chords):
+        middle = before + after
+        middle = middle if float(np.linalg.norm(middle)) > 1e-6 else np.array([-before[1], before[0]])
+        headings.append(math.atan2(middle[1], middle[0]))
+    return [*headings, math.atan2(chords[-1][1], chords[-1][0])]
+
+
+def _state(space: Any, point: Floats, heading_rad: float) -> Any:
+    state = space.allocState()
+    state.setXY(float(point[0]), float(point[1]))
+    state.setYaw(math.remainder(heading_rad, 2.0 * math.pi))
+    return state
+
+
+def _checked(points_m: Sequence[Sequence[float]] | Floats, **lengths_m: float) -> Floats:
+    points = np.asarray(points_m, np.float64)
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or len(points) < 2 or not np.isfinite(points).all():
+        raise ValueError(f"points_m.shape = {points.shape}: must be (n, 2) or (n, 3) finite points, n at least 2")
+    if (np.linalg.norm(np.diff(points[:, :2], axis=0), axis=1) < 1e-3).any():
+        raise ValueError("points_m: two points in a row are at the same place")
+    for name, value in lengths_m.items():
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{name} = {value} m: must be positive")
+    return points

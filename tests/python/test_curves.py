@@ -1,0 +1,73 @@
+"""Curved paths: they pass through the waypoints, turn no tighter than asked, and vehicles fly them."""
+
+import math
+
+import numpy as np
+import pytest
+
+import uwsim
+from uwsim.missions.planners.curves import dubins_path, fly_through, spline_path
+
+POINTS_M = np.array([[0, 0, -2], [12, 0, -3], [12, 9, -4], [-3, 6, -2]], float)
+WITHOUT_OMPL = "a Dubins path needs OMPL, an optional part"
+
+
+def test_a_dubins_path_turns_no_tighter_than_its_radius() -> None:
+    pytest.importorskip("ompl", reason=WITHOUT_OMPL)
+    radius_m, step_m = 2.5, 0.05
+    path = dubins_path(POINTS_M, radius_m, 0.5 * math.pi, step_m)
+    steps = np.diff(path[:, :2], axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    assert lengths.max() <= step_m * 1.001
+    turns = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(steps[:, 1], steps[:, 0])))))
+    assert (turns <= lengths[:-1] / radius_m * 1.1 + 1e-6).all()
+    for point in POINTS_M:
+        assert np.linalg.norm(path - point, axis=1).min() < 1e-3
+    assert math.atan2(*steps[0][::-1]) == pytest.approx(0.5 * math.pi, abs=0.05)
+
+
+def test_two_points_in_line_are_joined_by_a_straight_line_and_a_turn_back_is_longer() -> None:
+    pytest.importorskip("ompl", reason=WITHOUT_OMPL)
+    ahead, back = (dubins_path([[0, 0], [8, 0]], 2.0, heading, 0.1) for heading in (0.0, math.pi))
+    assert np.abs(ahead[:, 1]).max() < 1e-6
+    lengths = [np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in (ahead, back)]
+    assert lengths[0] == pytest.approx(8.0, abs=1e-3) and lengths[1] > 8.0 + 2.0 * math.pi
+
+
+def test_a_spline_passes_through_its_points_and_reproduces_a_cubic() -> None:
+    path = spline_path(POINTS_M, 0.2)
+    for point in POINTS_M:
+        assert np.linalg.norm(path - point, axis=1).min() < 1e-9
+    assert spline_path([[0, 0], [4, 2]])[:, 1] == pytest.approx(0.5 * spline_path([[0, 0], [4, 2]])[:, 0])
+
+
+@pytest.mark.parametrize("curve", ["dubins", "spline"])
+def test_a_vehicle_flies_through_the_waypoints(curve: str) -> None:
+    if curve == "dubins":
+        pytest.importorskip("ompl", reason=WITHOUT_OMPL)
+    waypoints = [(3.0, 3.0, -2.5), (-2.0, 4.0, -2.0), (-3.0, -4.0, -2.5)]
+
+    def mission(vehicle):
+        vehicle.undock()
+        return (yield from fly_through(vehicle, waypoints, curve=curve, radius_m=1.5, speed_m_s=0.4))
+
+    flown = uwsim.fly(mission, "pool")
+    assert not flown.ended_early, flown.ended_because
+    track = flown.samples["rov"].path_world_m
+    for point in waypoints:
+        assert np.linalg.norm(track - point, axis=1).min() < 0.7
+    off_m = np.array([np.linalg.norm(flown.result - place, axis=1).min() for place in track[20:]])
+    assert np.sqrt(np.mean(off_m**2)) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("points", "radius_m", "match"),
+    [
+        ([[0, 0]], 1.0, "n at least 2"),
+        ([[0, 0], [0, 0]], 1.0, "same place"),
+        ([[0, 0], [1, 1]], 0.0, "must be positive"),
+    ],
+)
+def test_what_is_no_path_is_refused(points, radius_m, match) -> None:
+    with pytest.raises(ValueError, match=match):
+        dubins_path(points, radius_m, 0.0)
