@@ -13,6 +13,7 @@ from browser import chromium, desk, until, when
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
+from uwsim.scenario.read.assets import assets_folder
 from uwsim.vehicle import AXES
 
 AXE = Path(__file__).parents[2] / "build/js/node_modules/axe-core/axe.min.js"
@@ -271,6 +272,31 @@ def test_a_rosbridge_without_a_station_can_be_flown(browser, tmp_path):
         page.keyboard.up("d")
         until(lambda: not live.simulator.rov.effort.any(), "zero")
         when(page, "station.views.picture('front').drawn > 0 && station.scene.store.count > 0")
+
+
+def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(browser, tmp_path):
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    path = tmp_path / "leaky.yaml"
+    path.write_text(
+        text.replace("  model: rov\n", "  model: rov\n    failsafe: {leak_then: hold}\n") + "link: ideal_acoustic\n"
+    )
+    with desk(browser, tmp_path, str(path)) as here:
+        page = here.fly()
+        when(page, "station.station.isPilot")
+        when(page, "document.querySelector('#link').textContent.includes('ideal_acoustic')")
+        assert page.is_hidden("#failsafe")
+        page.click("#dock")
+        until(lambda: here.rov.released, "the release")
+        here.station.present().live.command("inject_fault", kind="leak", kg_per_s=1.0, kg_max=0.2).result()
+        page.wait_for_selector("#take-back:not([disabled])")
+        told = page.inner_text("#failsafe")
+        assert "holds its place by itself, because water is inside" in told and "water inside" in told.splitlines()
+        judge(page, "failsafe")
+        page.click("#take-back")
+        until(lambda: here.rov.failsafe.state == "", "the end of the failsafe")
+        when(page, "document.querySelector('#take-back').hidden")
+        assert "water inside" in page.inner_text("#failsafe")  # it is still wet
+        assert not here.complaints
 
 
 def test_foreign_pages_and_names_are_refused(running):

@@ -176,6 +176,7 @@ class Running:
             "prefix": source.prefix,
             "telemetry": topic("telemetry"),
             "scan": topic("ping"),
+            "link": topic("link"),
             "map": f"/map/{source.name}" if has_map else None,
             "map_changes": topic("map_changes"),
             "pings_per_s": self.table.pings[source.name].rate_hz if has_map else 0.0,

@@ -3,6 +3,8 @@ import { attitude } from '../attitude.js';
 import { clockText, el, fixed, write } from '../dom.js';
 import { Alarms } from './alarms.js';
 import { Bars } from './bars.js';
+import { Failsafe } from './failsafe.js';
+import { Link } from './link.js';
 
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
@@ -56,6 +58,8 @@ export class Panel {
 
   constructor(container, station, telemetry, pilot) {
     [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
+    this.failsafe = new Failsafe(station);
+    this.link = new Link(station);
     this.kind = el('small');
     this.age = el('small');
     this.battery = el('i');
@@ -79,8 +83,10 @@ export class Panel {
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
     container.append(
+      this.failsafe.element,
       this.alarms.element,
       this.timed,
+      this.link.element,
       this.#section('Controls', el('small', {}, '%'), this.efforts.element),
       this.#section('Map', this.mapNote, this.downloads),
     );
@@ -90,6 +96,8 @@ export class Panel {
   }
 
   begin(vehicle, description) {
+    this.failsafe.begin(vehicle);
+    this.link.begin(vehicle);
     this.hasThrusters = vehicle.thrusters.length > 0; // else forces along and about the axes drive it
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
     write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
@@ -120,6 +128,7 @@ export class Panel {
     const { message, isStale, lag_s } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
     this.alarms.show(message, isStale);
+    this.failsafe.show(message, isStale);
     write(
       this.age,
       !message ? 'waiting' : !this.station.connected ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',

@@ -11,7 +11,7 @@ const FIXED = {
   truth_allowed: true,
   warnings: { proximity_m: 10 },
   scene: '',
-  commands: ['undock', 'dock', 'set_lamp', 'aim'],
+  commands: ['undock', 'dock', 'set_lamp', 'aim', 'override_failsafe'],
 };
 
 export class PlainBackend {
@@ -56,6 +56,7 @@ export class PlainBackend {
       prefix,
       telemetry: `/${prefix}telemetry`,
       scan: has(`/${prefix}scan`),
+      link: has(`/${prefix}link`),
       map_changes: has(`/${prefix}map_changes`),
       thrusters: [],
       efforts: AXES,

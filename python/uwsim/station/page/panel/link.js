@@ -1,0 +1,56 @@
+// The link through the water, where the scenario has one: how well station and vehicle hear each other.
+import { el, fixed, write } from '../dom.js';
+
+const POOR = 0.8; // quality
+const SILENT_S = 5;
+const VALUES = [
+  ['Quality', '%', (m) => fixed(100 * m.quality, 0)],
+  ['Delay', 'ms', (m) => fixed(1000 * m.delay, 0)],
+  ['Silent here', 's', (m) => fixed(m.silence_at_station, 1)],
+  ['Silent there', 's', (m) => fixed(m.silence, 1)],
+  ['SNR', 'dB', (m) => fixed(m.snr, 0)],
+  ['Lost', '', (m) => `${m.lost} of ${m.sent}`],
+];
+
+export class Link {
+  #end = null;
+
+  constructor(station) {
+    this.station = station;
+    this.note = el('small');
+    this.values = VALUES.map(([, , read]) => [el('span', {}, '–'), read]);
+    this.element = el(
+      'section',
+      { id: 'link', className: 'link', hidden: true },
+      el('h2', {}, 'Link', this.note),
+      el(
+        'dl',
+        { className: 'values' },
+        ...VALUES.map(([name, unit], k) =>
+          el(
+            'div',
+            {},
+            el('dt', {}, name),
+            el('dd', {}, this.values[k][0], unit ? el('span', { className: 'unit' }, unit) : null),
+          ),
+        ),
+      ),
+    );
+  }
+
+  begin({ link }) {
+    this.#end?.();
+    this.#end = null;
+    this.element.hidden = !link;
+    for (const [value] of this.values) write(value, '–');
+    write(this.note, '');
+    if (link) this.#end = this.station.bridge.subscribe(link, 'uwsim_msgs/Link', (message) => this.#show(message));
+  }
+
+  #show(message) {
+    for (const [value, read] of this.values) write(value, read(message));
+    const isBad = message.quality < POOR || Math.max(message.silence, message.silence_at_station) > SILENT_S;
+    this.element.dataset.level = isBad ? 'warn' : 'good';
+    write(this.note, message.modem);
+  }
+}
