@@ -3,9 +3,13 @@
 import math
 
 import numpy as np
+import pytest
 
 import uwsim
 from uwsim import Simulator
+from uwsim.bridges import RosbridgeServer
+from uwsim.flight.remote import fly_remote
+from uwsim.live import LiveSimulator
 from uwsim.missions import StoppedError
 from uwsim.missions.planners.cells import Cells, nearest
 from uwsim.missions.planners.unknown_water import mow_unknown_water
@@ -46,6 +50,15 @@ def test_where_the_bed_ends_it_turns_back_and_says_so() -> None:
     reasons = {event.values["reason"] for event in flown.events if event.name == "closed"}
     assert "no bed below" in reasons
     assert np.abs(flown.samples["rov"].path_world_m[:, :2]).max() < 13.0
+
+
+def test_it_flies_a_remote_vehicle_as_well() -> None:
+    mission = mow(4.5, 2.0, line_spacing_m=3.0)
+    here = uwsim.fly(mission, "pool")
+    with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
+        far = fly_remote(mission, server.url, lockstep=True)
+    assert far.ended_because == here.ended_because == "the mission is complete"
+    assert np.array(far.result.flown_m) == pytest.approx(np.array(here.result.flown_m), abs=0.1)
 
 
 def test_a_vehicle_that_cannot_move_is_stuck_and_not_silent() -> None:
