@@ -167,7 +167,7 @@ def observed(sim: Simulator, *, pictures: bool, imaging: bool) -> dict[str, byte
 
 
 def _panel(panel: Any) -> list[float]:
-    return [float(getattr(panel, name)) for name in dir(panel) if not name.startswith("_")]
+    return [float(value) for value in panel.to_dict().values()]
 
 
 def _sample(sample: Any) -> np.ndarray[Any, Any]:

@@ -20,9 +20,10 @@ def link(
     depth: Annotated[float, typer.Option(help="At which the vehicle goes [m].")] = 10.0,
     seed: Seed = None,
 ) -> None:
-    """Try a link: a vehicle goes away from the station and comes back, and its modem sends all it can.
+    """Try a link: a vehicle goes away from the station and back.
 
-    Draws delay, delivery and goodput against range and time, beside what the sonar equation says for open water.
+    Its modem sends all it can. Draws delay, delivery and goodput against range and time, beside what the sonar equation
+    says for open water.
     """
     from uwsim.figures.link_trial import draw_link_trial
     from uwsim.link.trial import run_trial, summary

@@ -29,7 +29,7 @@ from uwsim.survey.results import Scoring, write_results
 from uwsim.survey.terminal import Terminal
 
 PINGS = Channel(NAME, SONAR_PING, "out", "each ping of the survey, with the poses of body and sonar in the world")
-FROM_PINGS = ("path_world_m", "area_world_m", "sample_ping")
+FROM_PINGS = ("path_world_m", "position_error_m", "area_world_m", "sample_ping")
 """Fields of the record that the pings give."""
 
 
