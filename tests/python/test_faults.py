@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.channels import channels
+from uwsim.channels import channels, services
+from uwsim.channels.messages import default_message
 from uwsim.live import LiveSimulator, replay
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.errors import ScenarioError
@@ -174,8 +175,6 @@ def test_a_link_that_is_down_carries_nothing_either_way():
         key = said["key"]
 
         def tell(surge):
-            from uwsim.channels.messages import default_message
-
             message = default_message(key.type)
             message.position.x, message.orientation.w = surge, 0.0
             key.apply(live, message)
@@ -194,6 +193,30 @@ def test_a_link_that_is_down_carries_nothing_either_way():
         tell(1.0)
         assert live.rov.effort[0] == 1.0
         assert live.simulator.rov.failsafe.state == ""
+
+
+def test_over_a_link_that_is_down_lamps_stay_as_they_are_and_cameras_do_not_turn():
+    with LiveSimulator(lake(), speed="max", paused=True) as live:
+        offered = {service.name: service for service in services(live.simulator)}
+        heard = {channel.name: channel for channel in channels(live.simulator)}
+        rov, message = live.simulator.rov, default_message("std_msgs/msg/Float64")
+        message.data = 0.25
+
+        def ask_for_both(on):
+            heard["camera/front/cmd_pan"].apply(live, message)
+            answer = offered["lights/front"].call(live, {"data": on})
+            live.step(100)
+            return answer["success"], rov.lamps["front"].on, rov.cameras["front"].aim_rad[0]
+
+        was = rov.lamps["front"].on
+        live.command("inject_fault", kind="link", name="cut").result()
+        live.step(1)
+        assert ask_for_both(not was) == (False, was, 0.0)
+        live.command("end_fault", name="cut").result()
+        live.step(1)
+        success, on, pan_rad = ask_for_both(not was)
+        assert (success, on) == (True, not was)
+        assert pan_rad > 0.1
 
 
 def begins(sim):

@@ -99,6 +99,20 @@ def test_a_lost_connection_ends_the_efforts_and_frees_the_controls(pool):
         assert bob.call("take_control")["success"]
 
 
+def test_a_link_that_is_down_takes_no_commands_of_the_page_until_it_is_back():
+    with serving() as (station, server), page(server) as ada:
+        ada.call("start", scenario="pool", speed=5)
+        ada.call("take_control")
+        asked = {"name": "set_lamp", "vehicle": "rov", "args": {"lamp": "front", "on": True}}
+        fault = {"name": "inject_fault", "args": {"kind": "link", "name": "cut", "for_s": 1e5}}
+        assert ada.call("command", **fault)["success"]  # the simulator's, which needs no link
+        answer = ada.call("command", **asked)
+        assert not answer["success"] and "the link to 'rov' is down" in answer["message"]
+        assert ada.call("command", name="end_fault", args={"name": "cut"})["success"]
+        assert ada.call("command", **asked)["success"]
+        assert station.present().live.simulator.rov.lamps["front"].on
+
+
 def test_what_a_pilot_flew_replays_to_the_same_bytes():
     with serving() as (station, server), page(server) as ada:
         ada.call("start", scenario="pool", speed=5, seed=3)

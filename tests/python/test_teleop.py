@@ -15,7 +15,9 @@ import pytest
 from textual import events
 
 from uwsim.bridges import RosbridgeServer
+from uwsim.cli.teleop import own_server
 from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
 from uwsim.teleop.app import TeleopApp
 from uwsim.teleop.connection import Connection
 from uwsim.teleop.fan import draw_fan, fan_scale_m
@@ -356,12 +358,32 @@ def test_a_terminal_that_ends_stops_the_vehicle(live, server, number):
         os.close(master)
 
 
+def test_its_own_simulator_is_flown_over_a_link():
+    simulator = Simulator("pool", link="s2cm_hs")
+    simulator.rov.undock()
+    with own_server(simulator) as server:
+        hands = Hands()
+        connection = Connection(server.url, hands)
+        connection.start()
+        try:
+            until(lambda: connection.readout.depth_m > 0.0)
+            hands.press("w")
+            until(lambda: simulator.rov.effort[0] > 0.0 or hands.press("w"))
+            carried = {(counts.topic, counts.sender) for counts in simulator.link.counts() if counts.delivered}
+            assert {("key", "station"), ("telemetry", "rov")} <= carried
+        finally:
+            connection.stop()
+        until(lambda: simulator.rov.effort[0] == 0.0)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["http://here"], "must begin with ws:// or wss://"),
         (["ws://127.0.0.1:1", "--scenario", "pool"], "not a URL"),
+        (["ws://127.0.0.1:1", "--link", "s2cm_hs"], "not a URL"),
         (["--scenario", "pool", "--vehicle", "nobody"], "--vehicle = 'nobody'"),
+        (["--scenario", "pool", "--link", "string"], "string"),
     ],
 )
 def test_mistakes_are_told_in_a_line(arguments, message):

@@ -71,6 +71,8 @@ def _aimer(
     def apply(live: LiveSimulator, message: Any) -> None:
         if not low <= message.data <= high:
             raise ValueError(f"{topic} = {message.data} rad: must be in [{low:.4g}, {high:.4g}] rad")
+        if vehicle is not None and live.simulator.faults.link_is_down(vehicle):
+            return
         angle = {f"{axis}_rad": message.data}
         live.command("aim_camera", vehicle=vehicle, camera=camera, **angle).add_done_callback(log_error)
 

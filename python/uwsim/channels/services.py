@@ -11,6 +11,7 @@ from uwsim.channels.channel import Service
 from uwsim.channels.map import PingMap
 from uwsim.channels.pictures import RATE_HZ, WIDTHS, Pictures, Stream
 from uwsim.channels.source import Source
+from uwsim.channels.steering import require_link
 from uwsim.live import LiveSimulator
 from uwsim.simulator import Simulator
 
@@ -68,8 +69,7 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
 
 def _commanded(vehicle: str, command: str) -> Callable[[LiveSimulator, Request], object]:
     def call(live: LiveSimulator, request: Request) -> object:
-        if live.simulator.faults.link_is_down(vehicle):
-            raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
+        require_link(live, vehicle, command)
         return live.command(command, vehicle=vehicle).result()
 
     return call
@@ -99,7 +99,9 @@ def _done(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveSimu
 
 def _lamp(vehicle: str, lamp: str) -> Callable[[LiveSimulator, Request], object]:
     def switch(live: LiveSimulator, request: Request) -> object:
-        return live.command("set_lamp", vehicle=vehicle, lamp=lamp, on=_field(request, "data", bool, None)).result()
+        on = _field(request, "data", bool, None)
+        require_link(live, vehicle, "set_lamp")
+        return live.command("set_lamp", vehicle=vehicle, lamp=lamp, on=on).result()
 
     return switch
 

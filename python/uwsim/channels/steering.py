@@ -75,6 +75,12 @@ class Steering:
                 self._command(live, "set_effort", **efforts)
 
 
+def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
+    """Raise ValueError while a fault has the link to a vehicle down: whoever waits for its answer waits in vain."""
+    if live.simulator.faults.link_is_down(vehicle):
+        raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
+
+
 def nothing_done() -> Future[Any]:
     """Return the future of a command that was lost: it has come to an end, and nobody knows."""
     future: Future[Any] = Future()

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.cli.options import Seed, SonarModel, Threads
+from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+
+if TYPE_CHECKING:
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.simulator import Simulator
 
 
 def teleop(
@@ -22,6 +28,7 @@ def teleop(
     ),
     seed: Seed = None,
     sonar_model: SonarModel = None,
+    link: Link = None,
     threads: Threads = None,
 ) -> None:
     """Fly a vehicle from the terminal, by keys or a gamepad.
@@ -34,22 +41,37 @@ def teleop(
     from uwsim.teleop.fly import fly
 
     if url is not None:
-        if (scenario, seed, sonar_model, threads) != (None, None, None, None):
+        if any(option is not None for option in (scenario, seed, sonar_model, link, threads)):
             raise ValueError(
-                "--scenario, --seed, --sonar-model and --threads are for a simulator of its own, not a URL"
+                "--scenario, --seed, --sonar-model, --link and --threads are for a simulator of its own, not a URL"
             )
         marks, code = fly(url, url, vehicle)
     else:
-        from uwsim.bridges import RosbridgeServer
-        from uwsim.live import LiveSimulator
         from uwsim.simulator import Simulator
 
         flown = scenario or "lake"
-        simulator = Simulator(flown, seed=seed, sonar_model=parsed_sonar_model(sonar_model), threads=threads)
+        model = parsed_sonar_model(sonar_model)
+        simulator = Simulator(flown, seed=seed, sonar_model=model, link=link, threads=threads)
         if vehicle is not None and vehicle not in simulator.vehicles:
             raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(simulator.vehicles)}")
-        with LiveSimulator(simulator) as live, RosbridgeServer(live, port=0) as server:
+        with own_server(simulator) as server:
             marks, code = fly(server.url, flown, vehicle if len(simulator.vehicles) > 1 else None)
     for number, mark in enumerate(marks, 1):
         typer.echo(f"mark {number}: {mark}")
     raise typer.Exit(code)
+
+
+@contextmanager
+def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
+    """Let a simulator run and serve it on a free port of this machine: over its link, if it has one."""
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.link import Carrier
+    from uwsim.live import LiveSimulator
+
+    with ExitStack() as ends:
+        live = ends.enter_context(LiveSimulator(simulator))
+        server = RosbridgeServer(live, port=0)
+        if simulator.link is not None:
+            carrier = ends.enter_context(Carrier(live, server.channels))
+            server.channels, server.services = carrier.channels, carrier.over(server.services)
+        yield ends.enter_context(server)

@@ -7,6 +7,8 @@ from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from uwsim.channels.guest import GuestService, Values
+from uwsim.channels.steering import require_link
+from uwsim.link.remote import CARRIED
 from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.station.control import CONTROLS
 from uwsim.station.helm import answered
@@ -86,6 +88,8 @@ class Services:
             raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(PILOTED)}")
         live = self._station.present().far
         given = {str(key): value for key, value in arguments.items()}
+        if name in CARRIED:
+            require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
         return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given))
 
     def _set_view(self, caller: str, request: Values) -> Values:
