@@ -22,6 +22,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from uwsim.batch import Batch
     from uwsim.docking import DockedWarning
     from uwsim.flight.fly import fly
     from uwsim.scenario import Scenario, ScenarioError
@@ -34,6 +35,7 @@ except PackageNotFoundError:  # a source tree that was never installed
 
 # Imported on first use (PEP 562), so that `uwsim --help` answers at once.
 _MODULE_OF = {
+    "Batch": "uwsim.batch",
     "DockedWarning": "uwsim.docking",
     "Scenario": "uwsim.scenario",
     "ScenarioError": "uwsim.scenario",
@@ -41,7 +43,7 @@ _MODULE_OF = {
     "fly": "uwsim.flight.fly",
 }
 
-__all__ = ["DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__", "fly", "scenarios"]
+__all__ = ["Batch", "DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__", "fly", "scenarios"]
 
 
 def __getattr__(name: str) -> Any:

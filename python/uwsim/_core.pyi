@@ -15,6 +15,7 @@ __all__: list[str] = [
     "ActuatorsSpec",
     "Autopilot",
     "AutopilotGains",
+    "Batch",
     "BiasModel",
     "BodyState",
     "BottomMaterial",
@@ -47,6 +48,7 @@ __all__: list[str] = [
     "MapEngine",
     "MapOptions",
     "MediumAccess",
+    "MemberSpec",
     "ModemSpec",
     "Modulation",
     "MotionController",
@@ -3365,6 +3367,114 @@ class LinkWater:
     def hear(self, scene: RayScene, from_world_m: typing.Any, to_world_m: typing.Any) -> Reception:
         """
         Between two points at rest.
+        """
+
+class MemberSpec:
+    """
+    What one simulation of a batch is built from, apart from terrain and solids.
+    """
+    def __init__(
+        self,
+        water: Water,
+        simulation: SimulationSpec,
+        vehicles: collections.abc.Sequence[VehicleSpec],
+        link: LinkSpec | None = None,
+    ) -> None:
+        """
+        vehicles: shared, not copied; do not change them afterwards.
+        """
+
+class Batch:
+    """
+    Simulations of one world, advanced and asked together. Arrays that results are written into
+    are C-ordered, with one row for each member; results do not depend on the thread count.
+    Calls release the GIL and raise ValueError, which names the member: batch[3].
+    """
+    def __init__(
+        self,
+        world: World,
+        scene: RayScene,
+        members: collections.abc.Sequence[MemberSpec],
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None: ...
+    def beams(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
+    ) -> int:
+        """
+        The number of beams of the first member's sonar.
+        """
+    def in_physics_mode(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
+    ) -> bool:
+        """
+        Whether the sonar of any member is.
+        """
+    def motion(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        times_ns: numpy.typing.NDArray[numpy.uint64],
+        positions_world_m: numpy.typing.NDArray[numpy.float64],
+        orientations_xyzw: numpy.typing.NDArray[numpy.float64],
+        velocities_body: numpy.typing.NDArray[numpy.float64],
+        collisions: numpy.typing.NDArray[numpy.uint64],
+        released: numpy.typing.NDArray[numpy.bool],
+    ) -> None: ...
+    def ping(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sonar: typing.SupportsInt | typing.SupportsIndex,
+        ranges_m: numpy.typing.NDArray[numpy.float32],
+        points_sonar_m: numpy.typing.NDArray[numpy.float32],
+        incidence_rad: numpy.typing.NDArray[numpy.float32],
+        intensity_db: numpy.typing.NDArray[numpy.float32],
+        labels: numpy.typing.NDArray[numpy.uint16],
+        valid: numpy.typing.NDArray[numpy.bool],
+        world_from_sonar: numpy.typing.NDArray[numpy.float64],
+    ) -> None:
+        """
+        Ping in geometry mode.
+        """
+    def read_sensor(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sensor: typing.SupportsInt | typing.SupportsIndex,
+        with_noise: bool,
+        values: numpy.typing.NDArray[numpy.float64],
+        stamps_ns: numpy.typing.NDArray[numpy.uint64],
+        valid: numpy.typing.NDArray[numpy.bool],
+    ) -> None: ...
+    def release(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        members: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    ) -> None: ...
+    def restart(
+        self,
+        members: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        specs: collections.abc.Sequence[MemberSpec] = [],
+    ) -> None:
+        """
+        Begins members anew, by other specs if any are given. Raises ValueError, changing nothing.
+        """
+    def save_state(
+        self, member: typing.SupportsInt | typing.SupportsIndex, scenario: str, build: str, notes: str
+    ) -> bytes:
+        """
+        As Simulation.save_state of that member.
+        """
+    def set_efforts(self, vehicle: typing.SupportsInt | typing.SupportsIndex, efforts: typing.Any) -> None:
+        """
+        (n, 6), each in [-1, 1]. Raises ValueError, changing nothing.
+        """
+    def set_states(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        members: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        states: collections.abc.Sequence[BodyState],
+    ) -> None: ...
+    def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        """
+        Answers Ctrl-C.
         """
 
 def absorption_db_km(

@@ -1,4 +1,4 @@
-#include "uwsim/rays/recently_made.h"
+#include "uwsim/core/recently_made.h"
 
 #include <gtest/gtest.h>
 

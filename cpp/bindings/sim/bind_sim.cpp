@@ -76,7 +76,7 @@ void bind_specs(py::module_& m) {
       .value("BOX", CollisionShape::kBox)
       .value("PIECES", CollisionShape::kPieces);
 
-  py::class_<VehicleSpec>(m, "VehicleSpec")
+  py::class_<VehicleSpec, std::shared_ptr<VehicleSpec>>(m, "VehicleSpec")
       .def(py::init<>())
       .def_readwrite("name", &VehicleSpec::name)
       .def_property(
@@ -154,6 +154,7 @@ void bind_sim(py::module_& m) {
   bind_commands(simulation);
   bind_pings(m, simulation);
   bind_link(m, simulation);
+  bind_batch(m);
   simulation
       .def(py::init<const World&, std::shared_ptr<RayScene>, const SimulationSpec&>(), py::arg("world"),
            py::arg("scene").none(false), py::arg("spec"))

@@ -11,5 +11,7 @@ void bind_commands(py::class_<OwnedSimulation>& simulation);
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// The link between station and vehicles.
 void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation);
+/// Many simulations of one world.
+void bind_batch(py::module_& m);
 
 }  // namespace uwsim::bindings

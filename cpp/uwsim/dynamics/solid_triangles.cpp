@@ -63,11 +63,18 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
 struct SolidTriangles::Impl {
   std::vector<std::unique_ptr<Tree>> trees;
   btDbvt boxes;
-  btAlignedObjectArray<const btDbvtNode*> stack;  // kept so that steps allocate nothing
 };
 
+struct SolidTriangles::Stack::Impl {
+  btAlignedObjectArray<const btDbvtNode*> nodes;
+};
+
+SolidTriangles::Stack::Stack() : impl_(std::make_unique<Impl>()) { impl_->nodes.reserve(btDbvt::DOUBLE_STACKSIZE); }
+SolidTriangles::Stack::~Stack() = default;
+SolidTriangles::Stack::Stack(Stack&&) noexcept = default;
+SolidTriangles::Stack& SolidTriangles::Stack::operator=(Stack&&) noexcept = default;
+
 SolidTriangles::SolidTriangles(const World& world) : impl_(std::make_unique<Impl>()) {
-  impl_->stack.reserve(btDbvt::DOUBLE_STACKSIZE);
   for (const auto& solid : world.solids()) {
     impl_->trees.push_back(std::make_unique<Tree>(solid));
     btVector3 low, high;
@@ -79,14 +86,14 @@ SolidTriangles::~SolidTriangles() = default;
 SolidTriangles::SolidTriangles(SolidTriangles&&) noexcept = default;
 SolidTriangles& SolidTriangles::operator=(SolidTriangles&&) noexcept = default;
 
-std::size_t SolidTriangles::find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
-                                 std::vector<SurfacePatch>& patches) {
+std::size_t SolidTriangles::find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, Stack& stack,
+                                 std::vector<SurfacePatch>& patches) const {
   Search search;
   search.low = to_bullet(low_world_m);
   search.high = to_bullet(high_world_m);
   search.patches = &patches;
-  impl_->boxes.collideTVNoStackAlloc(impl_->boxes.m_root, btDbvtVolume::FromMM(search.low, search.high), impl_->stack,
-                                     search);
+  impl_->boxes.collideTVNoStackAlloc(impl_->boxes.m_root, btDbvtVolume::FromMM(search.low, search.high),
+                                     stack.impl_->nodes, search);
   return search.count;
 }
 

@@ -9,9 +9,24 @@
 
 namespace uwsim {
 
-/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees).
+/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). It never changes, so that
+/// several threads may search it, each with memory of its own.
 class SolidTriangles {
  public:
+  /// What a search needs besides the index; kept so that steps allocate nothing.
+  class Stack {
+   public:
+    Stack();
+    ~Stack();
+    Stack(Stack&&) noexcept;
+    Stack& operator=(Stack&&) noexcept;
+
+   private:
+    friend class SolidTriangles;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+  };
+
   explicit SolidTriangles(const World& world);
   ~SolidTriangles();
   SolidTriangles(SolidTriangles&&) noexcept;
@@ -19,8 +34,8 @@ class SolidTriangles {
 
   /// Writes one patch for each solid that has triangles whose bounding boxes overlap the box, in a fixed order, and
   /// returns how many these are. `patches` only grows, so that its memory is used again.
-  std::size_t find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
-                   std::vector<SurfacePatch>& patches);
+  std::size_t find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, Stack& stack,
+                   std::vector<SurfacePatch>& patches) const;
 
  private:
   struct Impl;

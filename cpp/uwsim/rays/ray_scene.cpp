@@ -7,11 +7,11 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/parallel.h"
+#include "uwsim/core/recently_made.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_tile.h"
 #include "uwsim/rays/reached_tiles.h"
-#include "uwsim/rays/recently_made.h"
 #include "uwsim/rays/tiling.h"
 #include "uwsim/world/same_surfaces.h"
 

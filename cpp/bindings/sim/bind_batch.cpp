@@ -1,0 +1,197 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings/core/arrays.h"
+#include "bindings/sim/binders.h"
+#include "uwsim/sim/batch.h"
+
+namespace uwsim::bindings {
+namespace {
+
+constexpr std::uint64_t kMemberStepsBetweenSignals = 20000;
+
+/// An array that results are written into; refused unless it is C-ordered, writeable and of `size` elements.
+template <typename T>
+using Out = py::array_t<T, py::array::c_style>;
+
+template <typename T>
+T* room(Out<T>& array, std::size_t size, const char* name) {
+  require(static_cast<std::size_t>(array.size()) == size, std::string(name) + ".size", array.size(),
+          "must be " + std::to_string(size));
+  return array.mutable_data();  // throws for a read-only one
+}
+
+std::uint8_t* as_bytes(bool* flags) { return reinterpret_cast<std::uint8_t*>(flags); }
+
+/// A batch that one call at a time owns. Other calls wait with the GIL released.
+class OwnedBatch {
+ public:
+  OwnedBatch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads)
+      : batch_(without_gil([&] { return Batch(world, std::move(scene), std::move(members), threads); })) {}
+
+  /// call(batch), with the GIL released.
+  template <typename Call>
+  auto with(Call&& call) {
+    const py::gil_scoped_release unlocked;
+    const std::lock_guard owned(mutex_);
+    return call(batch_);
+  }
+
+  /// Steps in slices, so that Ctrl-C is answered. Where a member throws, the others go on to the end.
+  void step(std::uint64_t count) {
+    with([&](Batch& batch) {
+      std::exception_ptr error;
+      const std::uint64_t slice = std::max<std::uint64_t>(1, kMemberStepsBetweenSignals / batch.size());
+      while (count > 0) {
+        const std::uint64_t now = std::min(count, slice);
+        try {
+          batch.step(now);
+        } catch (const InvalidValue&) {
+          if (!error) error = std::current_exception();
+        }
+        count -= now;
+        const py::gil_scoped_acquire locked;
+        if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+      }
+      if (error) std::rethrow_exception(error);
+    });
+  }
+
+ private:
+  std::recursive_mutex mutex_;  // recursive: a signal handler that runs between slices may call, too
+  Batch batch_;
+};
+
+std::vector<std::size_t> checked(std::vector<std::size_t> members, const Batch& batch) {
+  for (const std::size_t k : members) require(k < batch.size(), "members", k, "must be below the batch's size");
+  return members;
+}
+
+void set_member_states(OwnedBatch& owned, std::size_t vehicle, std::vector<std::size_t> members,
+                       const std::vector<BodyState>& states) {
+  owned.with([&](Batch& b) { b.set_states(vehicle, checked(std::move(members), b), states); });
+}
+
+void write_motion(OwnedBatch& owned, std::size_t vehicle, Out<std::uint64_t> times_ns, Out<double> positions_world_m,
+                  Out<double> orientations_xyzw, Out<double> velocities_body, Out<std::uint64_t> collisions,
+                  Out<bool> released) {
+  const std::size_t n = owned.with([](Batch& b) { return b.size(); });
+  const MotionRows rows{room(times_ns, n, "times_ns"),
+                        room(positions_world_m, 3 * n, "positions_world_m"),
+                        room(orientations_xyzw, 4 * n, "orientations_xyzw"),
+                        room(velocities_body, 6 * n, "velocities_body"),
+                        room(collisions, n, "collisions"),
+                        as_bytes(room(released, n, "released"))};
+  owned.with([&](Batch& b) { b.motion(vehicle, rows); });
+}
+
+void write_samples(OwnedBatch& owned, std::size_t vehicle, std::size_t sensor, bool with_noise, Out<double> values,
+                   Out<std::uint64_t> stamps_ns, Out<bool> valid) {
+  const auto [n, width] = owned.with([&](Batch& b) { return std::pair(b.size(), b.reading_width(vehicle, sensor)); });
+  const SampleRows rows{room(values, n * width, "values"), room(stamps_ns, n, "stamps_ns"),
+                        as_bytes(room(valid, n, "valid"))};
+  owned.with([&](Batch& b) { b.read_sensor(vehicle, sensor, with_noise, rows); });
+}
+
+void write_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t sonar, Out<float> ranges_m,
+                 Out<float> points_sonar_m, Out<float> incidence_rad, Out<float> intensity_db, Out<Label> labels,
+                 Out<bool> valid, Out<double> world_from_sonar) {
+  const auto [n, beams] =
+      owned.with([&](Batch& b) { return std::pair(b.size(), b.member(0).sonar(vehicle, sonar).multibeam().beams()); });
+  const PingRows rows{room(ranges_m, n * beams, "ranges_m"),
+                      room(points_sonar_m, 3 * n * beams, "points_sonar_m"),
+                      room(incidence_rad, n * beams, "incidence_rad"),
+                      room(intensity_db, n * beams, "intensity_db"),
+                      room(labels, n * beams, "labels"),
+                      as_bytes(room(valid, n * beams, "valid"))};
+  double* const heads = room(world_from_sonar, 16 * n, "world_from_sonar");
+  owned.with([&](Batch& b) { b.ping(vehicle, sonar, rows, heads); });
+}
+
+}  // namespace
+
+void bind_batch(py::module_& m) {
+  py::class_<MemberSpec>(m, "MemberSpec",
+                         "What one simulation of a batch is built from, apart from terrain and solids.")
+      .def(py::init([](const Water& water, const SimulationSpec& simulation,
+                       const std::vector<std::shared_ptr<VehicleSpec>>& vehicles, const std::optional<LinkSpec>& link) {
+             return MemberSpec{water, simulation, {vehicles.begin(), vehicles.end()}, link};
+           }),
+           py::arg("water"), py::arg("simulation"), py::arg("vehicles"), py::arg("link") = py::none(),
+           "vehicles: shared, not copied; do not change them afterwards.");
+
+  py::class_<OwnedBatch>(m, "Batch",
+                         "Simulations of one world, advanced and asked together. Arrays that results are written into\n"
+                         "are C-ordered, with one row for each member; results do not depend on the thread count.\n"
+                         "Calls release the GIL and raise ValueError, which names the member: batch[3].")
+      .def(py::init<const World&, std::shared_ptr<RayScene>, std::vector<MemberSpec>, int>(), py::arg("world"),
+           py::arg("scene").none(false), py::arg("members"), py::arg("threads"))
+      .def(
+          "restart",
+          [](OwnedBatch& o, std::vector<std::size_t> members, std::vector<MemberSpec> specs) {
+            o.with([&](Batch& b) { b.restart(checked(std::move(members), b), std::move(specs)); });
+          },
+          py::arg("members"), py::arg("specs") = std::vector<MemberSpec>{},
+          "Begins members anew, by other specs if any are given. Raises ValueError, changing nothing.")
+      .def(
+          "release",
+          [](OwnedBatch& o, std::size_t vehicle, std::vector<std::size_t> members) {
+            o.with([&](Batch& b) { b.release(vehicle, checked(std::move(members), b)); });
+          },
+          py::arg("vehicle"), py::arg("members"))
+      .def("set_states", &set_member_states, py::arg("vehicle"), py::arg("members"), py::arg("states"))
+      .def(
+          "set_efforts",
+          [](OwnedBatch& o, std::size_t vehicle, const py::object& efforts) {
+            const auto rows = as_array<double>(efforts, "efforts", {-1, 6});
+            const std::span<const double> flat(rows.data(), static_cast<std::size_t>(rows.size()));
+            o.with([&](Batch& b) { b.set_efforts(vehicle, flat); });
+          },
+          py::arg("vehicle"), py::arg("efforts"), "(n, 6), each in [-1, 1]. Raises ValueError, changing nothing.")
+      .def("step", &OwnedBatch::step, py::arg("count") = 1, "Answers Ctrl-C.")
+      .def("motion", &write_motion, py::arg("vehicle"), py::arg("times_ns").noconvert(),
+           py::arg("positions_world_m").noconvert(), py::arg("orientations_xyzw").noconvert(),
+           py::arg("velocities_body").noconvert(), py::arg("collisions").noconvert(), py::arg("released").noconvert())
+      .def("read_sensor", &write_samples, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise"),
+           py::arg("values").noconvert(), py::arg("stamps_ns").noconvert(), py::arg("valid").noconvert())
+      .def(
+          "in_physics_mode",
+          [](OwnedBatch& o, std::size_t vehicle, std::size_t sonar) {
+            return o.with([&](Batch& b) {
+              for (std::size_t k = 0; k < b.size(); ++k)
+                if (b.member(k).sonar(vehicle, sonar).in_physics_mode()) return true;
+              return false;
+            });
+          },
+          py::arg("vehicle"), py::arg("sonar"), "Whether the sonar of any member is.")
+      .def(
+          "beams",
+          [](OwnedBatch& o, std::size_t vehicle, std::size_t sonar) {
+            return o.with([&](Batch& b) { return b.member(0).sonar(vehicle, sonar).multibeam().beams(); });
+          },
+          py::arg("vehicle"), py::arg("sonar"), "The number of beams of the first member's sonar.")
+      .def("ping", &write_pings, py::arg("vehicle"), py::arg("sonar"), py::arg("ranges_m").noconvert(),
+           py::arg("points_sonar_m").noconvert(), py::arg("incidence_rad").noconvert(),
+           py::arg("intensity_db").noconvert(), py::arg("labels").noconvert(), py::arg("valid").noconvert(),
+           py::arg("world_from_sonar").noconvert(), "Ping in geometry mode.")
+      .def(
+          "save_state",
+          [](OwnedBatch& o, std::size_t member, const std::string& scenario, const std::string& build,
+             const std::string& notes) {
+            return py::bytes(o.with([&](Batch& b) { return b.member(member).save_state({scenario, build}, notes); }));
+          },
+          py::arg("member"), py::arg("scenario"), py::arg("build"), py::arg("notes"),
+          "As Simulation.save_state of that member.");
+}
+
+}  // namespace uwsim::bindings

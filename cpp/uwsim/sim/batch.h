@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "uwsim/sim/simulation.h"
+
+namespace uwsim {
+
+/// Everything that one simulation of a batch is built from, apart from terrain and solids. Members of equal figures
+/// share their vehicles' specs.
+struct MemberSpec {
+  Water water;
+  SimulationSpec simulation;
+  std::vector<std::shared_ptr<const VehicleSpec>> vehicles;
+  std::optional<LinkSpec> link;
+};
+
+/// Where one vehicle of each member is and how it moves; each points to one row for each member.
+struct MotionRows {
+  std::uint64_t* times_ns;    ///< (n,)
+  double* positions_world_m;  ///< (n, 3)
+  double* orientations_xyzw;  ///< (n, 4)
+  double* velocities_body;    ///< (n, 6) [m/s, rad/s]
+  std::uint64_t* collisions;  ///< (n,)
+  std::uint8_t* released;     ///< (n,) 0 or 1
+};
+
+/// The samples of one sensor of each member.
+struct SampleRows {
+  double* values;  ///< (n, width)
+  std::uint64_t* stamps_ns;
+  std::uint8_t* valid;
+};
+
+/// n simulations of one world that do not know of each other, advanced and asked together by several threads. They
+/// share terrain, solids and their indices; each has its own water, seed and vehicles, which are of the same names and
+/// instruments. A member is the Simulation of its spec: it gives the same results to the last bit, whatever the
+/// thread count. One thread at a time calls.
+///
+/// Where a member throws, the others go on; then the error of the first is thrown, with its index: batch[3].
+class Batch {
+ public:
+  /// Throws InvalidValue, as Simulation does.
+  Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads);
+
+  std::size_t size() const { return members_.size(); }
+  /// Throws std::out_of_range.
+  Simulation& member(std::size_t index) { return *members_.at(index); }
+
+  /// Begins members anew, each by its spec; `specs`: other ones for these members, or none. Throws, changing nothing.
+  void restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs = {});
+  /// See Simulation::release and set_state. Throws InvalidValue; what can be placed is placed.
+  void release(std::size_t vehicle, std::span<const std::size_t> chosen);
+  void set_states(std::size_t vehicle, std::span<const std::size_t> chosen, std::span<const BodyState> states);
+
+  /// Sets the effort of one vehicle of each member: (n, 6), see Actuators::set_effort. Throws InvalidValue, changing
+  /// none.
+  void set_efforts(std::size_t vehicle, std::span<const double> efforts);
+  void step(std::uint64_t count);
+
+  void motion(std::size_t vehicle, const MotionRows& rows) const;
+  /// The number of values in a reading. Throws std::out_of_range.
+  std::size_t reading_width(std::size_t vehicle, std::size_t sensor) const;
+  void read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise, const SampleRows& rows);
+  /// Pings in geometry mode: rows of n * beams, and the heads' poses (n, 4, 4), row by row.
+  void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const;
+
+ private:
+  std::unique_ptr<Simulation> made(const MemberSpec& spec) const;
+  template <typename Work>
+  void each(std::span<const std::size_t> chosen, const Work& work) const;
+
+  World world_;
+  std::shared_ptr<const RayScene> scene_;
+  int threads_;
+  std::vector<MemberSpec> specs_;
+  std::vector<std::unique_ptr<Simulation>> members_;
+  std::vector<std::size_t> all_;  // 0, 1, ... n - 1
+};
+
+}  // namespace uwsim

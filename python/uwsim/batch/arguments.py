@@ -1,0 +1,57 @@
+"""Checks of what a batch is given for each of its members."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Changes = Mapping[str, Any]
+
+
+def whole(value: Any, name: str, least: int, most: int) -> int:
+    """Return a whole number in [least, most]. Raises ValueError."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        raise ValueError(f"{name} = {value!r:.60}: must be a whole number in [{least}, {most}]")
+    return int(value)
+
+
+def seeds(values: Iterable[Any], n: int) -> list[int]:
+    """Return n seeds. Raises ValueError."""
+    given = list(values)
+    if len(given) != n:
+        raise ValueError(f"seeds: {len(given)} of them: expected n = {n}")
+    return [whole(seed, f"seeds[{k}]", 0, 2**63 - 1) for k, seed in enumerate(given)]
+
+
+def changes(given: Changes | Sequence[Changes], n: int) -> list[dict[str, Any]]:
+    """Return the parameters of each of n members; one mapping is for all. Raises ValueError."""
+    each = [given] * n if isinstance(given, Mapping) else list(given)
+    if len(each) != n:
+        raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
+    for k, one in enumerate(each):
+        if not isinstance(one, Mapping):
+            raise ValueError(f"parameters[{k}] is {type(one).__name__}: must be a mapping of names to values")
+    return [dict(one) for one in each]
+
+
+def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64]:
+    """Return (n, width) numbers; one row is for all. Raises ValueError."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name}.dtype = {array.dtype}: must be real numbers")
+    if array.shape not in ((width,), (n, width)):
+        raise ValueError(f"{name}.shape = {array.shape}: expected ({n}, {width}) or ({width},)")
+    return np.broadcast_to(array.astype(np.float64), (n, width))
+
+
+def members(mask: ArrayLike | None, n: int) -> list[int]:
+    """Return the members that a mask (n,) bool chooses; without one, all. Raises ValueError."""
+    if mask is None:
+        return list(range(n))
+    chosen = np.asarray(mask)
+    if chosen.dtype != np.bool_ or chosen.shape != (n,):
+        raise ValueError(f"mask: {chosen.dtype} {chosen.shape}: expected bool ({n},)")
+    return [int(k) for k in np.flatnonzero(chosen)]

@@ -1,0 +1,234 @@
+"""Batch: many independent simulations of one world."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim import _core
+from uwsim.arguments import checked_threads
+from uwsim.batch import arguments
+from uwsim.batch.arguments import Changes, whole
+from uwsim.batch.members import Members
+from uwsim.batch.results import (
+    BatchMotion,
+    BatchPings,
+    BatchSamples,
+    Buffers,
+    motion_buffers,
+    ping_buffers,
+    sample_buffers,
+)
+from uwsim.did_you_mean import did_you_mean
+from uwsim.docking import DockedWarning
+from uwsim.scenario import Scenario, build_world, load
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.sealed import Sealed
+from uwsim.simulator import Simulator
+
+MEMBERS_MAX = 1_000_000
+
+
+class Batch(Sealed):
+    """n simulations of one scenario that do not know of each other.
+
+    Member k is Simulator(scenario, seed=seeds[k]) with parameters[k] set, to the last bit, whatever `threads` is; they
+    share terrain, obstacles and the trees that rays and contacts search.
+
+    scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default
+    the scenario's and those that follow it. parameters: of each member, by the names of Simulator.parameters; one
+    mapping is for all. threads: by default all.
+
+    Calls release the GIL and use all threads. `observe`, `read` and `ping` give arrays that belong to the batch: the
+    next such call writes into them, so copy what you keep. One thread at a time may use a batch. Raises ValueError;
+    what is wrong in one member begins with its place, such as batch[3].
+    """
+
+    scenario: Scenario
+    n: int
+    threads: int
+    _fixed_when = "the batch is made"
+    _changed_by = MappingProxyType({"seeds": "reset(seeds=...)", "parameters": "reset(parameters=...)"})
+
+    def __init__(
+        self,
+        scenario: str | Path | Scenario = "lake",
+        *,
+        n: int,
+        seeds: Sequence[int] | NDArray[np.integer[Any]] | None = None,
+        parameters: Changes | Sequence[Changes] | None = None,
+        threads: int | None = None,
+    ) -> None:
+        self.scenario = load(scenario)
+        self.n = whole(n, "n", 1, MEMBERS_MAX)
+        self.threads = checked_threads(threads)
+        self._world = build_world(self.scenario)
+        self._names = [entry.name for entry in self.scenario.vehicles]
+        self._members = Members(self.scenario, self._world)
+        first = self.scenario.seed
+        self._seeds = arguments.seeds(range(first, first + self.n) if seeds is None else seeds, self.n)
+        self._changes = arguments.changes({} if parameters is None else parameters, self.n)
+        members = [self._members.member(k, self._seeds[k], self._changes[k]) for k in range(self.n)]
+        self._core = _core.Batch(self._world, _core.RayScene(self._world), members, self.threads)
+        self._motion = [motion_buffers(self.n) for _ in self._names]
+        self._samples: dict[tuple[int, int], Buffers[BatchSamples]] = {}
+        self._pings: dict[tuple[int, int], Buffers[BatchPings]] = {}
+        self._has_warned = False
+
+    def __repr__(self) -> str:
+        return f"<Batch of {self.n} '{self.scenario.name}' with {', '.join(self._names)}>"
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """The seed of each member."""
+        return tuple(self._seeds)
+
+    @property
+    def parameters(self) -> tuple[Changes, ...]:
+        """What was set for each member."""
+        return tuple(MappingProxyType(changes) for changes in self._changes)
+
+    def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
+        """Advance every member by n fixed steps, after setting efforts if they are given; they are held.
+
+        efforts: (n, 6) in [-1, 1], surge to yaw, of each member's first vehicle, or a dict of such arrays by vehicle;
+        float64 in C order is not copied. Raises ValueError for wrong efforts, before any step, and if a member's motion
+        diverges, when all others have made their steps: that one stays where it was; reset it.
+        """
+        steps = whole(n, "n", 0, 2**63 - 1)
+        if efforts is not None:
+            by_name = efforts if isinstance(efforts, Mapping) else {self._names[0]: efforts}
+            checked = {self._vehicle(name): np.asarray(values) for name, values in by_name.items()}
+            for values in checked.values():
+                if values.shape != (self.n, 6):
+                    raise ValueError(f"efforts.shape = {values.shape}: expected ({self.n}, 6)")
+            for vehicle, values in checked.items():
+                self._core.set_efforts(vehicle, values)
+                if steps and not self._has_warned and values.any():
+                    self._warn_if_docked(vehicle)
+        self._core.step(steps)
+
+    def observe(self, vehicle: str | None = None) -> BatchMotion:
+        """Return where a vehicle of each member is, by default the first, as it truly is."""
+        index = self._vehicle(vehicle)
+        motion = self._motion[index]
+        self._core.motion(index, *motion.writable)
+        return motion.shown
+
+    def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
+        """Return the newest sample of a sensor of each member, as Sensor.read does."""
+        index = self._vehicle(vehicle)
+        sensors = self._members.vehicles[index].sensors
+        names = [spec.name for spec in sensors]
+        if sensor not in names:
+            rule = f"must be one of {', '.join(names)}{did_you_mean(str(sensor), names)}"
+            raise ValueError(f"{self._names[index]}.sensors[{sensor!r}]: {rule}")
+        key = index, names.index(sensor)
+        if key not in self._samples:
+            self._samples[key] = sample_buffers(self.n, _core.sensor_kind(sensors[key[1]].kind).fields)
+        samples = self._samples[key]
+        self._core.read_sensor(*key, noise, *samples.writable)
+        return samples.shown
+
+    def ping(self, vehicle: str | None = None) -> BatchPings:
+        """Ping with the first sonar of a vehicle of each member, in geometry mode. Raises ValueError in physics mode.
+
+        All members' sonars must have as many beams.
+        """
+        index = self._vehicle(vehicle)
+        sonars = self._members.vehicles[index].sonars
+        if not sonars:
+            raise ValueError(f"vehicle '{self._names[index]}': carries no sonar")
+        if self._core.in_physics_mode(index, 0):
+            raise ValueError(f"{self._names[index]}.sonar.mode = physics: a batch pings in geometry mode alone")
+        key = index, self._core.beams(index, 0)
+        if key not in self._pings:
+            self._pings[key] = ping_buffers(self.n, key[1])
+        pings = self._pings[key]
+        self._core.ping(index, 0, *pings.writable)
+        return pings.shown
+
+    def place(
+        self,
+        position_world_m: ArrayLike,
+        orientation_xyzw: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        velocity_body: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        *,
+        mask: ArrayLike | None = None,
+        vehicle: str | None = None,
+    ) -> None:
+        """Put a vehicle of each member at a pose at once, as Vehicle.place does; a docked one is released.
+
+        position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): or one row for all. mask (n,) bool: of
+        the members to place; the others' rows are ignored. Raises ValueError for a place that is not free, when the
+        others have been placed.
+        """
+        members = arguments.members(mask, self.n)
+        positions = arguments.rows(position_world_m, "position_world_m", self.n, 3)
+        orientations = arguments.rows(orientation_xyzw, "orientation_xyzw", self.n, 4)
+        velocities = arguments.rows(velocity_body, "velocity_body", self.n, 6)
+        states = [_core.BodyState(positions[k], orientations[k], velocities[k]) for k in members]
+        self._core.set_states(self._vehicle(vehicle), members, states)
+
+    def release(self, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
+        """Release a vehicle from the station, of all members or those of a mask (n,) bool; see Vehicle.release."""
+        self._core.release(self._vehicle(vehicle), arguments.members(mask, self.n))
+
+    def reset(
+        self,
+        mask: ArrayLike | None = None,
+        *,
+        seeds: Sequence[int] | NDArray[np.integer[Any]] | None = None,
+        parameters: Changes | Sequence[Changes] | None = None,
+    ) -> None:
+        """Begin members anew, as they were made: all, or those of a mask (n,) bool.
+
+        seeds, parameters: other ones from now on, n of them, of which those of the mask count. Raises ValueError,
+        changing nothing.
+        """
+        members = arguments.members(mask, self.n)
+        if seeds is None and parameters is None:
+            self._core.restart(members)
+            return
+        new_seeds = self._seeds if seeds is None else arguments.seeds(seeds, self.n)
+        new_changes = self._changes if parameters is None else arguments.changes(parameters, self.n)
+        self._core.restart(members, [self._members.member(k, new_seeds[k], new_changes[k]) for k in members])
+        for k in members:
+            self._seeds[k], self._changes[k] = new_seeds[k], new_changes[k]
+
+    def simulator(self, member: int) -> Simulator:
+        """Return a Simulator in the present state of a member, to look closer. It goes its own way from there."""
+        k = whole(member, "member", 0, self.n - 1)
+        sim = Simulator(self.scenario.with_changes(seed=self._seeds[k]), threads=self.threads)
+        if self._changes[k]:
+            sim.parameters.update(self._changes[k])
+        origin = scenario_fingerprint(sim.scenario), build_fingerprint()
+        notes = _core.saved_notes(sim.save_state(), *origin)
+        sim.restore_state(self._core.save_state(k, *origin, notes))
+        return sim
+
+    def _vehicle(self, name: str | None) -> int:
+        names = self._names
+        if name is None:
+            return 0
+        if name not in names:
+            raise ValueError(f"vehicle = {name!r}: must be one of {', '.join(names)}{did_you_mean(str(name), names)}")
+        return names.index(name)
+
+    def _warn_if_docked(self, vehicle: int) -> None:
+        motion = self._motion[vehicle]
+        self._core.motion(vehicle, *motion.writable)
+        if not motion.shown.released.all():
+            self._has_warned = True
+            warnings.warn(
+                f"vehicle '{self._names[vehicle]}' is docked in some members: efforts have no effect there before "
+                "release() or place()",
+                DockedWarning,
+                stacklevel=3,
+            )

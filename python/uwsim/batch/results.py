@@ -1,0 +1,109 @@
+"""What a batch shows: arrays with a row for each member, made once and written into by each call."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.named import Named
+
+Floats = NDArray[np.float64]
+R = TypeVar("R")
+
+
+@dataclass(frozen=True, eq=False)
+class BatchMotion:
+    """Where one vehicle of each member is, and how it moves. Read-only arrays that belong to the batch.
+
+    time_ns (n,) uint64, since each member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body
+    (n, 6) [m/s, rad/s]: float64. collisions (n,) uint64: how often it has come to touch something. released (n,) bool.
+    """
+
+    time_ns: NDArray[np.uint64]
+    position_world_m: Floats
+    orientation_xyzw: Floats
+    velocity_body: Floats
+    collisions: NDArray[np.uint64]
+    released: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class BatchSamples:
+    """The newest sample of one sensor of each member; see Sensor.read. Read-only arrays that belong to the batch.
+
+    values (n, width) float64: the fields one after the other. fields: a view by each field's name, (n,) or (n, width).
+    stamp_ns (n,) uint64: the time of the measurement. valid (n,) bool.
+    """
+
+    values: Floats
+    stamp_ns: NDArray[np.uint64]
+    valid: NDArray[np.bool_]
+    fields: Mapping[str, Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class BatchPings:
+    """A ping of one sonar of each member, in geometry mode; see Ping. Read-only arrays that belong to the batch.
+
+    (n, beams): ranges_m, incidence_rad, intensity_db float32, labels uint16, valid bool; points_sonar_m (n, beams, 3)
+    float32; world_from_sonar (n, 4, 4) float64.
+    """
+
+    ranges_m: NDArray[np.float32]
+    points_sonar_m: NDArray[np.float32]
+    incidence_rad: NDArray[np.float32]
+    intensity_db: NDArray[np.float32]
+    labels: NDArray[np.uint16]
+    valid: NDArray[np.bool_]
+    world_from_sonar: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Buffers(Generic[R]):
+    """Arrays that the core writes into, in its order, and what shows them, read-only."""
+
+    writable: tuple[NDArray[Any], ...]
+    shown: R
+
+
+def motion_buffers(n: int) -> Buffers[BatchMotion]:
+    """Make the arrays for the motion of n members."""
+    shapes = ((n,), np.uint64), ((n, 3), float), ((n, 4), float), ((n, 6), float), ((n,), np.uint64), ((n,), np.bool_)
+    writable = _arrays(*shapes)
+    return Buffers(writable, BatchMotion(*map(_read_only, writable)))
+
+
+def sample_buffers(n: int, fields: Mapping[str, tuple[int, str]]) -> Buffers[BatchSamples]:
+    """Make the arrays for samples of n members. fields: (width, unit) by name."""
+    writable = _arrays(((n, sum(width for width, _ in fields.values())), float), ((n,), np.uint64), ((n,), np.bool_))
+    values, stamps, valid = map(_read_only, writable)
+    views: dict[str, Floats] = {}
+    first = 0
+    for name, (width, _) in fields.items():
+        views[name] = values[:, first] if width == 1 else values[:, first : first + width]
+        first += width
+    return Buffers(writable, BatchSamples(values, stamps, valid, Named(views, "fields")))
+
+
+def ping_buffers(n: int, beams: int) -> Buffers[BatchPings]:
+    """Make the arrays for pings of n members."""
+    fan, floats = (n, beams), np.float32
+    writable = _arrays(
+        (fan, floats), ((*fan, 3), floats), (fan, floats), (fan, floats), (fan, np.uint16), (fan, np.bool_),
+        ((n, 4, 4), float),
+    )  # fmt: skip
+    return Buffers(writable, BatchPings(*map(_read_only, writable)))
+
+
+def _arrays(*shapes: tuple[tuple[int, ...], Any]) -> tuple[NDArray[Any], ...]:
+    return tuple(np.zeros(shape, dtype) for shape, dtype in shapes)
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    view = array.view()
+    view.flags.writeable = False
+    return view

@@ -1,0 +1,165 @@
+"""A member of a batch is the lone simulator of its seed and parameters, to the last bit."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uwsim import Batch, DockedWarning, Scenario, Simulator
+from uwsim.scenario import load
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.failsafe import Failsafe
+
+SEEDS = (3, 11, 4)
+CHANGES: tuple[dict[str, Any], ...] = (
+    {},
+    {"rov.drag.linear.surge": 60.0},
+    {"rov.mass_kg": 290.0, "water.current_world_m_s": [0.2, -0.1, 0.0]},
+)
+STARTS = np.array([[0.0, 0.0, -2.0], [5.0, 2.0, -4.0], [-3.0, 3.0, -1.5]])
+EFFORTS = np.linspace(-0.9, 0.9, 18).reshape(3, 6)
+SENSORS = ("imu", "depth", "dvl")
+
+
+@pytest.fixture(scope="module")
+def scenario(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
+    """A pool with waves and gusts, which depend on the seed."""
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0}\n"
+    gusts = "  current:\n    - {kind: gusts, sigma_m_s: [0.1, 0.1, 0.0], correlation_time_s: 5.0}\n"
+    assert text.count("\nwater:\n") == 1
+    path = tmp_path_factory.mktemp("batch") / "gusty.yaml"
+    path.write_text(text.replace("\nwater:\n", waves + gusts))
+    return load(path)
+
+
+def flown(scenario: Scenario, k: int) -> Simulator:
+    sim = Simulator(scenario, seed=SEEDS[k], threads=1)
+    if CHANGES[k]:
+        sim.parameters.update(CHANGES[k])
+    sim.rov.place(STARTS[k])
+    sim.rov.set_effort(*EFFORTS[k])
+    sim.step(150)
+    return sim
+
+
+def the_batch(scenario: Scenario, threads: int) -> Batch:
+    batch = Batch(scenario, n=3, seeds=SEEDS, parameters=CHANGES, threads=threads)
+    batch.place(STARTS)
+    batch.step(150, EFFORTS)
+    return batch
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_member_gives_the_bytes_of_the_lone_simulator_of_its_seed(scenario: Scenario, threads: int) -> None:
+    batch = the_batch(scenario, threads)
+    motion = batch.observe()
+    samples = {name: copy.deepcopy(batch.read(name)) for name in SENSORS}
+    pings = batch.ping()
+    for k in range(3):
+        sim = flown(scenario, k)
+        rov, ping = sim.rov, sim.rov.sonar.ping()
+        assert motion.time_ns[k] == sim.time_ns
+        assert motion.position_world_m[k].tobytes() == rov.pose.position_world_m.tobytes()
+        assert motion.orientation_xyzw[k].tobytes() == rov.pose.orientation_xyzw.tobytes()
+        assert motion.velocity_body[k, :3].tobytes() == rov.velocity.linear_body_m_s.tobytes()
+        assert motion.velocity_body[k, 3:].tobytes() == rov.velocity.angular_body_rad_s.tobytes()
+        assert samples["depth"].fields["depth_m"][k] == rov.sensors["depth"].read()
+        imu = rov.sensors["imu"].read()
+        assert samples["imu"].fields["angular_velocity_rad_s"][k].tobytes() == imu.angular_velocity_rad_s.tobytes()
+        assert samples["dvl"].stamp_ns[k] == rov.sensors["dvl"].sample().stamp_ns
+        for name in ("ranges_m", "points_sonar_m", "incidence_rad", "intensity_db", "labels", "valid"):
+            assert getattr(pings, name)[k].tobytes() == getattr(ping, name).tobytes(), name
+        assert pings.world_from_sonar[k].tobytes() == ping.world_from_sonar.tobytes()
+        assert batch.simulator(k).save_state() == sim.save_state()
+    assert np.isfinite(pings.ranges_m).any()
+
+
+def test_a_reset_of_some_leaves_the_others_alone(scenario: Scenario) -> None:
+    batch, other = the_batch(scenario, 2), the_batch(scenario, 1)
+    batch.reset(np.array([False, True, False]))
+    assert batch.observe().time_ns.tolist() == [750_000_000, 0, 750_000_000]
+    batch.place(STARTS, mask=[False, True, False])
+    batch.step(150, EFFORTS)
+    other.step(150)
+    assert batch.observe().position_world_m[[0, 2]].tobytes() == other.observe().position_world_m[[0, 2]].tobytes()
+    assert batch.simulator(1).save_state() == flown(scenario, 1).save_state()
+
+
+def test_a_reset_gives_other_seeds_and_parameters_to_the_masked(scenario: Scenario) -> None:
+    batch = Batch(scenario, n=3, seeds=[8, 9, 10])
+    batch.reset([True, False, True], seeds=SEEDS, parameters=CHANGES)
+    assert batch.seeds == (3, 9, 4)
+    assert [dict(one) for one in batch.parameters] == [CHANGES[0], {}, CHANGES[2]]
+    batch.place(STARTS)
+    batch.step(150, EFFORTS)
+    assert batch.simulator(2).save_state() == flown(scenario, 2).save_state()
+
+
+def test_arrays_belong_to_the_batch_and_are_read_only(scenario: Scenario) -> None:
+    batch = Batch(scenario, n=2)
+    for look in (batch.observe, batch.ping, lambda: batch.read("imu")):
+        first = look()
+        arrays = [array for array in vars(first).values() if isinstance(array, np.ndarray)]
+        assert look() is first
+        assert arrays
+        assert not any(array.flags.writeable for array in arrays)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda b: b.step(1, np.zeros((3, 6))), r"efforts.shape = \(3, 6\): expected \(2, 6\)"),
+        (lambda b: b.step(1, [[0] * 6, [0, 0, 2, 0, 0, 0]]), r"efforts\[1\].heave = 2: must be in \[-1, 1\]"),
+        (lambda b: b.step(1, np.full((2, 6), np.nan)), r"efforts\[0\].surge = .*nan: must be in"),
+        (lambda b: b.step(-1), "n = -1: must be a whole number"),
+        (lambda b: b.step(1, {"rvo": np.zeros((2, 6))}), "vehicle = 'rvo': must be one of rov"),
+        (lambda b: b.read("sonor"), r"rov.sensors\['sonor'\]: must be one of "),
+        (lambda b: b.reset([1, 0]), r"mask: int64 \(2,\): expected bool \(2,\)"),
+        (lambda b: b.reset(seeds=[1]), "seeds: 1 of them: expected n = 2"),
+        (lambda b: b.reset(seeds=[1, -2]), r"seeds\[1\] = -2: must be a whole number"),
+        (lambda b: b.reset(parameters=[{}, {"rov.mass": 1}]), r"batch\[1\]: .*rov\.mass"),
+        (lambda b: b.reset(parameters={"rov.mass_kg": -1}), r"batch\[0\]: rov\.mass_kg"),
+        (lambda b: b.place([[0, 0, -2], [0, 0, -1e4]]), r"batch\[1\]: .*must be above the ground"),
+        (lambda b: b.simulator(2), "member = 2: must be a whole number"),
+    ],
+)
+def test_mistakes_are_named(scenario: Scenario, call: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call(Batch(scenario, n=2))
+
+
+def test_where_one_diverges_the_others_make_their_steps(scenario: Scenario) -> None:
+    light = {"rov.drag.quadratic.surge": 1e6, "rov.drag.quadratic.sway": 1e6, "rov.drag.quadratic.heave": 1e6}
+    batch = Batch(scenario, n=3, seeds=SEEDS, parameters=[{}, light, {}])
+    batch.place(STARTS, velocity_body=[[0] * 6, [90, 90, 0, 0, 0, 0], [0] * 6])
+    with pytest.raises(ValueError, match=r"batch\[1\]: vehicle 'rov', step \d+: .*diverged"):
+        batch.step(20)
+    times = batch.observe().time_ns.tolist()
+    assert times[0] == times[2] == 100_000_000 > times[1]
+    batch.reset([False, True, False], parameters={})
+    batch.step(20)
+    assert batch.observe().time_ns.tolist() == [200_000_000, 100_000_000, 200_000_000]
+
+
+@pytest.mark.parametrize("arguments", [{"n": 0}, {"n": 2.0}, {"n": 1, "threads": 0}, {"n": 2, "parameters": [{}]}])
+def test_a_batch_that_cannot_be_is_refused(scenario: Scenario, arguments: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"must be|expected"):
+        Batch(scenario, **arguments)
+
+
+def test_what_a_batch_would_not_do_is_refused(scenario: Scenario) -> None:
+    guarded = scenario.vehicles[0].model_copy(update={"failsafe": Failsafe(silence_s=1.0)})
+    with pytest.raises(ValueError, match="vehicle 'rov': failsafe: runs in a Simulator"):
+        Batch(scenario.model_copy(update={"vehicles": (guarded,)}), n=1)
+
+
+def test_efforts_to_docked_vehicles_are_warned_of() -> None:
+    batch = Batch("lake", n=2)
+    with pytest.warns(DockedWarning, match="docked in some members"):
+        batch.step(2, np.full((2, 6), 0.1))
+    batch.release()
+    assert batch.observe().released.all()
