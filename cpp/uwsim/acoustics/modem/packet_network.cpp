@@ -83,6 +83,7 @@ void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
       ++counts_[message.topic][index].late;
       --waiting_;
     });
+    if (node.waits && node.may_send_ns >= now_ns + step_ns_) continue;
     while (!node.queue.empty()) {
       const LinkMessage& next = node.queue.front();
       const std::uint64_t sent = next.packets_sent * modem_.packet_bytes;
@@ -126,9 +127,7 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::
   flight.packet = next_packet_++;
   flight.from = index;
   flight.at = message.to;
-  flight.is_meant = true;
   flight.heard = medium.hear(index, message.to);
-  flight.level_db = flight.heard.signal_db;
   flight.starts_ns = start_ns + ns(flight.heard.delay_s);
   flight.ends_ns = flight.starts_ns + length_ns;
   const std::uint64_t first = message.packets_sent * modem_.packet_bytes;
@@ -144,7 +143,8 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::
   if (modem_.kind == LinkKind::kModem) {
     flight.deaf = nodes_[message.to].sending_until_ns > flight.starts_ns;
     deafen(index, start_ns, node.sending_until_ns);
-    let_others_hear(index, message.to, start_ns, length_ns, medium);
+    let_others_hear(flight, start_ns, length_ns, medium);
+    sounds_.push_back({flight.packet, flight.at, flight.starts_ns, flight.ends_ns, flight.heard.signal_db});
   }
   if (flight.is_last) {
     flight.message = node.queue.take_front();
@@ -158,25 +158,20 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::
   flights_.push_back(std::move(flight));
 }
 
-void PacketNetwork::let_others_hear(std::size_t from, std::uint64_t to, std::uint64_t start_ns, std::uint64_t length_ns,
+void PacketNetwork::let_others_hear(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns,
                                     const LinkMedium& medium) {
   for (std::size_t at = 0; at < nodes_.size(); ++at) {
-    if (at == from || at == to) continue;
-    const auto [delay_s, level_db] = medium.overhear(from, at);
-    Flight flight;
-    flight.from = from;
-    flight.at = at;
-    flight.starts_ns = start_ns + ns(delay_s);
-    flight.ends_ns = flight.starts_ns + length_ns;
-    flight.level_db = level_db;
-    flights_.push_back(std::move(flight));
+    if (at == flight.from || at == flight.at) continue;
+    const auto [delay_s, level_db] = medium.overhear(flight.from, at);
+    const std::uint64_t starts_ns = start_ns + ns(delay_s);
+    sounds_.push_back({flight.packet, at, starts_ns, starts_ns + length_ns, level_db});
   }
 }
 
 /// A node that sends hears nothing meanwhile.
 void PacketNetwork::deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns) {
   for (Flight& flight : flights_) {
-    if (flight.is_meant && flight.at == index && flight.starts_ns < until_ns && flight.ends_ns > from_ns) {
+    if (flight.at == index && flight.starts_ns < until_ns && flight.ends_ns > from_ns) {
       flight.deaf = true;
     }
   }
@@ -188,23 +183,21 @@ void PacketNetwork::receive(std::uint64_t now_ns) {
   std::vector<std::size_t>& order = arrived_;
   order.clear();
   for (std::size_t k = 0; k < flights_.size(); ++k) {
-    const Flight& flight = flights_[k];
-    if (!flight.is_meant || flight.done) continue;
-    if (flight.ends_ns <= now_ns) {
+    if (flights_[k].ends_ns <= now_ns) {
       order.push_back(k);
     } else {
-      next_end_ns_ = std::min(next_end_ns_, flight.ends_ns);
+      next_end_ns_ = std::min(next_end_ns_, flights_[k].ends_ns);
     }
   }
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(flights_[a].ends_ns, flights_[a].packet) < std::pair(flights_[b].ends_ns, flights_[b].packet);
   });
   for (const std::size_t k : order) arrive(flights_[k]);
-  for (const std::size_t k : order) flights_[k].done = true;
-  forget_flights(now_ns);
+  std::erase_if(flights_, [&](const Flight& flight) { return flight.ends_ns <= now_ns; });
+  forget_sounds(now_ns);
 }
 
-void PacketNetwork::arrive(Flight& flight) {
+void PacketNetwork::arrive(const Flight& flight) {
   const Loss loss = fate(flight);
   LinkQuality& quality = quality_[flight.from * nodes_.size() + flight.at];
   ++quality.packets;
@@ -251,8 +244,8 @@ Loss PacketNetwork::fate(const Flight& flight) const {
 /// The level of all other packets that overlap at the receiver.
 double PacketNetwork::interference_db(const Flight& flight) const {
   double power = 0;
-  for (const Flight& other : flights_) {
-    if (&other == &flight || other.at != flight.at || other.starts_ns >= flight.ends_ns ||
+  for (const Sound& other : sounds_) {
+    if (other.at != flight.at || other.packet == flight.packet || other.starts_ns >= flight.ends_ns ||
         other.ends_ns <= flight.starts_ns) {
       continue;
     }
@@ -277,17 +270,14 @@ void PacketNetwork::finish(const Flight& flight, Loss loss) {
   if (deliveries_.size() > kDeliveriesKept) deliveries_.pop_front();
 }
 
-/// Drops the flights with which nothing that is still to come can overlap.
-void PacketNetwork::forget_flights(std::uint64_t now_ns) {
+/// Drops the sounds with which no flight that is still to arrive can overlap.
+void PacketNetwork::forget_sounds(std::uint64_t now_ns) {
   first_start_ns_.assign(nodes_.size(), kNever);  // of what is still to arrive at each node
   for (const Flight& flight : flights_) {
-    if (!flight.is_meant || flight.done) continue;
     first_start_ns_[flight.at] = std::min(first_start_ns_[flight.at], flight.starts_ns);
   }
-  std::erase_if(flights_, [&](const Flight& old) {
-    const bool is_over = old.ends_ns <= now_ns && (!old.is_meant || old.done);
-    return is_over && first_start_ns_[old.at] >= old.ends_ns;
-  });
+  std::erase_if(sounds_,
+                [&](const Sound& old) { return old.ends_ns <= now_ns && first_start_ns_[old.at] >= old.ends_ns; });
 }
 
 std::uint64_t PacketNetwork::next_arrival_ns(std::uint64_t now_ns) const {

@@ -105,16 +105,19 @@ class PacketNetwork {
     bool waits = false;                  // ALOHA: the wait of the next packet has been drawn
     std::uint64_t sending_until_ns = 0;  // its newest packet
   };
-  /// A packet on its way to a node: to whom it is meant for, or to one who overhears it.
+  /// A packet on its way to whom it is meant for.
   struct Flight {
     std::uint64_t packet = 0, from = 0, at = 0, starts_ns = 0, ends_ns = 0;
-    double level_db = 0;
-    bool is_meant = false;
-    // The rest for whom it is meant.
     Reception heard;
     LinkMessage message;  // its payload with the last packet only
     std::uint64_t bytes = 0;
-    bool is_last = false, deaf = false, done = false;
+    bool is_last = false, deaf = false;
+    void exchange_state(StateArchive& archive);
+  };
+  /// A packet as a node hears it, meant for it or not: noise to all others there. There are many.
+  struct Sound {
+    std::uint64_t packet = 0, at = 0, starts_ns = 0, ends_ns = 0;
+    double level_db = 0;
     void exchange_state(StateArchive& archive);
   };
   /// A message of which packets have come. fate: of its first packet that was lost, or none.
@@ -124,14 +127,13 @@ class PacketNetwork {
 
   bool may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns, std::uint64_t& start_ns);
   void send_packet(std::size_t index, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
-  void let_others_hear(std::size_t from, std::uint64_t to, std::uint64_t start_ns, std::uint64_t length_ns,
-                       const LinkMedium& medium);
+  void let_others_hear(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
   void deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns);
-  void arrive(Flight& flight);
+  void arrive(const Flight& flight);
   Loss fate(const Flight& flight) const;
   double interference_db(const Flight& flight) const;
   void finish(const Flight& flight, Loss fate);
-  void forget_flights(std::uint64_t now_ns);
+  void forget_sounds(std::uint64_t now_ns);
 
   ModemSpec modem_;
   std::vector<LinkFault> faults_;
@@ -142,6 +144,7 @@ class PacketNetwork {
   std::vector<std::vector<TopicCounts>> counts_;  // by topic, then by sender
   std::vector<LinkQuality> quality_;
   std::vector<Flight> flights_;
+  std::vector<Sound> sounds_;  // by packet
   std::vector<Partial> partials_;
   std::deque<LinkDelivery> deliveries_;
   std::vector<std::size_t> arrived_;  // kept from step to step for their memory, as is the next

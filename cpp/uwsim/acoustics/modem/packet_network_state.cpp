@@ -51,10 +51,14 @@ void LinkQuality::exchange_state(StateArchive& archive) {
 
 void PacketNetwork::Flight::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&packet, &from, &at, &starts_ns, &ends_ns, &bytes}) archive(*value);
-  archive(level_db);
-  for (bool* value : {&is_meant, &is_last, &deaf, &done}) archive(*value);
+  for (bool* value : {&is_last, &deaf}) archive(*value);
   exchange_reception(archive, heard);
   message.exchange_state(archive);
+}
+
+void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
+  for (std::uint64_t* value : {&packet, &at, &starts_ns, &ends_ns}) archive(*value);
+  archive(level_db);
 }
 
 void PacketNetwork::exchange_state(StateArchive& archive) {
@@ -71,7 +75,14 @@ void PacketNetwork::exchange_state(StateArchive& archive) {
     for (TopicCounts& counts : by_node) counts.exchange_state(archive);
   }
   for (LinkQuality& quality : quality_) quality.exchange_state(archive);
-  exchange_list(archive, flights_, [&](Flight& flight) { flight.exchange_state(archive); });
+  exchange_list(archive, flights_, [&](Flight& flight) {
+    flight.exchange_state(archive);
+    require(flight.at < nodes_.size() && flight.from < nodes_.size(), "state.link.at", flight.at, "must be a node");
+  });
+  exchange_list(archive, sounds_, [&](Sound& sound) {
+    sound.exchange_state(archive);
+    require(sound.at < nodes_.size(), "state.link.at", sound.at, "must be a node");
+  });
   exchange_list(archive, partials_, [&](Partial& partial) {
     archive(partial.number);
     archive(partial.fate);
