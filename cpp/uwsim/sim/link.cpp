@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "uwsim/core/check.h"
+#include "uwsim/rays/ray_lanes.h"
+#include "uwsim/rays/ray_packet.h"
 #include "uwsim/sonar/water_sound.h"
 
 namespace uwsim {
@@ -87,23 +89,28 @@ bool blocked_behind(const RayScene& scene, const Segment& segment, double beyond
   return false;
 }
 
-/// Which paths terrain blocks; all segments are cast together.
+/// Which paths terrain blocks. All segments are cast together, each only as far as it goes.
 std::vector<bool> blocked_paths(const RayScene& scene, const std::vector<Segment>& segments, std::size_t paths) {
-  std::vector<Ray> rays;
-  double longest_m = 0;
-  for (const Segment& segment : segments) {
-    const Eigen::Vector3d line = segment.to - segment.from;
-    const double length = line.norm();
-    longest_m = std::max(longest_m, length);
-    rays.push_back({segment.from, length > 0 ? Eigen::Vector3d(line / length) : -Eigen::Vector3d::UnitZ()});
-  }
-  std::vector<RayHit> hits(rays.size());
   std::vector<bool> blocked(paths, false);
-  if (longest_m > 0) scene.cast(rays, longest_m, hits);
-  for (std::size_t k = 0; k < segments.size() && longest_m > 0; ++k) {
-    if (!(hits[k].distance_m < (segments[k].to - segments[k].from).norm())) continue;
-    if (hits[k].label == kTerrain || blocked_behind(scene, segments[k], hits[k].distance_m)) {
-      blocked[segments[k].path] = true;
+  for (std::size_t first = 0; first < segments.size(); first += kPacketRays) {
+    const std::size_t count = std::min(kPacketRays, segments.size() - first);
+    ExactRays rays;
+    ExactHits hits;
+    for (std::size_t lane = 0; lane < kPacketRays; ++lane) {
+      const Segment& segment = segments[first + std::min(lane, count - 1)];
+      const Eigen::Vector3d line = segment.to - segment.from;
+      const double length = line.norm();
+      const bool active = lane < count && length > 0;
+      set_ray(rays, lane, segment.from, active ? Eigen::Vector3d(line / length) : -Eigen::Vector3d::UnitZ(), length,
+              active);
+    }
+    scene.cast({&rays, 1}, {&hits, 1});
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const Segment& segment = segments[first + lane];
+      if (!(hits.distance_m[lane] < (segment.to - segment.from).norm())) continue;
+      if (hits.label[lane] == kTerrain || blocked_behind(scene, segment, hits.distance_m[lane])) {
+        blocked[segment.path] = true;
+      }
     }
   }
   return blocked;
