@@ -30,7 +30,7 @@ class SensorBench : public ::testing::Test {
     snapshot.state.world_from_body.position_m = {0, 0, -12};
   }
 
-  Surroundings around() const { return {*scene, world.water, station_world_m}; }
+  Surroundings around() const { return {*scene, world.water, sound, station_world_m}; }
 
   NoisySensor sensor(const SensorSpec& spec, std::uint64_t seed = 7) const { return {spec, seed, "rov", kStepNs}; }
 
@@ -40,6 +40,7 @@ class SensorBench : public ::testing::Test {
   World world;
   std::optional<RayScene> scene;
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
+  SoundSpeedProfile sound = SoundSpeedProfile::even(1480);
   VehicleSnapshot snapshot;
 };
 

@@ -91,7 +91,7 @@ TEST_F(Sensors, ADvlMeasuresItsVelocityOverFlatAndSlopingBottomsInAnyAttitude) {
     for (const double yaw : {0.0, 1.0, 4.0}) {
       snapshot.state.world_from_body.orientation = turn(yaw, 0.2 * yaw - 0.3, roll);
       for (const RayScene* bottom : {&flat, &over_slope}) {
-        const Sample sample = dvl.read_true(snapshot, {*bottom, world.water, station_world_m});
+        const Sample sample = dvl.read_true(snapshot, {*bottom, world.water, sound, station_world_m});
         ASSERT_TRUE(sample.valid);
         EXPECT_LT((Eigen::Vector3d::Map(sample.values.data()) - over_ground).norm(), 1e-12);
       }
@@ -134,6 +134,36 @@ TEST_F(Sensors, AUsblFixIsThePositionFromTheStationWithinRange) {
   EXPECT_NEAR(fix[4], std::atan2(line.y(), line.x()), 1e-12);
   EXPECT_NEAR(fix[5], std::asin(line.z() / line.norm()), 1e-12);
   EXPECT_FALSE(truth(sensor_spec("usbl", {{"range_max_m", {line.norm() - 0.01}}})).valid);
+}
+
+TEST_F(Sensors, AUsblFixArrivesAfterTwiceTheTravelTimeAlongTheBentRay) {
+  // In a constant gradient g a ray between level ends is an arc and takes 2 / g asinh(g x / (2 c)): 0.39738 s, against
+  // 0.4 s along the straight line.
+  const double depths[] = {0, 200}, speeds[] = {1450, 1650};
+  sound = SoundSpeedProfile(depths, speeds);
+  station_world_m = {-600, 0, -50};
+  snapshot.state.world_from_body.position_m = {0, 0, -50};
+  NoisySensor usbl = sensor(sensor_spec("usbl"));
+  usbl.record(snapshot, around());
+  VehicleSnapshot later = snapshot;
+  later.tick = static_cast<std::uint64_t>(4 * std::asinh(600.0 / 3000) / kStepS);
+  EXPECT_FALSE(usbl.read(later, around()).valid);
+  ++later.tick;
+  EXPECT_LT(static_cast<double>(later.tick) * kStepS, 2 * 600.0 / 1500) << "along the straight line it came later";
+  const Sample fix = usbl.read(later, around());
+  EXPECT_TRUE(fix.valid);
+  EXPECT_EQ(fix.stamp_ns, 0);
+  EXPECT_NEAR(fix.values[3], 600, 1e-9);
+}
+
+TEST_F(Sensors, InAShadowZoneThereIsNoUsblFix) {
+  const double depths[] = {0, 100}, speeds[] = {1500, 1400};  // rays bend down
+  sound = SoundSpeedProfile(depths, speeds);
+  snapshot.state.world_from_body.position_m = {0, 0, -1};
+  station_world_m = {-20, 0, -1};
+  EXPECT_TRUE(truth(sensor_spec("usbl")).valid);
+  station_world_m = {-600, 0, -1};
+  EXPECT_FALSE(truth(sensor_spec("usbl")).valid);
 }
 
 TEST_F(Sensors, UsblErrorsLieAlongTheLineOfSightAndAcrossIt) {

@@ -76,7 +76,7 @@ void NoisySensor::measure_recorded(const SampleHistory::Entry& entry, const Surr
   if (entry.observed) {
     raw_ = entry.raw;
   } else {  // no body was in reach
-    const Surroundings then{around.scene.with(nullptr), around.water, around.station_world_m};
+    const Surroundings then{around.scene.with(nullptr), around.water, around.sound, around.station_world_m};
     sensor_->observe(input(entry.snapshot, then), raw_);
   }
   finish(entry.snapshot, true);

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "uwsim/acoustics/sound_speed_profile.h"
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/parameter.h"
 #include "uwsim/rays/ray_scene.h"
@@ -26,6 +27,7 @@ struct VehicleSnapshot {
 struct Surroundings {
   RayScene scene;
   const Water& water;
+  const SoundSpeedProfile& sound;  ///< the water's
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
 };
 

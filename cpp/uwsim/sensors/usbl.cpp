@@ -1,15 +1,20 @@
 #include <cmath>
+#include <limits>
+#include <optional>
 
+#include "uwsim/acoustics/modem/eigenrays.h"
 #include "uwsim/sensors/mounted_sensor.h"
 
 namespace uwsim {
 namespace {
 
 /// Acoustic position fix by an ultra-short baseline system at the station. The vehicle pings at the time of the sample;
-/// the station measures range and direction and sends the fix back, which arrives after the two-way travel time, 2 R /
-/// c. The range error acts along the line of sight; the bearing error is two small angles across it, an error of R x
-/// angle in position. c: that of the water (Water::sound_speed_m_s), averaged along a straight ray; obstacles do not
-/// block it. Out of range there is no fix: range 0, invalid.
+/// the station measures travel time and direction and sends the fix back, which arrives after twice the travel time
+/// along the ray that the sound-speed profile bends (direct_ray). The station knows the profile and corrects range and
+/// direction for the bending, as long-range systems that are given one do (Kongsberg HiPAP, Sonardyne Ranger 2; from
+/// memory): without errors a fix is the true position. The range error acts along the line of sight; the bearing error
+/// is two small angles across it, an error of R x angle in position. Out of range, and in a shadow zone, which no
+/// direct ray reaches, there is no fix: range 0, invalid. Obstacles do not block the ray.
 class Usbl final : public MountedSensor {
  public:
   explicit Usbl(const SensorSpec& spec) : MountedSensor(spec), range_max_m_(spec.number("range_max_m")) {}
@@ -19,7 +24,7 @@ class Usbl final : public MountedSensor {
     raw[0] = line.norm();
     raw[1] = raw[2] = 0;
     Eigen::Vector3d::Map(&raw[3]) = raw[0] > 0 ? (line / raw[0]).eval() : -Eigen::Vector3d::UnitZ().eval();
-    raw[6] = raw[0] <= range_max_m_;
+    raw[6] = raw[0] <= range_max_m_ && ray_from_station(input);
   }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
@@ -39,22 +44,27 @@ class Usbl final : public MountedSensor {
 
   double travel_time_s(const SensorInput& input) const override {
     const Eigen::Vector3d line = from_station(input);
-    const double station_z = input.around.station_world_m.z();
-    double slowness_s_m = 0;  // mean over depth, along a straight ray
-    for (int part = 0; part < kParts; ++part) {
-      slowness_s_m += 1 / input.around.water.sound_speed_m_s(station_z + line.z() * (part + 0.5) / kParts) / kParts;
-    }
-    return 2 * std::min(line.norm(), range_max_m_) * slowness_s_m;
+    const auto ray = line.norm() <= range_max_m_ ? ray_from_station(input) : std::nullopt;
+    if (ray) return 2 * ray->time_s;
+    // The station knows then that no answer will come.
+    return 2 * std::min(line.norm(), range_max_m_) / input.around.sound.at(depth_m(input.around.station_world_m));
   }
 
   double longest_travel_time_s() const override { return 2 * range_max_m_ / kSlowestSound_m_s; }
 
  private:
-  static constexpr int kParts = 8;
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
 
   Eigen::Vector3d from_station(const SensorInput& input) const {
     return world_from_sensor(input).position_m - input.around.station_world_m;
+  }
+  static double depth_m(const Eigen::Vector3d& point_world_m) { return std::max(0.0, -point_world_m.z()); }
+  /// What sticks out of the water hears as if it were at the surface.
+  std::optional<Eigenray> ray_from_station(const SensorInput& input) const {
+    const Eigen::Vector3d line = from_station(input);
+    return direct_ray(input.around.sound,
+                      {depth_m(input.around.station_world_m), depth_m(input.around.station_world_m + line),
+                       std::hypot(line.x(), line.y()), std::numeric_limits<double>::infinity()});
   }
 
   double range_max_m_;

@@ -6,6 +6,7 @@
 #include "uwsim/core/check.h"
 #include "uwsim/core/state_archive.h"
 #include "uwsim/sim/simulation.h"
+#include "uwsim/sonar/water_sound.h"
 
 namespace uwsim {
 
@@ -38,11 +39,13 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     hulls = std::make_shared<MovingBodies>(hulls_->label(0));
     for (const VehicleSpec& vehicle : vehicles) hulls->add(vehicle.craft->hull().mesh_body());
   }
+  SoundSpeedProfile sound = sound_speed_profile(water);
   std::optional<LinkWater> heard_through;
   if (link_) heard_through.emplace(link_->spec, water);
   bodies_.change_bodies(std::move(bodies));
   if (link_) link_->water = std::move(*heard_through);
   world_.water = water;
+  sound_ = std::move(sound);
   spec_ = spec;
   vehicles_ = std::move(changed);
   hulls_ = std::move(hulls);

@@ -7,6 +7,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/stream_name.h"
+#include "uwsim/sonar/water_sound.h"
 
 namespace uwsim {
 namespace {
@@ -38,14 +39,14 @@ void SimulationSpec::check() const {
 }
 
 Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
-    : world_(world),
+    : world_((world.water.check(), world)),
+      sound_(sound_speed_profile(world_.water)),
       scene_(std::move(scene)),
       spec_((spec.check(), spec)),
       step_ns_(static_cast<std::uint64_t>(std::llround(spec.step_s * 1e9))),
       bodies_(world, spec.step_s),
       hulls_(std::make_shared<MovingBodies>(static_cast<Label>(kTerrain + 1 + world.solids().size()))),
       hulls_version_(kUnplaced) {
-  world_.water.check();
   require(scene_ != nullptr, "scene", "none", "must be a RayScene");
 }
 
@@ -87,10 +88,10 @@ void Simulation::step(std::uint64_t count) {
 void Simulation::step_once() {
   for (Vehicle& vehicle : vehicles_) {
     if (vehicle.sensors.collection_due(tick_)) {
-      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, spec_.station_world_m});
+      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, spec_.station_world_m});
     }
     if (vehicle.sensors.due(tick_)) {
-      vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, spec_.station_world_m});
+      vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, spec_.station_world_m});
     }
   }
   if (link_) transmit();
@@ -148,7 +149,7 @@ RayScene Simulation::scene_around(std::size_t index) const { return scene_around
 
 const Sample& Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) {
   Vehicle& reader = changeable(index);
-  const Surroundings around{scene_around(reader), world_.water, spec_.station_world_m};
+  const Surroundings around{scene_around(reader), world_.water, sound_, spec_.station_world_m};
   NoisySensor& instrument = reader.sensors.at(sensor);
   return with_noise ? instrument.read(snapshot(reader), around) : instrument.read_true(snapshot(reader), around);
 }
@@ -159,7 +160,7 @@ void Simulation::watch_sensor(std::size_t index, std::size_t sensor, std::option
 
 SampleBatch Simulation::take_samples(std::size_t index, std::size_t sensor) {
   Vehicle& watched = changeable(index);
-  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, spec_.station_world_m});
+  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, sound_, spec_.station_world_m});
   return watched.sensors.at(sensor).take_samples();
 }
 

@@ -129,6 +129,7 @@ class Simulation {
   static constexpr auto kUnplaced = std::numeric_limits<std::uint64_t>::max();  // a version that never is
 
   World world_;
+  SoundSpeedProfile sound_;  // of its water
   std::shared_ptr<const RayScene> scene_;
   SimulationSpec spec_;
   std::uint64_t step_ns_;

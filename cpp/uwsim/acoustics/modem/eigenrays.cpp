@@ -203,32 +203,40 @@ void check(const RayEnds& ends) {
           "must be in [0, 1e6] m");
 }
 
-}  // namespace
-
-std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& given, bool with_bounces) {
-  check(given);
-  RayEnds ends = given;
+/// The same ends, a hair apart in depth: a level ray in even water has no vertical leg.
+RayEnds never_level(RayEnds ends) {
   if (std::abs(ends.to_depth_m - ends.from_depth_m) < kLevel * ends.across_m) {
-    // A level ray in even water has no vertical leg.
     const double sense = ends.from_depth_m + kLevel * ends.across_m <= ends.bottom_m ? 1 : -1;
     ends.to_depth_m = ends.from_depth_m + sense * kLevel * ends.across_m;
   }
-  std::vector<Eigenray> found;
-  const double from = ends.from_depth_m, to = ends.to_depth_m;
+  return ends;
+}
+
+}  // namespace
+
+std::optional<Eigenray> direct_ray(const SoundSpeedProfile& profile, const RayEnds& given) {
+  check(given);
+  const RayEnds ends = never_level(given);
+  const double straight[] = {ends.from_depth_m, ends.to_depth_m};
+  if (straight[0] == straight[1]) return Eigenray{};  // both ends are one point
   Snell snell{};
-  const double straight[] = {from, to};
-  if (from == to) {
-    found.push_back({});  // both ends are one point
-  } else if (monotone(profile, straight, ends.across_m, snell)) {
-    found.push_back(ray_along(profile, straight, snell));
-  }
+  if (monotone(profile, straight, ends.across_m, snell)) return ray_along(profile, straight, snell);
   for (const int sense : {-1, 1}) {
     double turn = 0;
     const double limit = sense < 0 ? 0 : std::min(ends.bottom_m, profile.layers().back().top_m);
-    if (!found.empty() || ends.across_m <= 0 || !turning(profile, ends, sense, limit, turn)) continue;
-    const double depths[] = {from, turn, to};
-    found.push_back(ray_along(profile, depths, {profile.at(turn), 0}));
+    if (!turning(profile, ends, sense, limit, turn)) continue;
+    const double depths[] = {ends.from_depth_m, turn, ends.to_depth_m};
+    return ray_along(profile, depths, {profile.at(turn), 0});
   }
+  return std::nullopt;
+}
+
+std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& given, bool with_bounces) {
+  std::vector<Eigenray> found;
+  if (const auto direct = direct_ray(profile, given)) found.push_back(*direct);
+  const RayEnds ends = never_level(given);
+  const double from = ends.from_depth_m, to = ends.to_depth_m;
+  Snell snell{};
   const auto bounce = [&](std::initializer_list<double> at) {
     std::vector<double> depths = {from};
     depths.insert(depths.end(), at);

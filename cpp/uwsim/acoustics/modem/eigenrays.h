@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "uwsim/acoustics/sound_speed_profile.h"
@@ -38,5 +39,8 @@ struct RayEnds {
 /// diffraction, no focusing. A profile with several extremes may have more rays of one kind: only the first found on
 /// each side is returned. Sorted by travel time. Throws InvalidValue for ends out of the water.
 std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& ends, bool with_bounces = true);
+
+/// The direct one of them alone; none in a shadow zone. Does not allocate memory.
+std::optional<Eigenray> direct_ray(const SoundSpeedProfile& profile, const RayEnds& ends);
 
 }  // namespace uwsim
