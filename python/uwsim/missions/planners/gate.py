@@ -22,7 +22,7 @@ from uwsim.missions.steps import Steps, until
 from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
-STAND_OFF_M = 5.0  # in front of the gate and behind it
+STAND_OFF_M = 6.0  # in front of the gate and behind it
 STEPS_OUT_M = 1.0  # by which a post is nearer than what is beside it
 WIDEST_POST_M = 0.8
 WIDTH_TOLERANCE = 0.2  # of the gate's width
