@@ -13,7 +13,8 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kSharesPerThread = 8;  // members cost unevenly: those near the bed find contacts
+constexpr std::size_t kSharesPerThread = 8;      // members cost unevenly: those near the bed find contacts
+constexpr std::size_t kStepsWorthThreads = 256;  // of all members together: fewer take less time than to start a thread
 constexpr std::size_t kAxes = 6;
 constexpr std::array<const char*, kAxes> kAxisNames = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 
@@ -23,10 +24,10 @@ using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 /// Calls work(member, k) for the k-th of the chosen members; when all have ended, throws the error of the first.
 template <typename Work>
-void Batch::each(std::span<const std::size_t> chosen, const Work& work) const {
+void Batch::each(std::span<const std::size_t> chosen, int threads, const Work& work) const {
   std::vector<std::exception_ptr> errors(chosen.size());
-  const std::size_t shares = kSharesPerThread * static_cast<std::size_t>(threads_);
-  parallel_batches(chosen.size(), std::max<std::size_t>(1, chosen.size() / shares), threads_,
+  const std::size_t shares = kSharesPerThread * static_cast<std::size_t>(threads);
+  parallel_batches(chosen.size(), std::max<std::size_t>(1, chosen.size() / shares), threads,
                    [&](std::size_t first, std::size_t last, std::size_t) {
                      for (std::size_t k = first; k < last; ++k) {
                        try {
@@ -49,7 +50,7 @@ Batch::Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vec
   require(threads_ >= 1 && threads_ <= 1024, "threads", threads_, "must be in [1, 1024]");
   require(!specs_.empty(), "n", specs_.size(), "must be at least 1");
   for (std::size_t k = 0; k < specs_.size(); ++k) all_.push_back(k);
-  each(all_, [&](std::size_t member, std::size_t) { members_[member] = made(specs_[member]); });
+  each(all_, threads_, [&](std::size_t member, std::size_t) { members_[member] = made(specs_[member]); });
 }
 
 std::unique_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
@@ -67,7 +68,8 @@ std::unique_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
 void Batch::restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs) {
   require(specs.empty() || specs.size() == chosen.size(), "specs", specs.size(), "must be one for each");
   std::vector<std::unique_ptr<Simulation>> fresh(chosen.size());
-  each(chosen, [&](std::size_t member, std::size_t k) { fresh[k] = made(specs.empty() ? specs_[member] : specs[k]); });
+  each(chosen, threads_,
+       [&](std::size_t member, std::size_t k) { fresh[k] = made(specs.empty() ? specs_[member] : specs[k]); });
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     members_[chosen[k]] = std::move(fresh[k]);
     if (!specs.empty()) specs_[chosen[k]] = std::move(specs[k]);
@@ -75,12 +77,12 @@ void Batch::restart(std::span<const std::size_t> chosen, std::vector<MemberSpec>
 }
 
 void Batch::release(std::size_t vehicle, std::span<const std::size_t> chosen) {
-  each(chosen, [&](std::size_t member, std::size_t) { members_[member]->release(vehicle); });
+  each(chosen, 1, [&](std::size_t member, std::size_t) { members_[member]->release(vehicle); });
 }
 
 void Batch::set_states(std::size_t vehicle, std::span<const std::size_t> chosen, std::span<const BodyState> states) {
   require(states.size() == chosen.size(), "states", states.size(), "must be one for each");
-  each(chosen, [&](std::size_t member, std::size_t k) { members_[member]->set_state(vehicle, states[k]); });
+  each(chosen, threads_, [&](std::size_t member, std::size_t k) { members_[member]->set_state(vehicle, states[k]); });
 }
 
 void Batch::set_efforts(std::size_t vehicle, std::span<const double> efforts) {
@@ -90,17 +92,18 @@ void Batch::set_efforts(std::size_t vehicle, std::span<const double> efforts) {
     const std::string path = "efforts[" + std::to_string(k / kAxes) + "]." + kAxisNames.at(k % kAxes);
     require(false, path, efforts[k], "must be in [-1, 1]");
   }
-  each(all_, [&](std::size_t k, std::size_t) {
+  each(all_, 1, [&](std::size_t k, std::size_t) {
     members_[k]->actuators(vehicle).set_effort(Eigen::Map<const Vector6d>(&efforts[kAxes * k]));
   });
 }
 
 void Batch::step(std::uint64_t count) {
-  each(all_, [&](std::size_t k, std::size_t) { members_[k]->step(count); });
+  const int threads = count < kStepsWorthThreads && size() * count < kStepsWorthThreads ? 1 : threads_;
+  each(all_, threads, [&](std::size_t k, std::size_t) { members_[k]->step(count); });
 }
 
 void Batch::motion(std::size_t vehicle, const MotionRows& rows) const {
-  each(all_, [&](std::size_t k, std::size_t) {
+  each(all_, 1, [&](std::size_t k, std::size_t) {
     const Simulation& simulation = *members_[k];
     const BodyState& state = simulation.state(vehicle);
     rows.times_ns[k] = simulation.time_ns();
@@ -118,7 +121,7 @@ std::size_t Batch::reading_width(std::size_t vehicle, std::size_t sensor) const 
 
 void Batch::read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise, const SampleRows& rows) {
   const std::size_t width = reading_width(vehicle, sensor);
-  each(all_, [&](std::size_t k, std::size_t) {
+  each(all_, threads_, [&](std::size_t k, std::size_t) {
     const Sample& sample = members_[k]->read_sensor(vehicle, sensor, with_noise);
     std::copy_n(sample.values.begin(), width, rows.values + width * k);
     rows.stamps_ns[k] = sample.stamp_ns;
@@ -128,7 +131,7 @@ void Batch::read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise
 
 void Batch::ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const {
   const std::size_t beams = members_.front()->sonar(vehicle, sonar).multibeam().beams();
-  each(all_, [&](std::size_t k, std::size_t) {
+  each(all_, threads_, [&](std::size_t k, std::size_t) {
     const Simulation& simulation = *members_[k];
     const std::size_t own = simulation.sonar(vehicle, sonar).multibeam().beams();
     require(own == beams, "sonar.beams", own, "must be as many as those of the first member");

@@ -73,7 +73,7 @@ class Batch {
  private:
   std::unique_ptr<Simulation> made(const MemberSpec& spec) const;
   template <typename Work>
-  void each(std::span<const std::size_t> chosen, const Work& work) const;
+  void each(std::span<const std::size_t> chosen, int threads, const Work& work) const;
 
   World world_;
   std::shared_ptr<const RayScene> scene_;

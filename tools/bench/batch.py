@@ -1,0 +1,110 @@
+"""The cost of a step of a batch's member against that of a lone simulator, by size and threads; a member's memory.
+
+The cases take turns in each round; medians. Vehicles are in open water; random efforts change every 10 steps.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import statistics
+import time
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Batch, Simulator
+
+console = Console()
+
+HELD_STEPS = 10
+START_M = (-60.0, -28.0, -10.0)  # in the middle of the lake's water
+PAGE_KB = 4
+
+
+def main(
+    scenario: Annotated[str, typer.Option(help="In which START_M is in open water.")] = "lake",
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured.")] = 7,
+    steps: Annotated[int, typer.Option(min=1, help="Steps of all members together in a measurement.")] = 100_000,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    lone = Simulator(scenario, threads=1)
+    lone.rov.place(START_M)
+    cases = [(n, threads) for n in (1, 16, 256) for threads in (1, 2) if n >= threads]
+    batches = {case: placed(scenario, *case) for case in cases}
+    per_round = [
+        {"lone": loop_s(lone, steps), **{case: batch_s(batch, steps) for case, batch in batches.items()}}
+        for _ in range(rounds)
+    ]
+    table = Table("case", "steps/s", "of the lone simulator", title=f"{scenario}: steps of all members a second")
+    figures: dict[str, float] = {}
+    for case in per_round[0]:
+        name = case if isinstance(case, str) else f"n={case[0]},threads={case[1]}"
+        rate = statistics.median(1 / turn[case] for turn in per_round)
+        ratio = statistics.median(turn["lone"] / turn[case] for turn in per_round)
+        figures |= {f"{name}_steps_s": rate, f"{name}/lone": ratio}
+        table.add_row(name, f"{rate:,.0f}", f"{ratio:.2f}")
+    figures["member_kb"] = member_kb(scenario)
+    console.print(table)
+    console.print(f"a member of 256, its sensors read once: {figures['member_kb']:.0f} kB of resident memory")
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def placed(scenario: str, n: int, threads: int) -> Batch:
+    """Make a batch in open water."""
+    batch = Batch(scenario, n=n, threads=threads)
+    batch.place(START_M)
+    return batch
+
+
+def loop_s(sim: Simulator, steps: int) -> float:
+    """Seconds for a step of a lone simulator in a Python loop, its motion looked at whenever efforts change."""
+    sim.rov.place(START_M)
+    efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (steps // HELD_STEPS, 6))
+    begin = time.perf_counter()
+    for effort in efforts:
+        sim.rov.set_effort(*effort.tolist())
+        sim.step(HELD_STEPS)
+        assert sim.rov.pose and sim.rov.velocity
+    return (time.perf_counter() - begin) / (len(efforts) * HELD_STEPS)
+
+
+def batch_s(batch: Batch, steps: int) -> float:
+    """Seconds for a step of one member, likewise."""
+    batch.place(START_M)
+    calls = max(steps // HELD_STEPS // batch.n, 1)
+    efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (calls, batch.n, 6))
+    begin = time.perf_counter()
+    for effort in efforts:
+        batch.step(HELD_STEPS, effort)
+        batch.observe()
+    return (time.perf_counter() - begin) / (calls * HELD_STEPS * batch.n)
+
+
+def member_kb(scenario: str, n: int = 256) -> float:
+    """Resident memory that a batch adds for each of its members, without what all share."""
+    shared = Batch(scenario, n=1)
+    gc.collect()
+    before = resident_kb()
+    batch = placed(scenario, n, 1)
+    batch.step(HELD_STEPS)
+    for sensor in shared.simulator(0).rov.sensors:
+        batch.read(sensor)
+    return (resident_kb() - before) / n
+
+
+def resident_kb() -> int:
+    """Resident memory of this process."""
+    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * PAGE_KB
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench batch")
