@@ -311,6 +311,18 @@ def test_what_a_link_carried_is_in_the_summary(tmp_path: Path) -> None:
     assert 0.0 < row["delay_s"] < 0.01, "sound needs 4 ms for the six metres to the station"
 
 
+def test_a_resumed_flight_has_the_link_that_it_was_given(mission: Path, tmp_path: Path) -> None:
+    fly(mission, "pool", tmp_path / "whole", link="s2cm_hs", report="json")
+    half = fly(mission, "pool", tmp_path / "half", link="s2cm_hs", report="json", autosave=StopAfter(150))
+    assert half.interrupted
+    resume(tmp_path / "half", report="json")
+    whole, again = (json.loads((tmp_path / name / "summary.json").read_text())["link"] for name in ("whole", "half"))
+    assert sum(row["delivered"] for row in whole) > 0
+    assert again == whole
+    with pytest.raises(ValueError, match="link: the simulator is made already"):
+        fly(mission, uwsim.Simulator("pool"), link="tether")
+
+
 def test_a_flight_by_the_filter_steers_and_maps_by_the_estimate(mission: Path, tmp_path: Path) -> None:
     true = fly(mission, "pool", map=True)
     flown = fly(mission, "pool", tmp_path / "out", map=True, estimate="filter", report="json")

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import MissionTime, Record, Seed, SonarModel, Threads, WithoutEffectError, need
+from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, WithoutEffectError, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -52,6 +52,7 @@ def run(
     seed: Seed = None,
     sonar_model: SonarModel = None,
     mission_time: MissionTime = None,
+    link: Link = None,
     threads: Threads = None,
     record: Record = None,
     record_topic: Annotated[
@@ -80,7 +81,8 @@ def run(
 
     simulated = {
         "--scenario": scenario, "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
-        "--mission-time": mission_time, "--threads": threads, "--record": record, "--autosave": autosave,
+        "--mission-time": mission_time, "--link": link, "--threads": threads,
+        "--record": record, "--autosave": autosave,
     }  # fmt: skip
     ours = {
         "the mission": mission, "--connect": connect, "--map": make_map or None, "--voxel": voxel, "--vehicle": vehicle,
@@ -140,6 +142,7 @@ def run(
                 seed=seed,
                 sonar_model=parsed_sonar_model(sonar_model),
                 mission_time_s=mission_time,
+                link=link,
                 time_limit_s=time_limit,
                 threads=threads,
                 record=record,

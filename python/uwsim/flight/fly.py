@@ -51,6 +51,7 @@ def fly(
     seed: int | None = None,
     sonar_model: int | str | None = None,
     mission_time_s: float | None = None,
+    link: str | Path | None = None,
     time_limit_s: float | None = None,
     threads: int | None = None,
     record: Path | None = None,
@@ -69,8 +70,9 @@ def fly(
     track-VEHICLE.csv, map.bt and, by report, report.html ("full"), summary.json ("json") or neither ("none").
     arguments: for the mission's other parameters. vehicles: names; by default all if the mission takes `vehicles`, else
     the first. estimate: what vehicles know of their pose, and what the map is made with: the "truth", or that of their
-    "filter" (Vehicle.estimate). time_limit_s: simulated; by
-    default the scenario's mission time. record: a new recording (.mcap), of record_topics; by default all but pictures.
+    "filter" (Vehicle.estimate). link: a modem, by name or file, that replaces the scenario's. time_limit_s: simulated;
+    by default the scenario's mission time. record: a new recording (.mcap), of record_topics; by default all but
+    pictures.
     show: shows an activity while a block runs.
 
     Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and what the mission
@@ -89,14 +91,22 @@ def fly(
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
     saving = autosave or FlightAutosave(autosave_s)
     if isinstance(scenario, Simulator):
-        given = {"seed": seed, "sonar_model": sonar_model, "mission_time_s": mission_time_s, "threads": threads}
+        given = {
+            "seed": seed, "sonar_model": sonar_model, "mission_time_s": mission_time_s, "link": link,
+            "threads": threads,
+        }  # fmt: skip
         if ignored := [name for name, value in given.items() if value is not None]:
             raise ValueError(f"{ignored[0]}: the simulator is made already")
         sim = scenario
     else:
         with show(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
             sim = Simulator(
-                scenario, seed=seed, sonar_model=sonar_model, mission_time_s=mission_time_s, threads=threads
+                scenario,
+                seed=seed,
+                sonar_model=sonar_model,
+                mission_time_s=mission_time_s,
+                link=link,
+                threads=threads,
             )
     names = tuple(vehicles) or (tuple(sim.vehicles) if takes == "vehicles" else (sim.rov.name,))
     for name in names:
@@ -112,10 +122,11 @@ def fly(
             function=function,
             mission_digest=file_digest(file),
             arguments=dict(arguments or {}),
-            scenario=str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario),
+            scenario=_name_or_file(scenario),
             seed=sim.seed,
             sonar_model=sonar_model,
             mission_time_s=mission_time_s,
+            link=None if link is None else _name_or_file(link),
             vehicles=names,
             estimate=estimate,
             map=map,
@@ -132,6 +143,10 @@ def fly(
     if map:
         flight.occupancy = OccupancyMap(resolution_m=voxel_m or default_voxel_m(sim))
     return flight.run(record, record_topics)
+
+
+def _name_or_file(given: str | Path) -> str:
+    return str(Path(given).resolve()) if Path(given).is_file() else str(given)
 
 
 def resume(

@@ -20,7 +20,8 @@ class FlightRequest:
     """The arguments that determine a flight.
 
     mission: the path of its file; mission_digest: of the file's content. vehicles: by default the scenario's first, or
-    all if the mission flies `vehicles`. time_limit_s: simulated time, by default the scenario's mission time.
+    all if the mission flies `vehicles`. link: a modem, instead of the scenario's. time_limit_s: simulated time, by
+    default the scenario's mission time.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -33,6 +34,7 @@ class FlightRequest:
     seed: int | None = None
     sonar_model: int | str | None = None
     mission_time_s: float | None = None
+    link: str | None = None
     vehicles: tuple[str, ...] = ()
     estimate: EstimateKind = "truth"
     map: bool = False
@@ -46,6 +48,7 @@ class FlightRequest:
             seed=self.seed,
             sonar_model=self.sonar_model,
             mission_time_s=self.mission_time_s,
+            link=self.link,
             threads=threads,
         )
 
