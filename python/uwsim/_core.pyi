@@ -1133,10 +1133,12 @@ class ControlModel:
         self,
         wrench_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
         surge_m_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        across_first: bool = False,
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
         The wrench (6,) that thrusters, and fins at a speed ahead, can give when this one is wanted. Torque comes first, and force has
-        what is left; both keep their direction.
+        what is left; both keep their direction. With across_first, force across the vehicle comes before force
+        along it.
         """
     def wrench_body(
         self,
@@ -1211,10 +1213,11 @@ class MotionController:
         roll_rad: typing.SupportsFloat | typing.SupportsIndex,
         pitch_rad: typing.SupportsFloat | typing.SupportsIndex,
         heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+        across_first: bool = False,
     ) -> tuple[float, float, float, float, float, float]:
         """
         Efforts of one control period towards a position (3,) that moves at a velocity (3,); positions that are NaN
-        are free. pose, velocity: see Autopilot.steer.
+        are free. across_first: see ControlModel.reachable. pose, velocity: see Autopilot.steer.
         """
     @property
     def force_share(self) -> float:

@@ -129,6 +129,20 @@ def test_a_wrench_beyond_the_thrusters_keeps_its_torque_and_the_direction_of_its
     assert model.reachable(1.01 * got)[0] < 1.01 * got[0], "it is the largest"
 
 
+@pytest.mark.parametrize("ahead_n", [900.0, -900.0])
+def test_force_across_comes_before_force_along_if_wanted(heavy: Simulator, ahead_n: float) -> None:
+    model = heavy.rov.control.model
+    wanted = np.array([ahead_n, -60.0, 10.0, 0.5, -1.0, 2.0])
+    got = model.reachable(wanted, across_first=True)
+    assert got[1:] == pytest.approx(wanted[1:])
+    assert abs(got[1]) > abs(model.reachable(wanted)[1])
+    assert 0.05 < got[0] / ahead_n < 0.2
+    more = got + 0.01 * ahead_n * np.eye(6)[0]
+    assert model.reachable(more)[1] != pytest.approx(more[1]), "it is the largest"
+    within = np.array([20.0, -10.0, 5.0, 0.0, 0.0, 0.0])
+    assert model.reachable(within, across_first=True) == pytest.approx(within)
+
+
 def test_the_fed_forward_wrench_gives_the_wanted_acceleration(heavy: Simulator) -> None:
     model, body = load_vehicle("bluerov2_heavy"), heavy.rov.control.model
     from scipy.spatial.transform import Rotation

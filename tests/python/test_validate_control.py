@@ -20,7 +20,7 @@ def test_every_packaged_vehicle_answers_steps_within_the_limits(name: str) -> No
 
 
 def test_a_vehicle_keeps_place_and_path_in_gusts_by_its_own_estimate() -> None:
-    checks = gust_checks("bluerov2_heavy", load_vehicle("bluerov2_heavy"))
+    checks = gust_checks("bluerov2_heavy", load_vehicle("bluerov2_heavy"), seeds=(2,))  # `validate` flies six
     assert [check for check in checks if not check.passed] == []
 
 

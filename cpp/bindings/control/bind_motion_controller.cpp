@@ -60,9 +60,11 @@ void bind_motion_controller(py::module_& m) {
            py::arg("craft").none(false), py::arg("actuators"), py::arg("density_kg_m3"))
       .def_property_readonly("driven", &ControlModel::driven, "Whether thrusters or fins drive an axis, surge to yaw.")
       .def("reachable", &ControlModel::reachable, py::arg("wrench_body"), py::arg("surge_m_s") = 0.0,
+           py::arg("across_first") = false,
            "The wrench (6,) that thrusters, and fins at a speed ahead, can give when this one is wanted. Torque comes "
            "first, and force has\n"
-           "what is left; both keep their direction.")
+           "what is left; both keep their direction. With across_first, force across the vehicle comes before force\n"
+           "along it.")
       .def("effort", &ControlModel::effort, py::arg("wrench_body"), py::arg("surge_m_s") = 0.0,
            "Efforts (6,) for a wrench (6,) that can be reached.")
       .def(
@@ -102,15 +104,16 @@ void bind_motion_controller(py::module_& m) {
           "reach",
           [](MotionController& controller, const py::object& pose, const py::object& velocity,
              const Eigen::Vector3d& position_world_m, const Eigen::Vector3d& velocity_world_m_s, double roll_rad,
-             double pitch_rad, double heading_rad) {
+             double pitch_rad, double heading_rad, bool across_first) {
             return as_efforts(controller.reach(
-                as_estimate(pose, velocity), {position_world_m, velocity_world_m_s, roll_rad, pitch_rad, heading_rad}));
+                as_estimate(pose, velocity),
+                {position_world_m, velocity_world_m_s, roll_rad, pitch_rad, heading_rad, across_first}));
           },
           py::arg("pose"), py::arg("velocity"), py::arg("position_world_m"), py::arg("velocity_world_m_s"),
-          py::arg("roll_rad"), py::arg("pitch_rad"), py::arg("heading_rad"),
+          py::arg("roll_rad"), py::arg("pitch_rad"), py::arg("heading_rad"), py::arg("across_first") = false,
           "Efforts of one control period towards a position (3,) that moves at a velocity (3,); positions that are "
           "NaN\n"
-          "are free. pose, velocity: see Autopilot.steer.")
+          "are free. across_first: see ControlModel.reachable. pose, velocity: see Autopilot.steer.")
       .def(
           "hold_velocity",
           [](MotionController& controller, const py::object& pose, const py::object& velocity,

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kDeep_m = -1e3;  // no part of the hull is near the surface
 constexpr double kSlowest_m_s = 0.3;
+constexpr int kHalvings = 8;  // to 0.4 % of the wanted force along the vehicle
 
 Pose deep(const Eigen::Matrix3d& world_from_body) { return {{0, 0, kDeep_m}, Eigen::Quaterniond(world_from_body)}; }
 
@@ -48,11 +49,30 @@ Vector6d ControlModel::driven_part(const Vector6d& wrench_body) const {
   return part;
 }
 
-Vector6d ControlModel::reachable(const Vector6d& wrench_body, double surge_m_s) const {
+/// The largest force along the vehicle beside all the rest is found by bisection: what can be given is convex.
+Vector6d ControlModel::by_thrusters(const Vector6d& wrench_body, bool across_first) const {
+  const Allocation& allocation = actuators_.allocation();
+  const Vector6d all = allocation.reachable(wrench_body);
+  if (!across_first || all.head<3>() == driven_part(wrench_body).head<3>()) return all;
+  Vector6d rest = wrench_body;
+  rest[0] = 0;
+  Vector6d given = allocation.reachable(rest);
+  double lowest = 0, step = 1;
+  for (int k = 0; k < kHalvings; ++k) {
+    step *= 0.5;
+    Vector6d more = given;
+    more[0] = (lowest + step) * wrench_body[0];
+    if (allocation.largest_multiple(more) >= 1) lowest += step;
+  }
+  given[0] = lowest * wrench_body[0];
+  return given;
+}
+
+Vector6d ControlModel::reachable(const Vector6d& wrench_body, double surge_m_s, bool across_first) const {
   const auto& [ahead, astern] = actuators_.full_wrench_body();
   const Vector6d fins = fin_limit(surge_m_s);
   const Vector6d by_fins = wrench_body.cwiseMax(-fins).cwiseMin(fins);
-  if (!actuators_.has_direct_wrench()) return actuators_.allocation().reachable(wrench_body) + by_fins;
+  if (!actuators_.has_direct_wrench()) return by_thrusters(wrench_body, across_first) + by_fins;
   return wrench_body.cwiseMax(-astern).cwiseMin(ahead) + by_fins;
 }
 

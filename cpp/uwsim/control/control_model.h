@@ -27,8 +27,9 @@ class ControlModel {
   Vector6d driven_part(const Vector6d& wrench_body) const;
   /// The wrench that thrusters, and fins at a speed ahead, can give when this one is wanted: it without the axes that
   /// they do not drive and, beyond the thrusters' limits, scaled. Torque comes first, and force has what is left; both
-  /// keep their direction. Fins reach their limit about each axis by itself.
-  Vector6d reachable(const Vector6d& wrench_body, double surge_m_s) const;
+  /// keep their direction. With across_first, force across the vehicle comes before force along it. Fins reach their
+  /// limit about each axis by itself.
+  Vector6d reachable(const Vector6d& wrench_body, double surge_m_s, bool across_first = false) const;
   /// The efforts for a wrench that can be reached, each in [-1, 1].
   Vector6d effort(const Vector6d& wrench_body, double surge_m_s) const;
   /// Whether thrusters or fins drive an axis, surge to yaw.
@@ -36,6 +37,7 @@ class ControlModel {
 
  private:
   Vector6d fin_limit(double surge_m_s) const;
+  Vector6d by_thrusters(const Vector6d& wrench_body, bool across_first) const;
 
   std::shared_ptr<const Craft> craft_;
   Actuators actuators_;

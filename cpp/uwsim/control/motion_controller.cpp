@@ -77,7 +77,7 @@ Vector6d MotionController::reach(const MotionEstimate& estimate, const MotionTar
     const double ahead_m_s = std::max(estimate.velocity_body[0], kSlowest_m_s);
     attitude.pitch_rad -= std::clamp(std::asin(std::clamp(velocity.z() / ahead_m_s, -1.0, 1.0)), -kSteepest, kSteepest);
   }
-  return track(estimate, velocity, turn_towards(estimate, attitude));
+  return track(estimate, velocity, turn_towards(estimate, attitude), target.across_first);
 }
 
 Vector6d MotionController::hold_velocity(const MotionEstimate& estimate, const Vector6d& velocity_body) {
@@ -85,7 +85,7 @@ Vector6d MotionController::hold_velocity(const MotionEstimate& estimate, const V
   if (velocity_body[3] != 0) turn.x() = velocity_body[3];
   if (velocity_body[4] != 0) turn.y() = velocity_body[4];
   turn.z() = velocity_body[5];
-  return track(estimate, estimate.world_from_body * velocity_body.head<3>(), turn);
+  return track(estimate, estimate.world_from_body * velocity_body.head<3>(), turn, false);
 }
 
 /// The angular velocity, body axes, towards an attitude.
@@ -103,7 +103,7 @@ Vector3d MotionController::turn_towards(const MotionEstimate& estimate, const Mo
 }
 
 Vector6d MotionController::track(const MotionEstimate& estimate, const Vector3d& velocity_world_m_s,
-                                 const Vector3d& turn_body_rad_s) {
+                                 const Vector3d& turn_body_rad_s, bool across_first) {
   const Eigen::Matrix3d& world_from_body = estimate.world_from_body;
   const Vector6d& measured = estimate.velocity_body;
   if (!memory.begun) {
@@ -139,7 +139,7 @@ Vector6d MotionController::track(const MotionEstimate& estimate, const Vector3d&
   }
   acceleration += wish;
   const Vector6d wanted = model_.wrench_body(world_from_body, reference, acceleration);
-  const Vector6d given = model_.reachable(wanted, measured[0]);
+  const Vector6d given = model_.reachable(wanted, measured[0], across_first);
   const double wanted_n = model_.driven_part(wanted).head<3>().norm();
   force_share_ = wanted_n > 0 ? given.head<3>().norm() / wanted_n : 1;
   const Vector6d applied = wish + model_.change_body(given - model_.driven_part(wanted));

@@ -38,6 +38,7 @@ struct MotionTarget {
   double roll_rad = 0;
   double pitch_rad = 0;
   double heading_rad = 0;
+  bool across_first = false;  ///< beyond the thrusters, force across the vehicle comes before force along it
 };
 
 /// What one control period leaves to the next.
@@ -80,7 +81,7 @@ class MotionController {
  private:
   Eigen::Vector3d turn_towards(const MotionEstimate& estimate, const MotionTarget& target) const;
   Vector6d track(const MotionEstimate& estimate, const Eigen::Vector3d& velocity_world_m_s,
-                 const Eigen::Vector3d& turn_body_rad_s);
+                 const Eigen::Vector3d& turn_body_rad_s, bool across_first);
 
   ControlModel model_;
   ControlGains gains_;

@@ -56,7 +56,7 @@ class PathFollower(Sealed):
         speed, course = self._pace * self.speed_m_s, guidance.course_rad
         velocity = (speed * math.cos(course), speed * math.sin(course))
         heading = guidance.path_rad if self.controller.drives_sway else course
-        self.controller.steer(heading, velocity, guidance.z_world_m)
+        self.controller.steer(heading, velocity, guidance.z_world_m, across_first=True)
         return guidance
 
     def _keep_pace(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,20 @@ MEAN_M_S, RMS_M_S, CORRELATION_S = 0.5, 0.2, 10.0  # eastward; of the horizontal
 SETTLE_S, HOLD_S = 20.0, 120.0
 START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # within the DVL's range of the bed
 SPEED_M_S, LEG_M = 1.0, 56.0
+LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the path is judged from CORNER_M behind each corner on
 LEGS = 3  # at 45 degrees to the mean current, to either side in turn: the vehicle reaches 0.9 m/s through the water
 
 
-def gusty_water(model: VehicleModel, seed: int = 2) -> Simulator:
-    """Return a simulator with one free vehicle near a flat bed, in an eastward current with gusts."""
+SEEDS = (1, 2, 3, 4, 5, 6)
+NEAR_START_M = (20.0, 10.0, 0.0)
+ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # of the zigzag: the USBL's error across its line of sight grows with the range
+
+
+def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEAR_START_M) -> Simulator:
+    """Return a simulator with one free vehicle near a flat bed, in an eastward current with gusts.
+
+    station_m: (3,), of the station, which has the USBL's transceiver.
+    """
     each_m_s = RMS_M_S / math.sqrt(2.0)
     gusts = {
         "kind": "gusts",
@@ -37,7 +47,7 @@ def gusty_water(model: VehicleModel, seed: int = 2) -> Simulator:
                 "seed": seed,
                 "water": {"current": gusts},
                 "terrain": {"source": "noise", "size_m": [400, 400], "spacing_m": 50, "bed_depth_m": BED_DEPTH_M},
-                "station": {"position_m": [20, 10, 0]},
+                "station": {"position_m": list(station_m)},
                 "vehicles": [{"name": "rov", "model": model, "start": {"position_m": list(START_M)}}],
             }
         )
@@ -58,10 +68,11 @@ def station_keeping(sim: Simulator, estimate: EstimateLike) -> Array:
 def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]:
     """Fly a zigzag at 1 m/s over ground; return the true cross-track error [m] and speed along the path [m/s], (n,).
 
-    Without what is within two look-aheads behind a corner.
+    Without what is within CORNER_M behind a corner.
     """
     corners = _corners()
-    follower = PathFollower(Controller(sim.rov, PERIOD_S, estimate=estimate), corners, SPEED_M_S)
+    controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
+    follower = PathFollower(controller, corners, SPEED_M_S, lookahead_m=LOOKAHEAD_M)
     across, speeds = [], []
     for _ in range(round(2 * LEGS * LEG_M / SPEED_M_S / PERIOD_S)):
         guidance = follower.steer()
@@ -69,7 +80,7 @@ def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]
         if guidance.is_done:
             break
         leg, along_m = divmod(max(guidance.along_m, 0.0), LEG_M)
-        if along_m < 2 * follower.lookahead_m:
+        if along_m < CORNER_M:
             continue
         start, end = corners[int(leg)], corners[int(leg) + 1]
         ahead = (end - start)[:2] / LEG_M
@@ -91,14 +102,28 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def gust_checks(name: str, model: VehicleModel) -> list[Check]:
-    """Compare both flights, by the vehicle's own estimate, with their limits."""
-    kept, flown = gusty_water(model), gusty_water(model)
-    away_m = rms(station_keeping(kept, kept.rov.estimate))
-    across_m, speeds_m_s = path_at_speed(flown, flown.rov.estimate)
-    slowness = SPEED_M_S / float(speeds_m_s.mean())
+def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) -> list[Check]:
+    """Fly both ways with each seed and compare with the limits.
+
+    By the true state, which shows the control alone, the limit holds for each flight; by the vehicle's own estimate,
+    for all of them together.
+    """
+    away, across, speeds, by_truth = [], [], [], []
+    for seed in seeds:
+        kept = gusty_water(model, seed)
+        away.append(station_keeping(kept, kept.rov.estimate))
+        flown = gusty_water(model, seed, ABOVE_MIDDLE_M)
+        flight = path_at_speed(flown, flown.rov.estimate)
+        across.append(flight[0])
+        speeds.append(flight[1])
+        seen = gusty_water(model, seed, ABOVE_MIDDLE_M)
+        by_truth.append(rms(path_at_speed(seen, seen.rov)[0]))
+    away_m, across_m = rms(np.concatenate(away)), rms(np.concatenate(across))
+    slowness = SPEED_M_S / float(np.concatenate(speeds).mean())
+    flights = f"{len(seeds)} flights in gusts"
     return [
-        at_most(name, "in gusts, by its own estimate: station keeping, rms", 0.15, away_m, "m"),
-        at_most(name, "in gusts, by its own estimate: cross-track, rms", 0.2, rms(across_m), "m"),
-        at_most(name, "in gusts, by its own estimate: 1 m/s over the mean speed", 1.15, slowness),
+        at_most(name, f"{flights}, by its own estimate: station keeping, rms of all", 0.15, away_m, "m"),
+        at_most(name, f"{flights}, by its own estimate: cross-track, rms of all", 0.2, across_m, "m"),
+        at_most(name, f"{flights}, by its own estimate: 1 m/s over the mean speed", 1.15, slowness),
+        at_most(name, f"{flights}, by the true state: cross-track, rms of the worst", 0.2, max(by_truth), "m"),
     ]
