@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.spec.control import Control
 from uwsim.simulator import Simulator
 from uwsim.validate.check import Check, along
 from uwsim.validate.flights import START_M, deep_water
@@ -30,7 +31,13 @@ class Probe:
 
     def __init__(self, name: str, model: VehicleModel | None = None) -> None:
         used = model or load_vehicle(name)
-        without_actuators = {"max_force_n": (0.0,) * 3, "max_torque_nm": (0.0,) * 3, "thrusters": {}, "fins": {}}
+        without_actuators = {
+            "max_force_n": (0.0,) * 3,
+            "max_torque_nm": (0.0,) * 3,
+            "thrusters": {},
+            "fins": {},
+            "control": Control(),
+        }
         self.body = PUBLISHED[name]
         self._driven, self._bare = (self._simulator(m) for m in (used, used.model_copy(update=without_actuators)))
         self.rov = self._driven.rov

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from uwsim.scenario import Scenario, VehicleModel
-from uwsim.scenario.spec.control import Control
 from uwsim.simulator import Simulator
 from uwsim.validate.reference_solution import Array, Flight
 
@@ -18,7 +17,6 @@ SAMPLE_S = 0.05
 
 def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0) -> Simulator:
     """Return a simulator with one free vehicle in still water of one density, far from the surface and the flat bed."""
-    model = model.model_copy(update={"control": Control()})  # nothing controls it: it may be without thrusters
     return Simulator(
         Scenario.model_validate(
             {

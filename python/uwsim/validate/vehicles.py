@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.spec.control import Control
 from uwsim.simulator import Simulator
 from uwsim.validate.check import Check, along, relative
 from uwsim.validate.flights import deep_water, fly, times
@@ -107,7 +108,13 @@ def _leading_axis(curve: Curve, scales: Array) -> int:
 def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
     """Return the vehicle with forces and torques along the body axes in place of thrusters and fins."""
     return model.model_copy(
-        update={"max_force_n": wrench[:3], "max_torque_nm": wrench[3:], "thrusters": {}, "fins": {}}
+        update={
+            "max_force_n": wrench[:3],
+            "max_torque_nm": wrench[3:],
+            "thrusters": {},
+            "fins": {},
+            "control": Control(),
+        }
     )
 
 
