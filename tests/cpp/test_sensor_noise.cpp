@@ -230,15 +230,16 @@ TEST_F(SensorNoise, WithLatencyAReadingShowsThePast) {
 }
 
 TEST_F(SensorNoise, AUsblFixArrivesAfterTheTwoWayTravelTime) {
-  const std::vector<WaterLevel> levels = {{.depth_m = 0, .sound_speed_m_s = 1400},
-                                          {.depth_m = 12, .sound_speed_m_s = 1600}};
-  world.water.profile = std::make_shared<const WaterProfile>(levels);
+  // The ray is an arc whose lowest point is the vehicle's side of it: it stays between the surface and the vehicle.
+  const double top_m_s = 1450, bottom_m_s = 1450.6, gradient_1_s = (bottom_m_s - top_m_s) / 12;
+  const double depths[] = {0, 12}, speeds[] = {top_m_s, bottom_m_s};
+  sound = SoundSpeedProfile(depths, speeds);
   station_world_m = {-800, 0, 0};
   SensorSpec spec = sensor_spec("usbl");
   spec.rate_hz = 5;
   NoisySensor usbl = sensor(spec);
-  const double slowness_s_m = std::log(1600.0 / 1400) / 200;  // the mean of 1 / c
-  const double travel_s = 2 * std::hypot(800, 12) * slowness_s_m;
+  const double chord_m = gradient_1_s * std::hypot(800, 12);
+  const double travel_s = 2 / gradient_1_s * std::acosh(1 + chord_m * chord_m / (2 * top_m_s * bottom_m_s));
   for (snapshot.tick = 0; snapshot.tick < 800; ++snapshot.tick) {
     if (snapshot.tick >= usbl.next_due()) usbl.record(snapshot, around());
     const double now_s = static_cast<double>(snapshot.tick) * kStepS;
