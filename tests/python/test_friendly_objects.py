@@ -160,7 +160,10 @@ USER_SCRIPT = """
 """
 
 
-@pytest.mark.parametrize("checker", [("mypy", "--strict", "--no-incremental"), ("basedpyright", "--level", "error")])
+@pytest.mark.parametrize(
+    "checker",
+    [("mypy", "--strict", "--no-incremental"), ("basedpyright", "--level", "error", "--pythonpath", sys.executable)],
+)
 def test_a_users_script_passes_strict_type_checkers(checker: tuple[str, ...], tmp_path: Path) -> None:
     script = tmp_path / "dive.py"
     script.write_text(textwrap.dedent(USER_SCRIPT))
