@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "uwsim/core/check.h"
@@ -97,17 +100,15 @@ class GustyCurrent : public Current {
     }
   }
   CurrentSample at(const Eigen::Vector3d&, double time_s) const override {
-    CurrentSample sample;
     const double blocks = std::floor(time_s / block_s_);
     const double fraction = std::clamp(time_s / block_s_ - blocks, 0.0, 1.0);
-    const auto block = static_cast<std::uint64_t>(static_cast<std::int64_t>(blocks));
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (sigma_m_s_(axis) == 0) continue;
-      const auto [value, slope] = value_and_slope(draws_[static_cast<std::size_t>(axis)], block, fraction);
-      sample.velocity_m_s(axis) = sigma_m_s_(axis) * value;
-      sample.rate_m_s2(axis) = sigma_m_s_(axis) * slope / block_s_;
-    }
-    return sample;
+    const double knot = std::min(std::floor(fraction * kIntervals), kIntervals - 1);
+    const auto index =
+        static_cast<std::int64_t>(blocks) * static_cast<std::int64_t>(kIntervals) + static_cast<std::int64_t>(knot);
+    const Ends ends = ends_of(index);
+    const Eigen::Vector3d slope = (ends.right - ends.left) * kIntervals;  // for each block
+    const Eigen::Vector3d value = ends.left + slope * (fraction - knot / kIntervals);
+    return {.velocity_m_s = sigma_m_s_.cwiseProduct(value), .rate_m_s2 = sigma_m_s_.cwiseProduct(slope) / block_s_};
   }
   double bound_m_s() const override { return 3 * sigma_m_s_.norm(); }
 
@@ -115,28 +116,55 @@ class GustyCurrent : public Current {
   static constexpr int kLevels = 9;
   static constexpr double kBlock = 16;  // length of a block, in correlation times
 
-  /// Value and slope (per block) of a process of unit variance at a fraction of a block. A draw is keyed by the block
-  /// and an index: 0 for the block's start, and for the midpoints their number in a binary heap.
-  std::pair<double, double> value_and_slope(const RandomStream& draw, std::uint64_t block, double fraction) const {
+  static constexpr double kIntervals = 1 << kLevels;  // between the knots of a block
+
+  /// Processes of unit variance at both ends of an interval between two knots.
+  struct Ends {
+    std::int64_t index = std::numeric_limits<std::int64_t>::min();
+    Eigen::Vector3d left = Eigen::Vector3d::Zero(), right = Eigen::Vector3d::Zero();
+  };
+
+  /// The last interval is kept, since many steps in a row ask for it. A thread that finds another one looking draws
+  /// anew.
+  Ends ends_of(std::int64_t index) const {
+    if (looking_.test_and_set(std::memory_order_acquire)) return drawn(index);
+    if (kept_.index != index) kept_ = drawn(index);
+    const Ends ends = kept_;
+    looking_.clear(std::memory_order_release);
+    return ends;
+  }
+
+  Ends drawn(std::int64_t index) const {
+    Ends ends{.index = index};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (sigma_m_s_(axis) == 0) continue;
+      std::tie(ends.left(axis), ends.right(axis)) = knots(draws_[static_cast<std::size_t>(axis)], index);
+    }
+    return ends;
+  }
+
+  /// A process of unit variance at the ends of an interval. A draw is keyed by the block and an index: 0 for the
+  /// block's start, and for the midpoints their number in a binary heap, by which the interval is found.
+  std::pair<double, double> knots(const RandomStream& draw, std::int64_t index) const {
+    const auto block = static_cast<std::uint64_t>(index >> kLevels);
     double left = draw.normal(block, 0), right = draw.normal(block + 1, 0);
-    double width = 1;
     std::uint32_t node = 1;
-    for (std::size_t level = 0; level < kLevels; ++level) {
-      const double midpoint = mean_weight_[level] * (left + right) + std_[level] * draw.normal(block, node);
-      width /= 2;
-      const bool upper = fraction >= width;
+    for (int level = 0; level < kLevels; ++level) {
+      const auto k = static_cast<std::size_t>(level);
+      const double midpoint = mean_weight_[k] * (left + right) + std_[k] * draw.normal(block, node);
+      const bool upper = ((index >> (kLevels - 1 - level)) & 1) != 0;
       (upper ? left : right) = midpoint;
-      if (upper) fraction -= width;
       node = 2 * node + (upper ? 1 : 0);
     }
-    const double slope = (right - left) / width;
-    return {left + slope * fraction, slope};
+    return {left, right};
   }
 
   Eigen::Vector3d sigma_m_s_;
   double block_s_;
   std::array<RandomStream, 3> draws_;
   std::array<double, kLevels> mean_weight_, std_;
+  mutable std::atomic_flag looking_;
+  mutable Ends kept_;
 };
 
 class GriddedCurrent : public Current {
