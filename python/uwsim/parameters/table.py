@@ -39,7 +39,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
-    VehicleEntry: frozenset({"name", "start", "failsafe"}),
+    VehicleEntry: frozenset({"name", "start", "failsafe", "trim"}),
     VehicleModel: frozenset(
         [
             "name",
@@ -56,6 +56,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "material",
             "control",
             "failsafe",
+            "trim",
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin"}),

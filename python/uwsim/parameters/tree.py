@@ -8,11 +8,11 @@ from functools import cache
 from typing import Any, get_args
 
 from uwsim.parameters import table
-from uwsim.parameters.descriptions import descriptions
 from uwsim.parameters.effective import effective
 from uwsim.parameters.field_type import FieldType, field_type, stripped
 from uwsim.parameters.figures import imaging_figures, noise_unit, sensor_figures
 from uwsim.parameters.idle import idle
+from uwsim.scenario.spec.descriptions import descriptions
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.scenario import Scenario

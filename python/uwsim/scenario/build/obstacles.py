@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.terrain import Terrain
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
@@ -30,6 +31,7 @@ POST_FOOT_M = 0.5
 
 Mesh = tuple[Vertices, Triangles]
 Shapes = list[_core.RoundShape]
+Standing = Box | Cylinder | Sphere | MeshObstacle
 
 
 class Solid(NamedTuple):
@@ -42,6 +44,8 @@ class Solid(NamedTuple):
 
 def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
     """Build the obstacle at its place in the world. Raises ScenarioError."""
+    if not isinstance(obstacle, Pipeline | Gate) and obstacle.on_bed:
+        obstacle = _standing(obstacle, terrain)
     match obstacle:  # trimesh, which takes a second, is imported where a mesh is not cached
         case Pipeline():
             return _pipeline(obstacle, terrain)
@@ -61,6 +65,16 @@ def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
             return Solid(*_posed(load_mesh(obstacle.file, scale=obstacle.scale, up=obstacle.up), obstacle), [])
         case _:
             assert_never(obstacle)
+
+
+def _standing(obstacle: Standing, terrain: Terrain) -> Standing:
+    """Return the obstacle where it first touches the bed from above, and z of its position over that."""
+    x, y, above_m = obstacle.position_m
+    afloat = obstacle.model_copy(update={"on_bed": False, "position_m": (x, y, 0.0)})
+    solid = obstacle_solid(afloat, terrain)
+    points = np.concatenate([solid.vertices, surface_points(solid.vertices, solid.triangles)])
+    clear_m = points[:, 2] - _bed(terrain, points[:, :2], obstacle.name)
+    return afloat.model_copy(update={"position_m": (x, y, above_m - float(clear_m.min()))})
 
 
 def _created(shape: str, *arguments: Any) -> Mesh:

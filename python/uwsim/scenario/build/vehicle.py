@@ -32,7 +32,7 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     model = vehicle.model
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
-    spec.craft = craft(model, surface_density_kg_m3(scenario.water))
+    spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim)
     spec.actuators = actuators_spec(model)
     if model.collision_pieces is not None:
         from uwsim.scenario.build.collision_pieces import (

@@ -14,17 +14,21 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
 from uwsim.scenario.read.spec_file import read_spec
-from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, broken
 
 Newton = Annotated[float, InRange(-1e6, 1e6, "N")]
 Microseconds = Annotated[float, InRange(1, 10_000, "us")]
 Component = Annotated[float, InRange(-1e6, 1e6)]
+ThrusterName = Annotated[str, AssetName("thrusters")]
 Direction = tuple[Component, Component, Component]
 """A vector of any length but zero."""
 
 
 class Pwm(Model):
-    """The pulse widths of a speed controller: centre_us stands for command 0, centre_us +- span_us for +-1."""
+    """The pulse widths of a speed controller.
+
+    centre_us: of command 0. span_us: from there to the commands -1 and 1.
+    """
 
     centre_us: Microseconds
     span_us: Microseconds
@@ -33,6 +37,7 @@ class Pwm(Model):
 class ThrusterType(Model):
     """A thruster as one buys it.
 
+    pwm: the pulse widths, if thrust_n is given by them.
     thrust_n: pairs of a command in [-1, 1], or of a pulse width if `pwm` is given, and the still-water thrust on the
     vehicle; linear between pairs, constant beyond the ends. time_constant_s: of the thrust's first-order lag.
     diameter_m: of the propeller.
@@ -82,13 +87,15 @@ def _require_direction(direction: Direction, key: str) -> None:
 
 
 class ThrusterMount(Model):
-    """A thruster on a vehicle. axis: the direction of a positive thrust. spin: seen from behind, at positive thrust.
+    """A thruster on a vehicle.
 
-    gain: a factor on the thrust of its type, as of a battery of another voltage; the allocation of efforts knows it.
-    health: the share of its thrust that a fault leaves; the allocation does not know of it.
+    model: a packaged thruster's name or the path of its YAML file, which is read into a ThrusterType. position_m: of
+    the propeller in the body's frame. axis: the direction of a positive thrust, of any length. spin: seen from behind,
+    at positive thrust. gain: a factor on the thrust of its type, as of a battery of another voltage; the allocation of
+    efforts knows it. health: the share of its thrust that a fault leaves; the allocation does not know of it.
     """
 
-    model: Annotated[ThrusterType, BeforeValidator(_thruster_type)]
+    model: Annotated[ThrusterType, BeforeValidator(_thruster_type, json_schema_input_type=ThrusterName | ThrusterType)]
     position_m: Point3
     axis: Direction
     spin: Literal["clockwise", "counter-clockwise"] = "clockwise"
@@ -102,13 +109,13 @@ class ThrusterMount(Model):
 
 
 class FinMount(Model):
-    """A lifting surface: a fin that turns about `span`, right-handed, or a fixed one (deflection_max_deg 0).
+    """A lifting surface: a fin that turns about its span, or a fixed one (deflection_max_deg 0).
 
-    position_m: its centre of pressure. area_m2: to which lift and drag refer. aspect_ratio: effective, span^2 / area,
-    doubled where the hull mirrors the fin. parasitic_drag: the drag coefficient without lift. efficiency: Oswald's, of
-    the induced drag. stall_angle_deg: where lift is midway to that of a flat plate; leave out for a surface that does
-    not stall, such as a hull's lift. stall_sharpness_deg: of that transition. deflection_max_deg, rate_max_deg_s: how
-    far and how fast it turns.
+    position_m: its centre of pressure. span: the direction about which it turns, right-handed, perpendicular to x.
+    area_m2: to which lift and drag refer. aspect_ratio: effective, span^2 / area, doubled where the hull mirrors the
+    fin. parasitic_drag: the drag coefficient without lift. efficiency: Oswald's, of the induced drag. stall_angle_deg:
+    where lift is midway to that of a flat plate; leave out for a surface that does not stall, such as a hull's lift.
+    stall_sharpness_deg: of that transition. deflection_max_deg, rate_max_deg_s: how far and how fast it turns.
     """
 
     position_m: Point3

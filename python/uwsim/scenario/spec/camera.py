@@ -40,13 +40,13 @@ class PanTilt(Model):
 class CameraMount(Model):
     """A camera: its mounting, its lens and its image sensor.
 
-    It looks along its x: yaw 90 turns it to port, pitch 90 down. width, height: pixels, which are square.
-    horizontal_fov_deg: across the image's width, before distortion. distortion: k1, k2, p1, p2, k3 of Brown and
-    Conrady's model, as in OpenCV. exposure: a factor on the automatic or fixed exposure. full_well, read_noise:
-    electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a ray by turbulence;
-    by default as `optics.turbulence_k` gives it. follows: what carries it; `body`: fixed to the hull, which it does not
-    see; `heading`: it follows the vehicle's place and heading from outside, level, and is kept above the ground.
-    pan_tilt: the motor that turns it, if it has one.
+    It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of what carries it. width,
+    height: pixels, which are square. horizontal_fov_deg: across the image's width, before distortion. distortion: k1,
+    k2, p1, p2, k3 of Brown and Conrady's model, as in OpenCV. exposure: a factor on the automatic or fixed exposure.
+    full_well, read_noise: electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a
+    ray by turbulence; by default as `optics.turbulence_k` gives it. follows: what carries it; `body`: fixed to the
+    hull, which it does not see; `heading`: it follows the vehicle's place and heading from outside, level, and is kept
+    above the ground. pan_tilt: the motor that turns it, if it has one.
     """
 
     position_m: Point3
@@ -71,7 +71,10 @@ class CameraMount(Model):
 
 
 class LampSpot(Model):
-    """The mounting of one lamp on a switch; it shines along its x."""
+    """The mounting of one lamp on a switch; it shines along its x.
+
+    position_m: in the body's frame.
+    """
 
     position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = FORWARD
@@ -80,8 +83,9 @@ class LampSpot(Model):
 class Lamps(Model):
     """The lamps on one switch, identical except for their mountings.
 
-    on: whether they shine at the start. flux_lm: of each lamp. half_angle_deg: of the cone, outside which it is dark.
-    soft_share: of that angle, over which the light falls off. colour: red, green, blue relative to daylight's white.
+    spots: where they are mounted. on: whether they shine at the start. flux_lm: of each lamp. half_angle_deg: of the
+    cone, outside which it is dark. soft_share: of that angle, over which the light falls off. colour: red, green, blue
+    relative to daylight's white.
     """
 
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]

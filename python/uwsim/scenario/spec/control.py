@@ -35,10 +35,10 @@ class TurningLoop(Loop):
 class Control(Model):
     """Gains and limits of all loops. An axis that nothing drives has none.
 
-    filter_s: time constant of the measured acceleration's filter. tracking_s: time constant with which a saturated
-    integral follows what the thrusters give. speed_max_m_s, climb_max_m_s, turn_max_rad_s: of the reference velocities
-    towards a position, horizontal and vertical, and an attitude. acceleration_max_m_s2, turn_acceleration_max_rad_s2:
-    of the reference velocities' change.
+    surge, sway, heave, roll, pitch, yaw: of each axis. filter_s: time constant of the measured acceleration's filter.
+    tracking_s: time constant with which a saturated integral follows what the thrusters give. speed_max_m_s,
+    climb_max_m_s, turn_max_rad_s: of the reference velocities towards a position, horizontal and vertical, and an
+    attitude. acceleration_max_m_s2, turn_acceleration_max_rad_s2: of the reference velocities' change.
     """
 
     surge: Loop = Loop()

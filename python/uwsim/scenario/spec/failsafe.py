@@ -17,7 +17,7 @@ class Failsafe(Model):
     """What a released vehicle does, in simulated time and by its own controller.
 
     silence_s: without a command, or in a scenario with a link without anything from the station through that, after
-    which it does `then`; none: never. The next word ends it.
+    which it does `then`; none: never. The next word ends it. then: what it does after such silence.
     battery_percent, battery_then: the charge below which it does that; 0: never. leak_then, thruster_then, sensor_then:
     what it does when it notices water inside, a thruster that does not obey, a sensor that is silent or stuck; none: it
     is not watched. These stay until they are overridden; meanwhile commands have no effect.

@@ -17,8 +17,8 @@ class FaultModel(Model):
     """What every fault has.
 
     name: in the log; by default its kind, or for several of one kind kind_2 and so on. vehicle: by default the first.
-    at_s: when it begins; or rate_per_h: how often it begins in an hour on average, at times that are drawn
-    (exponential intervals, from the seed). Exactly one. for_s: how long it lasts; by default to the end.
+    at_s: when it begins; this, or rate_per_h. rate_per_h: how often it begins in an hour on average, at times that are
+    drawn (exponential intervals, from the seed). for_s: how long it lasts; by default to the end.
     """
 
     name: Name | None = None
@@ -37,7 +37,8 @@ class FaultModel(Model):
 class ThrusterFault(FaultModel):
     """A thruster gives a share of its thrust; 0: it is out. The allocation does not know.
 
-    thruster: its name. axis: instead, for a vehicle without thrusters, whose force or torque on it weakens.
+    thruster: its name. axis: instead, for a vehicle without thrusters, whose force or torque on it weakens. health: the
+    share that is left.
     """
 
     kind: Literal["thruster"]
@@ -53,9 +54,11 @@ class ThrusterFault(FaultModel):
 
 
 class SensorFault(FaultModel):
-    """A sensor fails. off: no readings. stuck: the last one, again and again. bias: a constant is added.
+    """A sensor fails.
 
-    bias: in the sensor's unit, on every number of `field`, which is needed for a sensor of several quantities.
+    sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last one, again and again; `bias`, a
+    constant is added. bias: in the sensor's unit, on every number of `field`. field: of the reading, needed for a
+    sensor of several quantities.
     """
 
     kind: Literal["sensor"]
@@ -100,7 +103,10 @@ class LinkLoss(FaultModel):
 
 
 class CurrentFault(FaultModel):
-    """The water moves otherwise: a velocity is added to water.current_world_m_s. East, north, up."""
+    """The water moves otherwise.
+
+    velocity_world_m_s: added to water.current_world_m_s; east, north, up.
+    """
 
     kind: Literal["current"]
     velocity_world_m_s: tuple[Speed, Speed, Speed]

@@ -15,13 +15,24 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.did_you_mean import did_you_mean
-from uwsim.scenario.read.assets import find_asset
+from uwsim.scenario.read.assets import find_asset, packaged_names
 from uwsim.scenario.read.validation_errors import HINTS
+from uwsim.scenario.spec.json_schema import described, in_range
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
@@ -36,6 +47,12 @@ class Model(BaseModel):
             rule = "cannot be assigned: it is fixed; make another with model_copy(update={...})"
             raise AttributeError(f"{type(self).__name__}.{name} {rule}")
         super().__setattr__(name, value)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        schema = handler(core)
+        described(cls, handler.resolve_ref_schema(schema))
+        return schema
 
     @model_validator(mode="before")
     @classmethod
@@ -72,6 +89,9 @@ class InRange:
             plain = core_schema.no_info_before_validator_function(_plain_float, number)
         return core_schema.no_info_after_validator_function(self._check, plain)
 
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return in_range(handler(core)["type"], self.low, self.high, self.unit)
+
     def _check(self, value: float) -> float:
         if not self.low <= value <= self.high:  # refuses NaN, too
             raise broken(f"must be in [{self.low:.12g}, {self.high:.12g}] {self.unit}".rstrip(), unit=self.unit)
@@ -87,10 +107,23 @@ class OneOf:
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_after_validator_function(self._check, handler(source))
 
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"enum": list(self.names)}
+
     def _check(self, value: str) -> str:
         if value not in self.names:
             raise broken(f"must be one of {', '.join(self.names)}{did_you_mean(value, self.names)}")
         return value
+
+
+@dataclass(frozen=True)
+class AssetName:
+    """For schemas: a packaged name, which editors complete, or the path of a file. kind: a folder of the assets."""
+
+    kind: str
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"anyOf": [{"enum": packaged_names(self.kind)}, {"type": "string"}]}
 
 
 def _plain_int(value: object) -> object:
@@ -132,9 +165,9 @@ def _check_file(value: object, info: ValidationInfo) -> Path:
     return found
 
 
-Name = Annotated[str, AfterValidator(_check_name)]
+Name = Annotated[str, AfterValidator(_check_name), WithJsonSchema({"type": "string", "pattern": f"^{NAME.pattern}$"})]
 
-AssetFile = Annotated[Path, BeforeValidator(_check_file)]
+AssetFile = Annotated[Path, BeforeValidator(_check_file, json_schema_input_type=str)]
 """A file that exists: relative to the YAML file that names it (in Python: to the working folder), else packaged."""
 
 # Rays are traced in float32, which resolves a millimetre within 10 km.

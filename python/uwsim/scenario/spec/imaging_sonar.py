@@ -11,12 +11,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
+from uwsim.scenario.spec.json_schema import figures as kind_figures
+from uwsim.scenario.spec.json_schema import one_of_kinds
 from uwsim.scenario.spec.parameter import checked_values
 
 RADIANS, DEGREES = "_rad", "_deg"
@@ -28,13 +32,33 @@ class ImagingMount(Model):
     """An imaging sonar of one of _core.imaging_kinds(), and where it is mounted: x ahead, y to port, z up; pitch down.
 
     Figures that differ from the kind's defaults (see uwsim.sonars.imaging) stand beside the other keys in YAML, angles
-    in degrees under names that end in _deg. Here they are in `figures`, by their own names and in SI units.
+    in degrees under names that end in _deg. position_m: in the body's frame. figures: in Python, those beside the other
+    keys, by their own names and in SI units.
     """
 
     kind: str
     position_m: Point3 = (0.0, 0.0, 0.0)
     yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
     figures: dict[str, Any] = Field(default_factory=dict)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        kinds = {}
+        for name in _core.imaging_kinds():
+            kind = _core.imaging_kind(name)
+            kinds[name] = kind_figures(kind.parameters, in_degrees=True) | {"description": kind.meaning, "required": []}
+            for key, parameter in kind.parameters.items():
+                if not np.isnan(parameter.by_default):
+                    own = kinds[name]["properties"][_yaml_key(key)]
+                    own["type"] = [own["type"], "null"]
+            kinds[name]["properties"][STRENGTHS] = {
+                "type": "object",
+                "additionalProperties": {"type": "number"},
+                "description": "Backscatter strength of each surface by name, instead of its material's, dB",
+            }
+        one_of_kinds(handler.resolve_ref_schema(schema), kinds, without={"figures"})
+        return schema
 
     @model_validator(mode="before")
     @classmethod

@@ -8,9 +8,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.scenario.spec.fields import InRange, Model, Point3, broken
+from uwsim.scenario.spec.fields import AssetName, InRange, Model, Point3, broken
 from uwsim.scenario.spec.modem import Access, ModemModel, load_modem
 
+ModemName = Annotated[str, AssetName("modems")]
 Bottom = Literal["clay", "silt", "sand", "gravel"]
 BOTTOMS: dict[str, tuple[float, float, float]] = {
     "clay": (1.5, 1.00, 0.2),
@@ -23,7 +24,10 @@ BOTTOMS: dict[str, tuple[float, float, float]] = {
 
 
 class LinkFault(Model):
-    """A time in which packets are lost whatever the water does. loss: their share; 1 is a blackout."""
+    """A time in which packets are lost whatever the water does.
+
+    from_s, until_s: simulated. loss: their share; 1 is a blackout.
+    """
 
     from_s: Annotated[float, InRange(0, 1e9, "s")]
     until_s: Annotated[float, InRange(0, 1e9, "s")]
@@ -47,11 +51,11 @@ class LinkSetup(Model):
 
     modem: a packaged modem's name or the path of its YAML file, which is read into a ModemModel. access: who may send
     when, instead of the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin. wind_m_s,
-    shipping (0 to 1): what makes the water loud. bottom: what reflects sound at the bed. carries: patterns of the
-    channels that go over the link, by default all that may. faults: by schedule.
+    shipping: what makes the water loud; shipping 0: none, 1: heavy. bottom: what reflects sound at the bed. carries:
+    patterns of the channels that go over the link, by default all that may. faults: by schedule.
     """
 
-    modem: Annotated[ModemModel, BeforeValidator(_modem)]
+    modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]
     access: Access | None = None
     station_transducer_m: Point3 = (0.0, 0.0, -3.0)
     wind_m_s: Annotated[float, InRange(0, 40, "m/s")] = 5.0
@@ -72,6 +76,10 @@ class LinkSetup(Model):
         return self
 
 
-def link_setup(value: Any) -> Any:
+def _link_setup(value: Any) -> Any:
     """Turn a modem's name or path into a setup; leave anything else to be checked."""
     return {"modem": value} if isinstance(value, str | Path) else value
+
+
+LinkSpec = Annotated[LinkSetup, BeforeValidator(_link_setup, json_schema_input_type=ModemName | LinkSetup)]
+"""A modem's name or path, or a setup."""

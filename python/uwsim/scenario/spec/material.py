@@ -42,14 +42,14 @@ BACKSCATTER = {
     "plain": ROCK,
 }
 
-MaterialName = Annotated[str, OneOf(_core.material_names())]
+MaterialName = Annotated[str, OneOf(tuple(_core.material_names()))]
 
 
 class Material(Model):
     """The material of a surface.
 
-    colour: its albedo, red, green and blue; strength_db, relief: how it scatters sound, as in Backscatter. Each
-    replaces the material's own value.
+    kind: its name. colour: its albedo, red, green and blue; strength_db, relief: how it scatters sound, as in
+    Backscatter. Each replaces the material's own value.
     """
 
     kind: MaterialName
@@ -67,14 +67,15 @@ def _named(value: object) -> object:
     return {"kind": value} if isinstance(value, str) else value
 
 
-MaterialSpec = Annotated[Material, BeforeValidator(_named)]
+MaterialSpec = Annotated[Material, BeforeValidator(_named, json_schema_input_type=MaterialName | Material)]
 """A material's name, or its kind and the values that differ."""
 
 
 class Ground(Model):
     """The materials of the terrain: under water, where it is steep, and above the water.
 
-    strength_db, relief: how all of it scatters sound, as in Backscatter; they replace those of the bed's material.
+    bed: under water. steep: where it is steep. land: above the water. strength_db, relief: how all of it scatters
+    sound, as in Backscatter; they replace those of the bed's material.
     """
 
     bed: MaterialName = "sand"

@@ -21,12 +21,16 @@ class ModemModel(Model):
 
     kind: `none` (everything passes at once), `cable` (a rate and a latency), `ideal` (the sound's travel time alone, as
     in the paper) or `modem`, which has all figures. Levels in dB re 1 uPa (at 1 m).
-    bit_rate_bit_s: of a packet's bits, header included. packet_bytes: payload of a packet, at most; longer messages
-    take several. preamble_s: before each. receiver_noise_db_hz: the vehicle's and the electronics' own. fading:
-    Rayleigh. multipath_window_s: echoes within it after the first arrival help, later ones are noise. speed_max_m_s: of
-    the ends towards each other, beyond which nothing is received (Doppler). access: `aloha`, a packet is sent after a
-    random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns of slot_s, each followed by the
-    sound's travel over range_max_m. queue_bytes: that may wait to be sent.
+    bit_rate_bit_s: of a packet's bits, header included. latency_s: of a cable. header_bytes: of each packet.
+    packet_bytes: payload of a packet, at most; longer messages take several. preamble_s: before each. frequency_hz,
+    bandwidth_hz: centre and width of the band. source_level_db: of what it sends, re 1 uPa at 1 m. modulation: which
+    bit error rate follows from the signal-to-noise ratio. coding_gain_db: of error correction. receiver_noise_db_hz:
+    the vehicle's and the electronics' own. fading: Rayleigh. multipath_window_s: echoes within it after the first
+    arrival help, later ones are noise. speed_max_m_s: of the ends towards each other, beyond which nothing is received
+    (Doppler). range_max_m: for which TDMA leaves time. slot_s: of a turn in TDMA. backoff_s: longest random wait in
+    ALOHA. access: `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the
+    vehicles take turns of slot_s, each followed by the sound's travel over range_max_m. queue_bytes: that may wait to
+    be sent.
     """
 
     name: Name

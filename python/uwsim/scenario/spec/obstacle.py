@@ -9,7 +9,7 @@ import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from uwsim.scenario.spec.fields import (
     AssetFile,
@@ -30,10 +30,21 @@ MAX_BEND_DEG = 120.0
 LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
+class Placed(Model):
+    """What has its place by coordinates.
+
+    on_bed: whether it stands on the terrain: z of position_m is then how far its lowest point is above the bed that it
+    would touch first; below 0, it is sunk in. position_m: in the world.
+    """
+
+    on_bed: StrictBool = False
+    position_m: Point3
+
+
 class Pipeline(Model):
     """A pipe that follows the terrain under a line through points_m (x, y).
 
-    buried_fraction: share of the diameter below the bed.
+    points_m: its corners, x and y. radius_m: outer. buried_fraction: share of the diameter below the bed.
     """
 
     kind: Literal["pipeline"]
@@ -59,10 +70,11 @@ class Pipeline(Model):
 
 
 class Gate(Model):
-    """Two posts and a crossbar that stand on the terrain at position_m (x, y); the passage is along the gate's x.
+    """Two posts and a crossbar that stand on the terrain; the passage is along the gate's x.
 
-    yaw_deg: of the gate's x from east, counter-clockwise. width_m: between the posts' axes. height_m: of the crossbar's
-    axis above the bed at position_m. lower_bar_m: height of a second bar, none by default.
+    position_m: x and y of its middle. yaw_deg: of the gate's x from east, counter-clockwise. width_m: between the
+    posts' axes. height_m: of the crossbar's axis above the bed at position_m. bar_radius_m: of posts and bars.
+    lower_bar_m: height of a second bar, none by default.
     """
 
     kind: Literal["gate"]
@@ -86,42 +98,49 @@ class Gate(Model):
         return self
 
 
-class Box(Model):
-    """A cuboid; position_m: its centre (world)."""
+class Box(Placed):
+    """A cuboid.
+
+    position_m: its centre (world), unless it is on_bed. size_m: along its own x, y and z.
+    """
 
     kind: Literal["box"]
     name: Name
     material: MaterialSpec = Material(kind="concrete")
-    position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     size_m: tuple[Size, Size, Size]
 
 
-class Cylinder(Model):
-    """A cylinder along its own z; position_m: its centre (world)."""
+class Cylinder(Placed):
+    """A cylinder along its own z.
+
+    position_m: its centre (world), unless it is on_bed. radius_m, length_m: its size.
+    """
 
     kind: Literal["cylinder"]
     name: Name
     material: MaterialSpec = Material(kind="steel")
-    position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     radius_m: Size
     length_m: Size
 
 
-class Sphere(Model):
-    """A ball; position_m: its centre (world)."""
+class Sphere(Placed):
+    """A ball.
+
+    position_m: its centre (world), unless it is on_bed. radius_m: its size.
+    """
 
     kind: Literal["sphere"]
     name: Name
     material: MaterialSpec = Material(kind="steel")
-    position_m: Point3
     radius_m: Size
 
 
-class MeshObstacle(Model):
-    """A mesh file (FBX, glTF, OBJ, STL, PLY and others); position_m: where its own origin is (world).
+class MeshObstacle(Placed):
+    """A mesh file.
 
+    file: FBX, glTF, OBJ, STL, PLY and others. position_m: where its own origin is (world), unless it is on_bed.
     scale: metres for each unit of the file. up: the file's axis that points up; by default y for glTF, what the file
     declares for FBX, z for the rest.
     """
@@ -130,7 +149,6 @@ class MeshObstacle(Model):
     name: Name
     material: MaterialSpec = Material(kind="steel")
     file: AssetFile
-    position_m: Point3
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
     scale: Factor = 1.0
     up: Literal["y", "z"] | None = None

@@ -66,7 +66,7 @@ class Optics(Model):
     `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed.
     """
 
-    jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(_core.jerlov_types())] = "III"
+    jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"
     coefficients: WaterCoefficients | None = None
     sun_elevation_deg: Annotated[float, InRange(-6, 90, "deg")] = 55.0
     sun_azimuth_deg: Degrees = 120.0

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
-from uwsim.scenario.spec.link import LinkSetup, link_setup
+from uwsim.scenario.spec.link import LinkSpec
 from uwsim.scenario.spec.material import Ground
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
@@ -24,6 +24,8 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import Water
 
 RESERVED_NAMES = ("nothing", "terrain", "station")
+WITHOUT_STATION = Station(dock_m=(0.0, 0.0, -2.0))
+"""Of a scenario that names none: a point on the water over the world's origin, its dock 2 m below it."""
 
 
 class WarningLimits(Model):
@@ -39,8 +41,13 @@ class WarningLimits(Model):
 class Scenario(Model):
     """Everything that determines a run's results. World ENU, z up, water surface at z = 0.
 
-    mission_time_s: how long a vehicle's battery lasts after its release. link: between station and vehicles; None: what
-    they say passes at once. faults: what fails, and when.
+    name: of the scenario. seed: of every random draw, such as sensor noise. step_s: of the simulation. water: its
+    surface, currents and profile. optics: the light that cameras see by. terrain: the bed. ground: its materials.
+    obstacles: in the water, fixed. station: from which
+    distances are measured, with the dock. vehicles: at least one.
+    warnings: when the panel warns. survey: what `uwsim survey` flies. mission_time_s: how long a vehicle's battery
+    lasts after its release. link: between station and vehicles; None: what they say passes at once. faults: what fails,
+    and when.
     """
 
     name: Name
@@ -53,10 +60,10 @@ class Scenario(Model):
     terrain: TerrainSpec
     ground: Ground = Ground()
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
-    station: Station
+    station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
     warnings: WarningLimits = WarningLimits()
-    link: Annotated[LinkSetup | None, BeforeValidator(link_setup)] = None
+    link: LinkSpec | None = None
     survey: Survey | None = None
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)] = ()
 

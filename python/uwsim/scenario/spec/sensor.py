@@ -11,15 +11,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, GetJsonSchemaHandler, StrictBool, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
 from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.read.spec_file import read_spec
-from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
+from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
+from uwsim.scenario.spec.json_schema import figures, one_of_kinds
 from uwsim.scenario.spec.parameter import checked_values
 
+SensorSetName = Annotated[str, AssetName("sensors")]
 Magnitude = Annotated[float, InRange(0, 1e9)]
 Limit = Annotated[float, InRange(-1e12, 1e12)]
 
@@ -56,10 +60,11 @@ class SensorMount(Model):
 
     Rays are cast along the sensor's x: yaw 90 looks to port. Parameters of the kind (_core.sensor_kind(...).parameters,
     such as range_max_m) stand beside the other keys in YAML, and in `parameters` here.
-    on: whether it is powered; off, it has no readings. rate_hz: of samples; every step by default. latency_s: from the
-    measurement to its arrival. drop_out: the share of samples that is lost; a read then returns the last sample that
-    was not, marked invalid. noise: of every channel; noise_std: short for noise: {std: ...}. channels: by name, instead
-    of `noise`.
+    position_m: in the body's frame. parameters: in Python, the figures of the kind that stand beside the other keys in
+    YAML. on: whether it is powered; off, it has no readings. rate_hz: of samples; every step by default. latency_s:
+    from the measurement to its arrival. drop_out: the share of samples that is lost; a read then returns the last
+    sample that was not, marked invalid. noise: of every channel; noise_std: short for noise: {std: ...}. channels: by
+    name, instead of `noise`.
     """
 
     kind: str
@@ -73,6 +78,20 @@ class SensorMount(Model):
     noise: Noise | None = None
     channels: dict[str, Noise] = Field(default_factory=dict)
     parameters: dict[str, tuple[float, ...]] = Field(default_factory=dict)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        own = handler.resolve_ref_schema(schema)
+        kinds = {}
+        for name in _core.sensor_kinds():
+            kind = _core.sensor_kind(name)
+            noises = dict.fromkeys(kind.channels, own["properties"]["noise"]["anyOf"][0])
+            channels = {"type": "object", "properties": noises, "additionalProperties": False}
+            kinds[name] = figures(kind.parameters) | {"description": kind.meaning}
+            kinds[name]["properties"]["channels"] = own["properties"]["channels"] | channels
+        one_of_kinds(own, kinds, without={"parameters"})
+        return schema
 
     @model_validator(mode="before")
     @classmethod
@@ -111,7 +130,10 @@ class SensorMount(Model):
 
 
 class SensorSet(Model):
-    """Sensors that several vehicles have in common, in a YAML file of their own."""
+    """Sensors that several vehicles have in common, in a YAML file of their own.
+
+    sensors: by name.
+    """
 
     name: Name
     description: str = ""
@@ -136,5 +158,9 @@ def _named_as_their_kind(sensors: dict[str, SensorMount]) -> dict[str, SensorMou
     return sensors
 
 
-Sensors = Annotated[dict[Name, SensorMount], BeforeValidator(_sensors), AfterValidator(_named_as_their_kind)]
+Sensors = Annotated[
+    dict[Name, SensorMount],
+    BeforeValidator(_sensors, json_schema_input_type=SensorSetName | dict[Name, SensorMount]),
+    AfterValidator(_named_as_their_kind),
+]
 """By name; or the packaged name or the path of a SensorSet's file."""

@@ -20,7 +20,10 @@ FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
 
 
 class SonarMounting(Model):
-    """The pose of the head on the vehicle's mount: x forward, y left, z up."""
+    """The pose of the head on the vehicle's mount: x forward, y left, z up.
+
+    position_m: from the mount.
+    """
 
     position_m: Point3 = (0.0, 0.0, 0.0)
     yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
@@ -48,9 +51,12 @@ class SonarNoise(Model):
 class SonarBand(Model):
     """A frequency of the instrument, and its figures there.
 
-    range_max_m: a range at or beyond it is no echo. range_limit_m: the published decoder's limit, beyond which a range
-    means no echo; range_max_m by default. Beam widths: -3 dB, one way; along: the transmitter's, across the plane of
-    the fan; across: an unsteered receiving beam's, within it. The last six are for physics mode: all or none.
+    frequency_khz: centre. field_of_view_deg: of the fan. range_max_m: a range at or beyond it is no echo.
+    range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by default.
+    beam_width_along_deg: the transmitter's, across the plane of the fan, -3 dB one way. beam_width_across_deg: an
+    unsteered receiving beam's, within that plane, -3 dB one way. pulse_length_s, bandwidth_hz: of the pulse.
+    source_level_db: re 1 uPa at 1 m. directivity_index_db: of the receiver. The last six are for physics mode: all or
+    none.
     """
 
     frequency_khz: FrequencyKhz
@@ -97,9 +103,10 @@ class SonarModel(Model):
     """A commercial multibeam.
 
     beams: evenly spaced over the field of view, about the head's forward axis. wire_number: of the four models of the
-    published simulator. ping_rate_max_hz: limit of the electronics. receivers: flat arrays, one ahead or two ("dual
-    RX"), each turned to its side by receiver_tilt_deg; a model with one that has a tilt can be had with two.
-    frequencies: a scenario selects one.
+    published simulator. dual_swath: two fans a ping. tilt_rate_deg_s: of the head. mounting: on the
+    vehicle's mount. noise: for physics mode. receiver_tilt_deg: of each of two receivers. ping_rate_max_hz: limit of
+    the electronics. receivers: flat arrays, one ahead or two ("dual RX"), each turned to its side by receiver_tilt_deg;
+    a model with one that has a tilt can be had with two. frequencies: a scenario selects one.
     """
 
     name: Name

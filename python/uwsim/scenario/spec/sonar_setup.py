@@ -10,7 +10,7 @@ from pydantic import PlainSerializer, PlainValidator, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.fields import InRange, Model, NoseDown, broken
+from uwsim.scenario.spec.fields import AssetName, InRange, Model, NoseDown, broken
 from uwsim.scenario.spec.sonar import (
     WIRE_NUMBERS,
     FrequencyKhz,
@@ -20,6 +20,9 @@ from uwsim.scenario.spec.sonar import (
     SonarNoise,
     load_sonar,
 )
+
+SonarNumber = Annotated[int, InRange(*WIRE_NUMBERS)]
+SonarName = Annotated[str, AssetName("sonars")]
 
 
 def _sonar_model(value: object, info: ValidationInfo) -> object:
@@ -53,7 +56,11 @@ class SonarSetup(Model):
     from the model's. tilt_deg: at the start, positive nose down, as scanPos on the wire.
     """
 
-    model: Annotated[int | SonarModel, PlainValidator(_sonar_model), PlainSerializer(_dumped)] = 2
+    model: Annotated[
+        int | SonarModel,
+        PlainValidator(_sonar_model, json_schema_input_type=SonarNumber | SonarName | SonarModel),
+        PlainSerializer(_dumped),
+    ] = 2
     frequency_khz: FrequencyKhz | None = None
     range_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
     receivers: Receivers | None = None

@@ -22,11 +22,11 @@ class Station(Model):
     position_m: of its own origin, on the water line. yaw_deg: of its x axis from east, counter-clockwise.
     mesh: closed or not, in the station's frame; without one the station is a point. dock_m: where the origin of a
     docked vehicle is held, in the station's frame; the vehicle points along the station's x. exit_m: where `undock()`
-    puts it, by default 3 m ahead of the dock. cameras: by name, in the station's frame; by default `station`, in the
-    water before the dock, and `deck`, over the deck.
+    puts it, by default 3 m ahead of the dock. material: of the mesh. cameras: by name, in the station's frame; by
+    default `station`, in the water before the dock, and `deck`, over the deck.
     """
 
-    position_m: Point3
+    position_m: Point3 = (0.0, 0.0, 0.0)
     yaw_deg: Degrees = 0.0
     mesh: AssetFile | None = None
     dock_m: Point3 = (0.0, 0.0, 0.0)

@@ -18,9 +18,10 @@ class Survey(Model):
 
     area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of
     the lawn-mower's lanes. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
-    outlier_filter: whether ranging.reject_uncertain and reject_outliers are in the chain; by default in the sonar's
-    physics mode. max_uncertainty_m: the limit of the former, at 95 % confidence; by default half a voxel, within which
-    most echoes come to lie in the voxels where they belong. Physics mode alone knows uncertainties.
+    ping_rate_hz: of the sonar, at most. outlier_filter: whether ranging.reject_uncertain and reject_outliers are in the
+    chain; by default in the sonar's physics mode. max_uncertainty_m: the limit of the former, at 95 % confidence; by
+    default half a voxel, within which most echoes come to lie in the voxels where they belong. Physics mode alone knows
+    uncertainties.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]

@@ -19,6 +19,7 @@ class Grid(Model):
     """The grid that every terrain has. Its middle is the world's origin.
 
     size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: between neighbouring heights.
+    source: what the heights come from; each source has keys of its own.
     """
 
     spacing_m: Spacing = 0.5
@@ -53,7 +54,8 @@ class NoiseTerrain(Grid):
 
     seed: of this noise; it is not the scenario's seed, so that the terrain stays when the sensors' noise changes.
     bed_depth_m: mean depth of the bed. hill_height_m: how far the bed may rise above and fall below that.
-    hill_wavelength_m: of the broadest hills; each further octave halves it and multiplies the height by `gain`.
+    hill_wavelength_m: of the broadest hills. octaves: of the noise; each further one halves the wavelength. gain: by
+    which each further octave multiplies the height. rim: hills all round, above the water; none by default.
     """
 
     source: Literal["noise"]
@@ -75,13 +77,14 @@ class NoiseTerrain(Grid):
 class RasterTerrain(Grid):
     """An elevation grid that GDAL reads: GeoTIFF, ESRI ASCII (.asc) and others.
 
-    crs: coordinate system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names
-    one, a file whose cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres
-    by a transverse Mercator projection centred on the terrain.
-    water_level_m: elevation of the water surface in the file's own units; it becomes z = 0.
-    horizontal_scale: simulated metres for each real metre; 0.05 makes 10 km a 500 m lake. vertical_scale: likewise.
-    centre: of the terrain in the file's coordinates (longitude, latitude or easting, northing); default the file's
-    centre. size_m: simulated extent; default the largest that fits. fill_nodata: interpolate cells without data.
+    file: the grid. band: of a file with several, counted from 1. interpolation: between its cells. crs: coordinate
+    system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names one, a file whose
+    cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres by a transverse
+    Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the file's own units;
+    it becomes z = 0. horizontal_scale: simulated metres for each real metre; 0.05 makes 10 km a 500 m lake.
+    vertical_scale: likewise. centre: of the terrain in the file's coordinates (longitude, latitude or easting,
+    northing); default the file's centre. size_m: simulated extent; default the largest that fits. fill_nodata:
+    interpolate cells without data.
     """
 
     source: Literal["raster"]
@@ -106,7 +109,8 @@ class RasterTerrain(Grid):
 class ImageTerrain(Grid):
     """The grey levels of an 8 or 16 bit image, its first row in the north, its outer pixels' centres on the edge.
 
-    black_m, white_m: z at grey level 0 and at the highest one (255 or 65535).
+    file: the image. interpolation: between its pixels. black_m, white_m: z at grey level 0 and at the highest one (255
+    or 65535).
     """
 
     source: Literal["image"]

@@ -35,31 +35,45 @@ Matrix = tuple[Row, Row, Row, Row, Row, Row]
 
 
 class SonarMount(Model):
-    """The mount of the multibeam's head, which looks forward and tilts about the body's y."""
+    """The mount of the multibeam's head, which looks forward and tilts about the body's y.
+
+    position_m: in the body's frame.
+    """
 
     position_m: Point3
+
+
+class Trim(Model):
+    """Weights that an operator adds or takes off, so that a vehicle floats as he wants it in the scenario's water.
+
+    They are a point mass, before ballast_kg and leaks, that displaces no water; negative, if they are taken off.
+    net_buoyancy_n: what is left of the buoyancy of the whole hull, in the water at the surface, after the weight;
+    positive: it rises. position_m: of the weights in the body's frame; by default at the centre of mass.
+    """
+
+    net_buoyancy_n: Annotated[float, InRange(-1e5, 1e5, "N")]
+    position_m: Point3 | None = None
 
 
 class VehicleModel(Model):
     """A rigid vehicle, driven by thrusters and fins, or by forces and torques along and about its axes.
 
-    mesh: the hull, closed and winding outward. Buoyancy acts on its triangles, and it collides. It also gives the
-    volume, and the inertia (as a solid of uniform density) if inertia_kg_m2 is left out.
-    mass_kg: of the vehicle, without ballast and water inside. Instead of it density_kg_m3, of the hull's volume, or
-    `buoyancy: neutral`, the mass of the water that the whole hull displaces in the scenario's water, may be given:
-    exactly one. centre_of_mass_m: without ballast, in the box round the hull.
-    ballast_kg, ballast_position_m: a point mass beside all this: it adds to mass and inertia and moves the centre of
-    mass, but displaces no water.
-    volume_m3, centre_of_buoyancy_m: published figures, to which the mesh is scaled and moved; it must be near them.
-    collision: as the convex hull, as the bounding box, or as the convex pieces in the file collision_pieces, which
-    `uwsim decompose` makes from the mesh.
     Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative. Instead of one, a full
     matrix about the origin may be given, by rows, such as added_mass_matrix.
-    linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: of the water that moves with
-    the hull; zero by default.
-    inertia_kg_m2: principal moments about the centre of mass along the body's axes.
-    max_force_n, max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters.
-    control: gains and limits of the loops of uwsim.control.Controller.
+    mesh: the hull, closed and winding outward. Buoyancy acts on its triangles, and it collides. It also gives the
+    volume, and the inertia (as a solid of uniform density) if inertia_kg_m2 is left out. mesh_scale: metres for each
+    unit of the file. mesh_up: the file's axis that points up; by default y for glTF, what the file declares for FBX, z
+    for the rest. mass_kg: of the vehicle, without ballast and water inside; exactly one of it, density_kg_m3 and
+    buoyancy. density_kg_m3: instead, of the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the
+    whole hull displaces in the scenario's water. centre_of_mass_m: without ballast, in the box round the hull.
+    ballast_kg, ballast_position_m: a point mass beside all this: it adds to mass and inertia and moves the centre of
+    mass, but displaces no water. trim: for the scenario's water; by default it floats or sinks as its mass and the
+    water have it. volume_m3, centre_of_buoyancy_m: published figures, to which the mesh is scaled and moved; it must be
+    near them. collision: as the convex hull, as the bounding box, or as convex pieces. collision_pieces: the file of
+    the pieces, which `uwsim decompose` makes from the mesh. linear_damping, quadratic_damping: force or torque that
+    opposes v and v|v|. added_mass: of the water that moves with the hull; zero by default. inertia_kg_m2: principal
+    moments about the centre of mass along the body's axes. max_force_n, max_torque_nm: at full effort along and about
+    x, y, z, for a vehicle without thrusters. control: gains and limits of the loops of uwsim.control.Controller.
     thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one.
     friction: Coulomb's coefficient; two bodies in contact combine by the geometric mean. restitution: the share of the
     approach speed that is kept; of two bodies in contact the larger one counts. material: of the hull, for cameras.
@@ -81,6 +95,7 @@ class VehicleModel(Model):
     centre_of_buoyancy_m: Point3 | None = None
     centre_of_mass_m: Point3
     inertia_kg_m2: tuple[Inertia, Inertia, Inertia] | None = None
+    trim: Trim | None = None
     ballast_kg: Annotated[float, InRange(0, 1e6, "kg")] = 0.0
     ballast_position_m: Point3 = (0.0, 0.0, 0.0)
 

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.spec.failsafe import Failsafe
-from uwsim.scenario.spec.fields import Degrees, Model, Name, Point3, broken
+from uwsim.scenario.spec.fields import AssetName, Degrees, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
-from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
+from uwsim.scenario.spec.vehicle import Trim, VehicleModel, load_vehicle
+
+VehicleName = Annotated[str, AssetName("vehicles")]
 
 
 class StartPose(Model):
-    """A free start at position_m (world), level and at rest."""
+    """A free start, level and at rest.
+
+    position_m: of the vehicle's origin in the world. yaw_deg: of its x axis from east, counter-clockwise.
+    """
 
     position_m: Point3
     yaw_deg: Degrees = 0.0
@@ -38,13 +43,16 @@ def _vehicle_model(value: object, info: ValidationInfo) -> object:
 class VehicleEntry(Model):
     """One vehicle in the scenario.
 
-    model: a packaged vehicle's name or the path of its YAML file, which is read into a VehicleModel.
-    failsafe: instead of the model's.
-    start: `station` (docked there; None in Python) or a free pose.
+    sonar: which multibeam it carries, on the model's mount. model: a packaged vehicle's name or the path of its YAML
+    file, which is read into a VehicleModel. failsafe, trim: instead of the model's. start: `station` (docked there;
+    None in Python) or a free pose.
     """
 
     name: Name
-    model: Annotated[VehicleModel, BeforeValidator(_vehicle_model)]
-    start: Annotated[StartPose | None, BeforeValidator(_start)] = None
+    model: Annotated[VehicleModel, BeforeValidator(_vehicle_model, json_schema_input_type=VehicleName | VehicleModel)]
+    start: Annotated[
+        StartPose | None, BeforeValidator(_start, json_schema_input_type=Literal["station"] | StartPose)
+    ] = None
     sonar: SonarSetup = SonarSetup()
     failsafe: Failsafe | None = None
+    trim: Trim | None = None

@@ -93,7 +93,10 @@ def _check_depths_rise(levels: tuple[CurrentLevel, ...] | tuple[WaterLevel, ...]
 
 
 class LayeredCurrent(Model):
-    """Linear in depth between levels, from the surface down; constant beyond the first and the last."""
+    """Linear in depth between levels; constant beyond the first and the last.
+
+    levels: from the surface down.
+    """
 
     kind: Literal["layers"]
     levels: Annotated[tuple[CurrentLevel, ...], Field(min_length=1, max_length=10_000)]
@@ -133,8 +136,8 @@ class GustyCurrent(Model):
 class GriddedCurrent(Model):
     """A steady field on a regular grid from a file: trilinear inside, constant beyond its edges.
 
-    .npz: x_m (nx,), y_m (ny,), z_m (nz,) rising, velocity_m_s (nz, ny, nx, 3). Any other file is read as CSV with the
-    columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, its rows in any order.
+    file: a .npz with x_m (nx,), y_m (ny,), z_m (nz,) rising and velocity_m_s (nz, ny, nx, 3). Any other is read as CSV
+    with the columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, its rows in any order.
     """
 
     kind: Literal["grid"]
@@ -150,7 +153,11 @@ def _as_list(value: object) -> object:
     return (value,) if isinstance(value, Mapping | Model) else value
 
 
-CurrentSpecs = Annotated[tuple[CurrentSpec, ...], BeforeValidator(_as_list), Field(max_length=16)]
+CurrentSpecs = Annotated[
+    tuple[CurrentSpec, ...],
+    BeforeValidator(_as_list, json_schema_input_type=CurrentSpec | tuple[CurrentSpec, ...]),
+    Field(max_length=16),
+]
 """One current, or a list of currents that add up."""
 
 
@@ -169,7 +176,10 @@ class WaterLevel(Model):
 
 
 class TableProfile(Model):
-    """Levels from the surface down, linear between them: given here, or in a CSV file whose columns are their keys."""
+    """Levels of the water, linear between them: given here or in a file.
+
+    levels: from the surface down. file: instead, a CSV file whose columns are the levels' keys.
+    """
 
     kind: Literal["table"]
     levels: Annotated[tuple[WaterLevel, ...], Field(min_length=1, max_length=10_000)] | None = None
@@ -190,8 +200,8 @@ class TableProfile(Model):
 class LinearProfile(Model):
     """Temperature and salinity linear from the surface down to bottom_depth_m, constant below.
 
-    bottom_depth_m: by default that of the terrain's deepest point. Density is linear, too, if both ends give it; else
-    it follows from temperature and salinity at every depth (EOS-80).
+    surface, bottom: the water there. bottom_depth_m: by default that of the terrain's deepest point. Density is linear,
+    too, if both ends give it; else it follows from temperature and salinity at every depth (EOS-80).
     """
 
     kind: Literal["linear"]

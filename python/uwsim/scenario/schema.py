@@ -1,0 +1,107 @@
+"""JSON Schemas of scenario files and their parts, from the models that check them: for editors and other programs.
+
+They hold keys, types, ranges and choices. Rules that join several keys or need a file are known to `check` alone.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import core_schema
+
+from uwsim.did_you_mean import did_you_mean
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.actuator import ThrusterType
+from uwsim.scenario.spec.camera import CameraMount
+from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.failsafe import Failsafe
+from uwsim.scenario.spec.fault import FaultSpec
+from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.link import LinkSetup
+from uwsim.scenario.spec.modem import ModemModel
+from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.sensor import SensorMount, SensorSet
+from uwsim.scenario.spec.sonar import SonarModel
+from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.survey import Survey
+from uwsim.scenario.spec.terrain import TerrainSpec
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.water import Water
+
+FILES: dict[str, Any] = {
+    "scenario": Scenario,
+    "vehicle": VehicleModel,
+    "thruster": ThrusterType,
+    "sonar": SonarModel,
+    "sensors": SensorSet,
+    "modem": ModemModel,
+}
+"""What a file can be: by the name of its schema."""
+
+PARTS: dict[str, Any] = {
+    **FILES,
+    "sensor": SensorMount,
+    "imaging_sonar": ImagingMount,
+    "camera": CameraMount,
+    "control": Control,
+    "failsafe": Failsafe,
+    "fault": FaultSpec,
+    "link": LinkSetup,
+    "obstacle": ObstacleSpec,
+    "optics": Optics,
+    "station": Station,
+    "survey": Survey,
+    "terrain": TerrainSpec,
+    "water": Water,
+}
+
+
+def schema(part: str = "scenario") -> JsonSchemaValue:
+    """Return the JSON Schema (draft 7) of a part, one of PARTS. Raises ValueError for an unknown one."""
+    if part not in PARTS:
+        raise ValueError(f"part = '{part}': must be one of {', '.join(PARTS)}{did_you_mean(part, PARTS)}")
+    made = TypeAdapter(PARTS[part]).json_schema(schema_generator=_Draft7, ref_template="#/definitions/{model}")
+    definitions = made.pop("$defs", {})
+    return {
+        "$schema": _Draft7.schema_dialect,
+        "title": f"uwsim {part}",
+        **{key: value for key, value in made.items() if key != "title"},
+        **({"definitions": definitions} if definitions else {}),
+    }
+
+
+def schema_file(part: str) -> Path:
+    """Return the packaged schema of a kind of FILES, for an editor."""
+    return assets_folder() / "schema" / f"{part}.json"
+
+
+class _Draft7(GenerateJsonSchema):
+    """What pydantic writes, with the keywords of draft 7 where 2020-12 has others."""
+
+    schema_dialect = "http://json-schema.org/draft-07/schema#"
+
+    def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
+        """Lists of a fixed length have `items` for each place, or one for all places if they are alike."""
+        made = super().tuple_schema(schema)
+        places = made.pop("prefixItems", None)
+        if places is None:
+            return made
+        if all(place == places[0] for place in places):
+            return made | {"items": places[0]}
+        return made | {"items": places, "additionalItems": False}
+
+    def dict_schema(self, schema: core_schema.DictSchema) -> JsonSchemaValue:
+        """Return mappings by name: a key that is no name is refused."""
+        made = super().dict_schema(schema)
+        return made | {"additionalProperties": False} if "patternProperties" in made else made
+
+    def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
+        """Return a union without OpenAPI's `discriminator`, which is unknown to JSON Schema."""
+        made = super().tagged_union_schema(schema)
+        made.pop("discriminator", None)
+        return made

@@ -1,0 +1,58 @@
+"""The descriptions of a model and its fields: its docstring says `key, other_key [unit]: words.` of each field."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+
+from pydantic import BaseModel
+
+KEY = r"[a-z][a-z0-9_]*(?: \[[^\]]*\])?"
+KEYS = re.compile(rf"(?:^|(?<=[.;:] )|(?<=\n))({KEY}(?:,\s{KEY})*):\s")
+
+
+EVERYWHERE = {
+    "kind": "which kind it is; each has keys of its own",
+    "name": "a letter followed by at most 39 letters, digits, '-' or '_'",
+    "description": "a line for people",
+    "yaw_pitch_roll_deg": "turns about z, then the new y, then the new x",
+    "material": "a material's name, or its kind and the values that differ",
+}
+"""Fields that mean the same in all models that do not say otherwise."""
+
+
+@functools.cache
+def descriptions(model: type[BaseModel]) -> dict[str, str]:
+    """Return what the docstring says of each field, by name; else what that of a base class says."""
+    found = {key: words for key, words in EVERYWHERE.items() if key in model.model_fields}
+    for base in reversed(model.__mro__):
+        if issubclass(base, BaseModel):
+            found |= _said_by(base, frozenset(model.model_fields))
+    return found
+
+
+def _said_by(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
+    """Return what the docstring of a model says of these fields; inherited ones may be another model's."""
+    text = inspect.getdoc(model) or ""
+    found: dict[str, str] = {}
+    starts = [match for match in KEYS.finditer(text) if _fields(match[1]) & fields]
+    for k, match in enumerate(starts):
+        end = starts[k + 1].start() if k + 1 < len(starts) else len(text)
+        words = " ".join(text[match.end() : end].split())
+        found |= dict.fromkeys(_fields(match[1]), words)
+    matrices = {key + "_matrix": words for key, words in found.items() if key + "_matrix" in fields}
+    return matrices | found
+
+
+def summary(model: type[BaseModel]) -> str:
+    """Return what the docstring says of the model itself: all before the first field."""
+    text = inspect.getdoc(model) or ""
+    for match in KEYS.finditer(text):
+        if _fields(match[1]) & set(model.model_fields):
+            return " ".join(text[: match.start()].split())
+    return " ".join(text.split())
+
+
+def _fields(keys: str) -> set[str]:
+    return {key.partition(" ")[0] for key in re.split(r",\s", keys)}

@@ -1,0 +1,112 @@
+"""JSON Schema of what pydantic cannot know: docstrings' words, ranges with units, kinds from the core's tables.
+
+Draft 7, which all editors understand.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import JsonSchemaValue
+
+from uwsim import _core
+from uwsim.scenario.spec.descriptions import descriptions, summary
+
+UNIT = "x-unit"
+"""Keyword with a number's unit; validators ignore what they do not know."""
+
+
+def in_range(kind: str, low: float, high: float, unit: str = "") -> JsonSchemaValue:
+    """Return the schema of a number or integer in [low, high]."""
+    schema: JsonSchemaValue = {"type": kind}
+    if 0.0 < low < 1e-300:
+        schema["exclusiveMinimum"] = 0
+    elif math.isfinite(low):
+        schema["minimum"] = _whole(low)
+    if math.isfinite(high):
+        schema["maximum"] = _whole(high)
+    return schema | ({UNIT: unit} if unit else {})
+
+
+def described(model: type[BaseModel], schema: JsonSchemaValue) -> None:
+    """Give a model's schema, and its properties, the words of its docstring, with ranges and units."""
+    schema["description"] = summary(model)
+    words = descriptions(model)
+    for name, part in schema.get("properties", {}).items():
+        part.pop("title", None)
+        if part.get("default") is None or isinstance(part["default"], dict):  # said in words, or the part's own
+            part.pop("default", None)
+        if text := "; ".join(filter(None, (words.get(name, "").rstrip("."), _range(part)))):
+            part["description"] = text[:1].upper() + text[1:]
+
+
+def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], without: set[str]) -> None:
+    """Make a model's schema a choice of kinds, each with properties of its own beside those that all share."""
+    shared = {key: value for key, value in schema["properties"].items() if key not in {"kind", *without}}
+    required = [key for key in schema.get("required", []) if key not in without]
+    options = [
+        {
+            "type": "object",
+            "description": own.get("description", ""),
+            "properties": {"kind": {"const": kind}, **shared, **own["properties"]},
+            "required": [*required, *own.get("required", [])],
+            "additionalProperties": False,
+        }
+        for kind, own in kinds.items()
+    ]
+    for key in ("properties", "required", "additionalProperties", "type"):
+        schema.pop(key, None)
+    schema["oneOf"] = options
+
+
+def figures(parameters: Mapping[str, _core.Parameter], in_degrees: bool = False) -> JsonSchemaValue:
+    """Return properties, and those that are required, for figures of a kind of sensor or imaging sonar.
+
+    in_degrees: whether angles are given in degrees, under names that end in _deg.
+    """
+    properties, required = {}, []
+    for name, parameter in parameters.items():
+        turned = in_degrees and name.endswith("_rad")
+        key = name.removesuffix("_rad") + "_deg" if turned else name
+        properties[key] = _figure(parameter, turned)
+        if math.isnan(parameter.by_default):
+            required.append(key)
+        elif parameter.width == 1:
+            by_default = math.degrees(parameter.by_default) if turned else parameter.by_default
+            properties[key]["default"] = bool(by_default) if parameter.type == "flag" else _whole(round(by_default, 9))
+    return {"properties": properties, "required": required}
+
+
+def _figure(parameter: _core.Parameter, turned: bool) -> JsonSchemaValue:
+    if parameter.type == "flag":
+        return {"type": "boolean", "description": parameter.meaning}
+    low, high = parameter.low, parameter.high
+    low, high = (math.degrees(low), math.degrees(high)) if turned else (low, high)
+    kind = "integer" if parameter.type == "whole number" else "number"
+    schema = in_range(kind, low, high, "deg" if turned else parameter.unit)
+    if parameter.width > 1:
+        schema = {"type": "array", "items": schema, "minItems": parameter.width, "maxItems": parameter.width}
+    return schema | {"description": "; ".join(filter(None, (parameter.meaning, _range(schema))))}
+
+
+def _range(part: JsonSchemaValue) -> str:
+    """Return `0 to 5 m` for a number, or for the numbers of a list; nothing for anything else."""
+    if "maximum" in part:
+        least = part.get("minimum", part.get("exclusiveMinimum"))
+        return f"{_short(least)} to {_short(part['maximum'])} {part.get(UNIT, '')}".strip() if least is not None else ""
+    for inner in (part.get("items"), *part.get("anyOf", [])):
+        if isinstance(inner, dict) and (text := _range(inner)):
+            return text
+    return str(part.get(UNIT, ""))
+
+
+def _short(value: float) -> str:
+    return f"{value:.12g}" if float(value).is_integer() else f"{value:.4g}"
+
+
+def _whole(value: float) -> Any:
+    """Write 1e+06 as 1000000 and 5.0 as 5."""
+    return int(value) if float(value).is_integer() and abs(value) < 2**63 else value
