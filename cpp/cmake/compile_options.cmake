@@ -15,3 +15,19 @@ endif()
 # of their own, do without. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON shows an include that a file has forgotten.
 set(UWSIM_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <limits> <memory>
   <optional> <span> <sstream> <stdexcept> <string> <string_view> <utility> <vector>)
+
+# tools/sanitize (GCC, which users' builds are made with) and tools/fuzz (clang); with the library's own checks of indices.
+if(UWSIM_SANITIZE)
+  set(sanitize -fsanitize=${UWSIM_SANITIZE} -fno-omit-frame-pointer)
+  if(UWSIM_SANITIZE STREQUAL address)
+    list(APPEND sanitize -fsanitize=undefined)
+  endif()
+  if(NOT UWSIM_SANITIZE STREQUAL thread)
+    list(APPEND sanitize -fno-sanitize-recover=undefined)
+  endif()
+  if(UWSIM_FUZZERS)
+    list(APPEND sanitize -fsanitize=fuzzer-no-link -fno-sanitize=function)
+  endif()
+  add_compile_options(${sanitize} -O1 -g1 -D_GLIBCXX_ASSERTIONS)
+  add_link_options(${sanitize})
+endif()

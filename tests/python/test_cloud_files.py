@@ -106,6 +106,7 @@ def test_the_same_points_give_the_same_bytes_and_sequences_are_accepted(suffix, 
     assert read_cloud(tmp_path / f"a{suffix}").tolist() == [[1, 2, 3], [4.5, 5, 6]]
 
 
+@pytest.mark.filterwarnings("ignore:.*may be cut short:UserWarning")
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_damaged_file_gives_a_valueerror_that_names_it_or_another_cloud(suffix, tmp_path):
     path = tmp_path / f"cloud{suffix}"
@@ -194,3 +195,10 @@ def test_errors_name_the_path(tmp_path):
     with pytest.raises(OSError, match=r"cloud\.ply': cannot be read: No such file"):
         read_cloud(tmp_path / "cloud.ply")
     assert not any(tmp_path.iterdir())
+
+
+def test_a_text_that_ends_within_a_number_is_said(tmp_path):
+    path = tmp_path / "cut.pcd"
+    path.write_bytes((DATA / "pcl_ascii.pcd").read_bytes().rstrip()[:-1])
+    with pytest.warns(UserWarning, match=r"cut\.pcd': its last line, .* may be cut short"):
+        read_cloud(path)

@@ -1,5 +1,6 @@
 """Terrain passes through the points of its source, in metres, without gaps."""
 
+import socket
 from pathlib import Path
 
 import numpy as np
@@ -243,3 +244,29 @@ def test_heights_between_nodes_are_those_of_the_triangles() -> None:
     # The diagonal runs from the cell's lower right to its upper left corner: 1.5 at the middle, not the bilinear 2.
     np.testing.assert_allclose(terrain.height_at([[11, 21], [10.5, 20.5], [11.5, 21.5]]), [1.5, 0.75, 3.25])
     assert np.isnan(terrain.height_at([[9.99, 20], [10, 22.01], [np.nan, 21]])).all()
+
+
+def test_a_raster_that_names_a_server_does_not_reach_it(tmp_path):
+    """GDAL's virtual rasters read from wherever their XML says: a scenario from a stranger could call home by one."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        url = f"/vsicurl/http://127.0.0.1:{server.getsockname()[1]}/a.tif"
+        file = tmp_path / "lake.tif"
+        file.write_text(
+            '<VRTDataset rasterXSize="3" rasterYSize="2"><GeoTransform>0,1,0,0,0,-1</GeoTransform>'
+            '<VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename relativeToVRT="0">'
+            f"{url}</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>"
+        )
+        server.settimeout(0.0)
+        with pytest.raises(ScenarioError, match=r"'lake\.tif': not a readable elevation raster"):
+            build_terrain(raster(file))
+        with pytest.raises(BlockingIOError):
+            server.accept()
+
+
+def test_a_text_grid_that_ends_within_a_number_is_said(tmp_path):
+    file = write_asc(tmp_path / "a.asc", GRID)
+    whole = file.read_bytes()
+    build_terrain(raster(file))
+    file.write_bytes(whole.rstrip()[:-1])
+    with pytest.warns(UserWarning, match=r"'a\.asc': its last line, .* may be cut short"):
+        build_terrain(raster(file))

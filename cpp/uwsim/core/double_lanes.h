@@ -32,23 +32,28 @@ using IndexLanes = long long __attribute__((vector_size(64)));
   return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-/// Eight points, x y z each, from lanes of x, y and z. An index of 8 and more is one of the second argument.
+/// The lanes of both, numbered 0 to 15, in another order.
+template <int... kFrom>
+DoubleLanes mixed_lanes(DoubleLanes a, DoubleLanes b) {
+  return __builtin_shufflevector(a, b, kFrom...);
+}
+
+/// Eight points, x y z each, from lanes of x, y and z.
 [[maybe_unused]] inline void store_points(DoubleLanes x, DoubleLanes y, DoubleLanes z, double* points) {
-  const auto mix = [](DoubleLanes a, DoubleLanes b, IndexLanes from) { return __builtin_shuffle(a, b, from); };
-  store_lanes(mix(mix(x, y, IndexLanes{0, 8, 0, 1, 9, 0, 2, 10}), z, IndexLanes{0, 1, 8, 3, 4, 9, 6, 7}), points);
-  store_lanes(mix(mix(x, y, IndexLanes{0, 3, 11, 0, 4, 12, 0, 5}), z, IndexLanes{10, 1, 2, 11, 4, 5, 12, 7}),
-              points + 8);
-  store_lanes(mix(mix(x, y, IndexLanes{13, 0, 6, 14, 0, 7, 15, 0}), z, IndexLanes{0, 13, 2, 3, 14, 5, 6, 15}),
-              points + 16);
+  const DoubleLanes first = mixed_lanes<0, 8, 0, 1, 9, 0, 2, 10>(x, y);
+  const DoubleLanes second = mixed_lanes<0, 3, 11, 0, 4, 12, 0, 5>(x, y);
+  const DoubleLanes third = mixed_lanes<13, 0, 6, 14, 0, 7, 15, 0>(x, y);
+  store_lanes(mixed_lanes<0, 1, 8, 3, 4, 9, 6, 7>(first, z), points);
+  store_lanes(mixed_lanes<10, 1, 2, 11, 4, 5, 12, 7>(second, z), points + 8);
+  store_lanes(mixed_lanes<0, 13, 2, 3, 14, 5, 6, 15>(third, z), points + 16);
 }
 
 /// The opposite.
 [[maybe_unused]] inline void load_points(const double* points, DoubleLanes& x, DoubleLanes& y, DoubleLanes& z) {
-  const auto mix = [](DoubleLanes a, DoubleLanes b, IndexLanes from) { return __builtin_shuffle(a, b, from); };
   const DoubleLanes a = load_lanes(points), b = load_lanes(points + 8), c = load_lanes(points + 16);
-  x = mix(mix(a, b, IndexLanes{0, 3, 6, 9, 12, 15, 0, 0}), c, IndexLanes{0, 1, 2, 3, 4, 5, 10, 13});
-  y = mix(mix(a, b, IndexLanes{1, 4, 7, 10, 13, 0, 0, 0}), c, IndexLanes{0, 1, 2, 3, 4, 8, 11, 14});
-  z = mix(mix(a, b, IndexLanes{2, 5, 8, 11, 14, 0, 0, 0}), c, IndexLanes{0, 1, 2, 3, 4, 9, 12, 15});
+  x = mixed_lanes<0, 1, 2, 3, 4, 5, 10, 13>(mixed_lanes<0, 3, 6, 9, 12, 15, 0, 0>(a, b), c);
+  y = mixed_lanes<0, 1, 2, 3, 4, 8, 11, 14>(mixed_lanes<1, 4, 7, 10, 13, 0, 0, 0>(a, b), c);
+  z = mixed_lanes<0, 1, 2, 3, 4, 9, 12, 15>(mixed_lanes<2, 5, 8, 11, 14, 0, 0, 0>(a, b), c);
 }
 
 }  // namespace

@@ -20,21 +20,19 @@ struct WaveBlock {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       rows[lane] = lane < count ? load_lanes(waves + kLanes * lane) : DoubleLanes{0, 0, 1, 0, 0, 0, 1, 1};
     }
-    const auto mix = [](DoubleLanes a, DoubleLanes b, IndexLanes from) { return __builtin_shuffle(a, b, from); };
     for (std::size_t n = 0; n < 4; ++n) {
-      halves[n] = mix(rows[n], rows[n + 4], IndexLanes{0, 1, 2, 3, 8, 9, 10, 11});
-      halves[n + 4] = mix(rows[n], rows[n + 4], IndexLanes{4, 5, 6, 7, 12, 13, 14, 15});
+      halves[n] = mixed_lanes<0, 1, 2, 3, 8, 9, 10, 11>(rows[n], rows[n + 4]);
+      halves[n + 4] = mixed_lanes<4, 5, 6, 7, 12, 13, 14, 15>(rows[n], rows[n + 4]);
     }
     for (std::size_t n = 0; n < 4; ++n) {
       const std::size_t one = n < 2 ? n : n + 2, other = one + 2;
-      quarters[one] = mix(halves[one], halves[other], IndexLanes{0, 1, 8, 9, 4, 5, 12, 13});
-      quarters[other] = mix(halves[one], halves[other], IndexLanes{2, 3, 10, 11, 6, 7, 14, 15});
+      quarters[one] = mixed_lanes<0, 1, 8, 9, 4, 5, 12, 13>(halves[one], halves[other]);
+      quarters[other] = mixed_lanes<2, 3, 10, 11, 6, 7, 14, 15>(halves[one], halves[other]);
     }
-    constexpr IndexLanes kEven = {0, 8, 2, 10, 4, 12, 6, 14}, kOdd = {1, 9, 3, 11, 5, 13, 7, 15};
     DoubleLanes* const columns[] = {&amplitude, &omega, &k, &kx, &ky, &phase, &deep, &shallow};
     for (std::size_t n = 0; n < kLanes; n += 2) {
-      *columns[n] = mix(quarters[n], quarters[n + 1], kEven);
-      *columns[n + 1] = mix(quarters[n], quarters[n + 1], kOdd);
+      *columns[n] = mixed_lanes<0, 8, 2, 10, 4, 12, 6, 14>(quarters[n], quarters[n + 1]);
+      *columns[n + 1] = mixed_lanes<1, 9, 3, 11, 5, 13, 7, 15>(quarters[n], quarters[n + 1]);
     }
     for (std::size_t lane = 0; lane < kLanes; ++lane) is_deep = is_deep && deep[lane] == 1;
   }
@@ -53,14 +51,14 @@ struct CrestBlock {
 
   explicit CrestBlock(const double* crests) {
     const DoubleLanes one = load_lanes(crests), other = load_lanes(crests + kLanes);
-    cosine = __builtin_shuffle(one, other, IndexLanes{0, 2, 4, 6, 8, 10, 12, 14});
-    sine = __builtin_shuffle(one, other, IndexLanes{1, 3, 5, 7, 9, 11, 13, 15});
+    cosine = mixed_lanes<0, 2, 4, 6, 8, 10, 12, 14>(one, other);
+    sine = mixed_lanes<1, 3, 5, 7, 9, 11, 13, 15>(one, other);
   }
 };
 
 void store_crests(DoubleLanes cosine, DoubleLanes sine, double* crests) {
-  store_lanes(__builtin_shuffle(cosine, sine, IndexLanes{0, 8, 1, 9, 2, 10, 3, 11}), crests);
-  store_lanes(__builtin_shuffle(cosine, sine, IndexLanes{4, 12, 5, 13, 6, 14, 7, 15}), crests + kLanes);
+  store_lanes(mixed_lanes<0, 8, 1, 9, 2, 10, 3, 11>(cosine, sine), crests);
+  store_lanes(mixed_lanes<4, 12, 5, 13, 6, 14, 7, 15>(cosine, sine), crests + kLanes);
 }
 
 /// Calls visit(block, first) for each block of eight waves.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from uwsim.scenario.read.validation_errors import validated
 
 SCENARIO = "scenario.json"
 FILE = "$file"
+NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
+"""Of a file in a recording: nothing that would be written elsewhere than into the folder."""
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:
@@ -32,6 +35,8 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     Files are those where the scenario had them if they are unchanged, so that textures beside meshes are found;
     otherwise they are written into the folder. Raises ValueError, OSError.
     """
+    if SCENARIO not in contents:
+        raise ValueError(f"the recording holds no {SCENARIO}")
     plain = json.loads(contents[SCENARIO])
     return validated(Scenario, _with_files(plain, contents, folder))
 
@@ -63,7 +68,10 @@ def _plain(value: Any, names: Mapping[Path, str]) -> Any:
 def _with_files(value: Any, contents: Mapping[str, bytes], folder: Path) -> Any:
     if isinstance(value, dict):
         if FILE in value:
-            return _file(contents[value[FILE]], Path(value["path"]), folder / value[FILE])
+            name, original = value[FILE], value.get("path")
+            if not (isinstance(name, str) and NAME.fullmatch(name) and name in contents and isinstance(original, str)):
+                raise ValueError(f"the recording's scenario names a file '{name!s:.80}', which it does not hold")
+            return _file(contents[name], Path(original), folder / name)
         return {key: _with_files(item, contents, folder) for key, item in value.items()}
     return [_with_files(item, contents, folder) for item in value] if isinstance(value, list) else value
 

@@ -17,9 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim.atomic_file import write_atomically
+from uwsim.cut_short import warn_if_cut_short
 from uwsim.mapping.files import las, pcd, ply, xyz
 
 Points = NDArray[np.float64]
+
+MAX_HEADER = 65_536
 
 
 @dataclass(frozen=True)
@@ -27,18 +30,20 @@ class _CloudFormat:
     """A file format.
 
     encode: turns finite points (n, 3), n > 0, float32 or float64, into bytes. decode: the reverse; may raise anything.
+    text_mark: what a header says if numbers follow as text; None if they never do.
     """
 
     name: str
     encode: Callable[[NDArray[np.floating]], bytes]
     decode: Callable[[bytes], Points]
+    text_mark: bytes | None = None
 
 
 CLOUD_FORMATS = {
-    ".pcd": _CloudFormat("PCD", pcd.encode, pcd.decode),
-    ".ply": _CloudFormat("PLY", ply.encode, ply.decode),
+    ".pcd": _CloudFormat("PCD", pcd.encode, pcd.decode, b"DATA ascii"),
+    ".ply": _CloudFormat("PLY", ply.encode, ply.decode, b"format ascii"),
     ".las": _CloudFormat("LAS", las.encode, las.decode),
-    ".xyz": _CloudFormat("XYZ", xyz.encode, xyz.decode),
+    ".xyz": _CloudFormat("XYZ", xyz.encode, xyz.decode, b""),
 }
 
 
@@ -56,7 +61,8 @@ def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
 def read_cloud(path: str | os.PathLike[str]) -> Points:
     """Return a file's points, (n, 3) float64. Non-finite points, which PCL writes for no echo, are discarded.
 
-    Raises OSError when the file cannot be read, ValueError when it is not a valid file of its suffix's format.
+    Warns if the last line of a text has no end. Raises OSError when the file cannot be read, ValueError when it is not
+    a valid file of its suffix's format.
     """
     source = Path(path)
     cloud_format = _format_of(source)
@@ -69,6 +75,8 @@ def read_cloud(path: str | os.PathLike[str]) -> Points:
     except Exception as error:  # a malformed file can make the libraries raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"'{source}': not a valid {cloud_format.name} file: {reason}") from None
+    if cloud_format.text_mark is not None and cloud_format.text_mark in data[:MAX_HEADER]:
+        warn_if_cut_short(f"'{source}'", data)
     return points[np.isfinite(points).all(axis=1)]
 
 

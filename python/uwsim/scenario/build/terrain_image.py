@@ -10,6 +10,9 @@ from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, ImageTerrain
 
+FORMATS = ("PNG", "TIFF", "BMP", "JPEG", "JPEG2000", "PPM", "GIF", "WEBP", "TGA")
+"""Pillow knows more, but some of them run other programs, such as Ghostscript for EPS."""
+
 
 def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
     """(ny, nx) heights: grey levels mapped to black_m..white_m, spread over size_m, with row 0 in the north."""
@@ -26,7 +29,7 @@ def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
 def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
     """(h, w) grey levels from 0, black, to 1, white. Raises ScenarioError."""
     try:
-        with Image.open(spec.file) as image:
+        with Image.open(spec.file, formats=FORMATS) as image:
             if image.width * image.height > MAX_NODES:
                 raise ScenarioError(
                     f"terrain '{spec.file}': {image.width} x {image.height} pixels, must be at most {MAX_NODES}"

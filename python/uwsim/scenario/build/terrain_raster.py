@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-import rasterio
 from affine import Affine
 from numpy.typing import NDArray
 from rasterio.crs import CRS
+from rasterio.env import Env
 from rasterio.errors import CRSError, NotGeoreferencedWarning, RasterioError
 from rasterio.fill import fillnodata
 from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
+from uwsim.cut_short import warn_if_cut_short
 from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, RasterTerrain
@@ -30,6 +31,12 @@ MAX_HEIGHT_M = 12_000.0
 """Above or below the water surface; the sea is no deeper."""
 DEGREE_CELL = 0.1
 """In a file without a coordinate system, cells narrower than this are taken for degrees if they lie on the globe."""
+FORMATS = (
+    *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
+    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB"),
+)
+"""GDAL's names of the formats that hold elevations themselves. Others, such as VRT, name files and servers to read
+from, and a file from a stranger could so reach whatever this machine can."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +149,7 @@ def _read(spec: RasterTerrain) -> _Raster:
         with _opened(spec.file) as file:
             if file.driver == "AAIGrid":
                 _require_numbers(spec.file)
+                warn_if_cut_short(f"terrain '{name}'", spec.file.read_bytes())
             if file.count != 1 and spec.band is None:
                 raise ScenarioError(f"terrain '{name}': {file.count} bands, expected 1 (choose one with band)")
             if (spec.band or 1) > file.count:
@@ -174,9 +182,9 @@ def _read(spec: RasterTerrain) -> _Raster:
 
 
 def _opened(path: Path) -> DatasetReader:
-    with warnings.catch_warnings():
+    with Env(), warnings.catch_warnings():
         warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error for it
-        return rasterio.open(path)
+        return DatasetReader(str(path), driver=list(FORMATS))
 
 
 def _without_gaps(name: str, elevations: FloatGrid, has_data: NDArray[np.bool_], spec: RasterTerrain) -> FloatGrid:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.cut_short import warn_if_cut_short
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scenario.spec.water import (
@@ -214,6 +215,7 @@ def _read_csv(path: Path, what: str) -> tuple[list[str], Floats]:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             lines = list(csv.reader(line for line in file if line.strip() and not line.lstrip().startswith("#")))
+        warn_if_cut_short(f"{what} '{path}'", path.read_bytes())
         names = [name.strip() for name in lines[0]]
         rows = np.array([[float(cell) for cell in line] for line in lines[1:]], np.float64)
     except (OSError, ValueError, IndexError, csv.Error) as error:

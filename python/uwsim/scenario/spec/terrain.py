@@ -75,7 +75,7 @@ class NoiseTerrain(Grid):
 
 
 class RasterTerrain(Grid):
-    """An elevation grid that GDAL reads: GeoTIFF, ESRI ASCII (.asc) and others.
+    """An elevation grid that GDAL reads: GeoTIFF, ESRI ASCII (.asc) and others that hold the elevations themselves.
 
     file: the grid. band: of a file with several, counted from 1. interpolation: between its cells. crs: coordinate
     system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names one, a file whose

@@ -1,0 +1,99 @@
+"""The command behind `tools/fuzz`."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.fuzz.readers import READERS
+from tests.fuzz.seeds import seeds
+
+ROOT = Path(__file__).parents[2]
+FOUND = ROOT / "tests" / "fuzz" / "found"
+NATIVE = ("map", "state", "depth_string")
+COMPILER = "clang++-19"
+HANG_S, MEMORY_MB = 10, 2048
+
+
+def main() -> int:
+    """Fuzz one reader, or all of them in turn; 1 if something was found."""
+    names = [*READERS, "state"]
+    parser = argparse.ArgumentParser(prog="tools/fuzz", description="Fuzz what reads bytes from outside.")
+    parser.add_argument("name", choices=[*names, "all"], metavar="NAME", help=f"{', '.join(names)}; or all, in turn")
+    parser.add_argument("--seconds", type=int, default=60, help="for each; default 60")
+    arguments = parser.parse_args()
+    if arguments.seconds < 1:
+        parser.error(f"--seconds {arguments.seconds}: must be at least 1")
+    chosen = names if arguments.name == "all" else [arguments.name]
+    _require_tools(chosen)
+    found = [name for name in chosen if not _fuzz(name, arguments.seconds)]
+    if found:
+        print(f"fuzz: found something in {', '.join(found)}: see build/fuzz/NAME/found")
+    return 1 if found else 0
+
+
+def _require_tools(names: list[str]) -> None:
+    if set(names) & set(NATIVE) and shutil.which(COMPILER) is None:
+        sys.exit("fuzz: native readers need clang: apt-get install clang-19 libclang-rt-19-dev llvm-19")
+    if set(names) - set(NATIVE) and importlib.util.find_spec("atheris") is None:
+        sys.exit("fuzz: Python readers need atheris: .venv/bin/pip install -e '.[fuzz]', or pip install atheris")
+
+
+def _fuzz(name: str, seconds: int) -> bool:
+    """Return whether nothing was found. The corpus grows in build/fuzz/NAME, and is used again the next time."""
+    folder = ROOT / "build" / "fuzz" / name
+    corpus, found = folder / "corpus", folder / "found"
+    for each in (corpus, found):
+        each.mkdir(parents=True, exist_ok=True)
+    for file, data in seeds(name).items():
+        (corpus / file).write_bytes(data)
+    known = [str(FOUND / name)] if (FOUND / name).is_dir() else []
+    limits = [f"-max_total_time={seconds}", f"-timeout={HANG_S}", f"-rss_limit_mb={MEMORY_MB}", "-max_len=200000"]
+    options = [*limits, "-print_final_stats=1", f"-artifact_prefix={found}/", str(corpus), *known]
+    program = [str(_native(name))] if name in NATIVE else [sys.executable, "-m", "tests.fuzz.attack", name]
+    with (folder / "log.txt").open("w") as log:
+        status = subprocess.run([*program, *options], cwd=ROOT, stdout=log, stderr=subprocess.STDOUT).returncode
+    print(f"fuzz: {name}: {_figures((folder / 'log.txt').read_text(errors='replace'))}", flush=True)
+    if status:
+        print(f"fuzz: {name}: FOUND; the log: {folder / 'log.txt'}", flush=True)
+    return status == 0
+
+
+def _native(name: str) -> Path:
+    """Build a native fuzzer; return its path."""
+    build = ROOT / "build" / "fuzz" / "native"
+    pybind11 = subprocess.check_output([sys.executable, "-m", "pybind11", "--cmakedir"], text=True).strip()
+    settings = {
+        "CMAKE_CXX_COMPILER": COMPILER,
+        "UWSIM_SANITIZE": "address",
+        "UWSIM_FUZZERS": "ON",
+        "UWSIM_BENCH_PEERS": "OFF",
+        "Python_EXECUTABLE": sys.executable,
+        "pybind11_DIR": pybind11,
+    }
+    if shutil.which("ccache"):
+        settings["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
+    options = [f"-D{key}={value}" for key, value in settings.items()]
+    print(f"fuzz: compiling fuzz_{name} (minutes the first time)", flush=True)
+    quiet = {"stdout": subprocess.DEVNULL, "check": True}
+    subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], **quiet)
+    subprocess.run(["cmake", "--build", build, "--target", f"fuzz_{name}"], **quiet)
+    return build / "tests" / "fuzz" / "native" / f"fuzz_{name}"
+
+
+def _figures(log: str) -> str:
+    """Return what libFuzzer says at its end, in a line."""
+    wanted = {"number_of_executed_units": "inputs", "new_units_added": "new", "peak_rss_mb": "MB at most"}
+    found = {key: re.search(rf"stat::{key}:\s+(\d+)", log) for key in wanted}
+    covered = re.findall(r"cov: (\d+)", log)
+    parts = [f"{match[1]} {wanted[key]}" for key, match in found.items() if match]
+    return ", ".join([*parts, f"{covered[-1] if covered else 0} edges"])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

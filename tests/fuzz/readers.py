@@ -1,0 +1,221 @@
+"""What reads bytes from outside, by name: each returns what it read, or refuses it with an error that it promises.
+
+Libraries are imported where they are used, so that a fuzzer instruments only those that it attacks.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+REFUSED = (ValueError, OSError)
+"""What a reader may raise: the command line makes one line of either."""
+
+CDR_TYPES = (
+    "geometry_msgs/msg/Twist",
+    "std_msgs/msg/String",
+    "sensor_msgs/msg/LaserScan",
+    "sensor_msgs/msg/JointState",
+    "sensor_msgs/msg/PointCloud2",
+    "rcl_interfaces/msg/ParameterEvent",
+)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """read: from bytes and a folder to write them into, to something comparable.
+
+    libraries: what a fuzzer instruments beside uwsim. has_end: whether a file that is cut short can be told from a
+    whole one, so that no such file may be read as another one.
+    """
+
+    read: Callable[[bytes, Path], Any]
+    libraries: tuple[str, ...] = ()
+    has_end: bool = True
+
+
+def _cloud(suffix: str) -> Callable[[bytes, Path], Any]:
+    def read(data: bytes, folder: Path) -> bytes:
+        from uwsim.mapping.files import read_cloud
+
+        return read_cloud(_written(folder / f"cloud{suffix}", data)).tobytes()
+
+    return read
+
+
+def _mesh(suffix: str) -> Callable[[bytes, Path], Any]:
+    def read(data: bytes, folder: Path) -> tuple[bytes, bytes]:
+        from uwsim.scenario.read.mesh_file import load_mesh
+
+        vertices, triangles = load_mesh(_written(folder / f"mesh{suffix}", data))
+        return vertices.tobytes(), triangles.tobytes()
+
+    return read
+
+
+def _raster(suffix: str) -> Callable[[bytes, Path], Any]:
+    def read(data: bytes, folder: Path) -> bytes:
+        from uwsim.scenario.build.terrain_raster import raster_heights
+        from uwsim.scenario.spec.terrain import RasterTerrain
+
+        file = _written(folder / f"terrain{suffix}", data)
+        return raster_heights(RasterTerrain(source="raster", file=file, spacing_m=1.0, water_level_m=0)).tobytes()
+
+    return read
+
+
+def _image(data: bytes, folder: Path) -> bytes:
+    from uwsim.scenario.build.terrain_image import image_heights
+    from uwsim.scenario.spec.terrain import ImageTerrain
+
+    file = _written(folder / "terrain.png", data)
+    spec = ImageTerrain(source="image", file=file, size_m=(20, 10), spacing_m=1.0, black_m=-9, white_m=-1)
+    return image_heights(spec).tobytes()
+
+
+def _current(suffix: str) -> Callable[[bytes, Path], Any]:
+    def read(data: bytes, folder: Path) -> list[bytes]:
+        from uwsim.scenario.build.water import read_current_grid
+
+        return [array.tobytes() for array in read_current_grid(_written(folder / f"current{suffix}", data))]
+
+    return read
+
+
+def _scenario(data: bytes, folder: Path) -> str:
+    from uwsim.scenario import load
+
+    return repr(load(_written(folder / "scenario.yaml", data)))
+
+
+def _checkpoint(data: bytes, _: Path) -> str:
+    """A survey's state with a checksum that is right, so that mutations reach what is inside."""
+    from uwsim.survey.flight_state import TITLE, from_bytes
+
+    return repr(from_bytes(f"{TITLE} {hashlib.blake2b(data).hexdigest()}\n".encode() + data))
+
+
+def _flight(data: bytes, folder: Path) -> str:
+    from uwsim.flight.checkpoint import FOLDER, STATE, FlightCheckpoint
+
+    (folder / FOLDER).mkdir(exist_ok=True)
+    _written(folder / FOLDER / STATE, data)
+    return repr(FlightCheckpoint(folder).read())
+
+
+def _recording(data: bytes, folder: Path) -> list[Any]:
+    """All that a recording says, and its scenario. One that is not complete says so."""
+    from uwsim import recording
+    from uwsim.recording.capsule import unpack
+
+    opened = recording.open(_written(folder / "run.mcap", data))
+    if not opened.complete:
+        raise ValueError("not complete")
+    said = [opened.start, opened.end, opened.channels, opened.notes, opened.dropped]
+    said += [repr(message.message) for message in opened.messages()]
+    return [*said, *opened.commands(), repr(unpack(opened.attachments, folder / "unpacked"))]
+
+
+def _cdr(data: bytes, _: Path) -> Any:
+    """A message of the type that the first byte tells; what is accepted is the same after it is written and read."""
+    from uwsim.channels.cdr import encode
+    from uwsim.channels.messages import from_bytes
+
+    if not data:
+        return None
+    name = CDR_TYPES[data[0] % len(CDR_TYPES)]
+    written = bytes(encode(from_bytes(data[1:], name)))
+    assert bytes(encode(from_bytes(written, name))) == written
+    return written
+
+
+def _frames(data: bytes, _: Path) -> None:
+    """Frames of one rosbridge client, a line each: as text, or as CBOR in hexadecimal digits if it starts with #."""
+    from uwsim.bridges.rosbridge import Limits
+    from uwsim.bridges.rosbridge.graph import LOGGER, Graph
+    from uwsim.bridges.rosbridge.session import Session
+
+    unforeseen = _Warnings()
+    LOGGER.addHandler(unforeseen)
+    graph = Graph()
+    session = Session(graph, "/guest", limits=Limits(names=8, replies=20, fragmented_messages=2, open_calls=4))
+    try:
+        for frame in _lines(data):
+            session.receive(frame)
+        session.close()
+    finally:
+        LOGGER.removeHandler(unforeseen)
+    assert not unforeseen.texts, unforeseen.texts
+    assert not graph.topics and not graph.services and not graph.nodes
+
+
+class _Warnings(logging.Handler):
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.texts: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.texts.append(self.format(record))
+
+
+def _lines(data: bytes) -> Iterator[str | bytes]:
+    for line in data.split(b"\n"):
+        if line.startswith(b"#"):
+            digits = bytes(byte for byte in line if byte in b"0123456789abcdef")
+            yield bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
+        else:
+            yield line.decode("utf-8", errors="replace")
+
+
+def _map(data: bytes, folder: Path) -> bytes:
+    from uwsim.mapping import OccupancyMap
+
+    return OccupancyMap.read(_written(folder / "map.bt", data)).to_bytes("ot")
+
+
+def _depth_string(data: bytes, _: Path) -> bytes:
+    from uwsim import _core
+
+    beams = data[0] % 16 if data else 0
+    return bytes(np.asarray(_core.decode_depth_string(data[1:].decode("latin-1"), beams, 54.9)))
+
+
+def _written(path: Path, data: bytes) -> Path:
+    path.write_bytes(data)
+    return path
+
+
+READERS = {
+    "map": Reader(_map),
+    "depth_string": Reader(_depth_string),
+    "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
+    "ply": Reader(_cloud(".ply"), ("plyfile",)),
+    "las": Reader(_cloud(".las"), ("laspy",)),
+    "xyz": Reader(_cloud(".xyz"), has_end=False),
+    "stl": Reader(_mesh(".stl"), ("trimesh.exchange",)),
+    "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=False),
+    "mesh_ply": Reader(_mesh(".ply"), ("trimesh.exchange",)),
+    "off": Reader(_mesh(".off"), ("trimesh.exchange",)),
+    "glb": Reader(_mesh(".glb"), ("trimesh.exchange",)),
+    "gltf": Reader(_mesh(".gltf"), ("trimesh.exchange",)),
+    "fbx": Reader(_mesh(".fbx"), has_end=False),
+    "dae": Reader(_mesh(".dae"), has_end=False),
+    "asc": Reader(_raster(".asc")),
+    "tif": Reader(_raster(".tif")),
+    "image": Reader(_image, ("PIL",)),
+    "current_npz": Reader(_current(".npz"), ("numpy.lib", "zipfile")),
+    "current_csv": Reader(_current(".csv"), ("csv",), has_end=False),
+    "scenario": Reader(_scenario, ("ruamel",), has_end=False),
+    "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib")),
+    "flight": Reader(_flight, ("pydantic", "json")),
+    "mcap": Reader(_recording, ("mcap", "rosbags")),
+    "cdr": Reader(_cdr, ("rosbags",)),
+    "frames": Reader(_frames, ("cbor2", "json"), has_end=False),
+}
+"""By the name that `tools/fuzz` takes."""

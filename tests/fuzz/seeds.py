@@ -1,0 +1,259 @@
+"""Inputs that fuzzers begin with: small whole files, most of them written by our own writers."""
+
+from __future__ import annotations
+
+import io
+import json
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tests.fuzz.readers import CDR_TYPES
+
+ASC = b"ncols 4\nnrows 3\nxllcorner 1000\nyllcorner 2000\ncellsize 5\nNODATA_value -9999\n" + b"-1 -2 -3 -4\n" * 3
+CSV = b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,-9,0.1,0,0\n5,0,-9,0.2,0,0\n0,5,-9,0.1,0,0\n5,5,-9,0.3,0,0\n"
+FBX = b"""; FBX 7.4.0 project file
+FBXHeaderExtension:  {
+FBXHeaderVersion: 1003
+FBXVersion: 7400
+}
+Objects:  {
+Geometry: 1000, "Geometry::part", "Mesh" {
+Vertices: *12 {
+a: 0,0,0,1,0,0,0,1,0,0,0,1
+}
+PolygonVertexIndex: *12 {
+a: 0,2,-2,0,1,-4,1,2,-4,2,0,-4
+}
+}
+Model: 2000, "Model::part", "Mesh" {
+Version: 232
+Properties70:  {
+P: "Lcl Translation", "Lcl Translation", "", "A",1,2,3
+}
+}
+}
+Connections:  {
+C: "OO",2000,0
+C: "OO",1000,2000
+}
+"""
+DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common>
+<accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
+"""
+FRAMES = (
+    {"op": "advertise", "topic": "/t", "type": "std_msgs/String", "latch": True},
+    {"op": "subscribe", "topic": "/t", "type": "std_msgs/String", "compression": "cbor", "queue_length": 2, "id": "a"},
+    {"op": "publish", "topic": "/t", "msg": {"data": "x"}},
+    {"op": "publish", "topic": "/scan", "type": "sensor_msgs/LaserScan", "msg": {"ranges": [1.0, 2.5]}},
+    {"op": "call_service", "service": "/rosapi/topics", "args": {}, "id": "b"},
+    {"op": "advertise_service", "service": "/s", "type": "std_srvs/Trigger"},
+    {"op": "service_response", "service": "/s", "id": "service_request:s:1", "values": {}, "result": True},
+    {"op": "fragment", "id": "c", "data": '{"op":', "num": 0, "total": 2},
+    {"op": "set_level", "level": "info"},
+    {"op": "unsubscribe", "topic": "/t"},
+)
+
+
+def seeds(name: str) -> dict[str, bytes]:
+    """Return the inputs that a reader's fuzzer begins with, by file name."""
+    made = _MAKERS[name]()
+    return {f"{name}-{number}": data for number, data in enumerate(made)}
+
+
+def _points() -> np.ndarray:
+    return np.array([[0.1, 0.2, -3.0], [1.5, -2.25, -3.5], [40.0, 1e-3, -4.0]], np.float32)
+
+
+def _cloud(suffix: str) -> Callable[[], list[bytes]]:
+    def make() -> list[bytes]:
+        from uwsim.mapping.files import write_cloud
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"cloud{suffix}"
+            write_cloud(path, _points())
+            data = Path(__file__).parents[1] / "python" / "data"
+            return [path.read_bytes(), *(each.read_bytes() for each in sorted(data.glob(f"*{suffix}")))]
+
+    return make
+
+
+def _mesh(suffix: str) -> Callable[[], list[bytes]]:
+    def make() -> list[bytes]:
+        import trimesh
+
+        box = trimesh.creation.box((1, 2, 3))
+        if suffix == "gltf":  # in one file: its buffers in it, in base64
+            return [trimesh.exchange.gltf.export_gltf(trimesh.Scene(box), embed_buffers=True)["model.gltf"]]
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"box.{suffix}"
+            trimesh.Scene(box).export(path) if suffix == "glb" else box.export(path)
+            made = [path.read_bytes()]
+        if suffix == "stl":
+            made.append(box.export(file_type="stl_ascii").encode())
+        if suffix == "ply":
+            made.append(box.export(file_type="ply", encoding="ascii"))
+        return made
+
+    return make
+
+
+def _map() -> list[bytes]:
+    from uwsim.mapping import OccupancyMap
+
+    occupancy = OccupancyMap(resolution_m=0.5)
+    occupancy.insert_scan(_points(), (0.0, 0.0, 0.0))
+    return [occupancy.to_bytes("bt"), occupancy.to_bytes("ot")]
+
+
+def _state() -> list[bytes]:
+    """A state as the native fuzzer's own simulation has it cannot be made here: it begins with what it saves itself."""
+    return [b""]
+
+
+def _depth_string() -> list[bytes]:
+    return [b"\x0312.31a12.3a55a", b"\x021E-05a0a", b"\x011.234568E+07a"]
+
+
+def _tif() -> list[bytes]:
+    from rasterio.io import MemoryFile
+    from rasterio.transform import from_origin
+
+    heights = -np.arange(12, dtype=np.float32).reshape(1, 3, 4)
+    made = []
+    for crs, more in (("EPSG:32616", {}), (None, {"compress": "deflate"}), (None, {"tiled": True, "compress": "lzw"})):
+        with MemoryFile() as memory:
+            size: dict[str, Any] = {"height": 3, "width": 4, "count": 1, "dtype": "float32"}
+            place = from_origin(1000, 2000, 5, 5)
+            with memory.open(driver="GTiff", crs=crs, transform=place, **size, **more) as file:
+                file.write(heights)
+            made.append(bytes(memory.read()))
+    return made
+
+
+def _image() -> list[bytes]:
+    from PIL import Image
+
+    grey, made = np.arange(48, dtype=np.uint8).reshape(6, 8), []
+    for array, kind in ((grey, "PNG"), (grey.astype(np.uint16) * 257, "PNG"), (grey, "TIFF"), (grey, "BMP")):
+        file = io.BytesIO()
+        Image.fromarray(array).save(file, kind)
+        made.append(file.getvalue())
+    return made
+
+
+def _npz() -> list[bytes]:
+    made = []
+    for save in (np.savez, np.savez_compressed):
+        file = io.BytesIO()
+        axis = np.array([0.0, 5.0])
+        save(file, x_m=axis, y_m=axis, z_m=axis - 9, velocity_m_s=np.zeros((2, 2, 2, 3)))
+        made.append(file.getvalue())
+    return made
+
+
+def _scenarios() -> list[bytes]:
+    from uwsim.scenario.read.assets import assets_folder
+
+    return [path.read_bytes() for path in sorted((assets_folder() / "scenarios").glob("*.yaml"))]
+
+
+def _checkpoint() -> list[bytes]:
+    from uwsim.survey.flight_state import FlightState, to_bytes
+    from uwsim.survey.ping_log import PingLog
+
+    log = PingLog(area_world_m=np.zeros((4, 2)), positions_world_m=[np.zeros(3)], position_error_m=[0.0])
+    state = FlightState(b"state", {"leg": 3}, 2, 0.5, 1.0, {"fly": 1.0}, log)
+    return [to_bytes(state, {"order": {}, "maps": {}}).partition(b"\n")[2]]
+
+
+def _flight() -> list[bytes]:
+    from uwsim.flight.request import FlightRequest
+
+    request = FlightRequest(mission="m.py", function="mission", mission_digest="0", arguments={"depth_m": 3})
+    state = {"request": asdict(request), "tick": 4, "state_digest": "0", "echo_count": 2, "files": {}}
+    with_map = {**state, "files": {"map-4.ot": "0"}}
+    return [json.dumps(state).encode(), json.dumps(with_map).encode()]
+
+
+def _recordings() -> list[bytes]:
+    """One as it is written, and one without compression and checksums, so that mutations reach what is inside."""
+    from mcap.reader import make_reader
+    from mcap.writer import CompressionType, Writer
+
+    from uwsim import Simulator
+    from uwsim.recording import Recorder
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.mcap"
+        sim = Simulator("pool", seed=3)
+        with Recorder(sim, path, topics=("odom", "imu", "depth")):
+            sim.rov.undock()
+            sim.advance(0.1)
+        data = path.read_bytes()
+    out = io.BytesIO()
+    plain = Writer(out, compression=CompressionType.NONE, enable_crcs=False)
+    plain.start()
+    reader = make_reader(io.BytesIO(data))
+    for metadata in reader.iter_metadata():
+        plain.add_metadata(metadata.name, metadata.metadata)
+    for attachment in reader.iter_attachments():
+        plain.add_attachment(0, 0, attachment.name, attachment.media_type, attachment.data)
+    schemas: dict[int, int] = {}
+    channels: dict[int, int] = {}
+    for schema, channel, message in reader.iter_messages():
+        assert schema is not None
+        if channel.id not in channels:
+            schemas.setdefault(schema.id, plain.register_schema(schema.name, schema.encoding, schema.data))
+            number = schemas[schema.id]
+            channels[channel.id] = plain.register_channel(channel.topic, "cdr", number, channel.metadata)
+        plain.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
+    plain.finish()
+    return [data, out.getvalue()]
+
+
+def _cdr() -> list[bytes]:
+    from uwsim.channels.cdr import encode
+    from uwsim.channels.messages import default_message
+
+    return [bytes([number]) + bytes(encode(default_message(name))) for number, name in enumerate(CDR_TYPES)]
+
+
+def _frames() -> list[bytes]:
+    import cbor2
+
+    text = b"\n".join(json.dumps(frame).encode() for frame in FRAMES)
+    return [text, b"\n".join(b"#" + cbor2.dumps(frame).hex().encode() for frame in FRAMES)]
+
+
+_MAKERS: dict[str, Callable[[], list[bytes]]] = {
+    **{suffix[1:]: _cloud(suffix) for suffix in (".pcd", ".ply", ".las", ".xyz")},
+    **{suffix: _mesh(suffix) for suffix in ("stl", "obj", "off", "glb", "gltf")},
+    "mesh_ply": _mesh("ply"),
+    "map": _map,
+    "state": _state,
+    "depth_string": _depth_string,
+    "fbx": lambda: [FBX],
+    "dae": lambda: [DAE],
+    "asc": lambda: [ASC],
+    "tif": _tif,
+    "image": _image,
+    "current_npz": _npz,
+    "current_csv": lambda: [CSV],
+    "scenario": _scenarios,
+    "checkpoint": _checkpoint,
+    "flight": _flight,
+    "mcap": _recordings,
+    "cdr": _cdr,
+    "frames": _frames,
+}

@@ -1,0 +1,45 @@
+"""Files from strangers are input, never code: they write nowhere else, are not read by halves, and crash nothing."""
+
+import json
+from pathlib import Path
+
+import pytest
+from tests.fuzz.laws import Laws
+from tests.fuzz.readers import READERS
+from tests.fuzz.seeds import seeds
+
+from uwsim.recording.capsule import SCENARIO, pack, unpack
+from uwsim.scenario import load
+
+FOUND = sorted((Path(__file__).parents[1] / "fuzz" / "found").glob("*/*"))
+OUTSIDE = ("../up", "files/0/../../up", "files/0/..", "/tmp/up", "files/0/a/b", "files/1/absent")
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_a_recording_writes_its_files_only_into_its_folder(name: str, tmp_path: Path) -> None:
+    contents = pack(load("pool"))
+    plain = json.loads(contents[SCENARIO])
+    plain["description"] = {"$file": name, "path": "/nowhere"}
+    there = dict.fromkeys(OUTSIDE[:-1], b"")
+    with pytest.raises(ValueError, match="names a file"):
+        unpack({**contents, **there, SCENARIO: json.dumps(plain).encode()}, tmp_path / "inner")
+    assert list(tmp_path.rglob("*")) == []
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_the_fuzzers_begin_with_inputs_that_are_accepted_and_not_by_halves(name: str) -> None:
+    laws = Laws(name)
+    try:
+        outcomes = [laws.hold(data) for data in seeds(name).values()]
+    finally:
+        laws.close()
+    assert any(not outcome.said for outcome in outcomes)
+
+
+@pytest.mark.parametrize("path", FOUND, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_what_a_fuzzer_found_is_mended(path: Path) -> None:
+    laws = Laws(path.parent.name)
+    try:
+        laws.hold(path.read_bytes())
+    finally:
+        laws.close()
