@@ -35,6 +35,7 @@ from uwsim.cli.serve import serve
 from uwsim.cli.sonar import sonar
 from uwsim.cli.station import station
 from uwsim.cli.survey import survey
+from uwsim.cli.sweep import sweep
 from uwsim.cli.teleop import teleop
 from uwsim.cli.validate import validate
 
@@ -66,6 +67,7 @@ def _program(
 app.command()(survey)
 app.command()(run)
 app.command()(compare)
+app.command()(sweep)
 app.command()(serve)
 app.command()(station)
 app.command()(teleop)

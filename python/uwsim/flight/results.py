@@ -47,20 +47,10 @@ def write_results(
             SurveyTrack(flown.all_pings_world_m, area_m, flown.range_max_m, flown.scenario).write(out / TRACK)
     if report == "none":
         return flown
-    occupied = None
-    if flown.occupancy is not None and area_m is not None and sim is not None:
+    if sim is not None:
         with show("scoring the map"):
-            occupied = flown.occupancy.occupied_voxels()
-            score = score_map(
-                sim.world,
-                occupied,
-                flown.occupancy.resolution_m,
-                flown.all_pings_world_m,
-                area_m,
-                flown.range_max_m,
-                rays=sim.scene,
-            )
-            flown = replace(flown, score=score)
+            flown = scored(flown, sim)
+    occupied = None if flown.occupancy is None or flown.score is None else flown.occupancy.occupied_voxels()
     values: dict[str, Any] = flight_values(flown)
     if flown.score is not None:
         values["map"] = score_values(flown.score, path_known=True)
@@ -71,6 +61,16 @@ def write_results(
 
             write_report(out, flown, sim, area_m, occupied)
     return flown
+
+
+def scored(flown: FlightRecord, sim: Simulator) -> FlightRecord:
+    """Return the record with the score of its map against the simulator's world, if it has a map and pings."""
+    area_m = flown_area_m(flown.all_pings_world_m)
+    if flown.occupancy is None or area_m is None:
+        return flown
+    occupied, path_m = flown.occupancy.occupied_voxels(), flown.all_pings_world_m
+    edge_m, range_m = flown.occupancy.resolution_m, flown.range_max_m
+    return replace(flown, score=score_map(sim.world, occupied, edge_m, path_m, area_m, range_m, rays=sim.scene))
 
 
 def flown_area_m(path_world_m: NDArray[np.float64]) -> NDArray[np.float64] | None:

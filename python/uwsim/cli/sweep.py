@@ -1,0 +1,100 @@
+"""`uwsim sweep`: fly a survey or a mission many times, with other values each time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwsim.cli.exit_codes import FAILED, INTERRUPTED
+from uwsim.cli.options import WithoutEffectError, need
+
+if TYPE_CHECKING:
+    from uwsim.sweeps import Sweep
+
+Workers = Annotated[
+    int | None,
+    typer.Option(help="Processes on this machine; 0: fly in this one. Default: one per core."),
+]
+Scheduler = Annotated[
+    str | None, typer.Option(help="Address of a Dask cluster that works instead, such as tcp://10.0.0.1:8786.")
+]
+
+
+def sweep(
+    source: Annotated[Path, typer.Argument(help="The sweep: what is flown, and what is varied.", metavar="SWEEP.yaml")],
+    out: Annotated[Path, typer.Option(help="Folder for runs.parquet, report.html and the worst runs.")] = Path("runs"),
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Fly what is missing in --out.")] = False,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="With --resume: also what failed.")] = False,
+    again: Annotated[
+        int | None,
+        typer.Option(help="Only fly this run again, with recording, map and full report in --out.", metavar="RUN"),
+    ] = None,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write the table alone.")] = False,
+) -> None:
+    """Fly a survey or a mission many times, with other parameters, faults, missions or seeds each time.
+
+    One table of all runs, a report of what matters, the worst runs with their recordings. Ctrl-C and kills lose only
+    the runs under way: --resume flies the rest. A run that fails is a row with its error. Ends with 1 if one failed,
+    or is outside what the sweep requires.
+    """
+    from uwsim.cli.job_progress import job_progress
+    from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+    from uwsim.sweeps import fly_again, run_sweep
+
+    screen = Terminal()
+    if again is not None:
+        _alone(
+            workers=workers, scheduler=scheduler, resume=resume, retry_failed=retry_failed,
+            no_report=no_report,
+        )  # fmt: skip
+        with screen.status(f"flying run {again} again"):
+            fly_again(source, again, out)
+        typer.echo(f"{out}")
+        return
+    if not resume:
+        need("--resume", retry_failed=retry_failed)
+    with job_progress("runs") as progress, stop_on_ctrl_c(progress):
+        flown = run_sweep(
+            source,
+            out,
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            retry_failed=retry_failed,
+            report=not no_report,
+            stop_requested=progress.stop_requested,
+            tell=progress.tell,
+            show=progress.activity,
+        )
+    _print(flown)
+    if flown.interrupted:
+        screen.message(f"interrupted after {len(flown.rows):,} of {len(flown.runs):,} runs; --resume continues")
+        raise typer.Exit(INTERRUPTED)
+    if flown.failed or any(flown.missed.values()):
+        raise typer.Exit(FAILED)
+
+
+def _alone(**options: object) -> None:
+    """Refuse options that --again leaves without effect."""
+    for name, value in options.items():
+        if value is not None and value is not False:
+            option = f"--{name.replace('_', '-')}"
+            raise WithoutEffectError(f"{option}: cannot be given with --again, which flies one run here")
+
+
+def _print(flown: Sweep) -> None:
+    from uwsim.sweeps.sweep import REPORT
+    from uwsim.sweeps.table import TABLE
+
+    typer.echo(f"{len(flown.rows):,} of {len(flown.runs):,} runs, {flown.failed:,} failed")
+    for row in flown.rows.failed[:3]:
+        typer.echo(f"run {row['run']}: {row['error']}", err=True)
+    for metric, count in flown.missed.items():
+        if count:
+            typer.echo(f"{count:,} runs are outside what is required of {metric}", err=True)
+    made = [flown.out / name for name in (TABLE, REPORT) if (flown.out / name).exists()]
+    typer.echo("  ".join(map(str, made)))

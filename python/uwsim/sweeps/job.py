@@ -1,0 +1,140 @@
+"""One run of a sweep, as a worker flies it: a scenario with the run's values, the flight, its figures."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from uwsim.flight.fly import fly
+from uwsim.flight.mission_file import MissionError
+from uwsim.flight.request import EstimateKind, file_digest
+from uwsim.flight.results import scored
+from uwsim.flight.summary import flight_values as mission_values
+from uwsim.mapping import OccupancyMap
+from uwsim.scenario import Scenario, ScenarioError, load
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scoring.map_score import score_map
+from uwsim.scoring.score_json import score_values
+from uwsim.simulator import Simulator
+from uwsim.survey.fly import fly_survey, required_survey
+from uwsim.survey.flyable_lanes import SurveyAreaWarning
+from uwsim.survey.summary import flight_values as survey_values
+from uwsim.sweeps.vary import varied
+from uwsim.sweeps.wall_limit import WallLimitError, wall_limit
+
+OF_THE_WALL = ("wall_s", "stage_wall_s", "threads", "seed", "scenario")
+"""Figures of a flight that the clock on the wall decides, or that the table has elsewhere."""
+MAX_LIST = 16
+"""Longer lists of a flight's figures have no columns in the table."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run. values: by the names of parameters and keys. mission: a file; None for a survey."""
+
+    scenario: str
+    seed: int | None
+    values: dict[str, Any]
+    mission: str | None = None
+    mission_digest: str | None = None
+    arguments: dict[str, Any] = field(default_factory=dict)
+    map: bool = False
+    voxel_m: float | None = None
+    estimate: EstimateKind = "truth"
+    time_limit_s: float | None = None
+    wall_limit_s: float | None = None
+
+    def varied_scenario(self) -> Scenario:
+        """Return the run's scenario. Raises ScenarioError."""
+        return varied(_loaded(self.scenario), self.values).with_changes(seed=self.seed)
+
+
+@lru_cache(maxsize=8)  # a worker flies the same few for hours
+def _loaded(scenario: str) -> Scenario:
+    return load(scenario)
+
+
+def fly_job(job: Job) -> dict[str, Any]:
+    """Fly a run; return its figures by name, its provenance, and the error that ended it, if one did.
+
+    A mistake of scenario or mission is an error in the result. Raises OSError and MemoryError, which may go away.
+    """
+    begun_s = time.perf_counter()
+    result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None, "worker": os.getpid()}
+    try:
+        with wall_limit(job.wall_limit_s), warnings.catch_warnings():
+            warnings.simplefilter("ignore", SurveyAreaWarning)  # the figures say lanes_left_out
+            _fly(job, result)
+    except (OSError, MemoryError):
+        raise
+    except (Exception, WallLimitError) as error:
+        kind = "" if isinstance(error, ScenarioError | MissionError | WallLimitError) else f"{type(error).__name__}: "
+        result["error"] = kind + " ".join(str(error).split())
+    result["run_wall_s"] = time.perf_counter() - begun_s
+    return result
+
+
+def _fly(job: Job, result: dict[str, Any]) -> None:
+    scenario = job.varied_scenario()
+    sim = Simulator(scenario, threads=1)
+    result |= {"seed": sim.seed, "scenario_digest": scenario_fingerprint(sim.scenario), "build": build_fingerprint()}
+    begun_s = time.perf_counter()
+    try:
+        figures = _survey(job, sim) if job.mission is None else _mission(job, sim)
+    finally:
+        result["flight_wall_s"] = time.perf_counter() - begun_s
+    result["metrics"] = flat(figures)
+
+
+def _survey(job: Job, sim: Simulator) -> dict[str, Any]:
+    voxel_m = job.voxel_m or required_survey(sim.scenario).voxel_m
+    occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=voxel_m), estimate=job.estimate)
+    path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
+    score = score_map(sim.world, occupancy.occupied_voxels(), voxel_m, path_m, area_m, range_m, rays=sim.scene)
+    return survey_values(record) | score_values(score, path_known=True)
+
+
+def _mission(job: Job, sim: Simulator) -> dict[str, Any]:
+    path = Path(job.mission or "")
+    if not path.is_file() or file_digest(path) != job.mission_digest:
+        raise MissionError(f"mission '{path}': is missing here, or is not the file with which the sweep began")
+    flown = fly(
+        path, sim, arguments=job.arguments, map=job.map, voxel_m=job.voxel_m, estimate=job.estimate,
+        time_limit_s=job.time_limit_s, autosave_s=0.0,
+    )  # fmt: skip
+    flown = scored(flown, sim)
+    values = mission_values(flown) | {"collisions": flown.collisions, "result": flown.result}
+    if flown.score is not None:
+        values |= score_values(flown.score, path_known=True)
+    return values
+
+
+def flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return nested figures as one level, with dotted names; without what is no figure, text or boolean."""
+    found: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in OF_THE_WALL:
+            _flatten(name, value, found)
+    return found
+
+
+def _flatten(name: str, value: Any, found: dict[str, Any]) -> None:
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            _flatten(f"{name}.{key}", item, found)
+    elif isinstance(value, list | tuple):
+        for k, item in enumerate(value if len(value) <= MAX_LIST else ()):
+            _flatten(f"{name}.{k}", item, found)
+    elif hasattr(value, "item") and getattr(value, "ndim", 1) == 0:  # NumPy's
+        _flatten(name, value.item(), found)
+    elif isinstance(value, float):
+        found[name] = value if math.isfinite(value) else None
+    elif value is None or isinstance(value, bool | int | str):
+        found[name] = value

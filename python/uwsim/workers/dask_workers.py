@@ -1,0 +1,161 @@
+"""Workers of Dask's `distributed`: processes of this machine, or of any cluster that a scheduler knows."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import queue
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
+from types import TracebackType
+from typing import Any, Self
+
+import dask
+import distributed
+
+from uwsim.scenario.fingerprint import build_fingerprint
+from uwsim.workers.workers import Finished, Work
+
+CONNECT_S, POLL_S = 10.0, 0.2
+LOCALHOST = "127.0.0.1"
+SETTINGS = {
+    "distributed.scheduler.allowed-failures": 0,  # trials are counted here
+    "distributed.admin.tick.limit": "1h",  # a step of the simulator may hold Python's lock for longer than 3 s
+    "distributed.worker.profile.enabled": False,  # it looks at every thread a hundred times a second
+}
+
+
+class ClusterWorkers:
+    """Workers of a Dask cluster. Each must have the same build of uwsim, and see the files that jobs name."""
+
+    def __init__(self, client: distributed.Client, closers: contextlib.ExitStack) -> None:
+        self._client, self._closers = client, closers
+        self.count = sum(client.nthreads().values())
+        if not self.count:
+            raise ValueError("the scheduler has no workers")
+        self._require_same_build()
+
+    @classmethod
+    def connected(cls, address: str) -> Self:
+        """Join a running cluster. Raises ValueError."""
+        closers = contextlib.ExitStack()
+        try:
+            client = closers.enter_context(_connected_client(address))
+            return cls(client, closers)
+        except BaseException:
+            closers.close()
+            raise
+
+    def finished(
+        self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
+    ) -> Iterator[Finished]:
+        """Do jobs; see Workers."""
+        done: queue.SimpleQueue[tuple[int, distributed.Future]] = queue.SimpleQueue()
+        waiting, under_way = iter(jobs), dict[int, distributed.Future]()
+        trials = _Trials(retries)
+
+        def begin(number: int) -> None:
+            future = self._client.submit(work, jobs[number], pure=False)
+            under_way[number] = future
+            future.add_done_callback(lambda of: done.put((number, of)))
+
+        try:
+            for number in islice(waiting, self.count):
+                begin(number)
+            while under_way and not stop_requested():
+                try:
+                    number, future = done.get(timeout=POLL_S)
+                except queue.Empty:
+                    self._require_scheduler()
+                    continue
+                del under_way[number]
+                finished = trials.judged(number, future)
+                if finished is None:
+                    begin(number)
+                    continue
+                yield finished
+                if (following := next(waiting, None)) is not None:
+                    begin(following)
+        finally:
+            if under_way:
+                with contextlib.suppress(Exception):
+                    self._client.cancel(list(under_way.values()))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Let go of the cluster; end it if it was made here."""
+        self._closers.close()
+
+    def _require_scheduler(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise OSError("the connection to the scheduler was lost; --resume continues")
+
+    def _require_same_build(self) -> None:
+        ours = build_fingerprint()
+        for address, theirs in self._client.run(build_fingerprint, on_error="return").items():
+            if theirs != ours:
+                raise ValueError(f"worker {address}: has another build of uwsim: {theirs}, here {ours}")
+
+
+class _Trials:
+    """Counts the trials of each job. A worker has one job at a time, so a dead worker speaks of that job alone."""
+
+    def __init__(self, retries: int) -> None:
+        self._retries = retries
+        self._failed: dict[int, int] = {}
+
+    def judged(self, number: int, future: distributed.Future) -> Finished | None:
+        """Return the finished job; None if it is to be tried again. Raises what work should not have raised."""
+        failed = self._failed.get(number, 0)
+        if future.status == "finished":
+            return Finished(number, future.result(), failed + 1)
+        if future.status != "error":
+            raise OSError("the scheduler has lost its jobs; --resume continues")
+        error = future.exception()
+        died = isinstance(error, distributed.KilledWorker)
+        if not (died or isinstance(error, OSError | MemoryError)):
+            raise error
+        self._failed[number] = failed + 1
+        if failed < self._retries:
+            return None
+        why = "its worker died" if died else f"{type(error).__name__}: {error}"
+        return Finished(number, None, failed + 1, why)
+
+
+def local_workers(count: int) -> ClusterWorkers:
+    """Start processes on this machine, which listen on 127.0.0.1 alone. Raises OSError."""
+    closers = contextlib.ExitStack()
+    try:
+        closers.enter_context(dask.config.set(SETTINGS))
+        scratch = closers.enter_context(tempfile.TemporaryDirectory(prefix="uwsim-dask-", ignore_cleanup_errors=True))
+        cluster = distributed.LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            host=LOCALHOST,
+            dashboard_address=f"{LOCALHOST}:0",  # of its health page; without it Dask takes port 8787
+            scheduler_kwargs={"dashboard": False},
+            preload=["uwsim.workers.ignore_ctrl_c"],
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+            local_directory=scratch,
+        )
+        closers.callback(cluster.close, timeout=CONNECT_S)
+        client = closers.enter_context(distributed.Client(cluster, set_as_default=False))
+        return ClusterWorkers(client, closers)
+    except BaseException:
+        closers.close()
+        raise
+
+
+def _connected_client(address: str) -> distributed.Client:
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        return distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"--scheduler {address}: does not answer: {error}") from error

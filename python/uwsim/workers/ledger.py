@@ -1,0 +1,82 @@
+"""The ledger of a folder: which jobs of a plan are finished, with their results. It survives any kill."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+LEDGER = "ledger.jsonl"
+
+
+class Ledger:
+    """A file of JSON lines: the first says of which plan it is, each other holds the result of one job.
+
+    A line is written to disk before the next job is counted. A line that a kill has cut off is dropped by the next
+    `resume`, so that each job is either finished or not. Of several lines on one job the last counts.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / LEDGER
+        self.results: dict[int, dict[str, Any]] = {}
+        self._file: Any = None
+
+    @property
+    def exists(self) -> bool:
+        """Whether the folder holds one."""
+        return self.path.exists()
+
+    def begin(self, plan: Mapping[str, Any]) -> None:
+        """Begin a new ledger. Raises OSError."""
+        self._open("xb")
+        self._write({"plan": dict(plan)})
+
+    def resume(self, plan: Mapping[str, Any]) -> None:
+        """Read what is finished and go on. Raises ValueError if the ledger is of another plan, OSError."""
+        found = self.read()
+        for key, value in plan.items():
+            if found.get(key) != value:
+                raise ValueError(f"--resume: '{self.path}': {key} is {value}: was begun with {found.get(key)}")
+        self._open("ab")
+
+    def read(self) -> dict[str, Any]:
+        """Return the plan, and take in the results; drop a last line that is not whole. Raises ValueError, OSError."""
+        content = self.path.read_bytes()
+        whole = content.rfind(b"\n") + 1
+        if whole < len(content):
+            os.truncate(self.path, whole)
+        lines = content[:whole].splitlines()
+        try:
+            plan, *results = [json.loads(line) for line in lines]
+            self.results = {int(result["job"]): result for result in results}
+            return dict(plan["plan"])
+        except (ValueError, KeyError, TypeError):
+            raise ValueError(f"'{self.path}': is damaged") from None
+
+    def add(self, job: int, result: Mapping[str, Any]) -> None:
+        """Note a finished job. Raises OSError."""
+        line = {"job": job, **result}
+        self._write(line)
+        self.results[job] = line
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def _open(self, mode: str) -> None:
+        try:
+            self._file = self.path.open(mode)
+        except OSError as error:
+            raise OSError(f"'{self.path}': cannot be written: {error.strerror}") from error
+
+    def _write(self, line: Mapping[str, Any]) -> None:
+        try:
+            self._file.write(json.dumps(line).encode() + b"\n")
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise OSError(f"'{self.path}': cannot be written: {error.strerror}; --resume continues") from error
