@@ -18,23 +18,26 @@ def whole(value: Any, name: str, least: int, most: int) -> int:
     return int(value)
 
 
-def seeds(values: Iterable[Any], n: int) -> list[int]:
-    """Return n seeds. Raises ValueError."""
+def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int]:
+    """Return the seeds of the chosen of n members. Raises ValueError."""
     given = list(values)
     if len(given) != n:
         raise ValueError(f"seeds: {len(given)} of them: expected n = {n}")
-    return [whole(seed, f"seeds[{k}]", 0, 2**63 - 1) for k, seed in enumerate(given)]
+    return {k: whole(given[k], f"seeds[{k}]", 0, 2**63 - 1) for k in chosen}
 
 
-def changes(given: Changes | Sequence[Changes], n: int) -> list[dict[str, Any]]:
-    """Return the parameters of each of n members; one mapping is for all. Raises ValueError."""
-    each = [given] * n if isinstance(given, Mapping) else list(given)
+def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -> dict[int, dict[str, Any]]:
+    """Return the parameters of the chosen of n members; one mapping is for all. Raises ValueError."""
+    each = [given] * n if isinstance(given, Mapping) else given
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
-    for k, one in enumerate(each):
-        if not isinstance(one, Mapping):
-            raise ValueError(f"parameters[{k}] is {type(one).__name__}: must be a mapping of names to values")
-    return [dict(one) for one in each]
+    return {k: _mapping(each[k], f"parameters[{k}]") for k in chosen}
+
+
+def _mapping(one: object, name: str) -> dict[str, Any]:
+    if not isinstance(one, Mapping):
+        raise ValueError(f"{name} is {type(one).__name__}: must be a mapping of names to values")
+    return dict(one)
 
 
 def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64]:

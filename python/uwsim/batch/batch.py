@@ -69,12 +69,14 @@ class Batch(Sealed):
         self.n = whole(n, "n", 1, MEMBERS_MAX)
         self.threads = checked_threads(threads)
         self._world = build_world(self.scenario)
+        self._fixed_world = _core.FixedWorld(self._world)
         self._names = [entry.name for entry in self.scenario.vehicles]
         self._members = Members(self.scenario, self._world)
         first = self.scenario.seed
-        self._seeds = arguments.seeds(range(first, first + self.n) if seeds is None else seeds, self.n)
-        self._changes = arguments.changes({} if parameters is None else parameters, self.n)
-        members = [self._members.member(k, self._seeds[k], self._changes[k]) for k in range(self.n)]
+        everyone = range(self.n)
+        self._seeds = arguments.seeds(range(first, first + self.n) if seeds is None else seeds, self.n, everyone)
+        self._changes = arguments.changes({} if parameters is None else parameters, self.n, everyone)
+        members = [self._members.member(k, self._seeds[k], self._changes[k]) for k in everyone]
         self._core = _core.Batch(self._world, _core.RayScene(self._world), members, self.threads)
         self._motion = [motion_buffers(self.n) for _ in self._names]
         self._samples: dict[tuple[int, int], Buffers[BatchSamples]] = {}
@@ -87,12 +89,17 @@ class Batch(Sealed):
     @property
     def seeds(self) -> tuple[int, ...]:
         """The seed of each member."""
-        return tuple(self._seeds)
+        return tuple(self._seeds.values())
 
     @property
     def parameters(self) -> tuple[Changes, ...]:
         """What was set for each member."""
-        return tuple(MappingProxyType(changes) for changes in self._changes)
+        return tuple(MappingProxyType(changes) for changes in self._changes.values())
+
+    @property
+    def world(self) -> _core.FixedWorld:
+        """Terrain and obstacles, which all members share. Its water is the scenario's, not that of a member."""
+        return self._fixed_world
 
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
         """Advance every member by n fixed steps, after setting efforts if they are given; they are held.
@@ -196,8 +203,8 @@ class Batch(Sealed):
         if seeds is None and parameters is None:
             self._core.restart(members)
             return
-        new_seeds = self._seeds if seeds is None else arguments.seeds(seeds, self.n)
-        new_changes = self._changes if parameters is None else arguments.changes(parameters, self.n)
+        new_seeds = self._seeds if seeds is None else arguments.seeds(seeds, self.n, members)
+        new_changes = self._changes if parameters is None else arguments.changes(parameters, self.n, members)
         self._core.restart(members, [self._members.member(k, new_seeds[k], new_changes[k]) for k in members])
         for k in members:
             self._seeds[k], self._changes[k] = new_seeds[k], new_changes[k]

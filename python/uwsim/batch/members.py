@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from uwsim import _core
 from uwsim.batch.arguments import Changes
 from uwsim.parameters import Parameters
-from uwsim.scenario import Scenario
+from uwsim.parameters.edits import edited
+from uwsim.parameters.tree import Place
+from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.link import link_spec
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.world import scenario_water
+
+SEED: Place = ("seed",)
 
 
 class Members:
@@ -23,17 +29,13 @@ class Members:
         _require_no_programs(scenario)
         self._scenario = scenario
         self._world = world
+        self._places: dict[tuple[str, ...], Sequence[Place]] = {}
         self.vehicles = [self._made(scenario, index) for index in range(len(scenario.vehicles))]
 
     def member(self, index: int, seed: int, changes: Changes) -> _core.MemberSpec:
         """Return what the member of a place, seed and parameters is built from. Raises ValueError that names it."""
-        scenario = self._scenario.with_changes(seed=seed)
         try:
-            if changes:
-                parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
-                parameters.update(changes)
-                scenario = parameters.scenario
-                _require_no_programs(scenario)
+            scenario = self._changed(seed, changes)
             vehicles = [self._vehicle(scenario, k) for k in range(len(scenario.vehicles))]
             water = scenario_water(scenario, self._world)
         except ValueError as error:
@@ -41,9 +43,33 @@ class Members:
         link = None if scenario.link is None else link_spec(scenario.link, scenario.station)
         return _core.MemberSpec(water, simulation_spec(scenario), vehicles, link)
 
+    def _changed(self, seed: int, changes: Changes) -> Scenario:
+        """Return the scenario with a seed and parameters.
+
+        Finding the places of parameters takes most of the time, so they are kept when numbers of these names have been
+        accepted: what has an effect does not depend on numbers.
+        """
+        names = tuple(changes)
+        if not names:
+            return self._scenario.with_changes(seed=seed)
+        are_numbers = all(type(value) in (int, float) for value in changes.values())
+        places = self._places.get(names)
+        if places is not None and are_numbers:
+            try:
+                return edited(self._scenario, {SEED: seed, **dict(zip(places, changes.values(), strict=True))})
+            except ScenarioError:
+                pass  # said below, by the parameters' names
+        parameters = Parameters(self._scenario.with_changes(seed=seed), lambda _: None, lambda *_, **__: None, {})
+        parameters.update(changes)
+        _require_no_programs(parameters.scenario)
+        if are_numbers:
+            self._places[names] = parameters.places(names)
+        return parameters.scenario
+
     def _vehicle(self, scenario: Scenario, index: int) -> _core.VehicleSpec:
         same_trim = surface_density_kg_m3(scenario.water) == surface_density_kg_m3(self._scenario.water)
-        if same_trim and scenario.vehicles[index] == self._scenario.vehicles[index]:
+        entry, first = scenario.vehicles[index], self._scenario.vehicles[index]
+        if same_trim and (entry is first or entry == first):
             return self.vehicles[index]
         return self._made(scenario, index)
 

@@ -205,6 +205,10 @@ class Parameters(Mapping[str, Any]):
         is_one_of_a_list = isinstance(value, Mapping) and node is not None and node.place in table.LISTS
         into[name] = [plain(value)] if is_one_of_a_list else plain(value)
 
+    def places(self, names: Iterable[str]) -> Sequence[Place]:
+        """Return the places of names in the scenario, for `edited`."""
+        return [self._place(name) for name in names]
+
     def _place(self, name: str) -> Place:
         """Return the place of a name; below what is replaced whole also of one that is not there now."""
         for scenario in (self._running, self._original):

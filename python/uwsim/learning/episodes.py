@@ -1,0 +1,177 @@
+"""Runs a task in all members of a batch: draws and starts episodes, steps them, tells which have ended.
+
+The one engine of all environments; a lone environment is a batch of one, so that member i of a vector environment has
+the episodes of a lone one of its seed, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.utils.seeding import np_random
+from numpy.typing import NDArray
+
+from uwsim.batch import Batch
+from uwsim.learning.eye import Eye, look
+from uwsim.learning.motion import Motion, yaw_xyzw
+from uwsim.learning.options import EpisodeOptions, checked_ranges
+from uwsim.learning.task import Flags, Floats, Task, Verdict
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.read.assets import assets_folder
+
+SEED_MAX = 2**63
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Of one step, with a row for each member; figures: what `info` tells, by name."""
+
+    observation: Any
+    reward: Floats
+    terminated: Flags
+    truncated: Flags
+    figures: dict[str, NDArray[Any]]
+
+
+class Episodes:
+    """n members of one task. Each draws its episodes from a generator of its own."""
+
+    def __init__(self, kind: type[Task], n: int, options: EpisodeOptions) -> None:
+        scenario = task_scenario(kind, options.scenario)
+        self.batch = Batch(scenario, n=n, threads=options.threads)
+        self.task = kind(self.batch)
+        self.n = n
+        self.period_s = kind.period_s
+        self.steps = round(kind.period_s / scenario.step_s)
+        if abs(self.steps * scenario.step_s - kind.period_s) > 1e-9 or self.steps < 1:
+            rule = f"the period of an action, {kind.period_s:g} s, must be a whole number of steps"
+            raise ValueError(f"step_s = {scenario.step_s:g} s: {rule}")
+        self.duration_s = kind.duration_s if options.duration_s is None else options.duration_s
+        self.ranges = checked_ranges({**kind.randomize, **(options.randomize or {})}, scenario)
+        self.eye = None if options.camera is None else Eye(scenario, options, self.batch.threads)
+        self.observation_space = look(self.task.observation_space, self.eye)
+        self.action_space = self.task.action_space
+        self.generators: list[np.random.Generator | None] = [None] * n
+        self.generator_seeds: list[int] = [-1] * n
+        self._seeds = list(self.batch.seeds)
+        self._actions = np.zeros((n, len(kind.axes)))
+        self._motion: Motion | None = None
+
+    def seed(self, member: int, seed: int | None) -> None:
+        """Give a member another generator; None: a random one if it has none yet."""
+        if seed is not None or self.generators[member] is None:
+            self.generators[member], self.generator_seeds[member] = np_random(seed)
+
+    def begin(self, mask: Flags) -> Any:
+        """Begin episodes of the members of a mask (n,); return all observations."""
+        self._restart(mask)
+        observation = self.observe()
+        self._judged()  # so that what is seen at the start is not paid for
+        return observation
+
+    def _restart(self, mask: Flags) -> None:
+        members = np.flatnonzero(mask)
+        draws = np.zeros((len(members), self.task.draws + len(self.ranges)))
+        for row, member in enumerate(members.tolist()):
+            self.seed(member, None)
+            generator = self.generators[member]
+            assert generator is not None
+            self._seeds[member] = int(generator.integers(SEED_MAX))
+            draws[row] = generator.random(draws.shape[1])
+        self.batch.reset(mask, seeds=self._seeds, parameters=self._parameters(members, draws[:, self.task.draws :]))
+        start = self.task.start(members, draws[:, : self.task.draws])
+        self._place(mask, members, start.position_world_m, yaw_xyzw(start.yaw_rad))
+        self._actions[members] = 0.0
+
+    def _place(self, mask: Flags, members: NDArray[np.intp], position: Floats, orientation: Floats) -> None:
+        positions, orientations = np.zeros((self.n, 3)), np.zeros((self.n, 4))
+        positions[members], orientations[members] = position, orientation
+        self.batch.place(positions, orientations, mask=mask, vehicle=self.task.vehicle)
+
+    def _parameters(self, members: NDArray[np.intp], draws: Floats) -> list[Mapping[str, Any]] | None:
+        if not self.ranges:
+            return None
+        low, high = np.array(list(self.ranges.values())).T
+        values = (low + (high - low) * draws).tolist()
+        parameters: list[Mapping[str, Any]] = [{}] * self.n
+        for row, member in enumerate(members.tolist()):
+            parameters[member] = dict(zip(self.ranges, values[row], strict=True))
+        return parameters
+
+    @property
+    def motion(self) -> Motion:
+        """How the members moved when they were last observed."""
+        if self._motion is None:
+            raise ValueError("motion: no episode has begun")
+        return self._motion
+
+    def observe(self) -> Any:
+        """Return all observations, as they are now."""
+        motion = self._motion = Motion.of(self.batch.observe(self.task.vehicle))
+        observation = self.task.observe(motion, self._actions)
+        if self.eye is None:
+            return observation
+        state = observation if isinstance(observation, dict) else {"state": observation}
+        return {**state, "camera": self.eye.pictures(self.batch)}
+
+    def step(self, actions: Any, anew: Flags | None = None) -> Outcome:
+        """Set actions (n, axes) and let a period pass; members of `anew` (n,) begin episodes instead, at no reward.
+
+        Raises ValueError for actions outside [-1, 1].
+        """
+        self._actions[...] = self._checked(actions)
+        before = self.motion
+        diverged = self._advance(self.task.efforts(self._actions, before), before.time_s)
+        if anew is not None:
+            self._restart(anew)
+        observation, verdict = self.observe(), self._judged()
+        reward, terminated, figures = verdict.reward, verdict.terminated, dict(verdict.figures)
+        truncated = self.motion.time_s > self.duration_s - 0.5 * self.period_s
+        if diverged is not None:
+            figures["diverged"] = diverged
+            terminated = terminated | diverged
+        if anew is not None:
+            reward, terminated = np.where(anew, 0.0, reward), terminated & ~anew
+        return Outcome(observation, reward, terminated, truncated, figures)
+
+    def _judged(self) -> Verdict:
+        return self.task.judge(self.motion, self._actions)
+
+    def _advance(self, efforts: Floats, before_s: Floats) -> Flags | None:
+        """Step the batch; return which members' motion diverged, or None."""
+        try:
+            self.batch.step(self.steps, {self.task.vehicle: efforts})
+        except ValueError:
+            late = 1e-9 * self.batch.observe(self.task.vehicle).time_ns < before_s + 0.5 * self.period_s
+            if not late.any():
+                raise
+            return np.asarray(late)
+        return None
+
+    def _checked(self, actions: Any) -> Floats:
+        values = np.asarray(actions, np.float64)
+        if values.shape != self._actions.shape:
+            raise ValueError(f"actions.shape = {values.shape}: expected {self._actions.shape}")
+        outside = ~(np.abs(values) <= 1.0)  # true for one that is not a number
+        if outside.any():
+            member, column = np.argwhere(outside)[0].tolist()
+            name = f"actions[{member}].{self.task.axes[column]}"
+            hint = "gymnasium.wrappers.ClipAction cuts them"
+            raise ValueError(f"{name} = {values[member, column]:g}: must be in [-1, 1]; {hint}")
+        return values
+
+    def render(self, member: int, camera: str, width: int, height: int) -> NDArray[np.uint8]:
+        """Return a picture (height, width, 3) by a camera of the member's vehicle, as it is now."""
+        vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
+        seen = vehicle.cameras[camera]
+        seen.change(seen.mount.model_copy(update={"width": width, "height": height}))
+        return np.asarray(seen.capture().rgb)
+
+
+def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
+    """Return a task's scenario, or the one that is to replace it."""
+    return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)

@@ -1,0 +1,84 @@
+"""Pictures as a part of observations: one camera that is moved from member to member."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Dict, Space
+from numpy.typing import NDArray
+
+from uwsim.batch import Batch
+from uwsim.cameras.shared_scene import Snapshot
+from uwsim.did_you_mean import did_you_mean
+from uwsim.learning.options import EpisodeOptions
+from uwsim.scenario import Scenario
+from uwsim.simulator import Simulator
+
+EFFECTS = ("attenuation", "backscatter", "sunlight", "lamps", "distortion", "exposure", "noise")
+
+
+class Eye:
+    """The camera of one simulator, which takes the pictures of all members from where each of them is.
+
+    Noise is keyed by the scenario's seed and the member's time, not by the member's seed. The light is the scenario's.
+    """
+
+    def __init__(self, scenario: Scenario, options: EpisodeOptions, threads: int) -> None:
+        self._sim = Simulator(scenario, threads=1)
+        cameras = self._sim.rov.cameras
+        if options.camera is None or options.camera not in cameras:
+            known = f"must be one of {', '.join(cameras)}{did_you_mean(str(options.camera), list(cameras))}"
+            raise ValueError(f"camera = {options.camera!r}: {known}")
+        self._camera = cameras[options.camera]
+        self.height, self.width = options.camera_size
+        self._camera.change(self._camera.mount.model_copy(update={"width": self.width, "height": self.height}))
+        self._first = self._camera.snapshot()
+        self._names = list(self._sim.vehicles)
+        self._threads = threads
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    @property
+    def space(self) -> Box:
+        """Of one picture."""
+        return Box(0, 255, (self.height, self.width, 3), np.uint8)
+
+    def pictures(self, batch: Batch) -> NDArray[np.uint8]:
+        """Return the pictures (n, height, width, 3) of all members."""
+        motions = [batch.observe(name) for name in self._names]
+        pictures = np.empty((batch.n, self.height, self.width, 3), np.uint8)
+
+        def take(k: int) -> None:
+            positions = np.array([motion.position_world_m[k] for motion in motions])
+            orientations = np.array([motion.orientation_xyzw[k] for motion in motions])
+            first = self._first
+            snapshot = Snapshot(
+                int(motions[0].time_ns[k]), positions, orientations, self._lights(positions, orientations),
+                first.optics, first.aims_rad,
+            )  # fmt: skip
+            pictures[k] = self._camera.capture(EFFECTS, threads=1, at=snapshot).rgb
+
+        if self._pool is None or batch.n == 1:
+            for k in range(batch.n):
+                take(k)
+        else:
+            list(self._pool.map(take, range(batch.n)))
+        return pictures
+
+    def _lights(self, positions: Any, orientations: Any) -> list[Any]:
+        return [
+            light
+            for position, orientation, rov in zip(positions, orientations, self._sim.vehicles.values(), strict=True)
+            for lamp in rov.lamps.values()
+            if lamp.on
+            for light in lamp.lights(position, orientation)
+        ]
+
+
+def look(space: Space[Any], eye: Eye | None) -> Space[Any]:
+    """Return the space of observations with the pictures of an eye among them, if there is one."""
+    if eye is None:
+        return space
+    parts = dict(space.spaces) if isinstance(space, Dict) else {"state": space}
+    return Dict({**parts, "camera": eye.space})

@@ -1,0 +1,28 @@
+"""What a sonar and an echo sounder see, as a part of observations."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uwsim.batch import Batch
+from uwsim.learning.task import Field, Floats
+
+ALTITUDE = Field("altitude", 1, 100.0, "m", "above the bed, by the echo sounder, with its noise; 100: no echo", low=0.0)
+
+
+def ranges_field(beams: int, range_max_m: float) -> Field:
+    """Return the field of a ping's ranges."""
+    return Field(
+        "sonar_ranges", beams, range_max_m, "m", f"of a ping, starboard to port; {range_max_m:g}: no echo", low=0.0
+    )
+
+
+def seen_by_fan(batch: Batch, vehicle: str, fields: tuple[Field, ...]) -> Floats:
+    """Return ranges and altitude, (n, beams + 1). Raises ValueError for a sonar with another number of beams."""
+    fan = fields[0]
+    ranges = batch.ping(vehicle).ranges_m
+    if ranges.shape[1] != fan.width:
+        raise ValueError(f"vehicle '{vehicle}': its sonar has {ranges.shape[1]} beams: the task needs {fan.width}")
+    altitude = batch.read("altitude", vehicle)
+    height_m = np.where(altitude.valid, altitude.fields["altitude_m"], ALTITUDE.limit)
+    return np.column_stack([np.where(np.isfinite(ranges), ranges, fan.limit), height_m])

@@ -1,0 +1,71 @@
+"""A task as a Gymnasium environment."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.learning.episodes import Episodes
+from uwsim.learning.options import EpisodeOptions
+from uwsim.learning.task import Task
+from uwsim.learning.view import RENDER_MODES, View
+
+
+class LoneEnv(gymnasium.Env[Any, Any]):
+    """One member of a task. It has the episodes that member i of a VectorEnv has that begins with this one's seed.
+
+    task: the kind. render_mode: "rgb_array" or None. view: how it is rendered. options: see EpisodeOptions. Raises
+    ValueError for what is wrong, before anything is built.
+    """
+
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012, as Env declares it
+
+    def __init__(
+        self, task: type[Task], *, render_mode: str | None = None, view: View | None = None, **options: Any
+    ) -> None:
+        self.render_mode = render_mode
+        self.view = (view or View()).checked(render_mode)
+        self.episodes = Episodes(task, 1, EpisodeOptions(**{"threads": 1, **options}))
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / task.period_s)}
+        self.observation_space = self.episodes.observation_space
+        self.action_space = self.episodes.action_space
+        self._ended = True
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode; with a seed, the first of the generator of that seed. There are no options.
+
+        Raises ValueError.
+        """
+        if options:
+            raise ValueError(f"options = {options!r:.60}: would be without effect")
+        self.episodes.seed(0, seed)
+        self._np_random = self.episodes.generators[0]
+        self._np_random_seed = self.episodes.generator_seeds[0]
+        self._ended = False
+        return first(self.episodes.begin(np.ones(1, np.bool_))), {}
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Let a period pass with an action. Raises ValueError for one outside [-1, 1], and after the end."""
+        if self._ended:
+            raise ValueError("step: the episode has ended, or none has begun: reset() first")
+        outcome = self.episodes.step(np.asarray(action)[None])
+        terminated, truncated = bool(outcome.terminated[0]), bool(outcome.truncated[0])
+        self._ended = terminated or truncated
+        info = {name: values[0].item() for name, values in outcome.figures.items()}
+        return first(outcome.observation), float(outcome.reward[0]), terminated, truncated, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return a picture (height, width, 3) by a camera of the vehicle, or None without a render_mode."""
+        if self.render_mode is None:
+            return None
+        return self.episodes.render(0, self.view.camera, self.view.width, self.view.height)
+
+
+def first(observation: Any) -> Any:
+    """Return the first member's part of an observation."""
+    if isinstance(observation, dict):
+        return {name: part[0] for name, part in observation.items()}
+    return observation[0]

@@ -1,0 +1,73 @@
+"""How the members of a batch move, in the axes that tasks ask for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.batch import BatchMotion
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The true motion of one vehicle of each member.
+
+    position_world_m (n, 3); world_from_body (n, 3, 3); velocity_body (n, 6) [m/s, rad/s]; time_s (n,), since each
+    member's start; collisions (n,): how often it has come to touch something.
+    """
+
+    position_world_m: Floats
+    world_from_body: Floats
+    velocity_body: Floats
+    time_s: Floats
+    collisions: NDArray[np.uint64]
+
+    @staticmethod
+    def of(batch: BatchMotion) -> Motion:
+        """Return copies of what a batch shows."""
+        return Motion(
+            batch.position_world_m.copy(),
+            rotations(batch.orientation_xyzw),
+            batch.velocity_body.copy(),
+            np.asarray(1e-9 * batch.time_ns, np.float64),
+            batch.collisions.copy(),
+        )
+
+    @property
+    def up_body(self) -> Floats:
+        """(n, 3), the world's z axis in body axes."""
+        return self.world_from_body[:, 2, :]
+
+    @property
+    def heading(self) -> Floats:
+        """(n, 2), the horizontal part of the body's x axis in the world."""
+        return self.world_from_body[:, :2, 0]
+
+    def in_body(self, vectors_world: Floats) -> Floats:
+        """Return vectors of the world, (n, 3) or (3,), in each member's body axes."""
+        vectors = np.broadcast_to(vectors_world, self.position_world_m.shape)
+        return np.asarray(np.einsum("nij,ni->nj", self.world_from_body, vectors))
+
+    def towards(self, place_world_m: Floats) -> Floats:
+        """Return the way to a place, (n, 3) or (3,), in each member's body axes."""
+        return self.in_body(place_world_m - self.position_world_m)
+
+
+def rotations(orientation_xyzw: Floats) -> Floats:
+    """Return the matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    x, y, z, w = orientation_xyzw.T
+    return np.stack([
+        1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+        2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+        2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y),
+    ], axis=-1).reshape(-1, 3, 3)  # fmt: skip
+
+
+def yaw_xyzw(yaw_rad: Floats) -> Floats:
+    """Return rotations (m, 4) about z by angles (m,)."""
+    zero = np.zeros_like(yaw_rad)
+    return np.stack([zero, zero, np.sin(0.5 * yaw_rad), np.cos(0.5 * yaw_rad)], axis=-1)

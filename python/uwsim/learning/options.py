@@ -1,0 +1,65 @@
+"""What users may choose about the episodes of an environment, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from uwsim.did_you_mean import did_you_mean
+from uwsim.parameters import Parameters
+from uwsim.scenario import Scenario
+
+Ranges = Mapping[str, tuple[float, float]]
+PICTURE_MAX = 1024
+
+
+@dataclass(frozen=True)
+class EpisodeOptions:
+    """The options of all environments.
+
+    scenario: instead of the task's own, with what the task needs in it. randomize: parameters, by their names in
+    `Simulator.parameters`, that are drawn uniformly in (low, high) for each episode, beside the task's own, or instead
+    of those of the same name. duration_s: after which an episode is truncated. threads: by default all. camera: of the
+    vehicle, whose pictures (camera_size: height, width) are added to the observation.
+    """
+
+    scenario: str | Path | Scenario | None = None
+    randomize: Ranges | None = None
+    duration_s: float | None = None
+    threads: int | None = None
+    camera: str | None = None
+    camera_size: tuple[int, int] = (84, 84)
+
+    def __post_init__(self) -> None:
+        """Check what does not depend on the scenario. Raises ValueError."""
+        if self.duration_s is not None and not 0.0 < self.duration_s < math.inf:
+            raise ValueError(f"duration_s = {self.duration_s} s: must be positive and finite")
+        height, width = self.camera_size
+        if not (1 <= height <= PICTURE_MAX and 1 <= width <= PICTURE_MAX):
+            raise ValueError(f"camera_size = {self.camera_size}: must be in [1, {PICTURE_MAX}] pixels")
+        if self.camera is None and self.camera_size != (84, 84):
+            raise ValueError("camera_size: is without effect: no camera is given")
+        if self.camera is not None and any(name.startswith("optics.") for name in self.randomize or {}):
+            raise ValueError("randomize: optics would be without effect: all members' pictures are taken in one light")
+
+
+def checked_ranges(ranges: Ranges, scenario: Scenario) -> dict[str, tuple[float, float]]:
+    """Return ranges whose names are parameters of the scenario and whose ends are in order. Raises ValueError."""
+    parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
+    names = list(parameters)
+    checked = {}
+    for name, pair in ranges.items():
+        if name not in names:
+            raise ValueError(f"randomize[{name!r}]: is not a parameter{did_you_mean(name, names)}")
+        try:
+            low, high = (float(end) for end in pair)
+        except (TypeError, ValueError):
+            raise ValueError(f"randomize[{name!r}] = {pair!r:.60}: must be (low, high)") from None
+        if not low <= high:
+            raise ValueError(f"randomize[{name!r}] = ({low:g}, {high:g}): low must not exceed high")
+        parameters.update({name: low})
+        parameters.update({name: high})
+        checked[name] = (low, high)
+    return checked

@@ -1,0 +1,73 @@
+"""The PID of the vehicle's file as a policy: what learned ones are compared with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control import Controller
+from uwsim.learning.episodes import Episodes
+from uwsim.learning.task import AXES
+from uwsim.scenario import control_settings
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class _Pose:
+    world_from_body: Floats
+
+    @property
+    def position_world_m(self) -> Floats:
+        return self.world_from_body[:3, 3]
+
+    @property
+    def yaw_rad(self) -> float:
+        return float(np.arctan2(self.world_from_body[1, 0], self.world_from_body[0, 0]))
+
+
+@dataclass
+class _Velocity:
+    linear_body_m_s: Floats
+    angular_body_rad_s: Floats
+
+
+@dataclass
+class _Member:
+    """A member of a batch as a controller sees it: where it truly is."""
+
+    pose: _Pose = field(default_factory=lambda: _Pose(np.eye(4)))
+    velocity: _Velocity = field(default_factory=lambda: _Velocity(np.zeros(3), np.zeros(3)))
+    effort: tuple[float, ...] = (0.0,) * len(AXES)
+
+    def set_effort(self, *efforts: float) -> None:
+        self.effort = efforts
+
+
+class Pid:
+    """Holds a place (3,) and a heading in all members by the loops of the vehicle's file; see uwsim.control.Controller.
+
+    It sees the true motion, as policies do, and acts as often. One Python call for each member and period.
+    """
+
+    def __init__(self, episodes: Episodes, place_world_m: Floats, heading_rad: float = 0.0) -> None:
+        entry = episodes.batch.scenario.vehicles[0]
+        settings = control_settings(entry.model, episodes.batch.scenario.water.density_kg_m3)
+        self._episodes = episodes
+        self._place, self._heading = place_world_m, heading_rad
+        self._members = [_Member() for _ in range(episodes.n)]
+        self._controllers = [Controller(m, episodes.period_s, settings=settings) for m in self._members]
+
+    def __call__(self, observation: Any) -> Floats:
+        """Return the efforts of all members, (n, 6). observation: not used."""
+        motion = self._episodes.motion
+        for k, (member, controller) in enumerate(zip(self._members, self._controllers, strict=True)):
+            pose = np.eye(4)
+            pose[:3, :3], pose[:3, 3] = motion.world_from_body[k], motion.position_world_m[k]
+            member.pose = _Pose(pose)
+            member.velocity = _Velocity(motion.velocity_body[k, :3], motion.velocity_body[k, 3:])
+            controller.hold(self._place, self._heading)
+        return np.array([member.effort for member in self._members])

@@ -1,0 +1,44 @@
+"""What policies earn: one episode for each of some seeds, all at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.learning.episodes import Episodes
+from uwsim.learning.policy import Policy
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """Of one episode for each seed: total (n,) reward; steps (n,); figures (steps, n) by name, NaN after the end."""
+
+    total: Floats
+    steps: NDArray[np.intp]
+    figures: dict[str, Floats]
+
+
+def fly(episodes: Episodes, policy: Policy, seeds: Sequence[int]) -> Flown:
+    """Fly an episode of each seed to its end, and no farther. seeds: as many as members."""
+    for member, seed in enumerate(seeds):
+        episodes.seed(member, int(seed))
+    observation = episodes.begin(np.ones(episodes.n, np.bool_))
+    flying = np.ones(episodes.n, np.bool_)
+    total, steps = np.zeros(episodes.n), np.zeros(episodes.n, np.intp)
+    rows: list[dict[str, Floats]] = []
+    while flying.any():
+        outcome = episodes.step(policy(observation))
+        observation = outcome.observation
+        total[flying] += outcome.reward[flying]
+        steps[flying] += 1
+        rows.append({name: np.where(flying, values, np.nan) for name, values in outcome.figures.items()})
+        flying &= ~(outcome.terminated | outcome.truncated)
+    names = rows[0] if rows else {}
+    return Flown(
+        total, steps, {name: np.array([row.get(name, np.full(episodes.n, np.nan)) for row in rows]) for name in names}
+    )

@@ -1,0 +1,144 @@
+"""A task: what the members of a batch begin with, what they are shown, what they are paid for, and when they end."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from gymnasium.spaces import Box, Space
+from numpy.typing import NDArray
+
+from uwsim.batch import Batch
+from uwsim.learning.motion import Motion
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A part of an observation: so many numbers of a unit, each within +-limit (or [low, limit])."""
+
+    name: str
+    width: int
+    limit: float
+    unit: str
+    about: str
+    low: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where the members that begin are put: position_world_m (m, 3), yaw_rad (m,); level and at rest."""
+
+    position_world_m: Floats
+    yaw_rad: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """reward (n,); terminated (n,): whether the task itself has ended; figures (n,) by name, for `info`."""
+
+    reward: Floats
+    terminated: Flags
+    figures: Mapping[str, NDArray[Any]]
+
+
+class Task(ABC):
+    """One kind of episode, of all members of a batch at once: arrays have a row for each member.
+
+    scenario_file: in the folder `learning` of the assets. period_s: between two actions. duration_s: after which an
+    episode is truncated. axes: of the efforts that an action sets, in [-1, 1]. randomize: parameters that are drawn for
+    each episode, uniformly in (low, high). draws: how many numbers in [0, 1) `start` takes for each member.
+
+    A task may keep arrays of its own; `start` begins the rows of its members anew.
+    """
+
+    scenario_file: ClassVar[str]
+    period_s: ClassVar[float] = 0.05
+    duration_s: ClassVar[float] = 20.0
+    axes: ClassVar[tuple[str, ...]] = AXES
+    randomize: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    draws: ClassVar[int]
+    goal_fields: ClassVar[tuple[Field, ...]]
+
+    def __init__(self, batch: Batch, vehicle: str | None = None) -> None:
+        self.batch = batch
+        self.vehicle = batch.scenario.vehicles[0].name if vehicle is None else vehicle
+        self.columns = [AXES.index(axis) for axis in self.axes]
+
+    @classmethod
+    def fields(cls) -> tuple[Field, ...]:
+        """The parts of an observation, in order: those of the goal, then those of the vehicle."""
+        return (
+            *cls.goal_fields,
+            Field("up_body", 3, 1.0, "1", "the world's z axis in body axes: how it is tilted"),
+            Field("linear_velocity_body", 3, 5.0, "m/s", "over ground, in body axes"),
+            Field("angular_velocity_body", 3, 10.0, "rad/s", "in body axes"),
+            Field("effort", len(cls.axes), 1.0, "1", "the action before"),
+        )
+
+    @property
+    def observation_space(self) -> Space[Any]:
+        """Of one member."""
+        return box(self.fields())
+
+    @property
+    def action_space(self) -> Box:
+        """Of one member: an effort for each of `axes`."""
+        return Box(-1.0, 1.0, (len(self.axes),), np.float32)
+
+    def efforts(self, actions: Floats, now: Motion) -> Floats:
+        """Return efforts (n, 6), surge to yaw, of actions (n, axes)."""
+        efforts = np.zeros((len(actions), len(AXES)))
+        efforts[:, self.columns] = actions
+        return efforts
+
+    def observe(self, now: Motion, actions: Floats) -> Any:
+        """Return observations, float32 (n, width), cut to their limits. actions (n, axes): those before."""
+        parts = (self.goal(now), now.up_body, now.velocity_body, actions)
+        return cut(np.concatenate(parts, axis=1), self.fields())
+
+    @abstractmethod
+    def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
+        """Begin episodes of members (m,). draws (m, self.draws): in [0, 1)."""
+
+    @abstractmethod
+    def goal(self, now: Motion) -> Floats:
+        """Return what is observed of the goal, (n, width of goal_fields)."""
+
+    @abstractmethod
+    def judge(self, now: Motion, actions: Floats) -> Verdict:
+        """Judge the step that has just been made, with these actions."""
+
+
+def box(fields: tuple[Field, ...]) -> Box:
+    """Return the space of an observation of these fields."""
+    low, high = limits(fields)
+    return Box(low, high, dtype=np.float32)
+
+
+def cut(values: Floats, fields: tuple[Field, ...]) -> NDArray[np.float32]:
+    """Return observations (n, width) cut to their limits."""
+    return np.asarray(np.clip(values, *limits(fields), dtype=np.float32, casting="same_kind"))
+
+
+_LIMITS: dict[tuple[Field, ...], tuple[NDArray[np.float32], NDArray[np.float32]]] = {}
+
+
+def limits(fields: tuple[Field, ...]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the lowest and highest values of an observation, (width,) each."""
+    if fields not in _LIMITS:
+        low = [-field.limit if field.low is None else field.low for field in fields for _ in range(field.width)]
+        high = [field.limit for field in fields for _ in range(field.width)]
+        _LIMITS[fields] = np.array(low, np.float32), np.array(high, np.float32)
+    return _LIMITS[fields]
+
+
+def spread(draws: Floats, low: float, high: float) -> Floats:
+    """Return draws in [0, 1) as draws in [low, high)."""
+    return low + (high - low) * draws

@@ -1,0 +1,97 @@
+"""Coverage: see a plot of the bed by sonar; what has been seen is observed as a map."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Dict, Space
+from numpy.typing import NDArray
+
+from uwsim.batch import Batch
+from uwsim.learning.motion import Motion
+from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
+
+CELLS, CELL_M = 40, 0.5
+PLOT_M = CELLS * CELL_M
+DEPTH_M = 3.5
+FULL_PAY, STRUCK, DONE = 100.0, -5.0, 10.0
+ENOUGH = 0.95
+LOST_M = 4.0  # outside the plot
+CLIMB_1_M, DAMP_S_M = 2.0, 2.0  # of the height that is held
+
+
+class Coverage(Task):
+    """See a plot of 20 x 20 m by a tilted sonar. An action sets surge, sway and yaw; the depth of 3.5 m is held.
+
+    The map is an image (1, 40, 40): 255 where a cell of 0.5 m has been seen; rows from south to north, columns from
+    west to east. Start: in the plot, any heading. Reward of a step: 100 x the share of the plot that is newly seen,
+    but for the first ping; 10 when 95 % are, -5 for striking something. End: either of them, or 4 m outside the plot.
+    """
+
+    scenario_file = "plot.yaml"
+    period_s = 0.2
+    duration_s = 180.0
+    axes = ("surge", "sway", "yaw")
+    draws = 3
+    goal_fields = (
+        Field("position_plot", 2, 2.0, "1", "from the plot's middle, east and north, in halves of its side"),
+        Field("heading", 2, 1.0, "1", "cosine and sine of the angle from east, counter-clockwise"),
+    )
+
+    def __init__(self, batch: Batch, vehicle: str | None = None) -> None:
+        super().__init__(batch, vehicle)
+        self._seen = np.zeros((batch.n, CELLS, CELLS), np.bool_)
+        self._count = np.zeros(batch.n, np.intp)
+
+    @property
+    def observation_space(self) -> Space[Any]:
+        """The state of the vehicle, and the map."""
+        return Dict({"state": super().observation_space, "map": Box(0, 255, (1, CELLS, CELLS), np.uint8)})
+
+    def efforts(self, actions: Floats, now: Motion) -> Floats:
+        """Add what holds the depth."""
+        efforts = super().efforts(actions, now)
+        up_m_s = np.einsum("ni,ni->n", now.up_body, now.velocity_body[:, :3])
+        efforts[:, 2] = np.clip(CLIMB_1_M * (-DEPTH_M - now.position_world_m[:, 2]) - DAMP_S_M * up_m_s, -1.0, 1.0)
+        return efforts
+
+    def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
+        """Begin somewhere in the plot, with nothing seen."""
+        self._seen[members] = False
+        self._count[members] = 0
+        places = spread(draws[:, :2], -0.4 * PLOT_M, 0.4 * PLOT_M)
+        depth_m = np.full(len(members), -DEPTH_M)
+        return Start(np.column_stack([places, depth_m]), spread(draws[:, 2], -math.pi, math.pi))
+
+    def goal(self, now: Motion) -> Floats:
+        """Return place and heading."""
+        return np.concatenate([now.position_world_m[:, :2] / (0.5 * PLOT_M), now.heading], axis=1)
+
+    def observe(self, now: Motion, actions: Floats) -> Any:
+        """Ping, and return state and map."""
+        self._look()
+        seen = np.where(self._seen[:, None], np.uint8(255), np.uint8(0))
+        return {"state": super().observe(now, actions), "map": seen}
+
+    def _look(self) -> None:
+        """Mark the cells in which an echo is."""
+        ping = self.batch.ping(self.vehicle)
+        turn, place = ping.world_from_sonar[:, :2, :3], ping.world_from_sonar[:, None, :2, 3]
+        points = np.nan_to_num(ping.points_sonar_m) @ turn.transpose(0, 2, 1) + place
+        cells = np.floor(points / CELL_M).astype(np.intp) + CELLS // 2
+        inside = ping.valid & ((cells >= 0) & (cells < CELLS)).all(axis=2)
+        members, _ = np.nonzero(inside)
+        columns, rows = cells[inside].T
+        self._seen[members, rows, columns] = True
+
+    def judge(self, now: Motion, actions: Floats) -> Verdict:
+        """Pay for cells newly seen."""
+        count = self._seen.sum(axis=(1, 2))
+        share = count / CELLS**2
+        done, struck = share >= ENOUGH, now.collisions > 0
+        reward = FULL_PAY / CELLS**2 * (count - self._count) + DONE * done + STRUCK * struck
+        self._count = count
+        outside = (np.abs(now.position_world_m[:, :2]) > 0.5 * PLOT_M + LOST_M).any(axis=1)
+        return Verdict(reward, done | struck | outside, {"seen_share": share, "success": done})

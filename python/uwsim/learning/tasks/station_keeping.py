@@ -1,0 +1,48 @@
+"""Station keeping: hold a place and a heading in a current with gusts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.learning.motion import Motion
+from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
+
+PLACE_M = np.array([0.0, 0.0, -7.0])
+HALF_PAY_M = 0.2  # the distance at which half is paid
+EFFORT_COST = 0.02
+LOST_M = 5.0
+
+
+class StationKeeping(Task):
+    """Hold PLACE_M, heading east and level, in a current of up to 0.42 m/s with gusts of 0.2 m/s rms.
+
+    Start: within 1 m of it along each axis, and within 45 degrees. Reward of a step: (1 + cos heading error) / 2 /
+    (1 + (distance / 0.2 m)^2) - 0.02 x the mean square of the efforts: at most 1. End: 5 m away.
+    """
+
+    scenario_file = "open_water.yaml"
+    randomize = {"water.current_world_m_s.x": (-0.3, 0.3), "water.current_world_m_s.y": (-0.3, 0.3)}  # noqa: RUF012
+    draws = 4
+    place_m = PLACE_M
+    goal_fields = (
+        Field("place_body", 3, 10.0, "m", "the way to the place, in body axes"),
+        Field("heading_body", 3, 1.0, "1", "the wanted heading's unit vector, in body axes"),
+    )
+
+    def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
+        """Begin near the place."""
+        return Start(self.place_m + spread(draws[:, :3], -1.0, 1.0), spread(draws[:, 3], -1.0, 1.0) * math.pi / 4)
+
+    def goal(self, now: Motion) -> Floats:
+        """Return the way to the place, and the wanted heading."""
+        return np.concatenate([now.towards(self.place_m), now.world_from_body[:, 0, :]], axis=1)
+
+    def judge(self, now: Motion, actions: Floats) -> Verdict:
+        """Pay for being near."""
+        distance_m = np.linalg.norm(now.position_world_m - self.place_m, axis=1)
+        facing = 0.5 * (1.0 + now.heading[:, 0])
+        reward = facing / (1.0 + (distance_m / HALF_PAY_M) ** 2) - EFFORT_COST * (actions**2).mean(axis=1)
+        return Verdict(reward, distance_m > LOST_M, {"distance_m": distance_m})

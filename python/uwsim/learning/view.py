@@ -1,0 +1,23 @@
+"""How an environment is rendered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+RENDER_MODES = ["rgb_array"]
+
+
+@dataclass(frozen=True)
+class View:
+    """camera: of the vehicle, such as "chase" or "front". width, height: of the picture, in pixels."""
+
+    camera: str = "chase"
+    width: int = 480
+    height: int = 270
+
+    def checked(self, render_mode: str | None) -> Self:
+        """Return the same. Raises ValueError for an unknown mode."""
+        if render_mode not in (None, *RENDER_MODES):
+            raise ValueError(f"render_mode = {render_mode!r}: must be None or one of {', '.join(RENDER_MODES)}")
+        return self
