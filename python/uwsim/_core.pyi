@@ -65,6 +65,7 @@ __all__: list[str] = [
     "PidGains",
     "Ping",
     "PingBatch",
+    "RANGING_PING_BYTES",
     "RayHits",
     "RayScene",
     "Reception",
@@ -2662,11 +2663,21 @@ class Simulation:
     def link_counts(
         self, topic: typing.SupportsInt | typing.SupportsIndex, from_node: typing.SupportsInt | typing.SupportsIndex
     ) -> TopicCounts: ...
+    def link_cut_off(self, node: typing.SupportsInt | typing.SupportsIndex, is_cut_off: bool) -> None:
+        """
+        Cuts a node off from now on, or no longer.
+        """
     def link_deliveries(
         self, to_node: typing.SupportsInt | typing.SupportsIndex, after_ns: typing.SupportsInt | typing.SupportsIndex
     ) -> list[LinkDelivery]:
         """
         What has arrived at a node after a time, oldest first; the newest 512 of all nodes are kept.
+        """
+    def link_fault_loss(
+        self, from_node: typing.SupportsInt | typing.SupportsIndex, to_node: typing.SupportsInt | typing.SupportsIndex
+    ) -> float:
+        """
+        Probability that a packet is lost for a fault now.
         """
     def link_next_arrival_ns(self) -> int:
         """
@@ -2690,9 +2701,10 @@ class Simulation:
         priority: typing.SupportsInt | typing.SupportsIndex = 0,
         lifetime_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         replaces: bool = False,
+        repeats: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> bool:
         """
-        Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: never. Raises ValueError.
+        Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: never. repeats: how often it is sent again. Raises ValueError.
         """
     def link_sending_s(self) -> float:
         """
@@ -3825,3 +3837,5 @@ def voxel_grid(
     pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m. points_m: (n, 3) float32. Returns (k,
     3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
     """
+
+RANGING_PING_BYTES: int = 2

@@ -14,6 +14,7 @@ from uwsim.scenario.spec.modem import ModemModel
 
 STATION = "station"
 PAYLOAD_BYTES_MAX = 1_000_000
+REPEATS_MAX = 10
 
 
 class Delivery(NamedTuple):
@@ -52,7 +53,8 @@ class Network:
     """The packets between the station and the vehicles, in simulated time; part of a simulator's state.
 
     modem: its figures. nodes: who can send: "station", and the vehicles by name. A message arrives whole after its
-    packets' travel, or not at all; there are no acknowledgements.
+    packets' travel, or not at all; there are no acknowledgements, but a message may be sent several times.
+    Topics that begin with `ranging/` are pings and fixes of a USBL that shares the modem.
     """
 
     def __init__(self, core: _core.Simulation, scenario: Scenario, modem: ModemModel, journal: Journal) -> None:
@@ -82,11 +84,13 @@ class Network:
         priority: int = 0,
         lifetime_s: float | None = None,
         replaces: bool = False,
+        repeats: int = 0,
     ) -> bool:
         """Give a message to the sender's queue now; return whether there was room.
 
         priority: 0 goes first. lifetime_s: after which it is not sent any more. replaces: it takes the place of an
-        older one of its topic that still waits whole. Raises ValueError.
+        older one of its topic that still waits whole. repeats: how often it is sent again, since it may get lost; it
+        arrives once, with the first copy that does. Raises ValueError.
         """
         if not isinstance(payload, bytes) or len(payload) > PAYLOAD_BYTES_MAX:
             raise ValueError(f"link: payload of topic '{topic}': must be at most {PAYLOAD_BYTES_MAX} bytes")
@@ -94,13 +98,15 @@ class Network:
             raise ValueError(f"link: priority = {priority!r}: must be a whole number in [0, 255]")
         if lifetime_s is not None and not 0 < lifetime_s <= 1e9:
             raise ValueError(f"link: lifetime_s = {lifetime_s!r} s: must be in (0, 1e9]")
+        if isinstance(repeats, bool) or not isinstance(repeats, int) or not 0 <= repeats <= REPEATS_MAX:
+            raise ValueError(f"link: repeats = {repeats!r}: must be a whole number in [0, {REPEATS_MAX}]")
         source, target = self._node(sender), self._node(receiver)
         taken = self._core.link_send(
-            source, target, self._core.link_topic(topic), payload, priority, lifetime_s or 0.0, replaces
+            source, target, self._core.link_topic(topic), payload, priority, lifetime_s or 0.0, replaces, repeats
         )
         self._journal.note(
             "link_send", sender=sender, receiver=receiver, topic=topic, payload=payload, priority=priority,
-            lifetime_s=lifetime_s, replaces=replaces,
+            lifetime_s=lifetime_s, replaces=replaces, repeats=repeats,
         )  # fmt: skip
         return bool(taken)
 
@@ -149,6 +155,14 @@ class Network:
         """Return for how long a node has heard nothing whole from another, since the start if it never has."""
         heard_ns = self.quality(sender, at).heard_ns
         return 1e-9 * max(self._core.time_ns - heard_ns, 0)
+
+    def cut_off(self, vehicle: str, is_cut_off: bool) -> None:
+        """Let no packet to or from a vehicle be received from now on, or no longer: of a fault."""
+        self._core.link_cut_off(self._node(vehicle), is_cut_off)
+
+    def fault_loss(self, vehicle: str) -> float:
+        """Return the share of the packets between a vehicle and the station that faults take now; 1 is a blackout."""
+        return self._core.link_fault_loss(self._node(vehicle), self._node(STATION))
 
     @property
     def sending_s(self) -> float:

@@ -112,7 +112,7 @@ class Simulator(Sealed):
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
             self.scenario, vehicles, events=self.events, journal=self.journal, tick=lambda: self.tick,
-            apply=lambda: self.parameters.lay_anew(),
+            apply=lambda: self.parameters.lay_anew(), network=self._link,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
         self._aboard = Aboard(self.faults)

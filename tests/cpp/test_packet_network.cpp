@@ -216,11 +216,88 @@ TEST(PacketNetwork, NoiseLosesWhatTheCurveSays) {
   EXPECT_NEAR(lost, expected, 4 * std::sqrt(expected * (1 - expected) / count));
 }
 
+/// A packet of 9 bytes over the ring is received from 0.1 s to 0.172 s.
+TEST(PacketNetwork, APacketInTheWaterWhenABlackoutBeginsIsLostAndOneThatArrivesAfterItIsNot) {
+  const auto delivered = [](const LinkFault& fault) {
+    Network run(aloha(), 2, {fault});
+    run.network.send(0, message(1, run.network.topic("t"), "12345"), 0);
+    run.run(1);
+    return run.network.deliveries().size();
+  };
+  EXPECT_EQ(delivered({0, 0.1, 1}), 1u);      // over when its reception begins, although it was sent meanwhile
+  EXPECT_EQ(delivered({0, 0.101, 1}), 0u);    // takes its beginning
+  EXPECT_EQ(delivered({0.171, 0.5, 1}), 0u);  // takes its end, long after it was sent
+  EXPECT_EQ(delivered({0.172, 0.5, 1}), 1u);  // begins when it has arrived
+  EXPECT_EQ(delivered({0.12, 0.13, 1}), 0u);  // takes its middle
+}
+
+TEST(PacketNetwork, ACutNodeNeitherHearsNorIsHeardUntilItIsJoinedAgain) {
+  Network run(aloha(), 3);
+  const auto topic = run.network.topic("t");
+  run.network.send(0, message(1, topic, "in the water"), 0);
+  run.run(0.12);
+  run.network.cut_off(1, true, run.now_ns);
+  EXPECT_EQ(run.network.fault_loss(1, 0, run.now_ns), 1);
+  EXPECT_EQ(run.network.fault_loss(2, 0, run.now_ns), 0);
+  run.run(0.5);
+  run.network.send(1, message(0, topic, "from it"), run.now_ns);
+  run.run(0.5);
+  run.network.send(2, message(0, topic, "from another"), run.now_ns);
+  run.run(0.5);
+  EXPECT_EQ(run.sum(topic).lost[static_cast<std::size_t>(Loss::kFault)], 2u);
+  ASSERT_EQ(run.network.deliveries().size(), 1u);
+  run.network.cut_off(1, false, run.now_ns);
+  run.network.send(0, message(1, topic, "afterwards"), run.now_ns);
+  run.run(0.5);
+  EXPECT_EQ(run.network.deliveries().back().payload, "afterwards");
+  EXPECT_EQ(run.network.fault_loss(1, 0, run.now_ns), 0);
+}
+
+TEST(PacketNetwork, AMessageThatIsRepeatedArrivesOnceAndIsLostOnlyIfAllCopiesAre) {
+  constexpr int kMessages = 1500;
+  const double loss = 0.4;
+  Network run(aloha(), 2, {{0, 1e6, loss}});
+  const auto topic = run.network.topic("command");
+  for (int k = 0; k < kMessages; ++k) {
+    LinkMessage command = message(1, topic, "1234");
+    command.repeats = 2;
+    run.network.send(0, command, run.now_ns);
+    run.run(0.5);
+  }
+  const TopicCounts& counts = run.network.counts(topic, 0);
+  EXPECT_EQ(counts.sent, static_cast<std::uint64_t>(kMessages));
+  EXPECT_EQ(counts.bytes_sent, 3u * 4u * kMessages);
+  const std::uint64_t lost = counts.lost[static_cast<std::size_t>(Loss::kFault)];
+  EXPECT_EQ(counts.delivered + lost, counts.sent);
+  const double expected = loss * loss * loss;
+  EXPECT_NEAR(static_cast<double>(lost) / kMessages, expected, 4 * std::sqrt(expected * (1 - expected) / kMessages));
+}
+
+TEST(PacketNetwork, ANewerCommandEndsTheRepeatsOfTheOlderWhichIsThenLostOrNot) {
+  Network run(aloha(), 2, {{0, 0.5, 1}});  // takes what comes first
+  const auto topic = run.network.topic("command");
+  LinkMessage command = message(1, topic, std::string(60, '1'));  // 0.512 s
+  command.repeats = 5;
+  command.replaces = true;
+  run.network.send(0, command, 0);
+  run.run(0.4);  // it is on its way, and waits to be sent again
+  command.payload = "newer";
+  run.network.send(0, command, run.now_ns);
+  run.run(5);
+  EXPECT_EQ(run.network.counts(topic, 0).sent, 2u);
+  EXPECT_EQ(run.network.counts(topic, 0).replaced, 0u);  // it was sent
+  EXPECT_EQ(run.network.counts(topic, 0).lost[static_cast<std::size_t>(Loss::kFault)], 1u);
+  ASSERT_EQ(run.network.deliveries().size(), 1u);
+  EXPECT_EQ(run.network.deliveries()[0].payload, "newer");
+}
+
 TEST(PacketNetwork, RestoredItGoesOnToTheSameEnd) {
   const auto load = [](Network& run, int messages) {
     const std::uint64_t topic = run.network.topic("load");
     for (int k = 0; k < messages; ++k) {
-      run.network.send(1 + static_cast<std::size_t>(k % 5), message(0, topic, std::string(100, 'x')), run.now_ns);
+      LinkMessage one = message(0, topic, std::string(100, 'x'));
+      one.repeats = static_cast<std::uint64_t>(k % 3);
+      run.network.send(1 + static_cast<std::size_t>(k % 5), one, run.now_ns);
       run.run(0.3);
     }
   };
@@ -228,6 +305,7 @@ TEST(PacketNetwork, RestoredItGoesOnToTheSameEnd) {
   modem.backoff_s = 0.5;
   Network whole(modem, 6);
   load(whole, 40);
+  whole.network.cut_off(3, true, whole.now_ns);
   StateArchive saved;
   whole.network.exchange_state(saved);
   Network other(modem, 6);

@@ -8,6 +8,7 @@ import pytest
 from uwsim import Simulator
 from uwsim.channels import channels, services
 from uwsim.channels.messages import default_message
+from uwsim.link import seen_channels
 from uwsim.live import LiveSimulator, replay
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.errors import ScenarioError
@@ -193,6 +194,31 @@ def test_a_link_that_is_down_carries_nothing_either_way():
         tell(1.0)
         assert live.rov.effort[0] == 1.0
         assert live.simulator.rov.failsafe.state == ""
+
+
+def test_a_link_fault_takes_packets_that_are_in_the_water_and_the_status_says_so():
+    scenario = lake({"kind": "link", "at_s": 1.0, "for_s": 2.0}).with_changes(modem="ideal_acoustic")
+    sim = Simulator(scenario)
+    sim.rov.place((-60.0, -40.0, -12.0))
+    status = {channel.name: channel for channel in seen_channels(sim, channels(sim))}["link"]
+    delay_s = sim.link.reception("station", "rov").delay_s
+    assert delay_s > 0.02
+    sim.advance(1.0 - 0.01)
+    assert sim.link.send("station", "rov", "t", b"in the water when it begins")
+    assert status.read(sim).fault_loss == 0.0
+    sim.advance(1.5)
+    assert status.read(sim).fault_loss == 1.0
+    state = sim.save_state()
+    sim.advance(1.0)
+    sim.restore_state(state)
+    assert status.read(sim).fault_loss == 1.0, "it goes on"
+    sim.advance(1.0)
+    sim.link.send("station", "rov", "t", b"afterwards")
+    sim.advance(1.0)
+    assert [one.payload for one in sim.link.received("rov")] == [b"afterwards"]
+    (counts,) = sim.link.counts()
+    assert counts.lost["fault"] == 1
+    assert status.read(sim).fault_loss == 0.0
 
 
 def test_over_a_link_that_is_down_lamps_stay_as_they_are_and_cameras_do_not_turn():

@@ -18,6 +18,7 @@ from uwsim.link.packing import PACKINGS
 from uwsim.live import LiveSimulator, replay
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay as replay_file
+from uwsim.scenario import load
 
 
 def linked(modem: str = "s2cm_hs") -> LiveSimulator:
@@ -69,6 +70,26 @@ def test_the_station_sees_what_was_carried_and_only_that() -> None:
         assert status.modem == "s2cm_hs"
         assert status.delivered > 0
         assert 0.0 < status.delay < 0.1
+
+
+def test_commands_may_be_sent_several_times_and_a_pattern_without_effect_is_refused() -> None:
+    scenario = load("pool").with_changes(modem="s2cm_hs")
+    repeats = {"key": 2, "command/release": 1}
+    link = scenario.link.model_copy(update={"repeats": repeats})
+    sim = Simulator(scenario.model_copy(update={"link": link}), threads=1)
+    with LiveSimulator(sim, paused=True) as live, Carrier(live, channels(sim)) as carrier:
+        named(carrier, "key").apply(live, key(surge=0.5))
+        next(one for one in carrier.over(services(sim)) if one.name == "release").call(live, {})
+        live.step(600)
+        counts = {one.topic: one for one in sim.link.counts() if one.sender == "station"}
+        assert sim.rov.released
+        assert [counts["key"].delivered, counts["command/release"].delivered] == [1, 1]
+        assert counts["key"].bytes_sent == 3 * counts["key"].bytes_delivered
+        assert counts["command/release"].bytes_sent == 2 * counts["command/release"].bytes_delivered
+    other = scenario.link.model_copy(update={"repeats": {"kye": 2}})
+    wrong = Simulator(scenario.model_copy(update={"link": other}), threads=1)
+    with pytest.raises(ValueError, match=r"'kye': must match a channel.*did you mean 'key'"):
+        Carrier(wrong, channels(wrong))
 
 
 def test_services_go_over_the_link() -> None:

@@ -48,6 +48,7 @@ OTHER: dict[str, Any] = {
 
 SAME = {
     "rov.sonar.model": "the models that it may be replaced by differ from it in physics mode alone",
+    "rov.sensors.usbl.shares_modem": "this world has no link; tests/python/test_link_usbl.py has one",
     "auv.sonar.mode": "bending, which is on, is for physics mode alone",
 }
 """Parameters that cannot be shown here; others like them are."""

@@ -40,7 +40,7 @@ class Record {
     return *this;
   }
 
-  /// What notebooks show, drawn by `module`, which is imported then: plot() gives a matplotlib figure.
+  /// The picture that notebooks show, drawn by `module`, which is imported then: plot() gives a matplotlib figure.
   Record& drawn_by(const char* module) {
     class_
         .def(

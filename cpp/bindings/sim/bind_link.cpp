@@ -129,6 +129,7 @@ void bind_link_physics(py::module_& m) {
 }
 
 void bind_link_results(py::module_& m) {
+  m.attr("RANGING_PING_BYTES") = PositionExchange::kPingBytes;
   py::class_<Reception>(m, "Reception", "How a packet reaches a receiver; levels in dB re 1 uPa.")
       .def_readonly("reached", &Reception::reached)
       .def_readonly("delay_s", &Reception::delay_s, "of the first arrival")
@@ -200,22 +201,23 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "link_send",
           [](OwnedSimulation& o, std::size_t from, std::uint64_t to, std::uint64_t topic, const py::bytes& payload,
-             std::uint64_t priority, double lifetime_s, bool replaces) {
+             std::uint64_t priority, double lifetime_s, bool replaces, std::uint64_t repeats) {
             LinkMessage message;
             message.to = to;
             message.topic = topic;
             message.payload = payload;
             message.priority = priority;
             message.replaces = replaces;
+            message.repeats = repeats;
             return o.with([&](Simulation& s) {
               if (lifetime_s > 0) message.deadline_ns = s.time_ns() + static_cast<std::uint64_t>(1e9 * lifetime_s);
               return s.link().send(from, std::move(message), s.time_ns());
             });
           },
           py::arg("from_node"), py::arg("to_node"), py::arg("topic"), py::arg("payload"), py::arg("priority") = 0,
-          py::arg("lifetime_s") = 0.0, py::arg("replaces") = false,
+          py::arg("lifetime_s") = 0.0, py::arg("replaces") = false, py::arg("repeats") = 0,
           "Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: "
-          "never. Raises ValueError.")
+          "never. repeats: how often it is sent again. Raises ValueError.")
       .def(
           "link_deliveries",
           [](OwnedSimulation& o, std::uint64_t to, std::uint64_t after_ns) {
@@ -253,6 +255,18 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
             return o.with([&](Simulation& s) { return s.link_reception(from, to); });
           },
           py::arg("from_node"), py::arg("to_node"), "How a packet sent now would arrive.")
+      .def(
+          "link_cut_off",
+          [](OwnedSimulation& o, std::size_t node, bool is_cut_off) {
+            o.with([&](Simulation& s) { s.link().cut_off(node, is_cut_off, s.time_ns()); });
+          },
+          py::arg("node"), py::arg("is_cut_off"), "Cuts a node off from now on, or no longer.")
+      .def(
+          "link_fault_loss",
+          [](OwnedSimulation& o, std::size_t from, std::size_t to) {
+            return o.with([&](Simulation& s) { return s.link().fault_loss(from, to, s.time_ns()); });
+          },
+          py::arg("from_node"), py::arg("to_node"), "Probability that a packet is lost for a fault now.")
       .def(
           "link_waiting",
           [](OwnedSimulation& o, std::size_t node) {

@@ -10,7 +10,7 @@
 
 namespace uwsim {
 
-/// What a controller knows of its vehicle, from the vehicle's file: the equations of motion deep in still water, what
+/// A controller's knowledge of its vehicle, from the vehicle's file: the equations of motion deep in still water, what
 /// the thrusters give in it, and what fins give at small angles in flow from ahead, about axes that they alone drive.
 class ControlModel {
  public:

@@ -31,7 +31,7 @@ struct ControlGains {
   void check(double period_s) const;
 };
 
-/// What to hold. Positions that are NaN are free: the velocity alone holds there.
+/// The motion to hold. Positions that are NaN are free: the velocity alone holds there.
 struct MotionTarget {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< of the position, fed forward
@@ -41,7 +41,7 @@ struct MotionTarget {
   bool across_first = false;  ///< beyond the thrusters, force across the vehicle comes before force along it
 };
 
-/// What one control period leaves to the next.
+/// The state that one control period leaves to the next.
 struct MotionMemory {
   Eigen::Vector3d integral_world = Eigen::Vector3d::Zero();      ///< of surge, sway, heave [m/s^2]
   Eigen::Vector3d integral_body = Eigen::Vector3d::Zero();       ///< of roll, pitch, yaw [rad/s^2]

@@ -82,7 +82,7 @@ std::shared_ptr<const Body> body_of(std::span<const ConvexPiece> pieces_body_m) 
       [&] { return std::make_shared<const Body>(made_body(pieces_body_m)); });
 }
 
-/// What contacts need of terrain and solids, which never changes.
+/// The part of terrain and solids that contacts need; it never changes.
 struct FixedSurfaces {
   World world;  // without water
   BroadPhase broad_phase;

@@ -13,7 +13,7 @@ namespace uwsim {
 /// several threads may search it, each with memory of its own.
 class SolidTriangles {
  public:
-  /// What a search needs besides the index; kept so that steps allocate nothing.
+  /// The working memory of a search besides the index; kept so that steps allocate nothing.
   class Stack {
    public:
     Stack();

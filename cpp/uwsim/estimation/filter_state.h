@@ -31,7 +31,7 @@ struct BiasModel {
   double growth(double dt_s) const;
 };
 
-/// What an aid's readings came to, and how many of the last ones in a row were outliers.
+/// The outcome of an aid's readings, and how many of the last ones in a row were outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };

@@ -5,7 +5,7 @@
 namespace uwsim {
 namespace {
 
-// What integration by steps leaves out, so that even a filter of perfect instruments stays open to fixes.
+// The error of integration by steps, so that even a filter of perfect instruments stays open to fixes.
 constexpr double kLeastRateDensity = 2e-6;   // rad/sqrt(s)
 constexpr double kLeastForceDensity = 2e-4;  // (m/s)/sqrt(s)
 // A vehicle without an IMU: assumed, of the order of an ROV's manoeuvres.

@@ -43,7 +43,9 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
 }
 
 void NoisySensor::record(const VehicleSnapshot& snapshot, const Surroundings& around) {
-  if (clock_.samples_at(snapshot.tick)) {
+  if (uses_link_) {
+    question_ = clock_.sample_at(snapshot.tick);
+  } else if (clock_.samples_at(snapshot.tick)) {
     SampleHistory::Entry& entry = history_.push(snapshot, dropped(snapshot.tick));
     const double reach_m = sensor_->reach_m();
     entry.observed = reach_m > 0 && around.scene.bodies_within(snapshot.state.world_from_body.position_m, reach_m);
@@ -62,6 +64,7 @@ SensorInput NoisySensor::input(const VehicleSnapshot& snapshot, const Surroundin
 
 bool NoisySensor::arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now,
                           const Surroundings& around) const {
+  if (uses_link_) return true;  // what has not is not in the history yet
   const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(measured, around));
   return clock_.time_ns(measured.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
          clock_.time_ns(now.tick);
@@ -112,7 +115,7 @@ const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& 
     newest_dropped |= is_dropped;
     return found = !is_dropped;
   };
-  if (clock_.samples_at(now.tick) && gives_sample(now, dropped(now.tick))) {
+  if (!uses_link_ && clock_.samples_at(now.tick) && gives_sample(now, dropped(now.tick))) {
     measure(now, around, true);
   } else {
     history_.visit_back([&](const SampleHistory::Entry& entry) {
@@ -131,6 +134,16 @@ const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& 
   return sample_;
 }
 
+void NoisySensor::use_link(bool has_modems) {
+  uses_link_ = has_modems && sensor_->shares_modem();
+  question_.reset();
+}
+
+void NoisySensor::answer(const VehicleSnapshot& asked, bool given_up, std::uint64_t now) {
+  history_.push(asked, given_up || dropped(asked.tick));
+  if (watch_) watch_->next_tick = now;
+}
+
 void NoisySensor::watch(std::optional<std::uint64_t> from_ns) {
   watch_.reset();
   if (from_ns) watch_.emplace().from_ns = *from_ns;
@@ -141,6 +154,10 @@ void NoisySensor::collect(const VehicleSnapshot& now, const Surroundings& around
   read(now, around);
   if (has_arrived_ && sample_.stamp_ns >= watch_->from_ns) {
     watch_->add(sample_.stamp_ns, clock_.time_ns(now.tick), sample_.values, measured_valid_);
+  }
+  if (uses_link_) {
+    watch_->next_tick = kNever;  // until an answer comes
+    return;
   }
   const std::uint64_t newest = clock_.sample_at(now.tick), measured = clock_.tick_of(newest);
   const bool in_transit = clock_.time_ns(measured) >= watch_->from_ns && !dropped(measured);

@@ -2,7 +2,9 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "uwsim/sensors/noise.h"
@@ -40,6 +42,16 @@ class NoisySensor {
 
   /// The reference holds until the next read.
   const Sample& read(const VehicleSnapshot& now, const Surroundings& around);
+  /// Whether its samples come over the link: whoever carries its questions calls take_question and answer.
+  void use_link(bool has_modems);
+  bool uses_link() const { return uses_link_; }
+  /// The number of the sample that it asks for since the last call, if it does.
+  std::optional<std::uint64_t> take_question() { return std::exchange(question_, std::nullopt); }
+  /// The longest time from question to answer that its range allows [s].
+  double longest_travel_time_s() const { return sensor_->longest_travel_time_s(); }
+  /// The answer to a question that was asked at `asked` has arrived at tick `now`; or it has been given up.
+  void answer(const VehicleSnapshot& asked, bool given_up, std::uint64_t now);
+
   /// The present without errors, rate, latency and drop-outs.
   const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
@@ -71,6 +83,8 @@ class NoisySensor {
   Noise noise_;
   RandomStream drop_out_;
   bool records_;  ///< false for a sensor that only measures the present
+  bool uses_link_ = false;
+  std::optional<std::uint64_t> question_;
   std::uint64_t next_due_;
   SampleHistory history_;
   std::vector<double> raw_;

@@ -56,6 +56,15 @@ class SensorRack {
     find_next_collection();
   }
 
+  /// See NoisySensor.
+  void use_link(bool has_modems) {
+    for (NoisySensor& sensor : sensors_) sensor.use_link(has_modems);
+  }
+  void answer(std::size_t index, const VehicleSnapshot& asked, bool given_up, std::uint64_t now) {
+    sensors_.at(index).answer(asked, given_up, now);
+    find_next_collection();
+  }
+
   /// Saves or restores every sensor, as of `tick`. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive.same("sensors", sensors_.size());

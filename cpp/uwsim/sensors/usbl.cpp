@@ -15,9 +15,13 @@ namespace {
 /// memory): without errors a fix is the true position. The range error acts along the line of sight; the bearing error
 /// is two small angles across it, an error of R x angle in position. Out of range, and in a shadow zone, which no
 /// direct ray reaches, there is no fix: range 0, invalid. Obstacles do not block the ray.
+/// With `shares_modem` and a link of modems, ping and fix are packets of the link instead (sim/position_exchange.h).
 class Usbl final : public MountedSensor {
  public:
-  explicit Usbl(const SensorSpec& spec) : MountedSensor(spec), range_max_m_(spec.number("range_max_m")) {}
+  explicit Usbl(const SensorSpec& spec)
+      : MountedSensor(spec),
+        range_max_m_(spec.number("range_max_m")),
+        shares_modem_(flag(spec.parameters, "shares_modem")) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
     const Eigen::Vector3d line = from_station(input);
@@ -51,6 +55,7 @@ class Usbl final : public MountedSensor {
   }
 
   double longest_travel_time_s() const override { return 2 * range_max_m_ / kSlowestSound_m_s; }
+  bool shares_modem() const override { return shares_modem_; }
 
  private:
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
@@ -59,7 +64,7 @@ class Usbl final : public MountedSensor {
     return world_from_sensor(input).position_m - input.around.station_world_m;
   }
   static double depth_m(const Eigen::Vector3d& point_world_m) { return std::max(0.0, -point_world_m.z()); }
-  /// What sticks out of the water hears as if it were at the surface.
+  /// An end that sticks out of the water hears as if it were at the surface.
   std::optional<Eigenray> ray_from_station(const SensorInput& input) const {
     const Eigen::Vector3d line = from_station(input);
     return direct_ray(input.around.sound,
@@ -68,12 +73,16 @@ class Usbl final : public MountedSensor {
   }
 
   double range_max_m_;
+  bool shares_modem_;
 };
 
 constexpr Field kFields[] = {
     {"position_m", 3, "m"}, {"range_m", 1, "m"}, {"azimuth_rad", 1, "rad"}, {"elevation_rad", 1, "rad"}};
 constexpr Channel kChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}};
-constexpr Parameter kParameters[] = {{"range_max_m", 1, 1000, 1, 10000, "m", "from the station; no fix beyond"}};
+constexpr Parameter kParameters[] = {
+    {"range_max_m", 1, 1000, 1, 10000, "m", "from the station; no fix beyond"},
+    {"shares_modem", 1, 1, 0, 1, "", "whether pings and fixes are packets of the link, where that has modems",
+     ParameterType::kFlag}};
 
 }  // namespace
 

@@ -48,6 +48,7 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   sound_ = std::move(sound);
   spec_ = spec;
   vehicles_ = std::move(changed);
+  if (link_) join_instruments();
   hulls_ = std::move(hulls);
   hulls_version_ = kUnplaced;
   ++version_;

@@ -7,11 +7,12 @@
 #include "uwsim/acoustics/modem/packet_network.h"
 #include "uwsim/core/pose.h"
 #include "uwsim/rays/ray_scene.h"
+#include "uwsim/sim/position_exchange.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
 
-/// What joins the station and the vehicles.
+/// The figures of what joins the station and the vehicles.
 struct LinkSpec {
   ModemSpec modem;
   Eigen::Vector3d station_transducer_world_m = Eigen::Vector3d::Zero();
@@ -48,11 +49,12 @@ class LinkWater {
   ModemWater water_;
 };
 
-/// A simulation's link: its figures, its packets, and the water they go through.
+/// A simulation's link: its figures, its packets, the water they go through, and the instruments that use it.
 struct Link {
   LinkSpec spec;
   PacketNetwork network;
   LinkWater water;
+  std::vector<PositionExchange> exchanges;
 };
 
 }  // namespace uwsim

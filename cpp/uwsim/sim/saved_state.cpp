@@ -49,7 +49,9 @@ void Simulation::exchange_state(StateArchive& archive) {
   for (Vehicle& vehicle : vehicles_) exchange_vehicle(archive, vehicle);
   bodies_.exchange_state(archive);
   archive.same("link", link_ ? 1 : 0);
-  if (link_) link_->network.exchange_state(archive);
+  if (!link_) return;
+  link_->network.exchange_state(archive);
+  for (PositionExchange& one : link_->exchanges) one.exchange_state(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

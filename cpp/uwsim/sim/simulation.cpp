@@ -74,6 +74,7 @@ Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec
   vehicle.craft = from.craft;
   vehicle.actuators = Actuators(from.actuators);
   vehicle.sensors = SensorRack(from.sensors, spec.seed, from.name, step_ns_);
+  vehicle.sensors.use_link(link_ && link_->spec.modem.kind == LinkKind::kModem);
   for (const SonarSpec& sonar : from.sonars) {
     vehicle.sonars.emplace_back(sonar, water, RandomStream(spec.seed, stream_name(from.name, sonar.name)));
   }
@@ -105,7 +106,7 @@ void Simulation::step_once() {
   }
   ++tick_;
   ++version_;
-  if (link_) link_->network.receive(time_ns());
+  if (link_) receive();
 }
 
 void Simulation::drive(Vehicle& vehicle) {

@@ -124,6 +124,8 @@ class Simulation {
   void step_once();
   void drive(Vehicle& vehicle);
   void transmit();
+  void receive();
+  void join_instruments();
   Transducer transducer(std::size_t node) const;
 
   static constexpr auto kUnplaced = std::numeric_limits<std::uint64_t>::max();  // a version that never is

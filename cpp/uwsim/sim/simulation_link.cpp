@@ -1,8 +1,13 @@
+#include <algorithm>
+#include <utility>
+
 #include "uwsim/core/check.h"
 #include "uwsim/sim/simulation.h"
 
 namespace uwsim {
 namespace {
+
+constexpr const char* kRanging = "ranging/";  // topics of instruments that share the modem: with their names
 
 /// Transducers where they are when a packet begins to be sent, asked for one by one: most steps send nothing.
 template <typename Place>
@@ -29,8 +34,31 @@ class Medium final : public LinkMedium {
 void Simulation::set_link(const LinkSpec& spec) {
   spec.check();
   require(!link_, "link", "set", "can be set once");
-  link_.emplace(Link{spec, PacketNetwork(spec.modem, 1 + vehicles_.size(), spec.faults, spec_.seed, step_ns_),
-                     LinkWater(spec, world_.water)});
+  link_.emplace(Link{spec,
+                     PacketNetwork(spec.modem, 1 + vehicles_.size(), spec.faults, spec_.seed, step_ns_),
+                     LinkWater(spec, world_.water),
+                     {}});
+  for (Vehicle& vehicle : vehicles_) vehicle.sensors.use_link(spec.modem.kind == LinkKind::kModem);
+  join_instruments();
+}
+
+/// Makes an exchange for each instrument that shares the modem; those that there were go on.
+void Simulation::join_instruments() {
+  std::vector<PositionExchange> before = std::move(link_->exchanges);
+  link_->exchanges.clear();
+  for (std::size_t index = 0; index < vehicles_.size(); ++index) {
+    const SensorRack& sensors = vehicles_[index].sensors;
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+      if (!sensors.at(k).uses_link()) continue;
+      const auto known = std::find_if(before.begin(), before.end(), [&](const PositionExchange& other) {
+        return other.node() == 1 + index && other.sensor() == k;
+      });
+      link_->exchanges.push_back(
+          known != before.end()
+              ? *known
+              : PositionExchange(1 + index, k, link_->network.topic(kRanging + sensors.at(k).spec().name)));
+    }
+  }
 }
 
 PacketNetwork& Simulation::link() {
@@ -46,8 +74,33 @@ Transducer Simulation::transducer(std::size_t node) const {
 }
 
 void Simulation::transmit() {
+  PacketNetwork& network = link_->network;
+  for (PositionExchange& one : link_->exchanges) {
+    one.ask(vehicles_[one.node() - 1].sensors.at(one.sensor()), network, time_ns());
+  }
   const auto place = [this](std::size_t node) { return transducer(node); };
-  link_->network.transmit(time_ns(), Medium(link_->water, *scene_, place));
+  network.transmit(time_ns(), Medium(link_->water, *scene_, place));
+  for (PositionExchange& one : link_->exchanges) {
+    const Vehicle& vehicle = vehicles_[one.node() - 1];
+    if (one.has_left(network)) one.left(snapshot(vehicle), vehicle.sensors.at(one.sensor()), network, time_ns());
+  }
+}
+
+void Simulation::receive() {
+  PacketNetwork& network = link_->network;
+  const auto& deliveries = network.deliveries();
+  std::size_t arrived = network.receive(time_ns());
+  arrived = std::min(arrived, deliveries.size());  // only so many are kept
+  for (PositionExchange& one : link_->exchanges) {
+    SensorRack& sensors = vehicles_[one.node() - 1].sensors;
+    const NoisySensor& sensor = sensors.at(one.sensor());
+    for (std::size_t k = deliveries.size() - arrived; k < deliveries.size(); ++k) {
+      one.hear(deliveries[k], sensor, network);
+    }
+    if (!one.is_settled(time_ns())) continue;
+    sensors.answer(one.sensor(), one.asked(), one.given_up(), tick_);
+    one.settle();
+  }
 }
 
 Reception Simulation::link_reception(std::size_t from, std::size_t to) const {

@@ -104,7 +104,7 @@ Integrals change_by_cut(const Corner& odd, const Corner& second, const Corner& t
   return sum;
 }
 
-/// What a call works on; kept, so that calls allocate nothing. Sizes are multiples of kPressureLanes.
+/// The working memory of a call; kept, so that calls allocate nothing. Sizes are multiples of kPressureLanes.
 struct Scratch {
   std::vector<Eigen::Vector3d> points_m;
   std::vector<double> heads_m, pressures_pa;

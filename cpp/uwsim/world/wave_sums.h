@@ -11,7 +11,7 @@ struct WaveMotionSums {
   double gradient[5];  ///< of the velocity: xx, xy, yy, xz, yz
 };
 
-/// What the load of waves on a volume depends on: see Waves::load.
+/// The sums that the load of waves on a volume depends on: see Waves::load.
 struct WavesOnVolume {
   double z_m, depth_m;  ///< where linear theory is evaluated, and the water's depth
   double volume_m3;

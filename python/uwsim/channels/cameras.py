@@ -13,7 +13,7 @@ from uwsim.channels import build
 from uwsim.channels.channel import COMMAND, PICTURE, Channel
 from uwsim.channels.pictures import RATE_HZ, Picture, Pictures
 from uwsim.channels.source import Source
-from uwsim.channels.steering import log_error
+from uwsim.channels.steering import is_cut_off, log_error
 from uwsim.live import LiveSimulator
 from uwsim.simulator import Simulator
 
@@ -71,7 +71,7 @@ def _aimer(
     def apply(live: LiveSimulator, message: Any) -> None:
         if not low <= message.data <= high:
             raise ValueError(f"{topic} = {message.data} rad: must be in [{low:.4g}, {high:.4g}] rad")
-        if vehicle is not None and live.simulator.faults.link_is_down(vehicle):
+        if vehicle is not None and is_cut_off(live.simulator, vehicle):
             return
         angle = {f"{axis}_rad": message.data}
         live.command("aim_camera", vehicle=vehicle, camera=camera, **angle).add_done_callback(log_error)

@@ -63,6 +63,7 @@ uint32 delivered
 uint32 lost
 uint32 late                    # not sent, since their time was over or the queue full
 uint64 bytes_delivered         # of payloads
+float32 fault_loss             # share of the packets that faults take now; 1: a blackout
 """,
     SONAR_PING: """\
 std_msgs/Header header         # in recordings alone: what maps are made from, to the last bit

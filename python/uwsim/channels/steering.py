@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from uwsim.channels.source import Source
 from uwsim.control.velocity_hold import VelocityHold
 from uwsim.live import LiveSimulator, Subscription
+from uwsim.simulator import Simulator
 
 CONTROL_S = 0.05
 
@@ -38,7 +39,7 @@ class Steering:
         return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
 
     def _is_cut_off(self, live: LiveSimulator) -> bool:
-        return live.simulator.faults.link_is_down(self._source.name)
+        return is_cut_off(live.simulator, self._source.name)
 
     def _command(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         future = live.command(name, vehicle=self._source.name, **arguments)
@@ -75,9 +76,14 @@ class Steering:
                 self._command(live, "set_effort", **efforts)
 
 
+def is_cut_off(sim: Simulator, vehicle: str) -> bool:
+    """Whether a fault has a vehicle's link down; where the scenario has a link, its packets are lost instead."""
+    return sim.link is None and sim.faults.link_is_down(vehicle)
+
+
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
     """Raise ValueError while a fault has the link to a vehicle down: whoever waits for its answer waits in vain."""
-    if live.simulator.faults.link_is_down(vehicle):
+    if is_cut_off(live.simulator, vehicle):
         raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
 
 

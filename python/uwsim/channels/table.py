@@ -25,7 +25,7 @@ from uwsim.channels.published import published_channels, station_picture
 from uwsim.channels.scans import scan_channels
 from uwsim.channels.services import simulation_services, stream_service, vehicle_services
 from uwsim.channels.source import Source
-from uwsim.channels.steering import Steering
+from uwsim.channels.steering import Steering, is_cut_off
 from uwsim.channels.telemetry import telemetry_channel
 from uwsim.simulator import Simulator
 
@@ -104,10 +104,10 @@ class Table:
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels, of which those that go over the link say nothing while a fault has it down."""
+    """Return a vehicle's channels, of which those that go over the link say nothing while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
-        return lambda sim: None if sim.faults.link_is_down(source.name) else read(sim)
+        return lambda sim: None if is_cut_off(sim, source.name) else read(sim)
 
     return [
         replace(channel, read=cut_off(channel.read)) if channel.over_link and channel.direction == "out" else channel

@@ -26,6 +26,7 @@ def link(
     says for open water.
     """
     from uwsim.figures.link_trial import draw_link_trial
+    from uwsim.link.table import text_table
     from uwsim.link.trial import run_trial, summary
     from uwsim.scenario import load
 
@@ -34,5 +35,6 @@ def link(
     loaded = load(scenario)
     trial = run_trial(loaded, modem or (None if loaded.link else "s2cm_hs"), seed=seed, depth_m=depth)
     draw_link_trial(trial, out)
+    typer.echo(text_table(trial.table))
     typer.echo(summary(trial))
     typer.echo(f"delay, delivery and goodput against range and time: {out}")

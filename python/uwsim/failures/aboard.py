@@ -43,13 +43,10 @@ class Aboard:
             failsafe = Failsafe(
                 vehicle, figures, entry.model, home_m=(east, north, up), events=events, step_s=scenario.step_s,
                 tick=tick, water_kg=partial(self._faults.water_kg, entry.name),
-                link_silence_s=None if network is None else partial(self._silence_s, network, entry.name),
+                link_silence_s=None if network is None else partial(network.silence_s, entry.name),
             )  # fmt: skip
             self._programs[f"failsafe of {entry.name}"] = failsafe
             vehicle.gate.failsafe = failsafe
-
-    def _silence_s(self, network: Network, vehicle: str) -> float:
-        return max(network.silence_s(vehicle), self._faults.link_down_s(vehicle))
 
     def step(self, tick: int, end: int, advance: Callable[[int], None]) -> None:
         """Make the steps from a tick to another by `advance`, in parts that begin where a program is due."""

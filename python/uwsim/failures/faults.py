@@ -20,6 +20,7 @@ from uwsim.failures import effects
 from uwsim.failures.events import EventLog
 from uwsim.failures.program import NEVER
 from uwsim.journal import Journal
+from uwsim.network import Network
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validation_errors import validated
 from uwsim.scenario.spec.fault import FaultModel, FaultSpec, LeakFault, LinkLoss, SensorFault
@@ -75,13 +76,15 @@ class Faults(Sealed):
         journal: Journal,
         tick: Callable[[], int],
         apply: Callable[[], None],
+        network: Network | None = None,
     ) -> None:
-        """apply: takes `overlay` into the running figures."""
+        """apply: takes `overlay` into the running figures. network: of the link, if there is one."""
         self._vehicles = vehicles
         self._events = events
         self._journal = journal
         self._tick = tick
         self._apply = apply
+        self._network = network
         self._scenario = scenario
         self._faults: dict[str, Fault] = {}
         self.begin_anew(scenario)
@@ -116,11 +119,6 @@ class Faults(Sealed):
     def link_is_down(self, vehicle: str) -> bool:
         """Whether nothing passes between the station and a vehicle."""
         return any(_cuts_off(fault, vehicle) for fault in self._faults.values())
-
-    def link_down_s(self, vehicle: str) -> float:
-        """Return for how long nothing has passed between the station and a vehicle because of a fault [s]."""
-        down = (f.began_tick for f in self._faults.values() if _cuts_off(f, vehicle))
-        return max((self._tick() - tick for tick in down), default=0) * self._scenario.step_s
 
     def inject(self, kind: str, *, name: str | None = None, **figures: Any) -> str:
         """Let something fail now; return the fault's name. See docs/faults.md for kinds and figures.
@@ -257,6 +255,7 @@ class Faults(Sealed):
         fault.began_tick = fault.filled_tick = tick
         if isinstance(spec, SensorFault):
             effects.distort(spec, self._vehicles[fault.vehicle])
+        self._cut_off(fault)
         figures = spec.model_dump(exclude={"name", "vehicle", "at_s", "rate_per_h"}, exclude_none=True)
         self._events.add(tick, fault.vehicle, "fault", fault=fault.name, **figures, **drawn)
 
@@ -266,7 +265,12 @@ class Faults(Sealed):
         fault.begin_tick = self._next_begin(fault, tick)
         if isinstance(fault.spec, SensorFault):
             self._vehicles[fault.vehicle].sensors[fault.spec.sensor].distort(None)
+        self._cut_off(fault)
         self._events.add(tick, fault.vehicle, "fault_ends", fault=fault.name)
+
+    def _cut_off(self, fault: Fault) -> None:
+        if self._network is not None and isinstance(fault.spec, LinkLoss):
+            self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another may last
 
     def _fill(self, fault: Fault, tick: int) -> None:
         """Weigh the water that a leak has let in."""

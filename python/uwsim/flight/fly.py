@@ -17,7 +17,7 @@ from uwsim.flight.folder import made_folder
 from uwsim.flight.map_maker import MapMaker, default_voxel_m, require_sonar
 from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
-from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord, LinkRow
+from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
 from uwsim.flight.results import REPORTS, RESULT_FILES, write_results
 from uwsim.flight.samples import Sampler
@@ -294,6 +294,8 @@ class _Flight:
                 sim.vehicles[name].set_effort()
         self._hear("", "ended", {"because": because})
         maker = self._maker
+        from uwsim.link.table import link_rows  # here, since channels take long to import
+
         return FlightRecord(
             mission=self._title,
             scenario=sim.scenario.name,
@@ -312,7 +314,7 @@ class _Flight:
             pings_world_m={} if maker is None else maker.paths_world_m,
             echo_count=0 if maker is None else maker.echo_count,
             range_max_m=0.0 if maker is None else maker.range_max_m,
-            link=_link_rows(sim),
+            link=link_rows(sim),
         )
 
     def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
@@ -367,14 +369,6 @@ class _Flight:
             return
         now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
         maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(now)))
-
-
-def _link_rows(sim: Simulator) -> list[LinkRow]:
-    counts = [] if sim.link is None else sim.link.counts()
-    return [
-        LinkRow(c.topic, c.sender, c.given, c.delivered, sum(c.lost.values()), c.late, c.bytes_delivered, c.delay_s)
-        for c in counts
-    ]
 
 
 def _require_known(name: str, value: str, known: Iterable[str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +13,11 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
 
+if TYPE_CHECKING:
+    from uwsim.link.table import LinkRow
+
 INTERRUPTED = "interrupted (Ctrl-C)"
 DONE = "the mission is complete"
-
-
-class LinkRow(NamedTuple):
-    """What the link did with the messages of one topic and sender. lost: in the water; late: never sent."""
-
-    topic: str
-    sender: str
-    given: int
-    delivered: int
-    lost: int
-    late: int
-    bytes_delivered: int
-    delay_s: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.samples import Samples
 from uwsim.flight.summary import key_figures, vehicle_figures, warnings
+from uwsim.link.table import HEADINGS
 from uwsim.missions.own_vehicle import Event
 from uwsim.simulator import Simulator
 from uwsim.survey.report import data_uri, filled_page
@@ -51,6 +52,7 @@ def write_report(
     page = filled_page(
         TEMPLATE,
         flown=flown,
+        link_headings=HEADINGS,
         pose_by=POSE_BY[flown.estimate],
         title=f"{flown.mission} in {flown.scenario}",
         warnings=warnings(flown),

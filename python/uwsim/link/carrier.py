@@ -10,9 +10,11 @@ from types import TracebackType
 from typing import Any, Self
 
 from uwsim.channels import Channel, Service
+from uwsim.did_you_mean import did_you_mean
 from uwsim.link import remote
-from uwsim.link.carried import Carried, carried_channels
+from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline
+from uwsim.link.ranging import ranging_share
 from uwsim.link.rates import send_rates
 from uwsim.link.schedule import Schedule
 from uwsim.link.seen import seen_channels
@@ -48,10 +50,12 @@ class Carrier:
         given = list(channels)
         sim = live.simulator
         network = sim.link
-        if network is None:
+        if network is None or sim.scenario.link is None:
             raise ValueError("link: the scenario has none, or it is of kind 'none'")
         self._network: Network = network
+        self._setup = sim.scenario.link
         self._carried = {one.channel.name: one for one in carried_channels(given, sim)}
+        self._require_known(self._setup.repeats)
         self._listened: dict[str, int] = {}
         self.rates: dict[str, float] = {}
         self.channels = [
@@ -63,6 +67,14 @@ class Carrier:
         self._tick = -1
         self.due_tick = 0
         self.cancelled = False
+
+    def _require_known(self, patterns: Iterable[str]) -> None:
+        """Raise ValueError for a pattern without effect."""
+        topics = [*self._carried, *(remote.TOPIC + name for name in remote.CARRIED)]
+        for pattern in patterns:
+            if not any(is_chosen(topic, (pattern,)) for topic in topics):
+                hint = did_you_mean(pattern, topics)
+                raise ValueError(f"link.repeats: '{pattern}': must match a channel that goes over the link{hint}")
 
     def start(self) -> Self:
         """Begin to carry; return itself. Raises NotRunningError."""
@@ -116,10 +128,15 @@ class Carrier:
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool) -> Future[Any]:
         future = self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
-            lifetime_s=self._command_life_s(), replaces=replaces,
+            lifetime_s=self._command_life_s(), replaces=replaces, repeats=self._repeats(topic),
         )  # fmt: skip
         future.add_done_callback(lambda done: self._wake())
         return future
+
+    def _repeats(self, topic: str) -> int:
+        """Return how often a message of a topic is sent again."""
+        patterns = self._setup.repeats.items()
+        return max((times for pattern, times in patterns if is_chosen(topic, (pattern,))), default=0)
 
     def _command_life_s(self) -> float:
         modem = self._network.modem
@@ -149,15 +166,17 @@ class Carrier:
 
     def _made_rates(self, sim: Simulator) -> dict[str, float]:
         said = [one for one in self._carried.values() if one.channel.direction == "out"]
-        setup = sim.scenario.link
         modem = self._network.modem
-        if modem.kind != "modem" or setup is None:
+        if modem.kind != "modem":
             return {one.channel.name: one.channel.rate_hz or ONCE_HZ for one in said}
+        access, nodes = self._setup.access or modem.access, len(self._network.nodes)
         sizes = {one.channel.name: _size(one, sim) for one in said}
+        times = {one.channel.name: 1 + self._repeats(one.channel.name) for one in said}
         rates: dict[str, float] = {}
         for vehicle in sim.vehicles:
             own = [one for one in said if one.vehicle == vehicle]
-            rates |= send_rates(own, sizes, modem, setup.access or modem.access, len(self._network.nodes))
+            taken = ranging_share(sim, vehicle, modem, access, nodes)
+            rates |= send_rates(own, sizes, modem, access, nodes, times=times, taken=taken)
         return rates
 
     def deliver(self, sim: Simulator, tick: int) -> None:
@@ -191,6 +210,7 @@ class Carrier:
             self._live.command(
                 "link_send", sender=one.vehicle, receiver=STATION, topic=channel.name, payload=payload,
                 priority=channel.priority, replaces=True, lifetime_s=max(2.0 / self.rates[channel.name], 1.0),
+                repeats=self._repeats(channel.name),
             )  # fmt: skip
         return payload is not None
 

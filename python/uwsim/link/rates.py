@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import groupby
 
 from uwsim.channels.channel import COMMAND, INSTRUMENT, PANEL, PICTURE, PING
@@ -40,18 +40,28 @@ def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
 
 
 def send_rates(
-    carried: Iterable[Carried], sizes: dict[str, int], modem: ModemModel, access: Access, nodes: int
+    carried: Iterable[Carried],
+    sizes: Mapping[str, int],
+    modem: ModemModel,
+    access: Access,
+    nodes: int,
+    *,
+    times: Mapping[str, int] | None = None,
+    taken: float = 0.0,
 ) -> dict[str, float]:
     """Return the rate [Hz] of each channel of one vehicle that is sent, by name.
 
     The most urgent first: those of one priority get what they want, but at most SHARE of what others left. Pictures
-    take turns, so each has the rate of all. sizes: of packed messages, bytes.
+    take turns, so each has the rate of all. sizes: of packed messages, bytes. times: how often each message is sent, by
+    default once. taken: share of the time that the vehicle's instruments take.
     """
-    left = airtime_share(modem, access, nodes)
+    left = max(airtime_share(modem, access, nodes) - taken, 0.0)
+    times = times or {}
     rates: dict[str, float] = {}
     by_priority = groupby(sorted(carried, key=lambda one: one.channel.priority), lambda one: one.channel.priority)
     for priority, group in by_priority:
-        costs_s = {one.channel.name: airtime_s(modem, access, sizes[one.channel.name]) for one in group}
+        names = [one.channel.name for one in group]
+        costs_s = {name: times.get(name, 1) * airtime_s(modem, access, sizes[name]) for name in names}
         wanted, budget = WANTED_HZ[priority], SHARE * left
         if priority == PICTURE:
             shared = dict.fromkeys(costs_s, min(wanted, budget / max(costs_s.values())))

@@ -48,6 +48,7 @@ def _reader(network: Network, vehicle: str) -> Callable[[Simulator], Any]:
             lost=sum(sum(one.lost.values()) for one in counts),
             late=sum(one.late + one.refused for one in counts),
             bytes_delivered=sum(one.bytes_delivered for one in counts),
+            fault_loss=network.fault_loss(vehicle),
         )
 
     return read

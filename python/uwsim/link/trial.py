@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.link.table import LinkRow, link_rows
 from uwsim.network import STATION, Network
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.link import link_spec
@@ -56,7 +57,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Trial:
-    """A trial of a link. message_bytes: of each message."""
+    """A trial of a link. message_bytes: of each message. table: of all that was sent, a USBL's pings included."""
 
     scenario: Scenario
     modem: str
@@ -64,6 +65,7 @@ class Trial:
     legs: list[Leg]
     open_water: Curve
     faults: tuple[LinkFault, ...]
+    table: list[LinkRow]
 
 
 def run_trial(
@@ -80,9 +82,8 @@ def run_trial(
     for place in [*out, *reversed(out)]:
         rov.place(place)
         legs.append(_leg(sim, network, rov.name, size))
-    return Trial(
-        sim.scenario, network.modem.name, size, legs, _open_water(sim, size, depth_m), sim.scenario.link.faults
-    )
+    curve = _open_water(sim, size, depth_m)
+    return Trial(sim.scenario, network.modem.name, size, legs, curve, sim.scenario.link.faults, link_rows(sim))
 
 
 def _places(sim: Simulator, depth_m: float) -> list[Floats]:

@@ -137,12 +137,14 @@ def link_send(
     priority: int = 0,
     lifetime_s: float | None = None,
     replaces: bool = False,
+    repeats: int = 0,
 ) -> None:
     """Give the link a message; see Network.send."""
     if sim.link is None:
         raise ValueError("link_send: the scenario has no link")
     sim.link.send(
-        sender, receiver, topic, payload, priority=priority, lifetime_s=lifetime_s, replaces=replaces
+        sender, receiver, topic, payload, priority=priority, lifetime_s=lifetime_s, replaces=replaces,
+        repeats=repeats,
     )  # fmt: skip
 
 

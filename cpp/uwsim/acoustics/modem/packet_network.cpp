@@ -10,10 +10,6 @@
 namespace uwsim {
 namespace {
 
-constexpr std::uint64_t kNever = ~std::uint64_t{0};
-constexpr std::size_t kDeliveriesKept = 512;
-constexpr std::uint32_t kByNoise = 0, kByFault = 1;  // indices of draws
-
 std::uint64_t ns(double seconds) { return static_cast<std::uint64_t>(std::llround(1e9 * seconds)); }
 
 }  // namespace
@@ -61,12 +57,17 @@ bool PacketNetwork::send(std::size_t from, LinkMessage message, std::uint64_t no
   message.given_ns = now_ns;
   message.packets_sent = 0;
   ++counts.given;
-  switch (nodes_[from].queue.add(std::move(message), modem_.queue_bytes)) {
+  LinkMessage older;
+  switch (nodes_[from].queue.add(std::move(message), modem_.queue_bytes, older)) {
     case PacketQueue::Added::kRefused:
       ++counts.refused;
       return false;
     case PacketQueue::Added::kReplaced:
-      ++counts.replaced;
+      if (older.again) {
+        drop_repeat(from, older);
+      } else {
+        ++counts.replaced;
+      }
       return true;
     default:
       ++waiting_;
@@ -80,7 +81,11 @@ void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
     Node& node = nodes_[index];
     if (node.queue.empty()) continue;
     node.queue.expire(now_ns, [&](const LinkMessage& message) {
-      ++counts_[message.topic][index].late;
+      if (message.again) {
+        drop_repeat(index, message);
+      } else {
+        ++counts_[message.topic][index].late;
+      }
       --waiting_;
     });
     if (node.waits && node.may_send_ns >= now_ns + step_ns_) continue;
@@ -122,7 +127,7 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::
   Node& node = nodes_[index];
   LinkMessage& message = node.queue.front();
   TopicCounts& counts = counts_[message.topic][index];
-  if (message.packets_sent == 0) ++counts.sent;
+  if (message.packets_sent == 0 && !message.again) ++counts.sent;
   Flight flight;
   flight.packet = next_packet_++;
   flight.from = index;
@@ -146,7 +151,10 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t start_ns, std::
     let_others_hear(flight, start_ns, length_ns, medium);
     sounds_.push_back({flight.packet, flight.at, flight.starts_ns, flight.ends_ns, flight.heard.signal_db});
   }
-  if (flight.is_last) {
+  flight.is_copy = message.again || message.repeats > 0;
+  if (flight.is_last && message.repeats > 0) {
+    flight.message = node.queue.repeat_front();
+  } else if (flight.is_last) {
     flight.message = node.queue.take_front();
     --waiting_;
   } else {
@@ -177,107 +185,10 @@ void PacketNetwork::deafen(std::size_t index, std::uint64_t from_ns, std::uint64
   }
 }
 
-void PacketNetwork::receive(std::uint64_t now_ns) {
-  if (now_ns < next_end_ns_) return;
-  next_end_ns_ = kNever;
-  std::vector<std::size_t>& order = arrived_;
-  order.clear();
-  for (std::size_t k = 0; k < flights_.size(); ++k) {
-    if (flights_[k].ends_ns <= now_ns) {
-      order.push_back(k);
-    } else {
-      next_end_ns_ = std::min(next_end_ns_, flights_[k].ends_ns);
-    }
-  }
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(flights_[a].ends_ns, flights_[a].packet) < std::pair(flights_[b].ends_ns, flights_[b].packet);
-  });
-  for (const std::size_t k : order) arrive(flights_[k]);
-  std::erase_if(flights_, [&](const Flight& flight) { return flight.ends_ns <= now_ns; });
-  forget_sounds(now_ns);
-}
-
-void PacketNetwork::arrive(const Flight& flight) {
-  const Loss loss = fate(flight);
-  LinkQuality& quality = quality_[flight.from * nodes_.size() + flight.at];
-  ++quality.packets;
-  quality.packets_lost += loss != Loss::kNone;
-  quality.delay_s = flight.heard.delay_s;
-  quality.snr_db = flight.heard.snr_db();
-  quality.closing_m_s = flight.heard.closing_m_s;
-  quality.spread_s = flight.heard.spread_s;
-  const auto known = std::find_if(partials_.begin(), partials_.end(),
-                                  [&](const Partial& other) { return other.number == flight.message.number; });
-  Loss so_far = known == partials_.end() ? Loss::kNone : static_cast<Loss>(known->fate);
-  if (so_far == Loss::kNone) so_far = loss;
-  if (flight.is_last) {
-    if (known != partials_.end()) partials_.erase(known);
-    finish(flight, so_far);
-  } else if (known != partials_.end()) {
-    known->fate = static_cast<std::uint64_t>(so_far);
-  } else {
-    partials_.push_back({flight.message.number, static_cast<std::uint64_t>(so_far)});
-  }
-}
-
-Loss PacketNetwork::fate(const Flight& flight) const {
-  const double arrives_s = 1e-9 * static_cast<double>(flight.starts_ns);
-  for (const LinkFault& fault : faults_) {
-    if (arrives_s >= fault.from_s && arrives_s < fault.until_s &&
-        losses_.uniform(flight.packet, kByFault) < fault.loss) {
-      return Loss::kFault;
-    }
-  }
-  if (!flight.heard.reached) return Loss::kUnheard;
-  if (modem_.kind != LinkKind::kModem) return Loss::kNone;
-  if (flight.deaf) return Loss::kDeaf;
-  if (std::abs(flight.heard.closing_m_s) > modem_.speed_max_m_s) return Loss::kDoppler;
-  const double draw = losses_.uniform(flight.packet, kByNoise);
-  if (draw < packet_loss(modem_, flight.heard, -300, flight.bytes)) return Loss::kNoise;
-  const double interference = interference_db(flight);
-  if (interference > -300 && draw < packet_loss(modem_, flight.heard, interference, flight.bytes)) {
-    return Loss::kCollision;
-  }
-  return Loss::kNone;
-}
-
-/// The level of all other packets that overlap at the receiver.
-double PacketNetwork::interference_db(const Flight& flight) const {
-  double power = 0;
-  for (const Sound& other : sounds_) {
-    if (other.at != flight.at || other.packet == flight.packet || other.starts_ns >= flight.ends_ns ||
-        other.ends_ns <= flight.starts_ns) {
-      continue;
-    }
-    power += std::pow(10, 0.1 * other.level_db);
-  }
-  return power > 0 ? 10 * std::log10(power) : -300;
-}
-
-void PacketNetwork::finish(const Flight& flight, Loss loss) {
-  const LinkMessage& message = flight.message;
-  TopicCounts& counts = counts_[message.topic][flight.from];
-  if (loss != Loss::kNone) {
-    ++counts.lost[static_cast<std::size_t>(loss)];
-    return;
-  }
-  ++counts.delivered;
-  counts.bytes_delivered += message.payload.size();
-  counts.delay_s += 1e-9 * static_cast<double>(flight.ends_ns - message.given_ns);
-  quality_[flight.from * nodes_.size() + flight.at].heard_ns = flight.ends_ns;
-  deliveries_.push_back(
-      {message.number, flight.from, flight.at, message.topic, message.given_ns, flight.ends_ns, message.payload});
-  if (deliveries_.size() > kDeliveriesKept) deliveries_.pop_front();
-}
-
-/// Drops the sounds with which no flight that is still to arrive can overlap.
-void PacketNetwork::forget_sounds(std::uint64_t now_ns) {
-  first_start_ns_.assign(nodes_.size(), kNever);  // of what is still to arrive at each node
-  for (const Flight& flight : flights_) {
-    first_start_ns_[flight.at] = std::min(first_start_ns_[flight.at], flight.starts_ns);
-  }
-  std::erase_if(sounds_,
-                [&](const Sound& old) { return old.ends_ns <= now_ns && first_start_ns_[old.at] >= old.ends_ns; });
+double PacketNetwork::longest_wait_s() const {
+  if (modem_.kind != LinkKind::kModem) return 0;
+  return modem_.takes_turns() ? static_cast<double>(nodes_.size()) * (modem_.slot_s + modem_.guard_s)
+                              : modem_.backoff_s + modem_.packet_s(modem_.packet_bytes);
 }
 
 std::uint64_t PacketNetwork::next_arrival_ns(std::uint64_t now_ns) const {

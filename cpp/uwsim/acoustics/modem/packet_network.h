@@ -13,7 +13,8 @@
 
 namespace uwsim {
 
-/// A time in which packets are lost with a probability, whatever the water does: 1 is a blackout.
+/// A time in which packets are lost with a probability, whatever the water does: 1 is a blackout. It strikes every
+/// packet of whose reception some part lies in it, those that were in the water when it began included.
 struct LinkFault {
   double from_s = 0;
   double until_s = 0;
@@ -41,7 +42,7 @@ struct LinkDelivery {
   void exchange_state(StateArchive& archive);
 };
 
-/// What happened to the messages of a topic that a node gave. replaced: by newer ones before they were sent. refused:
+/// The fate of the messages of a topic that a node gave. replaced: by newer ones before they were sent. refused:
 /// the queue was full. late: the deadline passed before they could be sent. lost: by the loss of their first packet
 /// that was lost. Bytes are those of payloads.
 struct TopicCounts {
@@ -63,8 +64,9 @@ struct LinkQuality {
 
 /// Nodes that send each other messages through one channel, packet by packet, in simulated time. Everything is heard by
 /// everybody. Nodes are half-duplex: deaf while they send. Packets that overlap at a receiver are noise to each other.
-/// There is no acknowledgement: a message whose packets do not all arrive is lost. A message arrives with its last
-/// packet. Draws are keyed by the number of the packet. Motion during a packet's flight is neglected.
+/// There is no acknowledgement: a message whose packets do not all arrive is lost, unless it is sent again (`repeats`)
+/// and arrives then; further copies are dropped by who has one. A message arrives with its last packet. Draws are keyed
+/// by the number of the packet. Motion during a packet's flight is neglected.
 class PacketNetwork {
  public:
   PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults, std::uint64_t seed,
@@ -75,21 +77,27 @@ class PacketNetwork {
   /// The index of a topic, for send() and counts().
   std::uint64_t topic(const std::string& name);
   const std::vector<std::string>& topics() const { return topics_; }
-  /// What happened to a topic's messages that a node gave.
+  /// The fate of a topic's messages that a node gave.
   const TopicCounts& counts(std::uint64_t topic, std::size_t from) const { return counts_[topic][from]; }
 
   /// Queues a message from a node at a time; returns whether there was room. Throws InvalidValue for an unknown node.
   bool send(std::size_t from, LinkMessage message, std::uint64_t now_ns);
   /// Begins to send what may be sent within a step from now on.
   void transmit(std::uint64_t now_ns, const LinkMedium& medium);
-  /// Receives everything that has arrived by now.
-  void receive(std::uint64_t now_ns);
+  /// Receives everything that has arrived by now; returns how many messages have.
+  std::size_t receive(std::uint64_t now_ns);
+  /// Cuts a node off from now on, or no longer: no packet from it or to it is received meanwhile.
+  void cut_off(std::size_t node, bool is_cut_off, std::uint64_t now_ns);
+  /// The probability with which a packet between the nodes is lost for a fault now.
+  double fault_loss(std::size_t from, std::size_t to, std::uint64_t now_ns) const;
+  /// How long a node may have to wait for its turn and others' [s].
+  double longest_wait_s() const;
   /// The earliest time at which a message may arrive, as far as is known: no earlier one will.
   std::uint64_t next_arrival_ns(std::uint64_t now_ns) const;
 
   /// The newest messages that arrived, in the order in which they did.
   const std::deque<LinkDelivery>& deliveries() const { return deliveries_; }
-  /// What `at` last heard of `from`.
+  /// The last that `at` heard of `from`.
   const LinkQuality& quality(std::size_t from, std::size_t at) const { return quality_[from * nodes_.size() + at]; }
   std::uint64_t waiting_messages(std::size_t node) const { return nodes_[node].queue.size(); }
   std::uint64_t waiting_bytes(std::size_t node) const { return nodes_[node].queue.bytes(); }
@@ -112,6 +120,7 @@ class PacketNetwork {
     LinkMessage message;  // its payload with the last packet only
     std::uint64_t bytes = 0;
     bool is_last = false, deaf = false;
+    bool is_copy = false;  // one of several of its message
     void exchange_state(StateArchive& archive);
   };
   /// A packet as a node hears it, meant for it or not: noise to all others there. There are many.
@@ -120,9 +129,15 @@ class PacketNetwork {
     double level_db = 0;
     void exchange_state(StateArchive& archive);
   };
-  /// A message of which packets have come. fate: of its first packet that was lost, or none.
+  /// A message of which packets have come. fate: of its first packet that was lost, or none; of its newest copy.
+  /// before: of the copy before. delivered: a copy was.
   struct Partial {
-    std::uint64_t number = 0, fate = 0;
+    std::uint64_t number = 0, fate = 0, before = 0;
+    bool delivered = false;
+  };
+  /// A time in which a node is cut off.
+  struct Outage {
+    std::uint64_t node = 0, from_ns = 0, until_ns = 0;
   };
 
   bool may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns, std::uint64_t& start_ns);
@@ -130,13 +145,21 @@ class PacketNetwork {
   void let_others_hear(const Flight& flight, std::uint64_t start_ns, std::uint64_t length_ns, const LinkMedium& medium);
   void deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns);
   void arrive(const Flight& flight);
+  void finish_copy(const Flight& flight, Partial& known);
+  void drop_repeat(std::size_t from, const LinkMessage& message);
+  bool more_to_come(const Flight& flight) const;
+  Partial& partial(std::uint64_t number);
+  void forget(std::uint64_t number);
   Loss fate(const Flight& flight) const;
+  bool struck_by_fault(const Flight& flight) const;
   double interference_db(const Flight& flight) const;
   void finish(const Flight& flight, Loss fate);
   void forget_sounds(std::uint64_t now_ns);
+  void forget_outages(std::uint64_t now_ns);
 
   ModemSpec modem_;
   std::vector<LinkFault> faults_;
+  std::vector<Outage> outages_;
   std::uint64_t step_ns_;
   RandomStream losses_, waits_;
   std::vector<Node> nodes_;
@@ -154,6 +177,7 @@ class PacketNetwork {
   std::uint64_t waiting_ = 0;                      // messages in all queues
   std::uint64_t busy_until_ns_ = 0;
   double sending_s_ = 0;
+  std::uint64_t delivered_ = 0;  // messages, since it was made
 };
 
 }  // namespace uwsim

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 
 #include "uwsim/acoustics/modem/packet_network.h"
@@ -51,7 +52,7 @@ void LinkQuality::exchange_state(StateArchive& archive) {
 
 void PacketNetwork::Flight::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&packet, &from, &at, &starts_ns, &ends_ns, &bytes}) archive(*value);
-  for (bool* value : {&is_last, &deaf}) archive(*value);
+  for (bool* value : {&is_last, &deaf, &is_copy}) archive(*value);
   exchange_reception(archive, heard);
   message.exchange_state(archive);
 }
@@ -86,7 +87,13 @@ void PacketNetwork::exchange_state(StateArchive& archive) {
   exchange_list(archive, partials_, [&](Partial& partial) {
     archive(partial.number);
     archive(partial.fate);
-    require(partial.fate < kLossKinds, "state.link.fate", partial.fate, "must be a kind of loss");
+    archive(partial.before);
+    archive(partial.delivered);
+    const std::uint64_t fate = std::max(partial.fate, partial.before);
+    require(fate < kLossKinds, "state.link.fate", fate, "must be a kind of loss");
+  });
+  exchange_list(archive, outages_, [&](Outage& outage) {
+    for (std::uint64_t* value : {&outage.node, &outage.from_ns, &outage.until_ns}) archive(*value);
   });
   exchange_list(archive, deliveries_, [&](LinkDelivery& delivery) { delivery.exchange_state(archive); });
   for (std::uint64_t* value : {&next_message_, &next_packet_, &next_end_ns_, &waiting_, &busy_until_ns_}) {

@@ -20,11 +20,14 @@ void LinkMessage::exchange_state(StateArchive& archive) {
   archive(given_ns);
   archive(deadline_ns);
   archive(replaces);
+  archive(signal);
+  archive(repeats);
   archive(payload);
   archive(packets_sent);
+  archive(again);
 }
 
-PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max) {
+PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced) {
   const auto older = std::find_if(messages_.begin(), messages_.end(), [&](const LinkMessage& other) {
     return message.replaces && other.replaces && other.packets_sent == 0 && other.topic == message.topic &&
            other.to == message.to;
@@ -32,7 +35,10 @@ PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max
   const std::uint64_t freed = older == messages_.end() ? 0 : older->payload.size();
   if (bytes_ - freed + message.payload.size() > bytes_max) return Added::kRefused;
   const Added added = older == messages_.end() ? Added::kQueued : Added::kReplaced;
-  if (added == Added::kReplaced) remove(static_cast<std::size_t>(older - messages_.begin()));
+  if (added == Added::kReplaced) {
+    replaced = *older;
+    remove(static_cast<std::size_t>(older - messages_.begin()));
+  }
   bytes_ += message.payload.size();
   messages_.push_back(std::move(message));
   find_next_deadline();
@@ -51,6 +57,21 @@ LinkMessage PacketQueue::take_front() {
   LinkMessage taken = messages_[index];
   remove(index);
   return taken;
+}
+
+LinkMessage PacketQueue::repeat_front() {
+  const auto front = messages_.begin() + static_cast<std::ptrdiff_t>(first());
+  LinkMessage copy = *front;
+  front->packets_sent = 0;
+  front->again = true;
+  --front->repeats;
+  std::rotate(front, front + 1, messages_.end());
+  find_next_deadline();
+  return copy;
+}
+
+bool PacketQueue::holds(std::uint64_t number) const {
+  return std::any_of(messages_.begin(), messages_.end(), [&](const auto& held) { return held.number == number; });
 }
 
 void PacketQueue::remove(std::size_t index) {

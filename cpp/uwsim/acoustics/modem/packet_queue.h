@@ -18,8 +18,11 @@ struct LinkMessage {
   std::uint64_t given_ns = 0;
   std::uint64_t deadline_ns = 0;  ///< it is dropped if it has not begun to be sent by then; 0: never
   bool replaces = false;  ///< takes the place of an older one of its topic and receiver that has not begun to be sent
+  bool signal = false;    ///< of an instrument: it ends nobody's silence
+  std::uint64_t repeats = 0;  ///< how often it is still to be sent again, whole
   std::string payload;
   std::uint64_t packets_sent = 0;
+  bool again = false;  ///< it has been sent before
 
   void exchange_state(StateArchive& archive);
 };
@@ -28,8 +31,8 @@ struct LinkMessage {
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
-  /// Refuses a message for which `bytes_max` leave no room.
-  Added add(LinkMessage message, std::uint64_t bytes_max);
+  /// Refuses a message for which `bytes_max` leave no room. replaced: gets the one that it takes the place of.
+  Added add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced);
   bool empty() const { return messages_.empty(); }
   std::size_t size() const { return messages_.size(); }
   std::uint64_t bytes() const { return bytes_; }
@@ -47,6 +50,9 @@ class PacketQueue {
   /// The message to send from next; not empty.
   LinkMessage& front() { return messages_[first()]; }
   LinkMessage take_front();
+  /// Returns a copy of the message to send from next, which waits behind its like to be sent again.
+  LinkMessage repeat_front();
+  bool holds(std::uint64_t number) const;
 
   void exchange_state(StateArchive& archive);
 

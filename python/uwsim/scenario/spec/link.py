@@ -52,7 +52,8 @@ class LinkSetup(Model):
     modem: a packaged modem's name or the path of its YAML file, which is read into a ModemModel. access: who may send
     when, instead of the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin. wind_m_s,
     shipping: what makes the water loud; shipping 0: none, 1: heavy. bottom: what reflects sound at the bed. carries:
-    patterns of the channels that go over the link, by default all that may. faults: by schedule.
+    patterns of the channels that go over the link, by default all that may. repeats: how often messages of channels are
+    sent again, by pattern, whether or not they arrive; a command of a service is `command/NAME`. faults: by schedule.
     """
 
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]
@@ -62,6 +63,7 @@ class LinkSetup(Model):
     shipping: Annotated[float, InRange(0, 1)] = 0.5
     bottom: Bottom = "silt"
     carries: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = ("*",)
+    repeats: Annotated[dict[str, Annotated[int, InRange(1, 10)]], Field(max_length=1000)] = Field(default_factory=dict)
     faults: Annotated[tuple[LinkFault, ...], Field(max_length=1000)] = ()
 
     @model_validator(mode="after")

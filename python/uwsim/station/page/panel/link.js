@@ -12,6 +12,11 @@ const VALUES = [
   ['Lost', '', (m) => `${m.lost} of ${m.sent}`],
 ];
 
+function faultText(loss) {
+  if (!(loss > 0)) return '';
+  return loss >= 1 ? ': blackout' : `: a fault takes ${fixed(100 * loss, 0)} %`;
+}
+
 export class Link {
   #end = null;
 
@@ -49,8 +54,8 @@ export class Link {
 
   #show(message) {
     for (const [value, read] of this.values) write(value, read(message));
-    const isBad = message.quality < POOR || Math.max(message.silence, message.silence_at_station) > SILENT_S;
+    const isBad = message.fault_loss > 0 || message.quality < POOR || Math.max(message.silence, message.silence_at_station) > SILENT_S;
     this.element.dataset.level = isBad ? 'warn' : 'good';
-    write(this.note, message.modem);
+    write(this.note, message.modem + faultText(message.fault_loss));
   }
 }

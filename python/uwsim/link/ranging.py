@@ -1,0 +1,24 @@
+"""The pings of instruments that share a vehicle's modem: how much of its time they take."""
+
+from __future__ import annotations
+
+from uwsim import _core
+from uwsim.link.rates import airtime_s
+from uwsim.scenario.spec.modem import Access, ModemModel
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.simulator import Simulator
+
+
+def ranging_share(sim: Simulator, vehicle: str, modem: ModemModel, access: Access, nodes: int) -> float:
+    """Return the share of the time that a vehicle's pings keep the modem busy: of each instrument one at a time."""
+    mounts = next(entry.model.sensors for entry in sim.parameters.scenario.vehicles if entry.name == vehicle)
+    cost_s = airtime_s(modem, access, _core.RANGING_PING_BYTES)
+    turns_s = nodes * (modem.slot_s + modem.guard_s)
+    exchange_s = turns_s if access == "tdma" else 2.0 * cost_s
+    shared = [mount for mount in mounts.values() if _shares_modem(mount)]
+    return sum(min(mount.rate_hz or 1.0 / sim.step_s, 1.0 / exchange_s) * cost_s for mount in shared)
+
+
+def _shares_modem(mount: SensorMount) -> bool:
+    known = _core.sensor_kind(mount.kind).parameters.get("shares_modem")
+    return known is not None and bool(mount.parameters.get("shares_modem", (known.by_default,))[0])

@@ -1,0 +1,59 @@
+"""The table of a run that used a link: what became of the messages, by topic and sender."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from uwsim.network import STATION
+from uwsim.simulator import Simulator
+
+HEADINGS = ("channel", "from", "given", "sent", "delivered", "lost", "late", "bytes", "delay")
+
+
+class LinkRow(NamedTuple):
+    """The messages of one topic and sender.
+
+    given: to the modem; those that a newer one replaced before they were sent are neither sent nor late. lost: of those
+    sent, in the water. late: not sent, since their lifetime was over or the queue full. bytes_delivered: of payloads.
+    delay_s: mean, from when they were given to their arrival.
+    """
+
+    topic: str
+    sender: str
+    given: int
+    sent: int
+    delivered: int
+    lost: int
+    late: int
+    bytes_delivered: int
+    delay_s: float
+
+    def texts(self) -> tuple[str, ...]:
+        """Return the row as text, in the order of HEADINGS."""
+        delay = f"{self.delay_s:.2f} s" if self.delivered else "-"
+        counts = (self.given, self.sent, self.delivered, self.lost, self.late, self.bytes_delivered)
+        return (self.topic, self.sender, *(f"{count:,}" for count in counts), delay)
+
+
+def link_rows(sim: Simulator) -> list[LinkRow]:
+    """Return the table of a simulator's link so far, the station's messages last; empty without a link."""
+    counts = [] if sim.link is None else sim.link.counts()
+    rows = [
+        LinkRow(
+            one.topic, one.sender, one.given, one.sent, one.delivered, sum(one.lost.values()), one.late + one.refused,
+            one.bytes_delivered, one.delay_s,
+        )
+        for one in counts
+    ]  # fmt: skip
+    return sorted(rows, key=lambda row: (row.sender == STATION, row.sender, row.topic))
+
+
+def text_table(rows: list[LinkRow]) -> str:
+    """Return the table as lines of text."""
+    lines = [HEADINGS, *(row.texts() for row in rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(HEADINGS))]
+    return "\n".join(
+        "  ".join(text.ljust(width) if column < 2 else text.rjust(width)
+                  for column, (text, width) in enumerate(zip(line, widths, strict=True)))
+        for line in lines
+    )  # fmt: skip
