@@ -37,6 +37,7 @@ def write_pool_maps(folder: Path) -> Path:
     whole.write(folder / "pool.ot")
     part.write(folder / "part.bt")
     OccupancyMap(VOXEL_M).write(folder / "empty.bt")
+    OccupancyMap(VOXEL_M).write(folder / "empty.ot")
     OccupancyMap(0.5).write(folder / "coarse.bt")
     SurveyTrack(np.array(places), area, RANGE_M).write(folder / "track.npz")
     return folder

@@ -106,8 +106,10 @@ def test_a_map_and_its_part_merge_into_a_map_of_the_whole(folder, tmp_path):
     found = map_difference(OccupancyMap.read(tmp_path / "both.ot"), OccupancyMap.read(folder / "pool.bt"))
     assert found.counts[:, 2].sum() == 0, "no voxel is known that neither map knew"
     assert found.counts[2].sum() == 0, "no known voxel is lost"
-    uwsim_map("merge", folder / "pool.ot", folder / "empty.bt", "--out", tmp_path / "same.ot")
+    uwsim_map("merge", folder / "pool.ot", folder / "empty.ot", "--out", tmp_path / "same.ot")
     assert (tmp_path / "same.ot").read_bytes() == (folder / "pool.ot").read_bytes()
+    uwsim_map("merge", folder / "pool.ot", folder / "empty.bt", "--out", tmp_path / "same.bt")
+    assert (tmp_path / "same.bt").read_bytes() == (folder / "pool.bt").read_bytes()
 
 
 @pytest.mark.parametrize(

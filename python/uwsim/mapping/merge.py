@@ -1,31 +1,79 @@
-"""Merges several map files of one area into one."""
+"""Merges map files of one area, or of its parts, into one: the same bytes in whatever order they are given."""
 
 from __future__ import annotations
 
+import hashlib
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from uwsim.mapping.files.map_files import MAP_SUFFIXES, open_map, require_same_grid
+from uwsim.mapping.files.map_files import MAP_SUFFIXES, map_format, open_map, require_same_grid
+from uwsim.mapping.occupancy_map import OccupancyMap
+
+WIDE = (1e-300, 1.0 - 1e-16)
+"""Limits of the sum on its way, log-odds of -690 to 36.7: ten maps at OctoMap's own limit, 3.5, are below them."""
+OCCUPIED_WINS = (0.4999999, 1.0 - 1e-12)
+"""Limits at which a voxel that any map has occupied (27.6) stays so, however many have it free (-4e-7)."""
 
 
 def merge_files(sources: Sequence[Path], target: Path) -> int:
-    """Write the sum of the maps' log-odds to `target`, .bt or .ot, atomically; returns its number of occupied voxels.
+    """Merge maps into `target`, .bt or .ot, atomically; return its number of occupied voxels.
 
-    The files hold no origin: all must have been written with the same one. The voxels of a .bt count with the clamping
-    limits, so an .ot has the weight that was measured and a .bt the greatest possible. Raises ValueError, which names
-    the file, or OSError, with nothing written.
+    If all are .ot, the log-odds of each voxel are summed, and the sum is limited as scans' are: as if one map had seen
+    all scans, apart from the limit on the way. A .bt holds states alone, so if any is one, a voxel is occupied if any
+    map has it occupied, and free if any has it free. What no map knows stays unknown.
+
+    The files are taken in the order of their contents' digests, since floating-point sums depend on the order: the
+    bytes of the result depend on the files alone. The files hold no origin: all must have been written with the same
+    one. Holds two maps in memory at a time. Raises ValueError, which names the file, or OSError, with nothing written.
     """
     if len(sources) < 2:
         raise ValueError(f"{len(sources)} map given: must be two or more to merge")
     if target.suffix not in MAP_SUFFIXES:
         raise ValueError(f"--out '{target}': must end in {' or '.join(MAP_SUFFIXES)}")
-    merged = open_map(sources[0])
-    for source in sources[1:]:
-        other = open_map(source)
-        try:
-            require_same_grid(merged, other)
-        except ValueError as error:
-            raise ValueError(f"'{sources[0]}' and '{source}': {error}") from None
-        merged.merge(other)
+    ordered = sorted(sources, key=_digest)
+    has_states_alone = any(map_format(path) == "bt" for path in ordered)
+    merged = _any_occupied(ordered) if has_states_alone else _summed(ordered)
     merged.write(target)
     return merged.statistics().occupied_voxels
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, hashlib.blake2b).hexdigest()
+
+
+def _summed(sources: Sequence[Path]) -> OccupancyMap:
+    first = open_map(sources[0])
+    total = OccupancyMap(first.resolution_m, clamping=WIDE)
+    for source in sources:
+        _merge(total, open_map(source), sources[0], source)
+    limited = OccupancyMap(first.resolution_m)
+    limited.merge(total)
+    return limited
+
+
+def _any_occupied(sources: Sequence[Path]) -> OccupancyMap:
+    with tempfile.TemporaryDirectory(prefix="uwsim-merge-") as folder:
+        states = Path(folder) / "states.bt"
+        total = _states(sources[0], states)
+        for source in sources[1:]:
+            _merge(total, _states(source, states), sources[0], source)
+        total.write(states)
+        return open_map(states)
+
+
+def _states(source: Path, scratch: Path) -> OccupancyMap:
+    """Return a map of states alone: of an .ot, as its .bt would have them."""
+    if map_format(source) == "ot":
+        open_map(source).write(scratch)
+        source = scratch
+    return OccupancyMap.read(source, clamping=OCCUPIED_WINS)
+
+
+def _merge(into: OccupancyMap, other: OccupancyMap, first: Path, source: Path) -> None:
+    try:
+        require_same_grid(into, other)
+    except ValueError as error:
+        raise ValueError(f"'{first}' and '{source}': {error}") from None
+    into.merge(other)
