@@ -25,10 +25,11 @@ class HeadingAid final : public Aid {
     const Eigen::Vector3d ahead = state.orientation * axis_;
     const double level = ahead.head<2>().squaredNorm();
     if (level < 1e-4) return;  // it points straight up or down
-    const double north = north_rad_ - reading[0];
+    // By the expected yaw, not the measured one, whose noise would be in `sees` as it is in the residual: readings at
+    // one heading would then tell of a field that is not there.
+    const double yaw = std::atan2(ahead.y(), ahead.x()), north = north_rad_ - yaw;
     const Eigen::Vector3d sees(1, std::sin(north), -std::cos(north));
-    const double expected =
-        std::atan2(ahead.y(), ahead.x()) + sees.dot(state.aid_bias.segment<3>(first_bias - kAidBias));
+    const double expected = yaw + sees.dot(state.aid_bias.segment<3>(first_bias - kAidBias));
     ErrorVector h = ErrorVector::Zero(state.errors());
     // d yaw = (a_x da_y - a_y da_x) / level, da = -R [axis]x error.
     const Eigen::Vector3d turned = state.orientation.conjugate() * Eigen::Vector3d(-ahead.y(), ahead.x(), 0);
