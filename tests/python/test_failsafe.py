@@ -7,6 +7,7 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.command_gate import FailsafeWarning
+from uwsim.estimation import Start
 from uwsim.live import LiveSimulator, replay
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.errors import ScenarioError
@@ -49,6 +50,18 @@ def test_hold_keeps_depth_heading_and_place():
     assert sim.rov.failsafe.state == "hold"
     assert sim.rov.pose.position_world_m == pytest.approx(began.position_world_m, abs=0.5)
     assert math.remainder(sim.rov.pose.yaw_rad - began.yaw_rad, 2 * math.pi) == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_vehicle_that_navigates_returns_to_where_it_believes_home_to_be():
+    sim = Simulator(lake(silence_s=SILENCE_S, then="return", speed_m_s=0.8))
+    home = sim.rov.pose.position_world_m
+    sim.rov.place((-50.0, -34.0, -13.0))
+    estimate = sim.rov.estimate  # begins
+    sim.parameters["rov.sensors.usbl.on"] = False
+    estimate.restart(Start((-46.0, -34.0, -13.0), 0.1))  # 4 m off
+    sim.advance(60.0)
+    assert np.linalg.norm(estimate.pose.position_world_m - home) < 1.0
+    assert sim.rov.pose.position_world_m - estimate.pose.position_world_m == pytest.approx([-4.0, 0.0, 0.0], abs=0.5)
 
 
 def test_surface_ascends_at_the_stated_rate_and_stays_there():

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from uwsim.control.autopilot import Autopilot
+from uwsim.control.protocols import EstimateLike
 from uwsim.failures import manoeuvres
 from uwsim.failures.alarms import LOOK_S, Alarms
 from uwsim.failures.events import EventLog
@@ -23,7 +24,10 @@ ZERO = (0.0,) * 6
 
 
 class Steered:
-    """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted."""
+    """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted.
+
+    pose, velocity: by its own instruments (Vehicle.estimate) once its navigation has begun; the truth before.
+    """
 
     def __init__(self, vehicle: Vehicle) -> None:
         self._vehicle = vehicle
@@ -36,13 +40,18 @@ class Steered:
 
     @property
     def pose(self) -> Any:
-        """The vehicle's."""
-        return self._vehicle.pose
+        """As far as the vehicle knows."""
+        return self._known.pose
 
     @property
     def velocity(self) -> Any:
-        """The vehicle's."""
-        return self._vehicle.velocity
+        """As far as the vehicle knows."""
+        return self._known.velocity
+
+    @property
+    def _known(self) -> EstimateLike:
+        navigation = self._vehicle.navigation
+        return navigation.navigator if navigation.has_begun else self._vehicle
 
     def set_effort(
         self,
@@ -252,7 +261,7 @@ class Failsafe(Sealed):
         return order.index(then) > order.index(self._state) or (self._cause == SILENCE and then != "go_on")
 
     def _begin(self, tick: int, then: str, cause: str, **values: Any) -> None:
-        pose = self._vehicle.pose
+        pose = self._steered.pose
         x_m, y_m, z_m = pose.position_world_m.tolist()
         self._state, self._cause = then, cause
         self._began = Beginning(x_m, y_m, z_m, float(pose.yaw_rad), tick * self._step_s)

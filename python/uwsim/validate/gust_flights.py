@@ -12,6 +12,7 @@ from uwsim.control import Controller, EstimateLike, PathFollower
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.simulator import Simulator
 from uwsim.validate.check import Check, at_most
+from uwsim.validate.flights import deep_water
 from uwsim.validate.step_responses import PERIOD_S
 
 Array = NDArray[np.float64]
@@ -20,9 +21,9 @@ SETTLE_S, HOLD_S = 20.0, 120.0
 START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # within the DVL's range of the bed
 SPEED_M_S, LEG_M = 1.0, 56.0
 LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the path is judged from CORNER_M behind each corner on
-LEGS = 3  # at 45 degrees to the mean current, to either side in turn: the vehicle reaches 0.9 m/s through the water
-
-
+ALIGN_S = 60.0  # of station keeping before the path, in which the filter learns its biases
+DRIFT_STEP_S, TOP_SPEED_AFTER_S = 0.01, 20.0
+LEGS = 3  # at 45 degrees to the mean current, to either side in turn: the vehicle reaches 0.84 m/s through the water
 SEEDS = (1, 2, 3, 4, 5, 6)
 NEAR_START_M = (20.0, 10.0, 0.0)
 ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # of the zigzag: the USBL's error across its line of sight grows with the range
@@ -54,11 +55,11 @@ def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEA
     )
 
 
-def station_keeping(sim: Simulator, estimate: EstimateLike) -> Array:
-    """Keep a place for two minutes, facing along the mean current; return the true distance from it, (n,) [m]."""
+def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTLE_S + HOLD_S) -> Array:
+    """Keep a place, facing along the mean current; return the true distance from it, from SETTLE_S on, (n,) [m]."""
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
     away = []
-    for _ in range(round((SETTLE_S + HOLD_S) / PERIOD_S)):
+    for _ in range(round(for_s / PERIOD_S)):
         controller.hold(START_M, 0.0)
         sim.advance(PERIOD_S)
         away.append(float(np.linalg.norm(sim.rov.pose.position_world_m - START_M)))
@@ -102,28 +103,64 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) -> list[Check]:
-    """Fly both ways with each seed and compare with the limits.
+def unavoidable_drift_m(sim: Simulator, top_speed_m_s: float) -> float:
+    """Return the rms distance from the place that gusts beyond the vehicle's top speed enforce, without foresight, [m].
 
-    By the true state, which shows the control alone, the limit holds for each flight; by the vehicle's own estimate,
-    for all of them together.
+    It moves against the current at any speed up to the top speed, at once, and back to its place as fast as it can.
     """
-    away, across, speeds, by_truth = [], [], [], []
-    for seed in seeds:
-        kept = gusty_water(model, seed)
-        away.append(station_keeping(kept, kept.rov.estimate))
-        flown = gusty_water(model, seed, ABOVE_MIDDLE_M)
-        flight = path_at_speed(flown, flown.rov.estimate)
-        across.append(flight[0])
-        speeds.append(flight[1])
-        seen = gusty_water(model, seed, ABOVE_MIDDLE_M)
-        by_truth.append(rms(path_at_speed(seen, seen.rov)[0]))
-    away_m, across_m = rms(np.concatenate(away)), rms(np.concatenate(across))
-    slowness = SPEED_M_S / float(np.concatenate(speeds).mean())
-    flights = f"{len(seeds)} flights in gusts"
+    away = np.zeros(2)
+    distances = []
+    for time_s in np.arange(0.0, SETTLE_S + HOLD_S, DRIFT_STEP_S):
+        current = sim.world.water.velocity_m_s(np.array([START_M]), time_s)[0, :2]
+        wanted = current + away / DRIFT_STEP_S
+        speed = max(float(np.linalg.norm(wanted)), 1e-12)
+        away += DRIFT_STEP_S * (current - wanted * min(1.0, top_speed_m_s / speed))
+        distances.append(float(np.linalg.norm(away)))
+    return rms(np.array(distances[round(SETTLE_S / DRIFT_STEP_S) :]))
+
+
+def top_speed_m_s(model: VehicleModel) -> float:
+    """Return the vehicle's speed ahead through still water with full thrust."""
+    sim = deep_water(model)
+    controller = Controller(sim.rov, PERIOD_S)
+    for _ in range(round(TOP_SPEED_AFTER_S / PERIOD_S)):
+        controller.steer(0.0, (2.0, 0.0))
+        sim.advance(PERIOD_S)
+    return float(sim.rov.velocity.linear_body_m_s[0])
+
+
+def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) -> list[Check]:
+    """Fly all ways with each seed and compare the worst flight with the limits.
+
+    Where gusts exceed the top speed, the limit on station keeping is for what is left after the drift that they force.
+    """
+    top_m_s = top_speed_m_s(model)
+    flights = [_GustFlights(model, seed, top_m_s) for seed in seeds]
+    group = f"{len(seeds)} flights in gusts"
+    own = f"{group}, by its own estimate"
+    slowness = SPEED_M_S / float(np.mean([f.speed_m_s for f in flights]))
+    truth_m, settled_m = max(f.across_by_truth_m for f in flights), max(f.across_settled_m for f in flights)
     return [
-        at_most(name, f"{flights}, by its own estimate: station keeping, rms of all", 0.15, away_m, "m"),
-        at_most(name, f"{flights}, by its own estimate: cross-track, rms of all", 0.2, across_m, "m"),
-        at_most(name, f"{flights}, by its own estimate: 1 m/s over the mean speed", 1.15, slowness),
-        at_most(name, f"{flights}, by the true state: cross-track, rms of the worst", 0.2, max(by_truth), "m"),
+        at_most(name, f"{own}: station keeping, rms of the worst", 0.15, max(f.kept_m for f in flights), "m"),
+        at_most(name, f"{own}: cross-track, rms of the worst", 0.2, max(f.across_m for f in flights), "m"),
+        at_most(name, f"{own}, station at the start: cross-track, rms of the worst", 0.2, settled_m, "m"),
+        at_most(name, f"{own}: 1 m/s over the mean speed", 1.15, slowness),
+        at_most(name, f"{group}, by the true state: cross-track, rms of the worst", 0.2, truth_m, "m"),
     ]
+
+
+class _GustFlights:
+    """The flights of one seed. kept_m: from its place, beyond the drift that gusts enforce; across_m: of the path."""
+
+    def __init__(self, model: VehicleModel, seed: int, top_m_s: float) -> None:
+        kept = gusty_water(model, seed)
+        away_m, drift_m = rms(station_keeping(kept, kept.rov.estimate)), unavoidable_drift_m(kept, top_m_s)
+        self.kept_m = math.sqrt(max(away_m**2 - drift_m**2, 0.0))
+        flown = gusty_water(model, seed, ABOVE_MIDDLE_M)
+        across, speeds = path_at_speed(flown, flown.rov.estimate)
+        self.across_m, self.speed_m_s = rms(across), float(speeds.mean())
+        settled = gusty_water(model, seed)
+        station_keeping(settled, settled.rov.estimate, for_s=ALIGN_S)
+        self.across_settled_m = rms(path_at_speed(settled, settled.rov.estimate)[0])
+        seen = gusty_water(model, seed, ABOVE_MIDDLE_M)
+        self.across_by_truth_m = rms(path_at_speed(seen, seen.rov)[0])
