@@ -21,6 +21,7 @@ from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
 from uwsim.cli.doctor import doctor
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
+from uwsim.cli.fleet import fleet
 from uwsim.cli.link import link
 from uwsim.cli.nodes import nodes
 from uwsim.cli.options import SETTINGS
@@ -68,6 +69,7 @@ app.command()(survey)
 app.command()(run)
 app.command()(compare)
 app.command()(sweep)
+app.command()(fleet)
 app.command()(serve)
 app.command()(station)
 app.command()(teleop)

@@ -19,7 +19,7 @@ from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
 from uwsim.simulator import Simulator
 from uwsim.survey.flight_state import FlightState
-from uwsim.survey.flyable_lanes import SurveyAreaWarning, flyable_plan
+from uwsim.survey.flyable_lanes import LEAST_SHARE, SurveyAreaWarning, flyable_plan
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import HullBox, PingToMap
 from uwsim.survey.pinging_clock import PingingClock, TakePing
@@ -56,6 +56,7 @@ def fly_survey(
     outlier_filter: bool | None = None,
     on_ping_taken: TakePing | None = None,
     estimate: EstimateKind = "truth",
+    least_share: float = LEAST_SHARE,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end or to Ctrl-C; returns the map and the record in both cases.
 
@@ -65,7 +66,8 @@ def fly_survey(
     scan one by one. supervisor: may save or stop the flight whenever the mission waits. resume: a saved flight to
     continue; `occupancy` and `reference` must be the maps that were saved with it.
     outlier_filter: see filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. on_ping_taken: called
-    with each ping, the panel and the body's pose as the map was told it.
+    with each ping, the panel and the body's pose as the map was told it. least_share: of the lanes, which must be
+    flyable.
     Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown, ValueError when the
     flight cannot be resumed. Fewer such lanes are left out, with a SurveyAreaWarning.
     """
@@ -73,7 +75,7 @@ def fly_survey(
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
     filters = filters_outliers(sim, outlier_filter)
-    flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken, estimate)
+    flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken, estimate, least_share)
     with PingToMap(
         occupancy,
         sim.rov.sonar.model,
@@ -101,8 +103,9 @@ class _Flight:
         resume: FlightState | None,
         on_ping_taken: TakePing | None = None,
         estimate: EstimateKind = "truth",
+        least_share: float = LEAST_SHARE,
     ) -> None:
-        self._on_ping_taken, self._estimate_kind = on_ping_taken, estimate
+        self._on_ping_taken, self._estimate_kind, self._least_share = on_ping_taken, estimate, least_share
         self._sim, self._occupancy, self._reference = sim, occupancy, reference
         self._supervisor, self._resume = supervisor, resume
         self._wall_start_s = time.perf_counter()
@@ -131,7 +134,7 @@ class _Flight:
             self._on_ping_taken,
             estimate,
         )
-        plan, self._left_out = flyable_plan(self._sim, survey_plan(survey))
+        plan, self._left_out = flyable_plan(self._sim, survey_plan(survey), self._least_share)
         if self._left_out is not None:
             warnings.warn(self._left_out, SurveyAreaWarning, stacklevel=3)
         self._mission = make_mission(

@@ -39,21 +39,23 @@ class FlyableLanes:
     left_out: str | None
 
 
-def flyable_plan(sim: Simulator, plan: LawnMowerPlan) -> tuple[LawnMowerPlan, str | None]:
+def flyable_plan(
+    sim: Simulator, plan: LawnMowerPlan, least_share: float = LEAST_SHARE
+) -> tuple[LawnMowerPlan, str | None]:
     """Return the plan, with the lanes that can be flown if some cannot, and a sentence on those left out.
 
-    Raises ScenarioError if more than half cannot be flown.
+    Raises ScenarioError if a smaller share can be flown.
     """
     start_m, _ = start_pose(
         sim.scenario, sim.scenario.vehicles[0]
     )  # not the present pose: a resumed flight is the same
     lanes = lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, np.array(start_m[:2]))
-    found = flyable_lanes(sim, lanes)
+    found = flyable_lanes(sim, lanes, least_share)
     return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)
 
 
-def flyable_lanes(sim: Simulator, lanes: list[Lane]) -> FlyableLanes:
-    """Return the parts of lanes that can be flown. Raises ScenarioError if they are less than half."""
+def flyable_lanes(sim: Simulator, lanes: list[Lane], least_share: float = LEAST_SHARE) -> FlyableLanes:
+    """Return the parts of lanes that can be flown. Raises ScenarioError if they are a smaller share."""
     flyable, left_m, reasons_m = [], 0.0, dict.fromkeys(REASONS, 0.0)
     for lane in lanes:
         along = np.linspace(0.0, lane.length_m, max(2, int(np.ceil(lane.length_m / STEP_M)) + 1))
@@ -73,9 +75,9 @@ def flyable_lanes(sim: Simulator, lanes: list[Lane]) -> FlyableLanes:
     share = left_m / total_m
     told = ", ".join(f"{_percent(m / total_m)} {reason}" for reason, m in reasons_m.items() if m > 0.0)
     sentence = f"{_percent(share)} of the survey's lanes cannot be flown ({told})"
-    if share > 1.0 - LEAST_SHARE:
+    if share > 1.0 - least_share:
         with sim.scenario.source_file.errors_at("survey", "area_m"):
-            raise ScenarioError(f"survey.area_m: {sentence}: must be at most {_percent(1.0 - LEAST_SHARE)}")
+            raise ScenarioError(f"survey.area_m: {sentence}: must be at most {_percent(1.0 - least_share)}")
     return FlyableLanes(flyable, f"{sentence} and are left out.")
 
 

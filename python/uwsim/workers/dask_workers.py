@@ -6,8 +6,8 @@ import contextlib
 import logging
 import queue
 import tempfile
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from itertools import islice
 from types import TracebackType
 from typing import Any, Self
 
@@ -17,6 +17,8 @@ import distributed
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.workers.workers import Finished, Work
 
+AHEAD = 2
+"""Jobs that each worker has at hand, so that none waits for the next."""
 CONNECT_S, POLL_S = 10.0, 0.2
 LOCALHOST = "127.0.0.1"
 SETTINGS = {
@@ -52,31 +54,27 @@ class ClusterWorkers:
     ) -> Iterator[Finished]:
         """Do jobs; see Workers."""
         done: queue.SimpleQueue[tuple[int, distributed.Future]] = queue.SimpleQueue()
-        waiting, under_way = iter(jobs), dict[int, distributed.Future]()
-        trials = _Trials(retries)
+        waiting, under_way, trials = deque(jobs), dict[int, distributed.Future](), _Trials(retries)
 
         def begin(number: int) -> None:
-            future = self._client.submit(work, jobs[number], pure=False)
-            under_way[number] = future
+            under_way[number] = future = self._client.submit(work, jobs[number], pure=False)
             future.add_done_callback(lambda of: done.put((number, of)))
 
         try:
-            for number in islice(waiting, self.count):
-                begin(number)
-            while under_way and not stop_requested():
+            while (waiting or under_way) and not stop_requested():
+                at_once = self.count if trials.suspects else AHEAD * self.count
+                while waiting and len(under_way) < at_once:
+                    begin(waiting.popleft())
                 try:
                     number, future = done.get(timeout=POLL_S)
                 except queue.Empty:
                     self._require_scheduler()
                     continue
                 del under_way[number]
-                finished = trials.judged(number, future)
-                if finished is None:
-                    begin(number)
-                    continue
-                yield finished
-                if (following := next(waiting, None)) is not None:
-                    begin(following)
+                if (finished := trials.judged(number, future)) is None:
+                    waiting.appendleft(number)
+                else:
+                    yield finished
         finally:
             if under_way:
                 with contextlib.suppress(Exception):
@@ -103,27 +101,36 @@ class ClusterWorkers:
 
 
 class _Trials:
-    """Counts the trials of each job. A worker has one job at a time, so a dead worker speaks of that job alone."""
+    """Counts the trials of each job.
+
+    When a worker dies, Dask tells so of all the jobs that it had at hand, since it cannot know which of them was to
+    blame. They are suspects: until they are finished, no worker has more than one job, and each of them has one trial
+    more than others.
+    """
 
     def __init__(self, retries: int) -> None:
         self._retries = retries
         self._failed: dict[int, int] = {}
+        self.suspects: set[int] = set()
 
     def judged(self, number: int, future: distributed.Future) -> Finished | None:
         """Return the finished job; None if it is to be tried again. Raises what work should not have raised."""
         failed = self._failed.get(number, 0)
         if future.status == "finished":
+            self.suspects.discard(number)
             return Finished(number, future.result(), failed + 1)
         if future.status != "error":
             raise OSError("the scheduler has lost its jobs; --resume continues")
         error = future.exception()
-        died = isinstance(error, distributed.KilledWorker)
-        if not (died or isinstance(error, OSError | MemoryError)):
+        if isinstance(error, distributed.KilledWorker):
+            self.suspects.add(number)
+        elif not isinstance(error, OSError | MemoryError):
             raise error
         self._failed[number] = failed + 1
-        if failed < self._retries:
+        if failed < self._retries + (number in self.suspects):
             return None
-        why = "its worker died" if died else f"{type(error).__name__}: {error}"
+        why = "its worker died" if number in self.suspects else f"{type(error).__name__}: {error}"
+        self.suspects.discard(number)
         return Finished(number, None, failed + 1, why)
 
 

@@ -42,6 +42,19 @@ class Terrain:
         """Height of the deepest point."""
         return float(self.heights_m.min())
 
+    def window(self, corners_m: tuple[tuple[float, float], tuple[float, float]] | None) -> Terrain:
+        """Return the whole cells about a box, corners (x, y); None: all of it. Raises ScenarioError if beside."""
+        if corners_m is None:
+            return self
+        ny, nx = self.heights_m.shape
+        cells = (np.array(corners_m) - self.origin_m) / self.spacing_m
+        (i0, j0), (i1, j1) = np.clip(np.floor(cells[0]), 0, (nx, ny)), np.clip(np.ceil(cells[1]), -1, (nx - 1, ny - 1))
+        if i1 <= i0 or j1 <= j0:
+            raise ScenarioError(f"terrain.window_m: is beside the terrain, {self.extent_text}")
+        rows, columns = slice(int(j0), int(j1) + 1), slice(int(i0), int(i1) + 1)
+        origin_m = (self.origin_m[0] + i0 * self.spacing_m, self.origin_m[1] + j0 * self.spacing_m)
+        return Terrain(np.ascontiguousarray(self.heights_m[rows, columns]), self.spacing_m, origin_m)
+
     def height_at(self, xy_m: ArrayLike) -> NDArray[np.float64]:
         """Return z of the triangulated surface at points (n, 2): (n,), NaN outside.
 
@@ -82,7 +95,7 @@ def _heights(spec: TerrainSpec) -> NDArray[np.floating]:
             from uwsim.scenario.build.terrain_noise import noise_heights
 
             (heights,) = cached_arrays(
-                lambda: (noise_heights(spec).astype(np.float32),), "noise", spec.model_dump_json()
+                lambda: (noise_heights(spec).astype(np.float32),), "noise", spec.model_dump_json(exclude={"window_m"})
             )
             return cast("NDArray[np.float32]", heights)
         case RasterTerrain():

@@ -19,9 +19,10 @@ def build_world(scenario: Scenario) -> _core.World:
     errors_at = scenario.source_file.errors_at
     with errors_at("terrain"):
         terrain = build_terrain(scenario.terrain)
-    _require_inside(scenario, terrain)
+        part = terrain.window(scenario.terrain.window_m)
+    _require_inside(scenario, part)
     world = _core.World()
-    world.set_terrain(terrain.heights_m, terrain.spacing_m, terrain.origin_m)
+    world.set_terrain(part.heights_m, part.spacing_m, part.origin_m)
     for index, obstacle in enumerate(scenario.obstacles):
         with errors_at("obstacles", index):
             world.add_solid(obstacle.name, *obstacle_solid(obstacle, terrain))

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Metres, Model, Size, broken
+from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Metres, Model, Point2, Size, broken
 
 MAX_NODES = 16_000_000
 """4,000 x 4,000 nodes: 64 MB of heights, and some 3 GB of triangles for ray casting."""
@@ -19,10 +19,21 @@ class Grid(Model):
     """The grid that every terrain has. Its middle is the world's origin.
 
     size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: between neighbouring heights.
-    source: what the heights come from; each source has keys of its own.
+    source: what the heights come from; each source has keys of its own. window_m: corners (x, y), the lowest and the
+    highest, of the part that is built, whole cells about them; the heights and the world's origin are those of the
+    whole. For a part of a survey so large that one process need not hold all of it.
     """
 
     spacing_m: Spacing = 0.5
+    window_m: tuple[Point2, Point2] | None = None
+
+    @model_validator(mode="after")
+    def _window_has_some_size(self) -> Grid:
+        if self.window_m is not None:
+            (x0, y0), (x1, y1) = self.window_m
+            if x0 >= x1 or y0 >= y1:
+                raise broken("its second corner must be north-east of its first", at=("window_m",))
+        return self
 
     @staticmethod
     def _check_grid(size_m: tuple[float, float], spacing_m: float) -> None:

@@ -1,0 +1,92 @@
+"""`uwsim fleet`: survey a large area by tiles, on many workers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwsim.cli.exit_codes import FAILED, INTERRUPTED
+from uwsim.cli.options import ScenarioName, Seed
+from uwsim.cli.sweep import Scheduler, Workers
+
+if TYPE_CHECKING:
+    from uwsim.fleet import Fleet
+
+
+def fleet(
+    scenario: ScenarioName,
+    tile: Annotated[float, typer.Option(help="Edge of the tiles [m]; they are at most as long.")],
+    out: Annotated[Path, typer.Option(help="Folder for map.bt, summary.json, tiles.png and the tiles' maps.")] = Path(
+        "fleet"
+    ),
+    voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
+    seed: Seed = None,
+    vehicles: Annotated[
+        int, typer.Option(help="Vehicles that share the tiles, for the time that the fleet is out; not for the map.")
+    ] = 1,
+    score: Annotated[bool, typer.Option("--score/--no-score", help="Compare the map with the true world.")] = True,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Fly the tiles that are missing in --out.")] = False,
+) -> None:
+    """Survey a scenario's area by tiles, each flown by a vehicle of its own; merge and score the map.
+
+    A worker builds only its tile's part of the terrain, so that the area may be larger than one process could hold.
+    The map has the same bytes whatever the number of workers and the order in which tiles are finished. Ctrl-C and
+    kills lose only the tiles under way: --resume flies the rest. Ends with 1 if a tile failed.
+    """
+    from uwsim.cli.job_progress import job_progress
+    from uwsim.fleet import run_fleet
+    from uwsim.survey.terminal import stop_on_ctrl_c
+
+    with job_progress("tiles") as progress, stop_on_ctrl_c(progress):
+        flown = run_fleet(
+            scenario,
+            out,
+            tile_m=tile,
+            voxel_m=voxel,
+            seed=seed,
+            vehicles=vehicles,
+            score=score,
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            stop_requested=progress.stop_requested,
+            tell=progress.tell,
+            show=progress.activity,
+        )
+    for number, error in list(flown.failed.items())[:3]:
+        typer.echo(f"tile {number}: {error}", err=True)
+    if flown.interrupted:
+        done = f"{len(flown.results):,} of {len(flown.tiles):,} tiles"
+        typer.echo(f"interrupted after {done}; --resume continues", err=True)
+        raise typer.Exit(INTERRUPTED)
+    _print(flown)
+    if flown.failed:
+        raise typer.Exit(FAILED)
+
+
+def _print(flown: Fleet) -> None:
+    from uwsim.survey.summary import duration_text
+
+    of = flown.figures
+    rows = [
+        ("tiles", f"{of['tiles_flown']:,} flown, {of['tiles_dry']:,} dry, {of['tiles_failed']:,} failed"),
+        ("path flown while pinging", f"{1e-3 * of['path_length_m']:,.1f} km"),
+        ("pings", f"{of['pings']:,}"),
+        ("simulated", duration_text(of["simulated_s"])),
+        (f"out, with {of['vehicles']:,} vehicles", duration_text(of["fleet_out_s"])),
+        ("collisions", f"{of['collisions']:,}"),
+    ]
+    if of.get("coverage") is not None:
+        rows += [
+            ("coverage of the visible surface", f"{100 * of['coverage']:.1f} %"),
+            ("of the worst tile", f"{100 * of['coverage_of_the_worst_tile']:.1f} %"),
+            ("distance to the true surface, mean", f"{of['distance_mean_m']:.3f} m"),
+        ]
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        typer.echo(f"{name:<{width}}  {value}")
+    typer.echo(f"{flown.out / 'map.bt'}  {flown.out / 'tiles.png'}  {flown.out / 'summary.json'}")

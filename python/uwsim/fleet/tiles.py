@@ -1,0 +1,78 @@
+"""Cuts the area of a survey into tiles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import CrossSection, FillRule
+from numpy.typing import NDArray
+
+from uwsim.scenario.spec.polygon import area, narrowest_width
+
+Corners = tuple[tuple[float, float], ...]
+MAX_TILES = 1_000_000
+LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 4, 40
+"""A smaller part of the area, cut off at its rim, is left out."""
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A part of the area that one vehicle surveys. area_m: its corners, (x, y). cell: the square of the grid, (i, j).
+
+    Several tiles have the same cell where the area's outline cuts a square into pieces.
+    """
+
+    number: int
+    cell: tuple[int, int]
+    area_m: Corners
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Squares over an area's bounding box. low_m: of its corner. edge_m: (x, y), at most as long as asked for."""
+
+    low_m: tuple[float, float]
+    edge_m: tuple[float, float]
+    count: tuple[int, int]
+
+    def cells_of(self, points_m: NDArray[np.floating]) -> NDArray[np.int64]:
+        """Return the cells (n, 2) of points (n, 2 or more); the nearest of points outside."""
+        cells = np.floor((points_m[:, :2] - self.low_m) / self.edge_m).astype(np.int64)
+        return np.asarray(np.clip(cells, 0, np.array(self.count) - 1))
+
+    def corners(self, cell: tuple[int, int]) -> Corners:
+        """Return the corners of a square, counter-clockwise."""
+        (x, y), (dx, dy) = self.low_m, self.edge_m
+        i, j = cell
+        return tuple((x + (i + a) * dx, y + (j + b) * dy) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)))
+
+
+def grid_over(area_m: Corners, tile_m: float) -> Grid:
+    """Return squares of about tile_m, which cover the bounding box without a rest. Raises ValueError."""
+    low, high = np.min(area_m, axis=0), np.max(area_m, axis=0)
+    across, up = (max(1, math.ceil(size / tile_m - 1e-9)) for size in (high - low).tolist())
+    if across * up > MAX_TILES:
+        raise ValueError(f"tile_m = {tile_m:g} m: makes {across * up:,} tiles, must be at most {MAX_TILES:,}")
+    edge = (high - low) / (across, up)
+    return Grid((float(low[0]), float(low[1])), (float(edge[0]), float(edge[1])), (across, up))
+
+
+def tiles_of(area_m: Corners, grid: Grid, voxel_m: float) -> tuple[list[Tile], float]:
+    """Return the tiles of a simple polygon, and the area [m2] of the slivers that are left out."""
+    whole = CrossSection([np.asarray(area_m, np.float64)], fillrule=FillRule.EvenOdd)
+    tiles, left_m2 = list[Tile](), 0.0
+    for j in range(grid.count[1]):
+        for i in range(grid.count[0]):
+            square = CrossSection([np.asarray(grid.corners((i, j)), np.float64)])
+            for part in (whole ^ square).to_polygons():
+                corners = tuple((float(x), float(y)) for x, y in part)
+                if len(corners) < 3:
+                    continue
+                wide = narrowest_width(corners) >= LEAST_WIDTH_VOXELS * voxel_m
+                if wide and area(corners) >= LEAST_AREA_VOXELS * voxel_m**2:
+                    tiles.append(Tile(len(tiles), (i, j), corners))
+                else:
+                    left_m2 += area(corners)
+    return tiles, left_m2
