@@ -73,14 +73,16 @@ def test_the_fleet_is_out_as_long_as_its_busiest_vehicle() -> None:
 
 def test_a_part_of_the_terrain_has_the_heights_of_the_whole() -> None:
     whole, low, high = load("lake"), (-30.2, -10.0), (40.0, 25.3)
-    spec = whole.terrain.model_copy(update={"window_m": (low, high)})
-    full, part = build_terrain(whole.terrain), build_terrain(whole.terrain).window(spec.window_m)
+    full = build_terrain(whole.terrain)
+    part = full.window((low, high))
     x0, y0, x1, y1 = part.extent_m
     assert x0 <= low[0] < x0 + part.spacing_m and x1 - part.spacing_m < high[0] <= x1
     assert y0 <= low[1] and high[1] <= y1
     places = np.random.default_rng(0).uniform(low, high, (500, 2))
     np.testing.assert_allclose(part.height_at(places), full.height_at(places), atol=1e-9)
-    with Simulator(whole.model_copy(update={"terrain": spec})) as sim, Simulator(whole) as all_of_it:
+    tile = tiles_of(whole.survey.area_m, grid_over(whole.survey.area_m, 60.0), 0.5)[0][0]
+    with Simulator(TileJob("lake", 0, tile, 0.5).scenario_of_tile(whole)) as sim, Simulator(whole) as all_of_it:
+        places = np.random.default_rng(1).uniform(np.min(tile.area_m, axis=0), np.max(tile.area_m, axis=0), (500, 2))
         np.testing.assert_allclose(sim.world.height_at(places), all_of_it.world.height_at(places), atol=1e-5)
     with pytest.raises(ScenarioError, match="window_m: is beside the terrain"):
         full.window(((5000.0, 0.0), (6000.0, 10.0)))
