@@ -109,6 +109,7 @@ __all__: list[str] = [
     "highest_in_corridor",
     "imaging_kind",
     "imaging_kinds",
+    "instruction_set",
     "jerlov_types",
     "material_names",
     "mounted_pose",
@@ -3623,6 +3624,12 @@ def imaging_kind(name: str) -> ImagingKind:
 def imaging_kinds() -> list[str]:
     """
     The kinds of imaging sonar that are built in.
+    """
+
+def instruction_set() -> str:
+    """
+    What kernels use: avx512, avx2 or portable; the widest of this processor, or what UWSIM_INSTRUCTION_SET chooses.
+    Raises ValueError if that is none, or the processor lacks it.
     """
 
 def jerlov_types() -> list[str]:

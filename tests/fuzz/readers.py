@@ -195,7 +195,7 @@ READERS = {
     "map": Reader(_map),
     "depth_string": Reader(_depth_string),
     "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
-    "ply": Reader(_cloud(".ply"), ("plyfile",)),
+    "ply": Reader(_cloud(".ply"), ("numpy.lib.npyio",)),
     "las": Reader(_cloud(".las"), ("laspy",)),
     "xyz": Reader(_cloud(".xyz"), has_end=False),
     "stl": Reader(_mesh(".stl"), ("trimesh.exchange",)),

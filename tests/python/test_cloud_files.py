@@ -5,9 +5,9 @@ from pathlib import Path
 import laspy
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plyfile import PlyData
 
 from uwsim.mapping.files import CLOUD_FORMATS, read_cloud, write_cloud
 
@@ -84,11 +84,25 @@ def test_other_fields_and_padding_are_skipped(tmp_path):
         assert read_cloud(tmp_path / name).tolist() == [[1.5, 3.0, 0.1], [-2.5, -4.0, 1e6]]
 
 
-def test_plyfile_reads_the_points_of_a_ply(tmp_path):
+def test_trimesh_reads_the_points_of_a_ply_and_we_read_its(tmp_path):
     write_cloud(tmp_path / "cloud.ply", some_points(17))
-    vertex = PlyData.read(tmp_path / "cloud.ply")["vertex"]
-    assert vertex.count == 17
-    assert np.array_equal(vertex["y"], some_points(17)[:, 1])
+    cloud = trimesh.load(tmp_path / "cloud.ply")
+    assert np.array_equal(cloud.vertices, some_points(17))
+    for encoding in ("ascii", "binary"):
+        (tmp_path / "its.ply").write_bytes(cloud.export(file_type="ply", encoding=encoding))
+        assert read_cloud(tmp_path / "its.ply") == pytest.approx(some_points(17), rel=1e-6)
+
+
+def test_a_ply_of_doubles_in_the_other_byte_order_with_faces_and_colours_is_read(tmp_path):
+    header = (
+        "ply\nformat binary_big_endian 1.0\ncomment by hand\nelement vertex 3\nproperty uchar red\nproperty double z\n"
+        "property double x\nproperty double y\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    rows = np.zeros(3, [("red", "u1"), ("z", ">f8"), ("x", ">f8"), ("y", ">f8")])
+    rows["x"], rows["y"], rows["z"] = [0.1, 2, 3], [4, 5, 6], [7, 8, 1e6 + 0.1]
+    face = b"\3" + np.array([0, 1, 2], ">i4").tobytes()
+    (tmp_path / "big.ply").write_bytes(header.encode() + rows.tobytes() + face)
+    assert read_cloud(tmp_path / "big.ply").tolist() == [[0.1, 4, 7], [2, 5, 8], [3, 6, 1e6 + 0.1]]
 
 
 def test_text_may_have_commas_comments_and_more_columns(tmp_path):

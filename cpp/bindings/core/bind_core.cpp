@@ -9,6 +9,7 @@
 #include "bindings/core/convert.h"
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/instruction_set.h"
 #include "uwsim/core/stream_name.h"
 #include "uwsim/core/triangle_mesh.h"
 
@@ -72,6 +73,11 @@ void bind_core(py::module_& m) {
       },
       py::arg("vertices_m"), py::arg("triangles"),
       "Volume, centroid and inertia of a closed mesh (n, 3), (m, 3). Raises ValueError when it is open or inverted.");
+  m.def(
+      "instruction_set", [] { return instruction_set_name(widest_instruction_set()); },
+      "What kernels use: avx512, avx2 or portable; the widest of this processor, or what UWSIM_INSTRUCTION_SET "
+      "chooses.\n"
+      "Raises ValueError if that is none, or the processor lacks it.");
 }
 
 }  // namespace uwsim::bindings

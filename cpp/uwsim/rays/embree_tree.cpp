@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/instruction_set.h"
 #include "uwsim/rays/embree_cast.h"
 #include "uwsim/rays/widened_triangle.h"
 
@@ -62,7 +63,14 @@ void ReleaseDevice::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(dev
 void ReleaseGeometry::operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
 void ReleaseTree::operator()(RTCSceneTy* tree) const { rtcReleaseScene(tree); }
 
-RayDevice make_ray_device() { return RayDevice(rtcNewDevice("verbose=0")); }
+RayDevice make_ray_device() {
+  const InstructionSet chosen = chosen_instruction_set();
+  std::string settings = "verbose=0";
+  if (chosen != InstructionSet::best) {
+    settings += std::string(",isa=") + (chosen == InstructionSet::portable ? "sse2" : instruction_set_name(chosen));
+  }
+  return RayDevice(rtcNewDevice(settings.c_str()));
+}
 
 RayTree make_ray_tree(RTCDeviceTy* device, bool robust) {
   RayTree tree(rtcNewScene(device));

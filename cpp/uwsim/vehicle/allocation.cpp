@@ -23,8 +23,9 @@ Eigen::MatrixXd both_signs(const Eigen::MatrixXd& x) {
 
 std::array<bool, 6> independent_axes(const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns) {
   std::array<bool, 6> driven{};
+  if (columns.cols() == 0) return driven;
   std::vector<Eigen::VectorXd> basis;
-  const double longest = columns.size() == 0 ? 0 : columns.cwiseAbs().maxCoeff();
+  const double longest = columns.cwiseAbs().maxCoeff();
   for (const Eigen::Index axis : kOrder) {
     Eigen::VectorXd row = columns.row(axis).transpose();
     const double length = row.norm();

@@ -21,6 +21,7 @@ from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
 from uwsim.cli.doctor import doctor
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
+from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
 from uwsim.cli.link import link
 from uwsim.cli.nodes import nodes
@@ -84,6 +85,7 @@ app.command()(parameters)
 app.command()(sonar)
 app.command()(link)
 app.command()(validate)
+app.command()(fingerprint)
 app.command()(reproduce)
 app.command()(camera)
 app.command()(decompose)

@@ -1,29 +1,87 @@
-"""PLY by plyfile: a `vertex` element with x, y, z; other properties and elements are skipped."""
+"""PLY: the `vertex` element with x, y, z is read; other properties and elements are skipped.
+
+No library is used: plyfile's licence (GPL) would reach to all of uwsim, and trimesh, which reads our meshes, refuses
+what PCL writes.
+"""
 
 from __future__ import annotations
 
-import io
 import re
 
 import numpy as np
 from numpy.typing import NDArray
-from plyfile import PlyData, PlyElement
 
 from uwsim.mapping.files.float32 import to_float32
+
+HEADER = """\
+ply
+format binary_little_endian 1.0
+element vertex {n}
+property float x
+property float y
+property float z
+end_header
+"""
+MAX_HEADER = 65_536
+BYTE_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+TYPES = {
+    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"},
+}
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
     """Encode as binary little-endian float32 x, y, z, which PCL, MeshLab and CloudCompare read."""
-    rows = to_float32(points_m).view([("x", "<f4"), ("y", "<f4"), ("z", "<f4")])[:, 0]
-    file = io.BytesIO()
-    PlyData([PlyElement.describe(rows, "vertex")], byte_order="<").write(file)
-    return file.getvalue()
+    return HEADER.format(n=len(points_m)).encode() + to_float32(points_m).tobytes()
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
     """Decode text, or binary of either byte order."""
-    counts = re.findall(rb"^element\s+\S+\s+(\d+)", data.partition(b"end_header")[0], flags=re.MULTILINE)
-    if sum(map(int, counts)) > len(data):  # plyfile would allocate memory for all of them
-        raise ValueError(f"{len(data)} bytes do not hold the {sum(map(int, counts))} elements of the header")
-    vertex = PlyData.read(io.BytesIO(data))["vertex"]
-    return np.stack([np.asarray(vertex[axis], np.float64) for axis in "xyz"], axis=1)
+    parts = re.split(rb"^end_header *\r?\n", data[:MAX_HEADER], maxsplit=1, flags=re.MULTILINE)
+    if len(parts) != 2 or not data.startswith(b"ply"):
+        raise ValueError("no header that ends in end_header")
+    body = data[len(data[:MAX_HEADER]) - len(parts[1]) :]
+    lines = [line.split() for line in parts[0].decode("ascii", errors="replace").splitlines()]
+    order = next((BYTE_ORDERS.get(line[1]) for line in lines if line[0:1] == ["format"] and len(line) > 1), None)
+    if order is None:
+        raise ValueError(f"no format among {', '.join(BYTE_ORDERS)}")
+    before, count, layout = _vertices(lines, order)
+    if order == "":
+        text = body.decode("ascii").splitlines()[before : before + count]
+        columns = [(layout.names or ()).index(axis) for axis in "xyz"]
+        points = np.loadtxt(text, np.float64, usecols=columns, ndmin=2) if text else np.empty((0, 3))
+        if len(points) != count:
+            raise ValueError(f"{len(points)} lines of points, expected {count}")
+        # Round to the property's type first: 0.1 written as float32 differs from 0.1 in float64.
+        return np.stack([points[:, k].astype(layout[axis]).astype(np.float64) for k, axis in enumerate("xyz")], axis=1)
+    if len(body) < before + count * layout.itemsize:
+        raise ValueError(f"{len(body)} bytes of points, expected {before + count * layout.itemsize}")
+    rows = np.frombuffer(body, layout, count, before)
+    return np.stack([rows[axis].astype(np.float64) for axis in "xyz"], axis=1)
+
+
+def _vertices(lines: list[list[str]], order: str) -> tuple[int, int, np.dtype[np.void]]:
+    """Return what comes before the vertices, in bytes or in lines of text; their number; and a vertex's layout."""
+    before, at = 0, next((k for k, line in enumerate(lines) if line[:1] == ["element"]), len(lines))
+    while at < len(lines):
+        if len(lines[at]) != 3 or not lines[at][2].isdigit():
+            raise ValueError(f"{' '.join(lines[at])}: expected element, a name and a number")
+        name, count = lines[at][1], int(lines[at][2])
+        end = next((k for k in range(at + 1, len(lines)) if lines[k][:1] == ["element"]), len(lines))
+        layout = _layout([line for line in lines[at + 1 : end] if line[:1] == ["property"]], order, name)
+        if name == "vertex":
+            missing = {"x", "y", "z"} - set(layout.names or ())
+            if missing:
+                raise ValueError(f"vertices have no {', '.join(sorted(missing))}")
+            return before, count, layout
+        before += count * layout.itemsize if order else count
+        at = end
+    raise ValueError("no vertices")
+
+
+def _layout(properties: list[list[str]], order: str, name: str) -> np.dtype[np.void]:
+    for line in properties:
+        if len(line) != 3 or line[1] not in TYPES:
+            raise ValueError(f"{' '.join(line)}: not a property that {name} may have in a cloud")
+    return np.dtype([(line[2], f"{order or '<'}{TYPES[line[1]]}") for line in properties])

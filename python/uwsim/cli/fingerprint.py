@@ -1,0 +1,36 @@
+"""`uwsim fingerprint`: one hash over what a short run says, to compare two machines by."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from uwsim.cli.options import ScenarioName, Seed, Threads
+
+
+def fingerprint(
+    scenario: ScenarioName = "lake",
+    seed: Seed = None,
+    threads: Threads = None,
+    json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+) -> None:
+    """Fly for some seconds and print a hash of all results.
+
+    Poses, samples, pings in both modes, pictures and maps; and what they may depend on. Two machines that print the
+    same last line have the same results; the environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes
+    processors of different kinds alike.
+    """
+    import orjson
+
+    from uwsim.fingerprint import fingerprint as made
+
+    found = made(scenario, seed=seed, threads=threads)
+    if json:
+        values = {"whole": found.whole, "parts": found.parts, "machine": found.machine}
+        typer.echo(orjson.dumps(values, option=orjson.OPT_INDENT_2).decode())
+        return
+    width = max(map(len, (*found.machine, *found.parts)))
+    for name, value in (*found.machine.items(), *found.parts.items()):
+        typer.echo(f"{name:<{width}}  {value}")
+    typer.echo(f"{'all':<{width}}  {found.whole}")

@@ -1,0 +1,64 @@
+"""What differs between kinds of CPU, and how far: python tools/cpu_kinds.py, a table for docs/trust.md.
+
+One machine plays the others: UWSIM_INSTRUCTION_SET chooses the kernels' and Embree's instructions, GLIBC_TUNABLES the C
+library's, as a machine without them would have it.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+NO_FMA = "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-AVX512F_Usable,-AVX2,-FMA,-FMA4,-AVX512F"
+KINDS = {
+    "kernels and Embree: AVX2": {"UWSIM_INSTRUCTION_SET": "avx2"},
+    "kernels and Embree: SSE2": {"UWSIM_INSTRUCTION_SET": "portable"},
+    "C library without FMA and AVX2": {"GLIBC_TUNABLES": NO_FMA},
+    "all of these": {"UWSIM_INSTRUCTION_SET": "portable", "GLIBC_TUNABLES": NO_FMA},
+}
+FLY = """
+import sys
+import numpy as np
+from uwsim.fingerprint import results
+np.savez(sys.argv[1], *[array for _, array in results()])
+"""
+
+
+def main() -> None:
+    """Print what differs from this machine as it is, in numbers of arrays and as the largest gap."""
+    from uwsim.fingerprint import results
+
+    names = [name for name, _ in results()]
+    with tempfile.TemporaryDirectory() as folder:
+        here = _flown(Path(folder) / "here.npz", {})
+        for kind, variables in KINDS.items():
+            found = _flown(Path(folder) / "there.npz", variables)
+            for part in dict.fromkeys(names):
+                pairs = [(a, b) for name, a, b in zip(names, here, found, strict=True) if name == part]
+                if any(a.tobytes() != b.tobytes() for a, b in pairs):
+                    print(f"| {kind} | {part} | {_gap(pairs)} |")
+
+
+def _flown(path: Path, variables: dict[str, str]) -> list[np.ndarray]:
+    subprocess.run([sys.executable, "-c", FLY, str(path)], env=os.environ | variables, check=True)
+    with np.load(path) as arrays:
+        return [arrays[f"arr_{k}"] for k in range(len(arrays.files))]
+
+
+def _gap(pairs: list[tuple[np.ndarray, np.ndarray]]) -> str:
+    unlike = sum(int(np.sum(~((a == b) | ((a != a) & (b != b))))) for a, b in pairs if a.shape == b.shape)
+    total = sum(a.size for a, _ in pairs)
+    np.seterr(invalid="ignore")  # no echo is infinity, here and there
+    gaps = [np.abs(a.astype(float) - b.astype(float)) for a, b in pairs if a.shape == b.shape]
+    largest = max((float(np.nanmax(g[np.isfinite(g)], initial=0.0)) for g in gaps), default=0.0)
+    came_or_went = sum(int(np.sum(np.isfinite(a.astype(float)) != np.isfinite(b.astype(float)))) for a, b in pairs)
+    return f"{unlike} of {total:,} numbers, by {largest:.2g} at most; {came_or_went} echoes came or went"
+
+
+if __name__ == "__main__":
+    main()
