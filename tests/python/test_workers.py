@@ -16,6 +16,7 @@ from uwsim.sweeps import run_sweep
 from uwsim.sweeps.table import TABLE
 from uwsim.workers import Workers, open_workers
 from uwsim.workers.ledger import LEDGER
+from worker_jobs import die_at_three, double, fail_at_first
 
 SLOW = """
 import time
@@ -32,24 +33,6 @@ def mission(vehicle, effort=0.1):
 def crew() -> Iterator[Workers]:
     with open_workers(2) as workers:
         yield workers
-
-
-def double(job: int) -> dict:
-    return {"value": 2 * job}
-
-
-def die_at_three(job: int) -> dict:
-    if job == 3:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return {"value": job}
-
-
-def fail_at_first(job: str) -> dict:
-    path = Path(job)
-    if not path.exists():
-        path.touch()
-        raise OSError("not yet")
-    return {"value": 1}
 
 
 def work(crew: Workers, function, jobs: dict, retries: int = 1) -> dict:

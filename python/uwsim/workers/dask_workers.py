@@ -119,6 +119,8 @@ class _Trials:
         if future.status == "finished":
             self.suspects.discard(number)
             return Finished(number, future.result(), failed + 1)
+        if future.status in ("pending", "lost"):  # its result went with another worker's death before it was fetched
+            return None
         if future.status != "error":
             raise OSError("the scheduler has lost its jobs; --resume continues")
         error = future.exception()

@@ -1,0 +1,26 @@
+"""What workers are given to do in tests: in a module of its own, since each worker imports it."""
+
+import os
+import signal
+from pathlib import Path
+
+
+def double(job: int) -> dict:
+    """Return a value."""
+    return {"value": 2 * job}
+
+
+def die_at_three(job: int) -> dict:
+    """Kill the worker, for one job."""
+    if job == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"value": job}
+
+
+def fail_at_first(job: str) -> dict:
+    """Fail as a disk may, once."""
+    path = Path(job)
+    if not path.exists():
+        path.touch()
+        raise OSError("not yet")
+    return {"value": 1}

@@ -1,0 +1,122 @@
+"""A sweep of short surveys: runs a second, what a run costs beside its flight, and the memory of workers over time.
+
+The flight and the whole run of it are measured in turns in this process, by processor time, so that other load does not
+count; wall time and memory are those of a sweep with workers.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import psutil
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim import Simulator
+from uwsim.mapping import OccupancyMap
+from uwsim.scoring.map_score import score_map
+from uwsim.survey.fly import fly_survey
+from uwsim.sweeps import run_sweep
+from uwsim.sweeps.job import Job, fly_job
+
+console = Console()
+
+VARY = {
+    "survey.altitude_m": {"low": 1.5, "high": 2.5},
+    "survey.line_spacing_m": {"low": 2.0, "high": 4.0},
+    "rov.drag.linear.surge": {"low": 20, "high": 60},
+}
+VOXEL_M = 0.5
+TEN = 10  # looks at the memory
+
+
+def main(
+    scenario: Annotated[str, typer.Option(help="With a short survey.")] = "pool",
+    runs: Annotated[int, typer.Option(min=20, help="Of the sweep.")] = 1000,
+    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    turns: Annotated[int, typer.Option(min=1, help="How often a run and its flight are measured here.")] = 30,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure a run against its flight, then a sweep."""
+    figures = run_against_flight(scenario, turns) | whole_sweep(scenario, runs, workers)
+    table = Table("figure", "value", title=f"{runs:,} surveys of {scenario} on {workers} workers")
+    for name, value in figures.items():
+        table.add_row(name, ", ".join(f"{v:.0f}" for v in value) if isinstance(value, list) else f"{value:,.2f}")
+    console.print(table)
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def run_against_flight(scenario: str, turns: int) -> dict[str, Any]:
+    """Processor time of a run of a warm process, and of the flight and the score that are its purpose."""
+    jobs = [Job(scenario, seed, {"survey.altitude_m": 1.5 + seed / turns}, voxel_m=VOXEL_M) for seed in range(turns)]
+    fly_job(jobs[0])
+    pairs = [(cpu_s(lambda job=job: fly_job(job)), flight_cpu_s(job)) for job in jobs]
+    return {
+        "run_cpu_ms": 1e3 * statistics.median(run for run, _ in pairs),
+        "flight_cpu_ms": 1e3 * statistics.median(flight for _, flight in pairs),
+        "beside_flight_cpu_ms": 1e3 * statistics.median(run - flight for run, flight in pairs),
+    }
+
+
+def cpu_s(work: Callable[[], object]) -> float:
+    """Processor time of a call."""
+    begin = time.process_time()
+    work()
+    return time.process_time() - begin
+
+
+def flight_cpu_s(job: Job) -> float:
+    """Processor time of a run's flight and score alone, in a simulator that is made already."""
+    sim = Simulator(job.varied_scenario(), threads=1)
+
+    def fly() -> None:
+        occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=VOXEL_M))
+        path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
+        score_map(sim.world, occupancy.occupied_voxels(), VOXEL_M, path_m, area_m, range_m, rays=sim.scene)
+
+    return cpu_s(fly)
+
+
+def whole_sweep(scenario: str, runs: int, workers: int) -> dict[str, Any]:
+    """Wall time of a sweep, what of it was no flight, and the workers' memory in MB ten times on the way."""
+    sweep = {
+        "scenario": scenario, "vary": VARY, "method": "latin_hypercube", "samples": runs, "voxel_m": VOXEL_M,
+        "seeds": {"first": 0},
+    }  # fmt: skip
+    memory_mb: list[list[float]] = []
+    times_s: list[float] = []
+
+    def tell(finished: int, failed: int, count: int) -> None:
+        times_s.append(time.perf_counter())
+        if finished in {max(1, count * k // TEN) for k in range(1, TEN + 1)}:
+            children = psutil.Process().children(recursive=True)
+            memory_mb.append(sorted((child.memory_info().rss / 1e6 for child in children), reverse=True)[:workers])
+
+    with tempfile.TemporaryDirectory() as out:
+        done = run_sweep(sweep, out, workers=workers, report=False, tell=tell)
+    rows = done.rows
+    wall_s = times_s[-1] - times_s[0]
+    flights_s, walls_s = rows.numbers("flight_wall_s"), rows.numbers("run_wall_s")
+    return {
+        "failed": done.failed,
+        "runs_a_second": runs / wall_s,
+        "run_wall_ms": 1e3 * statistics.median(walls_s),
+        "beside_flight_wall_ms": 1e3 * statistics.median(walls_s - flights_s),
+        "between_runs_wall_ms": 1e3 * (workers * wall_s - float(walls_s.sum())) / runs,
+        "largest_worker_mb": [sizes[0] for sizes in memory_mb],
+        "smallest_worker_mb": [sizes[-1] for sizes in memory_mb],
+    }
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench sweep")
