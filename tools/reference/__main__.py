@@ -5,6 +5,7 @@ from pathlib import Path
 
 from tools.reference.channels import channels_page
 from tools.reference.commands import commands_page
+from tools.reference.environments import environments_page
 from tools.reference.python_names import python_page
 from tools.reference.scenario import scenario_page
 from tools.reference.sensors import sensors_page
@@ -14,6 +15,7 @@ PAGES = {
     "sensors": sensors_page,
     "channels": channels_page,
     "commands": commands_page,
+    "environments": environments_page,
     "python": python_page,
 }
 

@@ -15,6 +15,12 @@ PUBLIC = {
     "Cameras": ["uwsim.cameras.camera.Camera", "uwsim.cameras.frame.Frame", "uwsim.cameras.lamp.Lamp"],
     "Maps": ["uwsim.mapping.occupancy_map.OccupancyMap"],
     "Parameters": ["uwsim.parameters.Parameters"],
+    "Learning": [
+        "uwsim.learning.lone_env.LoneEnv",
+        "uwsim.learning.vector_env.BatchEnv",
+        "uwsim.learning.options.EpisodeOptions",
+        "uwsim.learning.task.Task",
+    ],
     "On the wall clock": ["uwsim.live.LiveSimulator"],
     "Recordings": ["uwsim.recording.Recorder"],
 }

@@ -38,54 +38,69 @@ def evolve(
     options: EpisodeOptions,
     *,
     generations: int,
-    candidates: int = 24,
+    candidates: int = 16,
     episodes_each: int = 8,
     first_seed: int = 0,
-    spread: float = 0.3,
+    start: LinearPolicy | None = None,
+    spread: float = 0.5,
     told: Callable[[Generation], None] = lambda generation: None,
 ) -> LinearPolicy:
     """Return the mean of the last generation's distribution. The seeds of episodes begin with first_seed.
 
-    spread: of the first candidates' weights about zero. Raises MissingExtraError without `cma`.
+    spread: of the first candidates about `start`, by default zero: the standard deviation of a weight times the usual
+    size of what it is multiplied by. Raises MissingExtraError.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
     import cma
 
     episodes = Episodes(kind, candidates * episodes_each, options)
-    axes, width = episodes.action_space.shape[0], flat_width(episodes)
-    settings = {"popsize": candidates, "seed": first_seed + 1, "verbose": -9}
-    strategy = cma.CMAEvolutionStrategy(np.zeros(axes * (width + 1)), spread, settings)
+    free = free_weights(kind)
+    stds = np.broadcast_to(1.0 / usual_sizes(kind), free.shape)[free]
+    settings = {"popsize": candidates, "seed": first_seed + 1, "verbose": -9, "CMA_stds": stds}
+    first = np.zeros(free.shape) if start is None else np.column_stack([start.weights, start.bias])
+    strategy = cma.CMAEvolutionStrategy(first[free], spread, settings)
     begin = time.process_time()
     for index in range(generations):
-        asked = np.array(strategy.ask())
+        asked = strategy.ask()
+        weights = np.zeros((candidates, *free.shape))
+        weights[:, free] = asked
         seeds = first_seed + index * episodes_each + np.arange(episodes_each)
-        total = fly(episodes, Candidates(asked, axes, episodes_each), np.tile(seeds, candidates).tolist()).total
+        total = fly(episodes, Candidates(weights, episodes_each), np.tile(seeds, candidates).tolist()).total
         earned = total.reshape(candidates, episodes_each).mean(axis=1)
-        strategy.tell(list(asked), (-earned).tolist())
+        strategy.tell(asked, (-earned).tolist())
         told(Generation(index, float(earned.mean()), float(earned.max()), time.process_time() - begin))
-    weights = np.asarray(strategy.result.xfavorite).reshape(axes, width + 1)
-    return LinearPolicy(weights[:, :-1].copy(), weights[:, -1].copy())
+    found = np.zeros(free.shape)
+    found[free] = strategy.mean
+    return LinearPolicy(found[:, :-1].copy(), found[:, -1].copy())
 
 
-def flat_width(episodes: Episodes) -> int:
-    """Return the width of observations that are one array. Raises ValueError for others."""
-    shape = episodes.observation_space.shape
-    if shape is None or len(shape) != 1:
-        raise ValueError(
-            f"task {type(episodes.task).__name__}: a linear policy needs observations of one array (width,)"
-        )
-    return shape[0]
+def free_weights(kind: type[Task]) -> NDArray[np.bool_]:
+    """Return which weights, and last biases, are sought: (axes, width + 1).
+
+    A vehicle that is alike to port and starboard does the mirrored thing in the mirrored case: half of the weights are
+    zero. Where a field has no such factors, all are sought.
+    """
+    fields = kind.fields()
+    if not all(field.mirror for field in fields):
+        return np.ones((len(kind.axes), sum(field.width for field in fields) + 1), np.bool_)
+    seen = np.array([*(factor for field in fields for factor in field.mirror), 1])
+    return np.outer(kind.action_mirror(), seen) > 0
+
+
+def usual_sizes(kind: type[Task]) -> Floats:
+    """Return the usual size of each number of an observation, and 1 for the bias: (width + 1,)."""
+    sizes = [size for field in kind.fields() for size in (field.usual or (field.limit,) * field.width)]
+    return np.array([*sizes, 1.0])
 
 
 class Candidates:
-    """Linear policies, one for each row of parameters; each acts in as many members, one after the other."""
+    """Linear policies, weights and biases (k, axes, width + 1); each acts in so many members, one after the other."""
 
-    def __init__(self, parameters: Floats, axes: int, episodes_each: int) -> None:
-        self._each = episodes_each
-        self._weights = parameters.reshape(len(parameters), axes, -1)
+    def __init__(self, weights: Floats, episodes_each: int) -> None:
+        self._weights, self._each = weights, episodes_each
 
     def __call__(self, observation: NDArray[np.float32]) -> Floats:
         """Return actions (n, axes)."""
         groups = observation.reshape(len(self._weights), self._each, -1).astype(np.float64)
-        actions = np.einsum("caw,cew->cea", self._weights[:, :, :-1], groups) + self._weights[:, None, :, -1]
+        actions = groups @ self._weights[:, :, :-1].transpose(0, 2, 1) + self._weights[:, None, :, -1]
         return np.asarray(np.clip(actions, -1.0, 1.0).reshape(len(observation), -1))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.batch import BatchMotion
+from uwsim.control import EstimateLike
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +36,18 @@ class Motion:
             batch.velocity_body.copy(),
             np.asarray(1e-9 * batch.time_ns, np.float64),
             batch.collisions.copy(),
+        )
+
+    @staticmethod
+    def of_one(vehicle: EstimateLike) -> Motion:
+        """Return that of one vehicle, as it knows it itself, at time 0 and without collisions: for flying a policy."""
+        pose, velocity = vehicle.pose, vehicle.velocity
+        return Motion(
+            np.asarray(pose.position_world_m, np.float64)[None],
+            np.asarray(pose.world_from_body, np.float64)[None, :3, :3],
+            np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])[None],
+            np.zeros(1),
+            np.zeros(1, np.uint64),
         )
 
     @property

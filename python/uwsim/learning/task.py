@@ -21,7 +21,11 @@ AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class Field:
-    """A part of an observation: so many numbers of a unit, each within +-limit (or [low, limit])."""
+    """A part of an observation: so many numbers of a unit, each within +-limit (or [low, limit]).
+
+    mirror: what each number is multiplied by when port and starboard change places; () where that is no factor.
+    usual: the size that each number usually has, for learners; by default its limit.
+    """
 
     name: str
     width: int
@@ -29,6 +33,12 @@ class Field:
     unit: str
     about: str
     low: float | None = None
+    mirror: tuple[int, ...] = ()
+    usual: tuple[float, ...] = ()
+
+
+ARROW, TURN = (1, -1, 1), (-1, 1, -1)
+"""How the components of vectors in body axes change in a mirror: of polar ones, and of rates and moments."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,11 +86,34 @@ class Task(ABC):
         """The parts of an observation, in order: those of the goal, then those of the vehicle."""
         return (
             *cls.goal_fields,
-            Field("up_body", 3, 1.0, "1", "the world's z axis in body axes: how it is tilted"),
-            Field("linear_velocity_body", 3, 5.0, "m/s", "over ground, in body axes"),
-            Field("angular_velocity_body", 3, 10.0, "rad/s", "in body axes"),
-            Field("effort", len(cls.axes), 1.0, "1", "the action before"),
+            Field(
+                "up_body",
+                3,
+                1.0,
+                "1",
+                "the world's z axis in body axes: how it is tilted",
+                None,
+                ARROW,
+                (0.2, 0.2, 1.0),
+            ),
+            Field("linear_velocity_body", 3, 5.0, "m/s", "over ground, in body axes", None, ARROW, (0.2,) * 3),
+            Field("angular_velocity_body", 3, 10.0, "rad/s", "in body axes", None, TURN, (0.5,) * 3),
+            Field(
+                "effort",
+                len(cls.axes),
+                1.0,
+                "1",
+                "the action before",
+                None,
+                cls.action_mirror(),
+                (0.5,) * len(cls.axes),
+            ),
         )
+
+    @classmethod
+    def action_mirror(cls) -> tuple[int, ...]:
+        """What each number of an action is multiplied by when port and starboard change places."""
+        return tuple((*ARROW, *TURN)[AXES.index(axis)] for axis in cls.axes)
 
     @property
     def observation_space(self) -> Space[Any]:
@@ -100,8 +133,7 @@ class Task(ABC):
 
     def observe(self, now: Motion, actions: Floats) -> Any:
         """Return observations, float32 (n, width), cut to their limits. actions (n, axes): those before."""
-        parts = (self.goal(now), now.up_body, now.velocity_body, actions)
-        return cut(np.concatenate(parts, axis=1), self.fields())
+        return observed(self.fields(), self.goal(now), now, actions)
 
     @abstractmethod
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
@@ -114,6 +146,11 @@ class Task(ABC):
     @abstractmethod
     def judge(self, now: Motion, actions: Floats) -> Verdict:
         """Judge the step that has just been made, with these actions."""
+
+
+def observed(fields: tuple[Field, ...], goal: Floats, now: Motion, actions: Floats) -> NDArray[np.float32]:
+    """Return observations of these fields: what is seen of the goal, then how the vehicle moves."""
+    return cut(np.concatenate((goal, now.up_body, now.velocity_body, actions), axis=1), fields)
 
 
 def box(fields: tuple[Field, ...]) -> Box:

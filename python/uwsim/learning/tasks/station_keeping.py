@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import ARROW, Field, Floats, Start, Task, Verdict, spread
 
 PLACE_M = np.array([0.0, 0.0, -7.0])
 HALF_PAY_M = 0.2  # the distance at which half is paid
@@ -20,7 +20,7 @@ class StationKeeping(Task):
     """Hold PLACE_M, heading east and level, in a current of up to 0.42 m/s with gusts of 0.2 m/s rms.
 
     Start: within 1 m of it along each axis, and within 45 degrees. Reward of a step: (1 + cos heading error) / 2 /
-    (1 + (distance / 0.2 m)^2) - 0.02 x the mean square of the efforts: at most 1. End: 5 m away.
+    (1 + distance / 0.2 m) - 0.02 x the mean square of the efforts: at most 1. End: 5 m away.
     """
 
     scenario_file = "open_water.yaml"
@@ -28,8 +28,10 @@ class StationKeeping(Task):
     draws = 4
     place_m = PLACE_M
     goal_fields = (
-        Field("place_body", 3, 10.0, "m", "the way to the place, in body axes"),
-        Field("heading_body", 3, 1.0, "1", "the wanted heading's unit vector, in body axes"),
+        Field("place_body", 3, 10.0, "m", "the way to the place, in body axes", None, ARROW, (0.2,) * 3),
+        Field(
+            "heading_body", 3, 1.0, "1", "the wanted heading's unit vector, in body axes", None, ARROW, (1.0, 0.3, 0.3)
+        ),
     )
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
@@ -38,11 +40,16 @@ class StationKeeping(Task):
 
     def goal(self, now: Motion) -> Floats:
         """Return the way to the place, and the wanted heading."""
-        return np.concatenate([now.towards(self.place_m), now.world_from_body[:, 0, :]], axis=1)
+        return way_to(self.place_m, now)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
         """Pay for being near."""
         distance_m = np.linalg.norm(now.position_world_m - self.place_m, axis=1)
         facing = 0.5 * (1.0 + now.heading[:, 0])
-        reward = facing / (1.0 + (distance_m / HALF_PAY_M) ** 2) - EFFORT_COST * (actions**2).mean(axis=1)
+        reward = facing / (1.0 + distance_m / HALF_PAY_M) - EFFORT_COST * (actions**2).mean(axis=1)
         return Verdict(reward, distance_m > LOST_M, {"distance_m": distance_m})
+
+
+def way_to(place_m: Floats, now: Motion) -> Floats:
+    """Return the way to a place (3,) and the heading east, in body axes: (n, 6)."""
+    return np.concatenate([now.towards(place_m), now.world_from_body[:, 0, :]], axis=1)

@@ -1,0 +1,86 @@
+"""A task for Stable-Baselines3, on one batch: `pip install 'uwsim[rl]'`, which brings torch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from uwsim.extras import need_extra
+
+need_extra("stable_baselines3", "rl", "uwsim.learning.stable_baselines")
+
+import gymnasium  # noqa: E402, after the check
+from gymnasium.vector import AutoresetMode  # noqa: E402
+from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
+
+import uwsim.learning  # noqa: E402, F401, registers the environments
+from uwsim.learning.vector_env import BatchEnv  # noqa: E402
+
+
+class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types are checked
+    """`BatchVecEnv("uwsim/StationKeeping-v0", 64)`: what PPO(...) and the others of Stable-Baselines3 take.
+
+    options: those of gymnasium.make_vec. Actions are cut to [-1, 1].
+    """
+
+    def __init__(self, name: str, num_envs: int, **options: Any) -> None:
+        made = gymnasium.make_vec(name, num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **options)
+        assert isinstance(made.unwrapped, BatchEnv)
+        self._env = made.unwrapped
+        self._actions = np.zeros(self._env.action_space.shape or ())
+        self._seed: int | None = None
+        self._earned, self._lengths = np.zeros(num_envs), np.zeros(num_envs, np.intp)
+        super().__init__(num_envs, self._env.single_observation_space, self._env.single_action_space)
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Let member i have seed + i at the next reset."""
+        self._seed = seed
+        return [None if seed is None else seed + i for i in range(self.num_envs)]
+
+    def reset(self) -> Any:
+        """Begin episodes of all members."""
+        observation, _ = self._env.reset(seed=self._seed)
+        self._seed = None
+        self._earned[:], self._lengths[:] = 0.0, 0
+        return observation
+
+    def step_async(self, actions: Any) -> None:
+        """Keep the actions for `step_wait`."""
+        self._actions = np.clip(actions, -1.0, 1.0)
+
+    def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
+        """Let a period pass. Of members that end, info has terminal_observation and, as Monitor does, episode."""
+        observation, reward, terminated, truncated, info = self._env.step(self._actions)
+        self._earned += reward
+        self._lengths += 1
+        ended = terminated | truncated
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for k in np.flatnonzero(ended).tolist():
+            episode = {"r": float(self._earned[k]), "l": int(self._lengths[k]), "t": 0.0}
+            cut_short = bool(truncated[k] and not terminated[k])
+            infos[k] = {"terminal_observation": info["final_obs"][k], "TimeLimit.truncated": cut_short}
+            infos[k]["episode"] = episode
+        self._earned[ended], self._lengths[ended] = 0.0, 0
+        return observation, reward.astype(np.float32), ended, infos
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return an attribute of the environment, for each index."""
+        return [getattr(self._env, attr_name)] * len(list(self._get_indices(indices)))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Refuse: members share one environment."""
+        raise ValueError(f"{attr_name}: members share one environment, whose attributes are fixed")
+
+    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+        """Call a method of the environment once; its result is given for each index."""
+        result = getattr(self._env, method_name)(*method_args, **method_kwargs)
+        return [result] * len(list(self._get_indices(indices)))
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Return False for each index."""
+        return [False] * len(list(self._get_indices(indices)))

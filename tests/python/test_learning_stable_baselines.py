@@ -1,0 +1,29 @@
+"""Stable-Baselines3 learns on a batch; it is not installed where these tests usually run, as torch is large."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("stable_baselines3")
+
+from stable_baselines3 import PPO
+
+from uwsim.learning.stable_baselines import BatchVecEnv
+
+
+def test_ppo_learns_on_a_batch() -> None:
+    env = BatchVecEnv("uwsim/StationKeeping-v0", 4, duration_s=0.5, threads=1)
+    PPO("MlpPolicy", env, n_steps=16, batch_size=32, n_epochs=1, device="cpu").learn(128)
+
+
+def test_the_last_observation_of_an_episode_is_in_its_info() -> None:
+    env = BatchVecEnv("uwsim/StationKeeping-v0", 2, duration_s=0.1, threads=1)
+    env.seed(3)
+    first = env.reset()
+    env.step(np.zeros((2, 6), np.float32))
+    begun, _, ended, infos = env.step(np.zeros((2, 6), np.float32))
+    assert ended.all()
+    assert all(info["TimeLimit.truncated"] and info["episode"]["l"] == 2 for info in infos)
+    assert not np.array_equal(infos[0]["terminal_observation"], begun[0])
+    assert begun.shape == first.shape

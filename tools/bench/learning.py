@@ -1,0 +1,159 @@
+"""Environment steps a second: by members, by what is observed, by threads; against the bare C++ step and pybullet.
+
+All cases take turns in each round; medians of rates and of ratios within rounds. Cases of one thread are measured in
+processor time, the others by the wall clock, which wants a quiet machine. Actions are random, episodes end and begin
+anew as in training.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import runpy
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+import uwsim.learning  # noqa: F401, registers the environments
+
+console = Console()
+
+COUNTS = (1, 16, 256)
+KINDS: dict[str, tuple[str, dict[str, Any]]] = {
+    "proprioception": ("uwsim/StationKeeping-v0", {}),
+    "sonar of 64 beams": ("uwsim/PipelineFollowing-v0", {}),
+    "camera of 84 x 84": ("uwsim/PipelineFollowing-v0", {"camera": "front"}),
+}
+GOAL = 0.5  # of the bare C++ step, for 256 members and proprioception
+MARINEGYM = 250_000
+MARINEGYM_SOURCE = "MarineGym, arXiv:2503.09203, abstract: frames a second on an RTX 3060; not measured here"
+
+
+def main(
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured. Medians are reported.")] = 7,
+    seconds: Annotated[float, typer.Option(min=0.01, help="About how long each case takes in a round.")] = 0.3,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+) -> None:
+    """Measure all cases in turns and print medians."""
+    cores = len(os.sched_getaffinity(0))
+    cases: dict[str, Callable[[float], float]] = {}
+    for kind, (name, options) in KINDS.items():
+        for count in COUNTS:
+            for threads in sorted({1, cores}) if count == max(COUNTS) else (1,):
+                cases[f"{kind}, n = {count}, threads = {threads}"] = Driven(name, count, threads, options)
+    for threads in sorted({1, cores}):
+        cases[f"bare C++ step, n = {max(COUNTS)}, threads = {threads}"] = Bare(KINDS["proprioception"][0], threads)
+    if (peer := pybullet_step()) is not None:
+        cases["pybullet and NumPy, one vehicle"] = peer
+    else:
+        console.print("without pybullet: not installed (pip install pybullet)")
+    per_round = []
+    for index in range(rounds):
+        with console.status(f"round {index + 1} of {rounds}"):
+            per_round.append({name: measure(seconds) for name, measure in cases.items()})
+    figures = {name: statistics.median(turn[name] for turn in per_round) for name in cases}
+    ratios = compared(per_round, cores)
+    console.print(rates_table(figures))
+    console.print(ratios_table(ratios))
+    console.print(f"on paper: {MARINEGYM:,} ({MARINEGYM_SOURCE})")
+    if json_file is not None:
+        json_file.write_text(json.dumps({"steps_s": figures, "ratios": ratios}, indent=2) + "\n", encoding="utf-8")
+
+
+class Driven:
+    """A vector environment under random actions; calling it returns environment steps a second, of all members."""
+
+    def __init__(self, name: str, count: int, threads: int, options: dict[str, Any]) -> None:
+        self._env = gymnasium.make_vec(name, count, threads=threads, **options)
+        self._env.reset(seed=0)
+        self._clock = time.process_time if threads == 1 else time.perf_counter
+        draws = np.random.default_rng(0)
+        self._actions = draws.uniform(-0.3, 0.3, (64, *(self._env.action_space.shape or ()))).astype(np.float32)
+
+    def __call__(self, seconds: float) -> float:
+        """Step for about so many seconds."""
+        steps, begin = 0, self._clock()
+        while (elapsed := self._clock() - begin) < seconds or steps < 2:
+            self._env.step(self._actions[steps % len(self._actions)])
+            steps += 1
+        return steps * self._env.num_envs / elapsed
+
+
+class Bare:
+    """The C++ step alone, of as many members in the same water: no actions, observations, rewards and episodes."""
+
+    def __init__(self, name: str, threads: int) -> None:
+        env = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
+        env.reset(seed=0)
+        self._clock = time.process_time if threads == 1 else time.perf_counter
+        self._batch, self._steps = env.episodes.batch, env.episodes.steps
+        efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (self._batch.n, 6))
+        self._batch.step(1, efforts)
+
+    def __call__(self, seconds: float) -> float:
+        """Step for about so many seconds; return periods of an environment a second, of all members."""
+        calls, begin = 0, self._clock()
+        while (elapsed := self._clock() - begin) < seconds:
+            self._batch.step(self._steps)
+            calls += 1
+        return calls * self._batch.n / elapsed
+
+
+def pybullet_step() -> Callable[[float], float] | None:
+    """Return what steps a BlueROV2 Heavy in pybullet with NumPy forces, in periods of an environment; None without."""
+    peer = runpy.run_path(str(Path(__file__).with_name("dynamics.py")))["pybullet_peer"]()
+    if peer is None:
+        return None
+    steps_s = peer(on_bed=False)
+    return lambda seconds: steps_s() / 10.0  # ten steps of 5 ms are a period of uwsim/StationKeeping-v0
+
+
+def compared(per_round: list[dict[str, float]], cores: int) -> dict[str, float]:
+    """Return medians of ratios within rounds."""
+
+    def ratio(one: str, other: str) -> float:
+        return statistics.median(turn[one] / turn[other] for turn in per_round)
+
+    most, ratios = max(COUNTS), {}
+    for threads in sorted({1, cores}):
+        case, tail = f"n = {most}, threads = {threads}", f", {threads} thread(s)"
+        ratios[f"proprioception / bare C++ step{tail}"] = ratio(f"proprioception, {case}", f"bare C++ step, {case}")
+    for kind in KINDS:
+        ratios[f"{kind}, {cores} threads / 1"] = ratio(
+            f"{kind}, n = {most}, threads = {cores}", f"{kind}, n = {most}, threads = 1"
+        )
+    if "pybullet and NumPy, one vehicle" in per_round[0]:
+        one = f"proprioception, n = {most}, threads = 1"
+        ratios["proprioception / pybullet and NumPy, 1 thread"] = ratio(one, "pybullet and NumPy, one vehicle")
+    return ratios
+
+
+def rates_table(figures: dict[str, float]) -> Table:
+    """Return the rates as a table."""
+    table = Table("case", "environment steps/s", title="environment steps of all members a second: medians")
+    for name, rate in figures.items():
+        table.add_row(name, f"{rate:,.0f}")
+    return table
+
+
+def ratios_table(ratios: dict[str, float]) -> Table:
+    """Return the ratios as a table."""
+    table = Table("ratio", "median", "goal")
+    for name, value in ratios.items():
+        goal = f"{GOAL:g}: {'met' if value >= GOAL else 'missed'}" if "bare" in name else ""
+        table.add_row(name, f"{value:.2f}", goal)
+    return table
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name="uwsim bench learning")

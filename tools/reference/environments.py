@@ -1,0 +1,40 @@
+"""The reference of the environments for learning: what they are, observe and take."""
+
+from tools.reference.markdown import code, plain, table
+
+from uwsim.learning.task import Field, Task
+from uwsim.learning.tasks import TASKS
+
+HEAD = """# Environments for learning
+
+What `import uwsim.learning` registers; [Learning](../learning.md) says how they are used. Observations are float32 and
+cut to their range; body axes are x forward, y left, z up. Actions are efforts in [-1, 1]. What no sensor reads is true.
+
+"""
+
+
+def environments_page() -> str:
+    """Return the page, with a section for each environment."""
+    return HEAD + "\n".join(_section(name, task) for name, task in TASKS.items())
+
+
+def _section(name: str, task: type[Task]) -> str:
+    text = f"## uwsim/{name}-v0\n\n{plain(task.__doc__ or '')}\n\n"
+    text += f"An action every {task.period_s:g} s: {', '.join(task.axes)}. Truncated after {task.duration_s:g} s. "
+    text += f"Scenario: `learning/{task.scenario_file}` of the assets."
+    drawn = [f"`{key}` in ({low:g}, {high:g})" for key, (low, high) in task.randomize.items()]
+    text += f" Drawn for each episode: {', '.join(drawn)}.\n\n" if drawn else "\n\n"
+    rows, first = [], 0
+    for field in task.fields():
+        rows.append((_place(first, field), code(field.name), plain(field.unit), _range(field), plain(field.about)))
+        first += field.width
+    return text + table(("numbers", "name", "unit", "range", "what"), rows)
+
+
+def _place(first: int, field: Field) -> str:
+    return f"{first}" if field.width == 1 else f"{first} to {first + field.width - 1}"
+
+
+def _range(field: Field) -> str:
+    low = -field.limit if field.low is None else field.low
+    return f"{low:g} ... {field.limit:g}"
