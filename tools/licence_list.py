@@ -39,14 +39,14 @@ def main() -> int:
     wrong = []
     for kind, name, version, licence in rows:
         print(f"{kind:<10} {name:<{width}} {version:<28} {licence or 'UNKNOWN'}")
-        if not licence or (kind != "test" and _reaches(licence)):
+        if not licence or (kind != "test" and reaches(licence)):
             wrong.append(name)
     if wrong:
         print(f"licences: look at {', '.join(wrong)}", file=sys.stderr)
     return 1 if wrong else 0
 
 
-def _reaches(licence: str) -> bool:
+def reaches(licence: str) -> bool:
     """Whether none of the licences to choose from is one that ends at its own files."""
     return all(
         REACHING.search(each) and "LGPL" not in each and "exception" not in each
