@@ -29,6 +29,7 @@ from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.sealed import Sealed
 from uwsim.sonars.mounted import imaging_models, imaging_sonars
@@ -103,10 +104,11 @@ class Simulator(Sealed):
         self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
         dock = self._dock = self._made_dock()
-        vehicles: dict[str, Vehicle] = {}
+        vehicles, found = dict[str, Vehicle](), Collected()
         for index, entry in enumerate(self.scenario.vehicles):
-            with vehicle_errors_at(self.scenario, index):
+            with found.noted(), vehicle_errors_at(self.scenario, index):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
+        found.raise_any()
         self.vehicles = Named(vehicles, "vehicles")
         self._link = Network.of(self._core, self.scenario, self.journal)
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}

@@ -65,7 +65,7 @@ def test_a_mistake_in_the_yaml_is_named_with_its_line(old: str, new: str, expect
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("command", [[], ["map"]])
+@pytest.mark.parametrize("command", [[], ["map"], ["scenario"]])
 def test_no_line_of_help_is_cut(command: list[str]) -> None:
     shown = uwsim(*command, "--help", env={**os.environ, "COLUMNS": "80"}).stdout
     assert "..." not in shown.replace("COMMAND [ARGS]...", "")
@@ -89,10 +89,11 @@ def test_a_survey_that_its_battery_stops_is_incomplete_and_the_exit_code_says_so
 
 
 def test_scenarios_are_listed_and_described() -> None:
-    listed = uwsim("scenario")
+    listed = uwsim("scenario", "list")
     assert listed.returncode == 0
     assert all(f"{name}:" in listed.stdout for name in ("lake", "valley", "pool"))
-    assert "pool:" in uwsim("scenario", "pool").stdout
+    assert "pool.yaml: ok" in uwsim("scenario", "check", "pool").stdout
+    assert "uwsim scenario check pool" in error_line(uwsim("scenario", "pool"))
 
 
 def test_a_benchmarks_own_options_are_listed() -> None:

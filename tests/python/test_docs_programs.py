@@ -10,7 +10,7 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.mark.parametrize("page", ["first-dive", "batch", "learning"])
+@pytest.mark.parametrize("page", ["first-dive", "scenarios", "batch", "learning"])
 def test_the_programs_of_a_page_run(page: str, tmp_path: Path) -> None:
     text = (DOCS / f"{page}.md").read_text()
     programs = re.findall(r"^```python\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)

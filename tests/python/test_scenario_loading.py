@@ -167,7 +167,7 @@ def test_the_shell_gets_a_line_for_each_mistake(tmp_path: Path) -> None:
     path.write_text(
         POOL.replace("spacing_m: 0.5", "spacing_m: half").replace("mission_time_s: 600", "mission_time_s: -600")
     )
-    result = uwsim("scenario", str(path))
+    result = uwsim("scenario", "check", str(path))
     assert result.returncode == 1
     lines = result.stderr.splitlines()
     assert len(lines) == 2

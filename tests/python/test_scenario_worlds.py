@@ -114,9 +114,9 @@ def test_a_start_below_the_bed_or_outside_the_terrain_is_refused() -> None:
     def moved(position_m: tuple[float, float, float]) -> None:
         build_world(pool.model_copy(update={"station": pool.station.model_copy(update={"position_m": position_m})}))
 
-    with pytest.raises(ScenarioError, match=r"vehicles\[0\] starts at \(0, 0, -6\) m: must be above the bed"):
+    with pytest.raises(ScenarioError, match=r"vehicle 'rov' starts at \(0, 0, -6\) m: must be above the bed"):
         moved((0, 0, -4))
-    with pytest.raises(ScenarioError, match=r"vehicles\[0\] starts at \(11, 0\) m: outside the terrain"):
+    with pytest.raises(ScenarioError, match=r"vehicle 'rov' starts at \(11, 0\) m: outside the terrain"):
         moved((11, 0, 0))
 
 
@@ -125,7 +125,7 @@ def test_a_start_inside_an_obstacle_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "blocked.yaml"
     path.write_text(text.replace("position_m: [3, 0, -4.5]", "position_m: [-5.8, 0.1, -2.2]"))
     with pytest.raises(
-        ScenarioError, match=r"blocked.yaml:\d+: vehicles\[0\] starts at \(-6, 0, -2\) m: .*outside 'box'"
+        ScenarioError, match=r"blocked.yaml:\d+: vehicle 'rov' starts at \(-6, 0, -2\) m: .*outside 'box'"
     ):
         build_world(load(path))
 
@@ -137,8 +137,8 @@ FAR_GATE = "{kind: gate, name: far, position_m: [0, 50], width_m: 2, height_m: 1
     ("given", "instead", "culprit", "message"),
     [
         ("[4, 4]", "[400, 4]", "[400, 4]", "survey.area_m[2] = (400, 4) m: outside the terrain"),
-        ("start: station", "start: {position_m: [0, 0, -9]}", "start: {", "vehicles[0] starts at (0, 0, -9) m: must"),
-        ("start: station", "start: {position_m: [0, 50, -1]}", "start: {", "vehicles[0] starts at (0, 50) m: outside"),
+        ("start: station", "start: {position_m: [0, 0, -9]}", "start: {", "vehicle 'rov' starts at (0, 0, -9) m: must"),
+        ("start: station", "start: {position_m: [0, 50, -1]}", "start: {", "vehicle 'rov' starts at (0, 50) m: out"),
         ("obstacles:", f"obstacles:\n  - {FAR_GATE}", "name: far", "obstacle 'far': (0, 49) m lies outside the"),
         ("bed_depth_m: 5", "bed_depth_m: 0", "terrain:", "terrain: its lowest point is at z = "),
     ],

@@ -10,7 +10,7 @@ import pytest
 from uwsim import _core
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.water import build_water, read_current_grid, surface_density_kg_m3
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import Water
 
 BOTTOM_M = 30.0

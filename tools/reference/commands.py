@@ -9,13 +9,13 @@ HEAD = """# Commands
 What `uwsim COMMAND --help` says of each command.
 
 """
-MAP = "map"
+GROUPS = ("map", "scenario")
 
 
 def commands_page() -> str:
     """Return the page, with a section for each command."""
     overview = _help()
-    names = [*_names(overview), *(f"{MAP} {name}" for name in _names(_help(MAP)))]
+    names = [*_names(overview), *(f"{group} {name}" for group in GROUPS for name in _names(_help(group)))]
     with ThreadPoolExecutor() as pool:
         texts = list(pool.map(lambda name: _help(*name.split()), names))
     parts = [f"## uwsim {name}\n\n```text\n{text}\n```\n" for name, text in zip(names, texts, strict=True)]

@@ -15,7 +15,8 @@ from uwsim.scenario.spec.scenario import Scenario
 
 HEAD = """# Scenario files
 
-Every key that a scenario's YAML file may hold, from the models that check it. `uwsim scenario NAME` checks a file.
+Every key that a scenario's YAML file may hold, from the models that check it. `uwsim scenario check FILE` checks one,
+[scenarios](../scenarios.md) begins with examples.
 A key without a default must be given.
 
 """

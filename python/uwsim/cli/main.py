@@ -25,14 +25,13 @@ from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
 from uwsim.cli.link import link
 from uwsim.cli.nodes import nodes
-from uwsim.cli.options import SETTINGS
+from uwsim.cli.options import SETTINGS, WithoutEffectError
 from uwsim.cli.parameters import parameters
 from uwsim.cli.recording import recording
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
 from uwsim.cli.run import run
 from uwsim.cli.run_typer import PASS_ON, run_typer
-from uwsim.cli.scenario import scenario
 from uwsim.cli.serve import serve
 from uwsim.cli.sonar import sonar
 from uwsim.cli.station import station
@@ -40,6 +39,8 @@ from uwsim.cli.survey import survey
 from uwsim.cli.sweep import sweep
 from uwsim.cli.teleop import teleop
 from uwsim.cli.validate import validate
+
+SCENARIO_COMMANDS = ("list", "new", "check", "schema")
 
 app = typer.Typer(
     name="uwsim",
@@ -80,7 +81,6 @@ app.command()(doctor)
 app.command()(recording)
 app.command()(replay)
 app.command()(diff)
-app.command()(scenario)
 app.command()(parameters)
 app.command()(sonar)
 app.command()(link)
@@ -101,6 +101,20 @@ def map_commands(context: typer.Context) -> None:
     from uwsim.cli.map import app as map_app
 
     run_typer(map_app, context.args or ["--help"], "uwsim map")
+
+
+@app.command(name="scenario", context_settings=PASS_ON)
+def scenario_commands(context: typer.Context) -> None:
+    """List, begin and check scenarios; print their JSON Schemas.
+
+    Its commands: list, new, check, schema.
+    """
+    from uwsim.cli.scenario import app as scenario_app
+
+    if context.args and not context.args[0].startswith("-") and context.args[0] not in SCENARIO_COMMANDS:
+        name = context.args[0]
+        raise WithoutEffectError(f"No such command 'scenario {name}'; to check a scenario: uwsim scenario check {name}")
+    run_typer(scenario_app, context.args or ["--help"], "uwsim scenario")
 
 
 def main() -> NoReturn:

@@ -1,29 +1,114 @@
-"""`uwsim scenario`: list the packaged scenarios, or check one."""
+"""`uwsim scenario`: list, begin and check scenarios; their schemas. Commands import what they need when they run."""
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.options import SETTINGS, WithoutEffectError
 
-def scenario(
-    name: Annotated[str | None, typer.Argument(help="A scenario to check. Default: list all packaged ones.")] = None,
-) -> None:
-    """List the packaged scenarios, or check one and describe it.
+app = typer.Typer(name="uwsim scenario", help="List, begin and check scenarios.", **SETTINGS)
 
-    The check is complete: it builds the world and the vehicles.
-    """
+
+@app.command("list")
+def list_scenarios() -> None:
+    """List the packaged scenarios."""
     from uwsim.scenario import load, packaged_scenarios
-    from uwsim.simulator import Simulator
 
-    for each in packaged_scenarios() if name is None else [name]:
-        checked = load(each)
-        if name is not None:
-            Simulator(checked)
-        sonars = ", ".join(
-            f"{v.name} with sonar model {v.sonar.title}" if v.model.sonar else f"{v.name} without a sonar"
-            for v in checked.vehicles
-        )
-        typer.echo(f"{checked.name}: {' '.join(checked.description.split())}")
-        typer.echo(f"  vehicles: {sonars}; obstacles: {len(checked.obstacles)}; seed {checked.seed}")
+    for name in packaged_scenarios():
+        scenario = load(name)
+        vehicles = ", ".join(f"{vehicle.name} ({vehicle.model.name})" for vehicle in scenario.vehicles)
+        typer.echo(f"{scenario.name}: {' '.join(scenario.description.split())}")
+        typer.echo(f"  vehicles: {vehicles}; obstacles: {len(scenario.obstacles)}; seed {scenario.seed}")
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")],
+    out: Annotated[Path | None, typer.Option(help="The file to write, instead of NAME.yaml.")] = None,
+    like: Annotated[str | None, typer.Option(help="A packaged scenario to begin with. Default: a template.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file if there is one.")] = False,
+) -> None:
+    """Write a scenario to begin with.
+
+    It is commented and ready to run. Its first line names the packaged schema, so that editors with a YAML language
+    server complete and check.
+    """
+    from uwsim.scenario.new import new_scenario
+
+    try:
+        path = new_scenario(name, out, like, overwrite=force)
+    except FileExistsError as error:
+        raise FileExistsError(f"{error.filename}: is there already; --force overwrites it") from None
+    typer.echo(f"{path}: edit it, then uwsim scenario check {path}")
+
+
+@app.command()
+def check(
+    files: Annotated[list[str], typer.Argument(help="YAML files, or names of packaged scenarios.")],
+    picture: Annotated[Path | None, typer.Option(help="Draw the scene into this PNG.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Write a JSON list of reports.")] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings, too.")] = False,
+    kind: Annotated[
+        str, typer.Option(help="What the files hold: scenario, vehicle, thruster, sonar, sensors or modem.")
+    ] = "scenario",
+) -> None:
+    """Check files, and tell what they will look like.
+
+    It tells all mistakes of a file at once; of a file without one, what is where, and what in it may surprise. The
+    worlds and vehicles are built. Exits with 1 if a file has a mistake.
+    """
+    from uwsim.scenario_check import check_file, check_part
+
+    if picture is not None and (len(files) > 1 or kind != "scenario"):
+        raise WithoutEffectError("--picture: needs one file, of a scenario")
+    reports = [check_file(file) if kind == "scenario" else check_part(file, kind) for file in files]
+    if as_json:
+        typer.echo(json.dumps([report.to_dict() for report in reports], indent=2))
+    else:
+        _print(reports)
+    if picture is not None and (sim := reports[0].simulator) is not None:
+        from uwsim.figures.scene import draw_scene
+
+        draw_scene(picture, sim.scenario, sim.world)
+        typer.echo(str(picture), err=as_json)
+    if any(report.mistakes or (strict and report.warnings) for report in reports):
+        raise typer.Exit(FAILED)
+
+
+def _print(reports: list) -> None:  # type: ignore[type-arg]  # the class is imported where it is used
+    from uwsim.scenario_check.text import report_lines
+
+    for report in reports:
+        for mistake in report.mistakes:
+            typer.echo(f"uwsim: error: {mistake}", err=True)
+        if not report.mistakes:
+            typer.echo("\n".join(report_lines(report)))
+        for warning in report.warnings:
+            typer.echo(f"uwsim: warning: {warning}", err=True)
+
+
+@app.command()
+def schema(
+    part: Annotated[
+        str, typer.Argument(help="scenario, vehicle, thruster, sonar, sensors, modem; or sensor, camera, fault ...")
+    ] = "scenario",
+    path: Annotated[bool, typer.Option("--path", help="Print the packaged file's path, for an editor.")] = False,
+) -> None:
+    """Print the JSON Schema of scenarios or a part.
+
+    Draft 7, for editors and other programs.
+    """
+    from uwsim.scenario.schema import FILES, schema_file
+    from uwsim.scenario.schema import schema as schema_of
+
+    if not path:
+        typer.echo(json.dumps(schema_of(part), indent=2))
+        return
+    if part not in FILES:
+        raise ValueError(f"part '{part}': only {', '.join(FILES)} are files of their own")
+    typer.echo(str(schema_file(part)))

@@ -21,8 +21,9 @@ from uwsim.failures.events import EventLog
 from uwsim.failures.program import NEVER
 from uwsim.journal import Journal
 from uwsim.network import Network
+from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fault import FaultModel, FaultSpec, LeakFault, LinkLoss, SensorFault
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
@@ -93,13 +94,16 @@ class Faults(Sealed):
         """Be as at the start of a run of a scenario, which may have another seed."""
         self._scenario = scenario
         self._faults = {}
+        found = Collected()
         for index, spec in enumerate(scenario.faults):
-            try:
-                self._add(spec, 0)
-            except ValueError as error:
-                raise ScenarioError(
-                    f"{scenario.source_file.line_prefix('faults', index)}faults[{index}]: {error}"
-                ) from None
+            with found.noted():
+                try:
+                    self._add(spec, 0)
+                except ValueError as error:
+                    raise ScenarioError(
+                        f"{scenario.source_file.line_prefix('faults', index)}faults[{index}]: {error}"
+                    ) from None
+        found.raise_any()
         for vehicle in self._vehicles.values():
             for sensor in vehicle.sensors.values():
                 sensor.distort(None)

@@ -11,7 +11,7 @@ from uwsim.parameters.figures import sensor_figures
 from uwsim.parameters.idle import ONE_WATER
 from uwsim.parameters.tree import Place
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount

@@ -12,7 +12,7 @@ import numpy as np
 
 from uwsim.scenario import Scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 
 SCENARIO = "scenario.json"
 FILE = "$file"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey, load
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.autosave import Autosave

@@ -29,7 +29,7 @@ def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 
     Raises ScenarioError, also for gains of an axis that nothing drives.
     """
     model = vehicle if isinstance(vehicle, VehicleModel) else load_vehicle(vehicle)
-    return built_settings(model, craft(model, density_kg_m3), actuators_spec(model), density_kg_m3)
+    return built_settings(model, craft(model, density_kg_m3, model.trim), actuators_spec(model), density_kg_m3)
 
 
 def built_settings(

@@ -11,10 +11,10 @@ from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 def craft(model: VehicleModel, water_density_kg_m3: float, trim: Trim | None = None) -> _core.Craft:
     """Return the vehicle's equations of motion in water of this surface density.
 
-    trim: instead of the model's. Raises ScenarioError.
+    trim: of the vehicle; the published figures are without. Raises ScenarioError.
     """
     body = rigid_body(model, water_density_kg_m3)
-    weights = trim_weights(model, body, trim or model.trim, water_density_kg_m3)
+    weights = trim_weights(model, body, trim, water_density_kg_m3)
     parameters = _core.CraftParameters()
     mass = mass_with_ballast(model, body, weights)
     parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass

@@ -32,7 +32,7 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     model = vehicle.model
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
-    spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim)
+    spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim or model.trim)
     spec.actuators = actuators_spec(model)
     if model.collision_pieces is not None:
         from uwsim.scenario.build.collision_pieces import (
@@ -61,14 +61,15 @@ def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.Vehicle
 @contextmanager
 def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
     """Put the scenario's file and line, and the vehicle's, before errors that are found when a vehicle is built."""
-    where, model_file = scenario.source_file.line_prefix("vehicles", index), scenario.vehicles[index].model.source_file
+    where = scenario.source_file.line_prefix("vehicles", index) + scenario.source_file.place("vehicles", index)
+    model_file = scenario.vehicles[index].model.source_file
     try:
         yield
     except ScenarioError as error:
         part = model_file.line_prefix(*error.at) if error.at else model_file.file_prefix
-        raise ScenarioError(f"{where}vehicles[{index}].model: {part}{error}") from None
+        raise ScenarioError(f"{where}.model: {part}{error}") from None
     except ValueError as error:
-        raise ScenarioError(f"{where}vehicles[{index}]: {error}") from None
+        raise ScenarioError(f"{where}: {error}") from None
 
 
 def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:

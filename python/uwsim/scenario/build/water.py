@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.cut_short import warn_if_cut_short
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import (
     AirySurface,
     CurrentSpec,

@@ -10,32 +10,36 @@ from uwsim.scenario.build.start_pose import start_pose
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.build.water import build_water
+from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
 
 
 def build_world(scenario: Scenario) -> _core.World:
-    """Build terrain, obstacles, the station (named "station") and the water. Raises ScenarioError."""
+    """Build terrain, obstacles, the station (named "station") and the water. Raises ScenarioError, all mistakes."""
     errors_at = scenario.source_file.errors_at
     with errors_at("terrain"):
         terrain = build_terrain(scenario.terrain)
         part = terrain.window(scenario.terrain.window_m)
-    _require_inside(scenario, part)
+    found = Collected()
+    _require_inside(scenario, part, found)
     world = _core.World()
     world.set_terrain(part.heights_m, part.spacing_m, part.origin_m)
     for index, obstacle in enumerate(scenario.obstacles):
-        with errors_at("obstacles", index):
+        with found.noted(), errors_at("obstacles", index):
             world.add_solid(obstacle.name, *obstacle_solid(obstacle, terrain))
     if scenario.station.mesh is not None:
-        with errors_at("station", "mesh"):
+        with found.noted(), errors_at("station", "mesh"):
             world.add_solid("station", *station_mesh(scenario.station))
     for index, vehicle in enumerate(scenario.vehicles):
         point_m, _ = start_pose(scenario, vehicle)
         if (name := world.solid_around(point_m)) is not None:
-            with errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
-                x, y, z = point_m
-                raise ScenarioError(f"vehicles[{index}] starts at ({x:g}, {y:g}, {z:g}) m: must be outside '{name}'")
-    fill_with_water(world, scenario)
+            with found.noted(), errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+                at = ", ".join(f"{x:g}" for x in point_m)
+                raise ScenarioError(f"vehicle '{vehicle.name}' starts at ({at}) m: must be outside '{name}'")
+    with found.noted():
+        fill_with_water(world, scenario)
+    found.raise_any()
     return world
 
 
@@ -50,8 +54,8 @@ def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
         return build_water(scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed)
 
 
-def _require_inside(scenario: Scenario, terrain: Terrain) -> None:
-    """Refuse a dry world, vehicles that start beside or below the terrain, and survey corners beside it."""
+def _require_inside(scenario: Scenario, terrain: Terrain, found: Collected) -> None:
+    """Refuse a dry world; note vehicles that start beside or below the terrain, and survey corners beside it."""
     errors_at = scenario.source_file.errors_at
     if terrain.lowest_m >= 0.0:
         with errors_at("terrain"):
@@ -60,10 +64,10 @@ def _require_inside(scenario: Scenario, terrain: Terrain) -> None:
             )
     for index, vehicle in enumerate(scenario.vehicles):
         point_m, _ = start_pose(scenario, vehicle)
-        with errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
-            _require_above(terrain, point_m, f"vehicles[{index}] starts at")
+        with found.noted(), errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+            _require_above(terrain, point_m, f"vehicle '{vehicle.name}' starts at")
     for index, corner in enumerate(scenario.survey.area_m if scenario.survey else ()):
-        with errors_at("survey", "area_m", index):
+        with found.noted(), errors_at("survey", "area_m", index):
             _require_above(terrain, (*corner, np.inf), f"survey.area_m[{index}] =")
 
 

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.yaml_document import Key, YamlDocument
+from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """document: None for a scenario made in Python. All source files compare equal: they are no part of a scenario."""
+    """document: None for a scenario made in Python. All source files compare equal: they are no part of a scenario.
+
+    in_file: the place in the file of a place in the scenario, where parts of the file were left out.
+    """
 
     document: YamlDocument | None = field(default=None, compare=False, repr=False)
+    in_file: Callable[[Sequence[Key]], Sequence[Key]] = field(default=tuple, compare=False, repr=False)
 
     def line_prefix(self, *keys: Key) -> str:
         """Return `lake.yaml:12: ` for the value under these keys, or nothing."""
-        return f"{self.document.name}:{self.document.line(keys)}: " if self.document else ""
+        return f"{self.document.name}:{self.document.line(self.in_file(keys))}: " if self.document else ""
+
+    def place(self, *keys: Key) -> str:
+        """Return the keys as messages write them: vehicles[0].model."""
+        return dotted(self.in_file(keys))
 
     @property
     def file_prefix(self) -> str:

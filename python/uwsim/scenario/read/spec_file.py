@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from uwsim.scenario.read.assets import find_yaml, shown_name
 from uwsim.scenario.read.source_file import SourceFile
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_document import read_yaml
 
 Spec = TypeVar("Spec", bound=BaseModel)

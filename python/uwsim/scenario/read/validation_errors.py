@@ -6,18 +6,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.yaml_document import Key, YamlDocument
-
-M = TypeVar("M", bound=BaseModel)
+from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 TAGS = ("source", "kind")
 """Keys that select one of several models; pydantic adds their values to the locations of errors."""
@@ -28,7 +26,7 @@ HINTS = "hints"
 Hints = dict[str, str]
 """The end of the message about each unknown key: the nearest known one."""
 
-MAX_MISTAKES = 20
+InFile = Callable[[Sequence[Key]], Sequence[Key]]
 
 RULES = {
     "float_type": "must be a number",
@@ -43,48 +41,54 @@ RULES = {
 }
 
 
-def validated(model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None) -> M:
-    """Check values against a model and return it. Relative files are sought in `folder` first. Raises ScenarioError."""
-    hints: Hints = {}
-    try:
-        return model.model_validate(values, context={"folder": folder or Path(), HINTS: hints})
-    except ValidationError as error:
-        raise ScenarioError.of(mistakes_in(error.errors(include_url=False), hints, values, document)) from None
+class Mistake(NamedTuple):
+    """What pydantic found wrong. path: keys to it. model: keys to the model whose rule is broken. lines: to be read.
 
-
-def mistakes_in(errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None) -> list[str]:
-    """Describe each mistake in one line; at most MAX_MISTAKES, then the number of those left out.
-
-    Unknown keys come first, since they may explain others; then the order is that of the file's lines.
+    lines: (line of the file, text) of each; several if it is about another file that has several mistakes.
     """
-    found: dict[str, tuple[bool, int]] = {}  # without repeats: each absent item of a list is an error of its own
-    for error in errors:
-        if _follows_from_another(error, errors, hints):
-            continue
-        for line, text in _described(error, errors, hints, values, document):
-            found.setdefault(text, ("unknown key" not in text, line))
-    mistakes = sorted(found, key=lambda text: found[text])
-    more = len(mistakes) - MAX_MISTAKES
-    return [*mistakes[:MAX_MISTAKES], f"{more} more mistakes"] if more > 0 else mistakes
+
+    path: tuple[Key, ...]
+    model: tuple[Key, ...]
+    rule: str
+    lines: tuple[tuple[int, str], ...]
+
+
+def mistakes_in(
+    errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None, in_file: InFile
+) -> list[Mistake]:
+    """Describe each error that does not only follow from another. in_file: the place in the file of one in `values`."""
+    return [
+        _described(error, errors, hints, values, document, in_file)
+        for error in errors
+        if not _follows_from_another(error, errors, hints)
+    ]
 
 
 def _described(
-    error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None
-) -> list[tuple[int, str]]:
-    """Return (line, text) of an error; several if it is about another file that has several mistakes."""
+    error: ErrorDetails,
+    errors: Sequence[ErrorDetails],
+    hints: Hints,
+    values: Any,
+    document: YamlDocument | None,
+    in_file: InFile,
+) -> Mistake:
     below, shown, rules = _explained(error, errors, hints)
-    path = [*_path(values, error["loc"]), *below]
+    model = _path(values, error["loc"])
+    path = [*model, *below]
     if error["type"] == "missing" and isinstance(path[-1], int):  # report the list, not the absent item
         path.pop()
-    place, line = _dotted(path), document.line(path) if document else 0
+    found = in_file(path)
+    place, line = dotted(found), document.line(found) if document else 0
     where = f"{document.name}:{line}: " if document else ""
     what = " ".join(part for part in (place, shown) if part) + (": " if place else "")
-    return [(line, where + what + rule) for rule in rules]
+    return Mistake(tuple(path), tuple(model), rules[0], tuple((line, where + what + rule) for rule in rules))
 
 
 def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints) -> bool:
     """Whether an error is only the consequence of another, which alone is worth reporting."""
     kind, loc = error["type"], error["loc"]
+    if kind == "default_factory_not_called":  # because something beside it is not valid
+        return True
     if kind == "missing":  # because its key is misspelt
         unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
         return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
@@ -139,6 +143,8 @@ def _path(values: Any, loc: Sequence[Key]) -> list[Key]:
     for part in loc:
         if part == "[key]":  # of a dict
             continue
+        if isinstance(part, int) and isinstance(node, dict):  # one item, given without its list
+            continue
         if entered and isinstance(node, dict) and part in [node.get(tag) for tag in TAGS]:
             entered = False
             continue
@@ -149,11 +155,6 @@ def _path(values: Any, loc: Sequence[Key]) -> list[Key]:
             node = None
         entered = True
     return path
-
-
-def _dotted(path: Sequence[Key]) -> str:
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
-    return text.removeprefix(".")
 
 
 def _shown(value: Any, unit: str = "") -> str:

@@ -25,6 +25,12 @@ MAX_VALUES = 200_000
 Key = str | int
 
 
+def dotted(path: Sequence[Key]) -> str:
+    """Return keys as they are written in messages: vehicles[0].sonar.model."""
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return text.removeprefix(".")
+
+
 @dataclass(frozen=True)
 class YamlDocument:
     """name: what messages call the file. values: dicts, lists, text, numbers, booleans and None only."""

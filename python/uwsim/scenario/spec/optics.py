@@ -77,6 +77,6 @@ class Optics(Model):
 
     def with_changes(self, changes: Mapping[str, Any]) -> Optics:
         """Return a copy with some fields replaced and checked. Raises ScenarioError."""
-        from uwsim.scenario.read.validation_errors import validated
+        from uwsim.scenario.read.validated import validated
 
         return validated(Optics, {**{key: getattr(self, key) for key in type(self).model_fields}, **changes})

@@ -1,0 +1,90 @@
+"""What is left of a file's values when what is at fault is left out, so that the rest can be checked as well."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from uwsim.scenario.read.yaml_document import Key
+
+Path = tuple[Key, ...]
+
+
+class Remainder:
+    """A copy of values from which parts are taken; it knows the place in the file of what is left.
+
+    values: dicts and lists of their own; models and plain values as given. left_out: places in the file, in order.
+    """
+
+    def __init__(self, values: Any) -> None:
+        self.left_out: list[Path] = []
+        self._positions: dict[int, list[int]] = {}  # of the items that are left, by the list's identity
+        self._spelt: dict[tuple[int, Key], Key] = {}  # how the file spells a key, by the mapping's identity
+        self.values = self._copy(values)
+
+    def _copy(self, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {key: self._copy(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            copy = [self._copy(item) for item in value]
+            self._positions[id(copy)] = list(range(len(copy)))
+            return copy
+        return value
+
+    def in_file(self, path: Sequence[Key]) -> Path:
+        """Return the place in the file of a place in `values`."""
+        node: Any = self.values
+        found: list[Key] = []
+        for key in path:
+            positions = self._positions.get(id(node), ())
+            if isinstance(key, int) and key < len(positions):
+                found.append(positions[key])
+            else:
+                found.append(self._spelt.get((id(node), key), key))
+            try:
+                node = node[key]
+            except (KeyError, IndexError, TypeError):
+                node = None
+        return tuple(found)
+
+    def has(self, path: Path) -> bool:
+        """Whether there is such a key."""
+        node = self._at(path[:-1])
+        return isinstance(node, dict) and path[-1] in node
+
+    def rename(self, path: Path, key: str) -> bool:
+        """Read a key as another one; False if that is there as well."""
+        node = self._at(path[:-1])
+        if not isinstance(node, dict) or key in node or path[-1] not in node:
+            return False
+        self._spelt[id(node), key] = path[-1]
+        node[key] = node.pop(path[-1])
+        return True
+
+    def leave_out(self, path: Path) -> Path | None:
+        """Leave out a key, or an item of a list of mappings; if there is none, what it would be in.
+
+        Returns what was left out; None where that would be everything.
+        """
+        while path:
+            node, key = self._at(path[:-1]), path[-1]
+            if isinstance(node, dict) and key in node:
+                self.left_out.append(self.in_file(path))
+                del node[key]
+                return path
+            if isinstance(node, list) and isinstance(key, int) and key < len(node) and isinstance(node[key], dict):
+                self.left_out.append(self.in_file(path))
+                del node[key]
+                del self._positions[id(node)][key]
+                return path
+            path = path[:-1]
+        return None
+
+    def _at(self, path: Sequence[Key]) -> Any:
+        node: Any = self.values
+        for key in path:
+            try:
+                node = node[key]
+            except (KeyError, IndexError, TypeError):
+                return None
+        return node

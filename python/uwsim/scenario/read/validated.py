@@ -1,0 +1,101 @@
+"""Values checked against a model, and all their mistakes at once.
+
+pydantic stops at the first broken rule of a model, and does not come to rules that join several. So what is at fault is
+left out, or read under the name that was meant, and the rest is checked again, until nothing new is found.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.remainder import Remainder
+from uwsim.scenario.read.validation_errors import HINTS, Hints, Mistake, mistakes_in
+from uwsim.scenario.read.yaml_document import Key, YamlDocument
+
+M = TypeVar("M", bound=BaseModel)
+
+MAX_MISTAKES = 20
+MAX_ROUNDS = 50
+MEANT = re.compile(r"did you mean '([^']+)'")
+
+
+def validated(model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None) -> M:
+    """Check values against a model and return it. Relative files are sought in `folder` first. Raises ScenarioError."""
+    try:
+        return model.model_validate(values, context={"folder": folder or Path(), HINTS: {}})
+    except ValidationError:
+        raise ScenarioError.of(what_holds(model, values, document, folder).mistakes) from None
+
+
+@dataclass(frozen=True)
+class Holding(Generic[M]):
+    """What holds of some values. mistakes: in the order of the file. model: of what is left; None: too little is."""
+
+    mistakes: list[str]
+    model: M | None
+    left: Remainder
+
+
+def what_holds(
+    model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None
+) -> Holding[M]:
+    """Find all mistakes, each in one line; at most MAX_MISTAKES, then the number of the others."""
+    left = Remainder(values)
+    found: dict[str, tuple[bool, int]] = {}  # without repeats: each absent item of a list is an error of its own
+    made: M | None = None
+    for _ in range(MAX_ROUNDS):
+        hints: Hints = {}
+        try:
+            made = model.model_validate(left.values, context={"folder": folder or Path(), HINTS: hints})
+            break
+        except ValidationError as error:
+            told = mistakes_in(error.errors(include_url=False), hints, left.values, document, left.in_file)
+        for mistake in told:
+            if not _follows(mistake, left):
+                for line, text in mistake.lines:
+                    found.setdefault(text, ("unknown key" not in text, line))
+        if not _leave_out(told, left):
+            break
+    mistakes = sorted(found, key=lambda text: found[text])
+    more = len(mistakes) - MAX_MISTAKES
+    return Holding([*mistakes[:MAX_MISTAKES], f"{more} more mistakes"] if more > 0 else mistakes, made, left)
+
+
+def _follows(mistake: Mistake, left: Remainder) -> bool:
+    """Whether it is there only because something was left out before."""
+    path, model = left.in_file(mistake.path), left.in_file(mistake.model)
+    for gone in left.left_out:
+        if path[: len(gone)] == gone:
+            return True
+        inside = gone[: len(model)] == model and len(gone) > len(model)
+        if inside and any(re.search(rf"\b{key}\b", mistake.rule) for key in gone[len(model) :]):
+            return True
+        if gone[: len(path)] == path and mistake.rule.startswith("must have at least"):
+            return True
+    return False
+
+
+def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
+    """Leave out what is at fault; False if there is nothing more to leave out."""
+    gone: list[tuple[Key, ...]] = []
+    for mistake in sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True):  # lists: from their ends
+        if any(mistake.path[: len(path)] == path for path in gone):
+            continue
+        meant = MEANT.search(mistake.rule) if mistake.rule.startswith("unknown key") else None
+        if meant and left.rename(mistake.path, meant[1]):
+            gone.append(mistake.path)
+            continue
+        absent = mistake.rule.startswith("missing") and not left.has(mistake.path)
+        if (removed := left.leave_out(mistake.path[:-1] if absent else mistake.path)) is not None:
+            gone.append(removed)
+    return bool(gone)
+
+
+def _last_first(path: tuple[Key, ...]) -> tuple[tuple[bool, int, str], ...]:
+    return tuple((True, key, "") if isinstance(key, int) else (False, 0, key) for key in path)

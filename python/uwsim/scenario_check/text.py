@@ -1,0 +1,48 @@
+"""A check's report as lines for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from uwsim.scenario_check.check import CheckReport
+from uwsim.scenario_check.scene import ObstacleScene, Scene, VehicleScene
+
+
+def report_lines(report: CheckReport) -> list[str]:
+    """Return the lines about a file without mistakes: what its scene looks like."""
+    lines = [f"{report.file}: ok" + (f", {len(report.warnings)} warnings" if report.warnings else "")]
+    return lines + ([f"  {line}" for line in _scene_lines(report.scene)] if report.scene else [])
+
+
+def _scene_lines(scene: Scene) -> Iterator[str]:
+    west, south, east, north = scene.bed.extent_m
+    dry = f", {100 * scene.bed.dry_share:.0f} % of it above the water" if scene.bed.dry_share > 0 else ""
+    yield (
+        f"terrain: x {west:g} to {east:g} m, y {south:g} to {north:g} m, "
+        f"bed from z = {scene.bed.lowest_m:.1f} to {scene.bed.highest_m:.1f} m{dry}"
+    )
+    yield f"water: {scene.density_kg_m3:.4g} kg/m3 at the surface; cameras see some {scene.sight_m:.2g} m"
+    x, y, _ = scene.station_m
+    yield f"station: ({x:g}, {y:g}) m, over {-scene.station_bed_m:.1f} m of water"
+    for vehicle in scene.vehicles:
+        yield _vehicle_line(vehicle)
+    for obstacle in scene.obstacles:
+        yield _obstacle_line(obstacle)
+
+
+def _vehicle_line(vehicle: VehicleScene) -> str:
+    x, y, z = vehicle.position_m
+    net = vehicle.net_buoyancy_n
+    floats = "balanced" if abs(net) < 0.05 else f"{'rises' if net > 0 else 'sinks'} by {abs(net):.1f} N"
+    place = "docked at" if vehicle.docked else "free at"
+    return (
+        f"vehicle '{vehicle.name}' ({vehicle.model}): {place} ({x:g}, {y:g}, {z:g}) m, yaw {vehicle.yaw_deg:g} deg, "
+        f"{vehicle.altitude_m:.1f} m above the bed; {floats}"
+    )
+
+
+def _obstacle_line(obstacle: ObstacleScene) -> str:
+    return (
+        f"{obstacle.kind} '{obstacle.name}': z = {obstacle.lowest_m:.1f} to {obstacle.highest_m:.1f} m, "
+        f"{100 * obstacle.buried_share:.0f} % of it below the bed"
+    )
