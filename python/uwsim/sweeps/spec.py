@@ -11,7 +11,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.flight.request import EstimateKind
 from uwsim.scenario.read.source_file import SourceFile
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
 from uwsim.scenario.spec.fields import AssetFile, InRange, Model, Name, broken
 
