@@ -108,14 +108,15 @@ def measured_scene(sim: Simulator) -> Scene:
     """Measure the scene of a simulator at its start."""
     scenario = sim.scenario
     terrain = build_terrain(scenario.terrain)
+    part = terrain.window(scenario.terrain.window_m)
     station = scenario.station.position_m
     return Scene(
         name=scenario.name,
         bed=Bed(
-            terrain.extent_m,
-            terrain.lowest_m,
-            float(terrain.heights_m.max()),
-            float((terrain.heights_m > 0.0).mean()),
+            part.extent_m,
+            part.lowest_m,
+            float(part.heights_m.max()),
+            float((part.heights_m > 0.0).mean()),
         ),
         density_kg_m3=float(sim.world.water.density_at_kg_m3(0.0)),
         sight_m=sight_m(core_optics(scenario.optics).water.beam_attenuation),
