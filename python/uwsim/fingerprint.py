@@ -24,7 +24,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.ranging import transform_points
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.fingerprint import build_fingerprint
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.simulator import Simulator
 
 PINGS, PINGS_PER_PICTURE, BETWEEN_PINGS_S = 20, 5, 0.5

@@ -17,7 +17,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.voxel_keys import unpack_keys, voxel_centres_m
 from uwsim.scenario import Scenario, build_terrain, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.scenario.read.validation_errors import validated
+from uwsim.scenario.read.validated import validated
 from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator import Simulator
