@@ -66,12 +66,12 @@ class Desk:
 
 
 @contextmanager
-def desk(browser: Browser, folder: Path, scenario: str = "") -> Iterator[Desk]:
-    """Serve a station; scenario: that it runs, at the dock; without one it shows the start screen."""
+def desk(browser: Browser, folder: Path, scenario: str = "", **choice: object) -> Iterator[Desk]:
+    """Serve a station; scenario: that it runs, at the dock; without one it shows the start screen. choice: besides."""
     station = Station(offered=scenario or "pool", folder=folder)
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         if scenario:
-            station.start({"scenario": scenario, "seed": 7})
+            station.start({"scenario": scenario, "seed": 7, **choice})
         here = Desk(browser, station, server)
         yield here
         for context in list(browser.contexts):

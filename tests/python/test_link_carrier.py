@@ -14,6 +14,7 @@ from uwsim.channels.cdr import encode
 from uwsim.channels.channel import Channel
 from uwsim.channels.published import join
 from uwsim.link import Carrier
+from uwsim.link.carried import carried_channels
 from uwsim.link.packing import PACKINGS
 from uwsim.live import LiveSimulator, replay
 from uwsim.recording import Recorder
@@ -189,6 +190,39 @@ def test_packings_keep_what_their_quanta_say() -> None:
     assert np.allclose(after.true_position, before.true_position, atol=0.006, equal_nan=True)
     before, after, size = carried("imu")
     assert bytes(encode(after)) == bytes(encode(before))
+
+
+def test_a_slow_modem_s_panel_fits_into_one_packet() -> None:
+    sim = Simulator(load("lake").with_changes(modem="micromodem"), threads=1)
+    (panel,) = [one for one in carried_channels(channels(sim), sim) if one.channel.name == "telemetry"]
+    sim.rov.undock()
+    sim.rov.set_effort(surge=0.4, yaw=0.3)
+    sim.advance(6.0)
+    before = panel.channel.read(sim)
+    payload = panel.packing.pack(before)
+    assert len(payload) <= sim.link.modem.packet_bytes
+    after = panel.packing.unpack(payload, panel.channel)
+    assert np.allclose(after.position, before.position, atol=0.006)
+    assert after.depth == pytest.approx(before.depth, abs=0.006)
+    assert abs(np.dot(after.orientation, before.orientation)) > math.cos(0.5 * 3 * math.pi / 254)
+    for name in ("speed", "distance_to_seabed", "temperature", "mission_time", "battery", "tilt"):
+        assert getattr(after, name) == pytest.approx(getattr(before, name), abs=0.51), name
+    assert (after.released, list(after.lamps)) == (before.released, list(before.lamps))
+    assert not after.is_truth
+    assert bytes(encode(after)), "every field has a value of its type"
+
+
+def test_what_the_vehicle_does_by_itself_is_carried() -> None:
+    sim = Simulator(load("lake").with_changes(modem="s2cm_hs"), threads=1)
+    (panel,) = [one for one in carried_channels(channels(sim), sim) if one.channel.name == "telemetry"]
+    message = panel.channel.read(sim)
+    message.failsafe, message.failsafe_cause, message.alarms = "return", "leak", ["water inside"]
+    after = panel.packing.unpack(panel.packing.pack(message), panel.channel)
+    assert (after.failsafe, after.failsafe_cause, after.alarms) == ("return", "leak", ["water inside"])
+    assert (
+        PACKINGS["telemetry_short"].unpack(PACKINGS["telemetry_short"].pack(message), panel.channel).failsafe
+        == "return"
+    )
 
 
 def test_infinite_distances_stay_so() -> None:

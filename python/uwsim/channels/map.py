@@ -1,4 +1,4 @@
-"""The map that the pings make since a server began: /octomap_binary whole, /map_changes as it grows."""
+"""The map that the pings make since a server began: /octomap_binary whole, /map_changes as it grows, and its pings."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from uwsim import ranging
 from uwsim.channels import build
-from uwsim.channels.channel import Channel
+from uwsim.channels.channel import PING, Channel
 from uwsim.channels.map_changes import MapChanges
-from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels.own_types import MAP_CHANGES, PLACED_PING
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.scans import Head, scan_of
 from uwsim.channels.source import Source
@@ -27,6 +28,7 @@ from uwsim.simulator import Simulator
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Its low and high corners, (3,) each."""
+PLACED = "placed_ping"
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
 HULL_MARGIN_M = 0.05
 WAITING_MAX = 64  # pings that may wait for the map; more make the steps wait
@@ -81,7 +83,16 @@ class PingMap:
         return self._map is not None
 
     def channels(self) -> list[Channel]:
-        """Return the channels."""
+        """Return the channels: of the map, and of the pings from which another one can be made."""
+        placed = Channel(
+            self._source.topic(PLACED), PLACED_PING, "out", "each ping with the pose of the sonar, for a map elsewhere",
+            rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"), over_link=True, priority=PING,
+            packing="placed", read=self._read_placed,
+        )  # fmt: skip
+        return [*self.map_channels(), placed]
+
+    def map_channels(self) -> list[Channel]:
+        """Return the channels of the map."""
         rate_hz, frame_id = self._pings.rate_hz, self._source.frame("odom")
         return [
             Channel(
@@ -100,7 +111,7 @@ class PingMap:
     def read(self, sim: Simulator) -> Any:
         """Insert the newest ping; return the map that was begun at the last reading, once a second, else None."""
         self.keep_up(sim)
-        self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(_binary, self._map))
+        self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
         said = self._whole.said
         return None if said is None else self._message(*said)
 
@@ -147,11 +158,25 @@ class PingMap:
             self._worker.submit(self.changes.forget, self._map.resolution_m)
         self._newest_ns = taken.ping.time_ns
         points_odom = mapped_points(self._pings, taken, hull_box_m(self._source.model(sim)))
-        origin_m, reach_m = taken.odom_from_sonar[:3, 3], self._pings.model.range_max_m
+        self._queue(points_odom, taken.odom_from_sonar[:3, 3], self._pings.model.range_max_m)
+
+    def _queue(self, points_odom: NDArray[np.float32], origin_m: NDArray[np.float64], reach_m: float) -> None:
+        """Insert a scan on the worker's thread; wait if too many are queued."""
         assert self._map is not None
         self._waiting.append(self._worker.submit(self._map.insert_scan, points_odom, origin_m, reach_m))
         while len(self._waiting) > WAITING_MAX or (self._waiting and self._waiting[0].done()):
             self._waiting.popleft().result()
+
+    def _read_placed(self, sim: Simulator) -> Any:
+        """Return the newest ping with its place."""
+        taken = self._pings.newest(sim)
+        stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
+        header = build.header(stamp_ns, self._source.frame("odom"))
+        pose = build.pose(sonar[:3, 3], Rotation.from_matrix(sonar[:3, :3]).as_quat())
+        scan = scan_of(self._pings, taken)
+        ranges_m = np.where(on_hull(scan, taken, hull_box_m(self._source.model(sim))), np.float32(np.inf), scan.ranges)
+        angles = {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
+        return build.message(PLACED_PING, header=header, sonar=pose, ranges=ranges_m, **angles)
 
     def _note_changes(self) -> Any:
         """Move what has changed from the map to the list of changes, on the worker's thread."""
@@ -207,7 +232,17 @@ def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32
     return ranging.transform_points(ranging.remove_box(points, *hull), taken.odom_from_body)
 
 
-def _binary(occupancy: OccupancyMap | None) -> bytes:
+def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
+    """Return which beams (n,) of a scan met the vehicle's own hull."""
+    angles_rad = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
+    sonar = np.column_stack([met * np.cos(angles_rad), met * np.sin(angles_rad), np.zeros_like(met), np.ones_like(met)])
+    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
+    body = (sonar @ body_from_sonar.T)[:, :3]
+    return np.logical_and.reduce((body >= hull[0]) & (body <= hull[1]), axis=1) & (met > 0.0)  # type: ignore[no-any-return]
+
+
+def binary(occupancy: OccupancyMap | None) -> bytes:
     """Return what octomap_msgs::binaryMsgToMap reads: the file without its header."""
     assert occupancy is not None
     return occupancy.to_bytes("bt").partition(b"\ndata\n")[2]

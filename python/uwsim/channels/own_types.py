@@ -5,6 +5,7 @@ MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
 STATION_STATE = "uwsim_msgs/msg/StationState"
 LINK = "uwsim_msgs/msg/Link"
 SONAR_PING = "uwsim_msgs/msg/SonarPing"
+PLACED_PING = "uwsim_msgs/msg/PlacedPing"
 
 OWN_TYPES = {
     TELEMETRY: """\
@@ -64,6 +65,13 @@ uint32 lost
 uint32 late                    # not sent, since their time was over or the queue full
 uint64 bytes_delivered         # of payloads
 float32 fault_loss             # share of the packets that faults take now; 1: a blackout
+""",
+    PLACED_PING: """\
+std_msgs/Header header         # a ping and its place: what a map is made from elsewhere; the pose is in this frame
+geometry_msgs/Pose sonar       # beams lie in its x-y plane, angles from x to y
+float32 angle_min              # rad
+float32 angle_increment        # rad
+float32[] ranges               # m, of each beam; inf: no echo, or one off the vehicle's own hull
 """,
     SONAR_PING: """\
 std_msgs/Header header         # in recordings alone: what maps are made from, to the last bit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -39,7 +39,7 @@ def simulation_services() -> list[Service]:
     ]  # fmt: skip
 
 
-def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_map: PingMap | None) -> list[Service]:
+def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, maps: Mapping[str, PingMap]) -> list[Service]:
     """Return the services of a vehicle."""
     name, vehicle = source.name, source.of(sim)
     found = [
@@ -57,10 +57,10 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, ping_ma
         found.append(stream_service(source.topic(f"camera/{camera}"), source.topic(camera), pictures))
     for sonar in vehicle.imaging_sonars:
         found.append(stream_service(source.topic(sonar), source.topic(sonar), pictures))
-    if ping_map is not None:
+    if name in maps:
         found.append(
             Service(
-                source.topic("save_map"), "uwsim_msgs/srv/SaveMap", _done(_save_map(ping_map)),
+                source.topic("save_map"), "uwsim_msgs/srv/SaveMap", _done(_save_map(maps, name)),
                 "write the map to request.name, a .bt file in the folder where the simulator was started or below",
             )
         )  # fmt: skip
@@ -129,10 +129,12 @@ def _pace(live: LiveSimulator, request: Request) -> Request:
     }
 
 
-def _save_map(ping_map: PingMap) -> Callable[[LiveSimulator, Request], str]:
+def _save_map(maps: Mapping[str, PingMap], vehicle: str) -> Callable[[LiveSimulator, Request], str]:
     def save(live: LiveSimulator, request: Request) -> str:
         name: str = _field(request, "name", str, "map.bt")
-        ping_map.write(_checked_path(name))
+        if vehicle not in maps:
+            raise ValueError(f"there is no map of '{vehicle}': the link carries no pings for it, see link.carries")
+        maps[vehicle].write(_checked_path(name))
         return name
 
     return save

@@ -99,7 +99,7 @@ class Table:
         found = simulation_services() + parameter_services()
         found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
         for source in self.sources:
-            found += vehicle_services(source, sim, self.pictures, self.maps.get(source.name))
+            found += vehicle_services(source, sim, self.pictures, self.maps)
         return found
 
 

@@ -35,7 +35,7 @@ def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carrie
         return []
     found = []
     for channel in channels:
-        packing = packing_of(channel, has_room=network.modem.kind != "modem")
+        packing = packing_of(channel, network.modem)
         vehicle = vehicle_of(channel, sim)
         if channel.over_link and packing and vehicle and is_chosen(channel.name, setup.carries):
             found.append(Carried(channel, vehicle, packing))

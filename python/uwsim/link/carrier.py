@@ -41,14 +41,17 @@ class Carrier:
     simulator: live, or one that its owner steps. channels: as `uwsim.channels.channels` returns them. All that is sent
     is a command of the log, so that a replay sends the same; what arrives is unpacked from what was carried. Over a
     modem every channel that the scenario names is sent at a rate that the modem has room for (`rates`), pictures only
-    while somebody listens; over a cable or the ideal link, what somebody listens to.
+    while somebody listens; over a cable or the ideal link, what somebody listens to. only: how the names end of what
+    vehicles may say, where the scenario does not choose by `carries`.
     """
 
-    def __init__(self, simulator: LiveSimulator | Simulator, channels: Iterable[Channel]) -> None:
+    def __init__(
+        self, simulator: LiveSimulator | Simulator, channels: Iterable[Channel], *, only: Iterable[str] | None = None
+    ) -> None:
         live = Offline(simulator) if isinstance(simulator, Simulator) else simulator
         self._live: LiveSimulator = live  # type: ignore[assignment]  # of which it has all that is used here
-        given = list(channels)
         sim = live.simulator
+        given = _chosen(channels, sim, only)
         network = sim.link
         if network is None or sim.scenario.link is None:
             raise ValueError("link: the scenario has none, or it is of kind 'none'")
@@ -106,6 +109,17 @@ class Carrier:
     def remote(self) -> LiveSimulator:
         """Return the simulator as it is from the station: commands to vehicles go over the link."""
         return remote.RemoteSimulator(self._live, self.command)  # type: ignore[return-value]
+
+    @property
+    def modem(self) -> str:
+        """The modem's name."""
+        return self._network.modem.name
+
+    def newest(self, name: str) -> Any:
+        """Return the newest message of a vehicle's channel that has arrived, or None."""
+        one = self._carried.get(name)
+        found = [got for got in self._network.received(STATION) if got.topic == name]
+        return one.packing.unpack(found[-1].payload, one.channel) if one is not None and found else None
 
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
         """Send a command of uwsim.live.COMMANDS to a vehicle; the future resolves when it is queued."""
@@ -225,6 +239,14 @@ class Carrier:
                     self._live.command(name, vehicle=vehicle, **arguments).add_done_callback(_log_error)
             except ValueError as error:
                 logger.warning("'%s' refuses what has arrived: %s", vehicle, error)
+
+
+def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | None) -> list[Channel]:
+    """Return the channels without those over the link that are not wanted."""
+    setup, ends = sim.scenario.link, None if only is None else tuple(only)
+    if ends is None or setup is None or "carries" in setup.model_fields_set:
+        return list(channels)
+    return [one for one in channels if one.direction == "in" or not one.over_link or one.name.endswith(ends)]
 
 
 def _size(one: Carried, sim: Simulator) -> int:

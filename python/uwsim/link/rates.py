@@ -14,6 +14,8 @@ WANTED_HZ = {COMMAND: 10.0, PANEL: 1.0, INSTRUMENT: 1.0, PING: 1.0, PICTURE: 0.5
 """Of channels by priority; more would only make the others wait."""
 SHARE = 0.6
 """Of what is left, that the channels of one priority may take."""
+FULL = 0.9
+"""Of what nobody else has use for."""
 EVEN_S = 10.0
 """Channels of one priority share evenly as long as each is sent so often; if not, the first takes its SHARE first."""
 ALOHA_PEAK = 0.5 / math.e
@@ -51,27 +53,45 @@ def send_rates(
 ) -> dict[str, float]:
     """Return the rate [Hz] of each channel of one vehicle that is sent, by name.
 
-    The most urgent first: those of one priority get what they want, but at most SHARE of what others left. Pictures
-    take turns, so each has the rate of all. sizes: of packed messages, bytes. times: how often each message is sent, by
-    default once. taken: share of the time that the vehicle's instruments take.
+    The most urgent first: those of one priority get what they want, but at most SHARE of what others left. The last who
+    get anything have what is then unused. Pictures take turns, so each has the rate of all. sizes: of packed messages,
+    bytes. times: how often each message is sent, by default once. taken: share of the time that the vehicle's
+    instruments take.
     """
     left = max(airtime_share(modem, access, nodes) - taken, 0.0)
     times = times or {}
     rates: dict[str, float] = {}
+    grown: dict[str, float] = {}
     by_priority = groupby(sorted(carried, key=lambda one: one.channel.priority), lambda one: one.channel.priority)
     for priority, group in by_priority:
         names = [one.channel.name for one in group]
         costs_s = {name: times.get(name, 1) * airtime_s(modem, access, sizes[name]) for name in names}
         wanted, budget = WANTED_HZ[priority], SHARE * left
         if priority == PICTURE:
-            shared = dict.fromkeys(costs_s, min(wanted, budget / max(costs_s.values())))
-            rates |= {name: rate for name, rate in shared.items() if rate * LONGEST_S >= 1.0}
-            continue
-        even = min(wanted, budget / sum(costs_s.values()))
-        for name, cost_s in costs_s.items():
-            rate = even if even * EVEN_S >= 1.0 else min(wanted, SHARE * budget / cost_s)
-            if rate * LONGEST_S >= 1.0:
-                rates[name] = rate
-                budget -= rate * cost_s
-                left -= rate * cost_s
+            own = dict.fromkeys(costs_s, min(wanted, budget / max(costs_s.values())))
+        else:
+            own = _shared_out(costs_s, wanted, budget)
+        own = {name: rate for name, rate in own.items() if rate * LONGEST_S >= 1.0}
+        if priority != PICTURE:
+            used = sum(rate * costs_s[name] for name, rate in own.items())
+            left -= used
+        if own:
+            rates |= own
+            unused = 0.0 if priority == PICTURE else FULL * left / used
+            grown = {name: min(wanted, rate * (1.0 + unused)) for name, rate in own.items()}
+    return rates | grown
+
+
+def _shared_out(costs_s: Mapping[str, float], wanted_hz: float, budget: float) -> dict[str, float]:
+    """Return the rates of channels of one priority: the same, or if that is too rare each SHARE of what is left."""
+    even_hz = min(wanted_hz, budget / sum(costs_s.values()))
+    if even_hz * EVEN_S >= 1.0:
+        return dict.fromkeys(costs_s, even_hz)
+    rates: dict[str, float] = {}
+    last = list(costs_s)[-1]
+    for name, cost_s in costs_s.items():
+        rate_hz = min(wanted_hz, (1.0 if name == last else SHARE) * budget / cost_s)
+        if rate_hz * LONGEST_S >= 1.0:
+            rates[name] = rate_hz
+            budget -= rate_hz * cost_s
     return rates

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwsim.channels import Channel
 from uwsim.channels.own_types import LINK
+from uwsim.link.ashore import maps_ashore
 from uwsim.link.carried import Carried, carried_channels
 from uwsim.link.status import status_channels
 from uwsim.network import STATION, Network
@@ -22,14 +23,17 @@ def seen_channels(
 ) -> list[Channel]:
     """Return the channels as the station has them: what goes over the link is what has arrived.
 
-    Channels that could go over the link, but do not, are not seen at all. What is read depends on the simulator's
-    state alone, so that a replay reads the same. looked_for: is told of each look for a channel's messages.
+    Channels that could go over the link, but do not, are not seen at all; over a modem maps are made ashore. What is
+    read depends on the simulator's state alone, so that a replay reads the same. looked_for: is told of each look for a
+    channel's messages.
     """
     network = sim.link
     given = list(channels)
     if network is None:
         return given
     carried = {one.channel.name: one for one in carried_channels(given, sim)}
+    if network.modem.kind == "modem":
+        given = maps_ashore(sim, given, carried)
     seen = []
     for channel in given:
         one = carried.get(channel.name)

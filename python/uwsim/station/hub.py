@@ -215,4 +215,4 @@ class Station:
 
     def _topics(self, running: Running | None) -> list[GuestTopic]:
         state = GuestTopic(STATE, STATION_STATE, "what the station does, and who has the controls", latched=True)
-        return [state, *(running.views.topics() if running is not None else [])]
+        return [state, *(running.topics() if running is not None else [])]

@@ -7,19 +7,22 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from uwsim.channels import services
-from uwsim.channels.guest import Node, Values
+from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.map import PLACED
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.served import served_channels
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire, table_of
 from uwsim.link import Carrier
+from uwsim.link.ashore import with_scans
 from uwsim.live import COMMANDS, LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.recorder import MAP_TYPE
 from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.station.arrivals import Arrivals
 from uwsim.station.helm import Helm
 from uwsim.station.scene import Scene
-from uwsim.station.views import Views, title
+from uwsim.station.views import View, Views, title
 from uwsim.vehicle import AXES
 
 STEERING = {
@@ -30,6 +33,8 @@ STEERING = {
     "set_thrusters",
     "set_fins",
 }  # the pilot's hands do that: `drive`
+SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
+"""Channels that the page shows, by how they end: a modem has no room for more, unless the scenario says so."""
 SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
 PILOTED = sorted(set(COMMANDS) - STEERING)
 
@@ -58,14 +63,20 @@ class Running:
         self.channels = served_channels(live, wire=wire, origin=origin, truth=truth)
         self.services = services(sim)
         self.table = table_of(sim)
-        self.maps = self.table.maps
-        self.carrier = None if sim.link is None else Carrier(live, self.channels)
+        over_modem = sim.link is not None and sim.link.modem.kind == "modem"
+        self.carrier = None if sim.link is None else Carrier(live, self.channels, only=SHOWN if over_modem else None)
+        self.maps = self.table.maps  # over a modem, those that are made ashore
         self.far = live if self.carrier is None else self.carrier.remote()  # as pilots command it
         if self.carrier is not None:
             self.channels, self.services = self.carrier.channels, self.carrier.over(self.services)
+            if over_modem:
+                self.channels = with_scans(self.channels)
         self.helm = Helm(self.far, self.table.steering, repeats=self.carrier is not None)
         self.scene = Scene(sim, self.table.sources)
-        self.views = Views(live, self.table, node, stir)
+        self.views = Views(live, self.table, node, stir, over_modem=over_modem, truth=truth)
+        self.arrivals: Arrivals | None = None
+        if self.carrier is not None and over_modem:
+            self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
         self.recorder: Recorder | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
@@ -77,6 +88,8 @@ class Running:
             self.live.start()
         if self.carrier is not None:
             self.carrier.start()
+        if self.arrivals is not None:
+            self.arrivals.start()
         for name, ping_map in self.maps.items():
             rate_hz = self.table.pings[name].rate_hz
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
@@ -131,10 +144,22 @@ class Running:
             "truth_allowed": self.truth,
             "warnings": {"range_m": scenario.warnings.range_m, "proximity_m": scenario.warnings.proximity_m},
             "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
-            "views": [view.described() for view in self.views.views.values()] + self._sonar_views(),
+            "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
             "commands": PILOTED,
         }
+
+    def topics(self) -> list[GuestTopic]:
+        """Return the topics of all views."""
+        return [*self.views.topics(), *(self.arrivals.topics() if self.arrivals is not None else [])]
+
+    def _camera_view(self, view: View) -> Values:
+        said = view.described()
+        if self.arrivals is None or view.name not in self.arrivals:
+            return said
+        aboard = {"aboard_topic": said["topic"], "aboard_small_topic": said["small_topic"]} if self.truth else {}
+        topics = {"topic": f"/station/view/{view.name}", "small_topic": f"/station/small/{view.name}"}
+        return {**said, **topics, **aboard, **self.arrivals.describe(view.name)}
 
     def _sonar_views(self) -> list[Values]:
         """Return the pictures of imaging sonars: channels like any other, at the pace of simulated time."""
@@ -144,10 +169,14 @@ class Running:
                 "vehicle": source.name, "frame_id": source.frame(f"{name}_link"), "width": 0, "height": 0,
                 "topic": f"/{source.topic(name)}/picture/compressed",
                 "small_topic": f"/{source.topic(name)}/picture/compressed",
+                **self._sonar_link(f"{source.topic(name)}/picture/compressed"),
             }
             for source in self.table.sources
             for name, sonar in source.of(self.live.simulator).imaging_sonars.items()
         ]  # fmt: skip
+
+    def _sonar_link(self, channel: str) -> Values:
+        return {} if self.arrivals is None else {"link": self.arrivals.pace(channel)}
 
     def _vehicle(self, source: Source, optional: set[str]) -> Values:
         vehicle = source.of(self.live.simulator)

@@ -90,10 +90,14 @@ class View:
     small: Stream = field(init=False)
 
     def __post_init__(self) -> None:
-        width = self.camera.mount.width
-        self.large = Stream(f"station/view/{self.name}", self.camera.resized(width), Size(), self.frame_id)
-        small = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
-        self.small = Stream(f"station/small/{self.name}", self.camera.resized(SMALL_WIDTH), small, self.frame_id)
+        self.call("view", "small")
+
+    def call(self, large: str, small: str) -> None:
+        """Let its topics be of these kinds."""
+        small_size = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
+        whole, reduced = self.camera.resized(self.camera.mount.width), self.camera.resized(SMALL_WIDTH)
+        self.large = Stream(f"station/{large}/{self.name}", whole, Size(), self.frame_id)
+        self.small = Stream(f"station/{small}/{self.name}", reduced, small_size, self.frame_id)
 
     def described(self) -> Values:
         """Return what `describe` says."""
@@ -106,13 +110,30 @@ class View:
 
 
 class Views:
-    """The views of one simulator. `beat` must be called when it says, and when `stir` was; it does not wait."""
+    """The views of one simulator. `beat` must be called when it says, and when `stir` was; it does not wait.
 
-    def __init__(self, live: LiveSimulator, table: Table, node: Node, stir: Callable[[], object]) -> None:
+    over_modem: pictures of vehicles' cameras come over a modem; those that are made here, in full, have other topics
+    then, and there are none without the truth.
+    """
+
+    def __init__(
+        self,
+        live: LiveSimulator,
+        table: Table,
+        node: Node,
+        stir: Callable[[], object],
+        *,
+        over_modem: bool = False,
+        truth: bool = True,
+    ) -> None:
         self._live, self._node, self._stir = live, node, stir
         self._pictures = table.pictures
         self._small_s = 0.0  # when the last small picture was begun
         self.views = {view.name: view for view in _views(live.simulator, table)}
+        self.aboard = {view.name for view in self.views.values() if over_modem and view.vehicle}
+        self._made = [view for view in self.views.values() if truth or view.name not in self.aboard]
+        for name in self.aboard:
+            self.views[name].call("aboard", "aboard_small")
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""
@@ -121,10 +142,10 @@ class Views:
     def beat(self, now_s: float) -> float:
         """Begin the pictures that are due; return how long [s] none will be, unless `stir` is called."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
-        for view in self.views.values():
+        for view in self._made:
             if view.large in wanted and self._is_due(view.large, now_s):
                 self._begin(view.large, now_s)
-        self._begin_small([view.small for view in self.views.values() if view.small in wanted], now_s)
+        self._begin_small([view.small for view in self._made if view.small in wanted], now_s)
         return min((max(stream.due_s - now_s, POLL_S) for stream in wanted if stream.is_free), default=math.inf)
 
     def _begin_small(self, wanted: list[Stream], now_s: float) -> None:
@@ -173,7 +194,7 @@ class Views:
         return self._pictures.submit(lambda: camera.capture(at=snapshot, threads=THREADS)).result(), read
 
     def _streams(self) -> Iterable[Stream]:
-        return [stream for view in self.views.values() for stream in (view.large, view.small)]
+        return [stream for view in self._made for stream in (view.large, view.small)]
 
     def _begin(self, stream: Stream, now_s: float) -> None:
         period_s = 1.0 / stream.size.rate_hz

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 from uwsim.channels import Channel
 from uwsim.channels.cdr import encode
 from uwsim.channels.messages import from_bytes
-from uwsim.link.packing import panels, pings, poses, thumbnails
+from uwsim.link.packing import panels, pings, poses, short_panel, thumbnails
+from uwsim.scenario.spec.modem import ModemModel
 
 
 class Packing(NamedTuple):
@@ -53,14 +54,21 @@ PACKINGS: dict[str, Packing] = {
     "twist": Packing(poses.pack_twist, poses.unpack_twist),
     "state": Packing(panels.pack_state, panels.unpack_state),
     "telemetry": Packing(panels.pack_telemetry, panels.unpack_telemetry),
+    "telemetry_short": Packing(short_panel.pack, short_panel.unpack),
     "depths": Packing(pings.pack_depths, pings.unpack_depths),
     "scan": Packing(pings.pack_scan, pings.unpack_scan),
+    "placed": Packing(pings.pack_placed, pings.unpack_placed),
     "thumbnail": Packing(thumbnails.pack, thumbnails.unpack, usual_bytes=thumbnails.USUAL_BYTES),
 }
 
 
-def packing_of(channel: Channel, *, has_room: bool) -> Packing | None:
-    """Return how a channel's messages are packed, or None if no modem can carry them. has_room: they go whole."""
-    if has_room:
+SHORT_BYTES = 64
+"""Modems with smaller packets use a packing NAME_short where there is one."""
+
+
+def packing_of(channel: Channel, modem: ModemModel) -> Packing | None:
+    """Return how a channel's messages are packed, or None if the modem cannot carry them. Other links have room."""
+    if modem.kind != "modem":
         return WHOLE
-    return PACKINGS.get(channel.packing)
+    short = PACKINGS.get(f"{channel.packing}_short") if modem.packet_bytes < SHORT_BYTES else None
+    return short or PACKINGS.get(channel.packing)

@@ -53,12 +53,14 @@ FLOATS = (
 FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
 HEAD = struct.Struct("<q3i3i3H4bBH3B")
 FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
+DOES = ("", "hold", "surface", "return", "go_on")
+CAUSES = ("", "silence", "battery", "leak", "thruster", "sensor")
 INFINITE = ("distance_to_seabed",)
 """Fields that are infinite rather than nan where there is nothing."""
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return some 100 bytes: positions in cm, attitude to 1/127, commands to 1 %."""
+    """Return some 100 bytes: positions in cm, attitude to 1/127, commands to 1 %; alarms as text."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
@@ -72,16 +74,17 @@ def pack_telemetry(message: Any) -> bytes:
         + FIGURES.pack(*(quantised(float(getattr(message, name)), quantum, code) for name, code, quantum in FLOATS))
         + np.packbits(lamps).tobytes()
         + struct.pack(f"<{len(commands)}b", *commands)
+        + _pack_notices(message)
     )  # fmt: skip
 
 
 def unpack_telemetry(data: bytes, channel: Channel) -> Any:
     """Return the panel."""
     stamp_ns, *rest, flags, collisions, lamps, efforts, thrusters = HEAD.unpack_from(data)
-    places, stds = [_value(x, 0.01, "i") for x in rest[:6]], [_value(x, 0.01, "H") for x in rest[6:9]]
-    turn = np.array([_value(x, 1 / 126, "b") for x in rest[9:]])
+    places, stds = [value_of(x, 0.01, "i") for x in rest[:6]], [value_of(x, 0.01, "H") for x in rest[6:9]]
+    turn = np.array([value_of(x, 1 / 126, "b") for x in rest[9:]])
     figures = {
-        name: _value(whole, quantum, code, math.inf if name in INFINITE else math.nan)
+        name: value_of(whole, quantum, code, math.inf if name in INFINITE else math.nan)
         for (name, code, quantum), whole in zip(FLOATS, FIGURES.unpack_from(data, HEAD.size), strict=True)
     }
     at = HEAD.size + FIGURES.size
@@ -98,10 +101,34 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
         thrusters=commands[efforts:],
         lamps=lit,
         collisions=collisions,
+        **_unpack_notices(data[at + -(-lamps // 8) + efforts + thrusters :]),
         **{name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)},
         **figures,
     )
 
 
-def _value(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
+def pack_failsafe(message: Any) -> int:
+    """Return a byte for the failsafe and its cause."""
+    state = DOES.index(message.failsafe) if message.failsafe in DOES else 0
+    cause = CAUSES.index(message.failsafe_cause) if message.failsafe_cause in CAUSES else 0
+    return len(CAUSES) * state + cause
+
+
+def unpack_failsafe(byte: int) -> dict[str, str]:
+    """Return the fields of the failsafe."""
+    state, cause = divmod(byte, len(CAUSES))
+    return {"failsafe": DOES[state], "failsafe_cause": CAUSES[cause]}
+
+
+def _pack_notices(message: Any) -> bytes:
+    """Return the failsafe, then the alarms as text: as a rule none."""
+    return bytes([pack_failsafe(message)]) + "\n".join(message.alarms).encode()
+
+
+def _unpack_notices(data: bytes) -> dict[str, Any]:
+    return unpack_failsafe(data[0]) | {"alarms": data[1:].decode().splitlines()}
+
+
+def value_of(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
+    """Return the value of a whole number of quanta, or what stands for no value."""
     return none if whole == NONE[code] else whole * quantum

@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels import Channel, build
+from uwsim.channels.own_types import PLACED_PING
 from uwsim.channels.published import join
+from uwsim.link.packing import poses
 
 EVERY = 8
 QUANTUM_M = 0.01
 NO_ECHO = 65535
 DEPTHS = struct.Struct("<Hf")  # beams, and the range that stands for no echo
+PLACED = struct.Struct("<q2f")  # stamp [ns]; first angle, increment [rad]
 SCAN = struct.Struct("<q2f2f2f")  # stamp [ns]; first angle, increment [rad]; times [s]; least and greatest range [m]
 
 
@@ -70,4 +73,25 @@ def unpack_scan(data: bytes, channel: Channel) -> Any:
         range_min=range_min_m,
         range_max=range_max_m,
         ranges=ranges_m,
+    )
+
+
+def pack_placed(message: Any) -> bytes:
+    """Return a ping with its pose: 36 bytes, and every eighth range in two; 166 for 513 beams."""
+    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    head = PLACED.pack(stamp_ns, message.angle_min, message.angle_increment)
+    return head + poses.pack_pose(message.sonar) + _packed(message.ranges, math.inf)
+
+
+def unpack_placed(data: bytes, channel: Channel) -> Any:
+    """Return a ping of an eighth of the beams with its pose."""
+    stamp_ns, first_rad, increment_rad = PLACED.unpack_from(data)
+    ranges_at = PLACED.size + poses.POSE.size
+    return build.message(
+        PLACED_PING,
+        header=build.header(stamp_ns, channel.frame_id),
+        sonar=poses.unpack_pose(data[PLACED.size : ranges_at], channel),
+        angle_min=first_rad,
+        angle_increment=EVERY * increment_rad,
+        ranges=_unpacked(data[ranges_at:], math.inf).astype(np.float32),
     )

@@ -35,6 +35,7 @@ const aim = new CameraAim(station, views);
 views.setTools(aim.element);
 const topbar = new TopBar(station, telemetry, pilot, views);
 const panel = new Panel(byId('panel'), station, telemetry, pilot);
+panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
 const recorder = new Recorder(station, telemetry, views);
 const lease = new Lease(station);
 const start = new StartScreen(station);

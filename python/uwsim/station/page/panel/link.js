@@ -23,6 +23,9 @@ export class Link {
   constructor(station) {
     this.station = station;
     this.note = el('small');
+    this.aboard = el('input', { type: 'checkbox' });
+    this.aboard.addEventListener('change', () => this.onAboard?.(this.aboard.checked));
+    this.truth = el('label', { className: 'aboard', hidden: true }, this.aboard, ' Show what the vehicle sees');
     this.values = VALUES.map(([, , read]) => [el('span', {}, '–'), read]);
     this.element = el(
       'section',
@@ -40,13 +43,20 @@ export class Link {
           ),
         ),
       ),
+      this.truth,
     );
   }
 
-  begin({ link }) {
+  // views: those of describe. onAboard(isAboard) is called when the operator wants to see what the vehicle sees.
+  begin({ link }, views) {
     this.#end?.();
     this.#end = null;
     this.element.hidden = !link;
+    this.truth.hidden = !views.some((view) => view.aboard_topic);
+    if (this.truth.hidden && this.aboard.checked) {
+      this.aboard.checked = false;
+      this.onAboard?.(false);
+    }
     for (const [value] of this.values) write(value, '–');
     write(this.note, '');
     if (link) this.#end = this.station.bridge.subscribe(link, 'uwsim_msgs/Link', (message) => this.#show(message));
@@ -54,7 +64,10 @@ export class Link {
 
   #show(message) {
     for (const [value, read] of this.values) write(value, read(message));
-    const isBad = message.fault_loss > 0 || message.quality < POOR || Math.max(message.silence, message.silence_at_station) > SILENT_S;
+    const isBad =
+      message.fault_loss > 0 ||
+      message.quality < POOR ||
+      Math.max(message.silence, message.silence_at_station) > SILENT_S;
     this.element.dataset.level = isBad ? 'warn' : 'good';
     write(this.note, message.modem + faultText(message.fault_loss));
   }

@@ -97,7 +97,7 @@ export class Panel {
 
   begin(vehicle, description) {
     this.failsafe.begin(vehicle);
-    this.link.begin(vehicle);
+    this.link.begin(vehicle, description.views);
     this.hasThrusters = vehicle.thrusters.length > 0; // else forces along and about the axes drive it
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
     write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');

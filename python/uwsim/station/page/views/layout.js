@@ -11,12 +11,20 @@ const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan'
 const KEYS = 10;
 const ROW = 6; // small views that fit beside each other
 const LARGE = { credit: 2 };
+const LATE_PERIODS = 3; // of pictures that come over a modem
+
+// A view of a vehicle's camera whose pictures come over a modem has `link`: { modem, period_s }, null without room for any.
+function linkText({ modem, period_s: period }) {
+  if (period === null) return `${modem} has no room for pictures`;
+  return `over ${modem}: 1 picture in ${period < 10 ? +period.toFixed(1) : Math.round(period)} s`;
+}
 
 const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.length);
 
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = '';
+  #isAboard = false; // whether views show what the vehicle sees, not what the modem carries
   #cameras = new Previews();
   #sonars = new Previews();
   #tools = el('div', { className: 'picture-tools' });
@@ -83,6 +91,13 @@ export class Views extends EventTarget {
     this.dispatchEvent(new Event('swap'));
   }
 
+  // Show what the vehicle sees, where the server lets us, or what the modem carries.
+  setAboard(isAboard) {
+    this.#isAboard = isAboard;
+    this.#choosePictures();
+    this.#look();
+  }
+
   // number: of the key, 0 is the tenth.
   enlargeNumber(number) {
     this.enlarge(this.names[(number + KEYS - 1) % KEYS]);
@@ -93,8 +108,9 @@ export class Views extends EventTarget {
     const swap = el('button', { type: 'button', className: 'swap' });
     const lost = el('p', { className: 'lost' }, 'No picture');
     const name = el('p', { className: 'name' }, number, title);
-    const element = el('section', { className: 'view', 'aria-label': title }, ...contents, lost, name, swap);
-    return { element, number, swap, lost, title };
+    const over = el('p', { className: 'over', hidden: true });
+    const element = el('section', { className: 'view', 'aria-label': title }, ...contents, lost, over, name, swap);
+    return { element, number, swap, lost, over, title };
   }
 
   #pictureView(view) {
@@ -127,11 +143,27 @@ export class Views extends EventTarget {
     const [cameras, sonars] = [[], []];
     for (const [name, { view, picture, hud }] of this.#views) {
       if (!picture || document.hidden) picture?.show('');
-      else if (name === this.#large) picture.show(view.topic, LARGE);
-      else (hud ? cameras : sonars).push({ picture, topic: view.small_topic || view.topic });
+      else if (name === this.#large) picture.show(this.#isFull(view) ? view.aboard_topic : view.topic, LARGE);
+      else if (view.link && !hud)
+        picture.show(''); // it would take the modem's time
+      else (hud ? cameras : sonars).push({ picture, topic: this.#smallTopic(view) });
     }
     this.#cameras.show(cameras);
     this.#sonars.show(sonars); // which come at their own pace
+  }
+
+  // link: of a view whose pictures come over a modem, which carries the large view alone.
+  #whyNone(name, link) {
+    if (link && link.period_s === null) return 'No picture';
+    return link && name !== this.#large ? 'Enlarge to ask for it' : 'Waiting for a picture';
+  }
+
+  #isFull(view) {
+    return this.#isAboard && Boolean(view.aboard_topic);
+  }
+
+  #smallTopic(view) {
+    return (this.#isFull(view) ? view.aboard_small_topic : view.small_topic) || view.topic;
   }
 
   #drawHud() {
@@ -152,12 +184,16 @@ export class Views extends EventTarget {
 
   #look() {
     const { connected, state } = this.station;
-    for (const [name, { element, picture, lost }] of this.#views) {
+    for (const [name, { element, view, picture, lost, over }] of this.#views) {
       if (!picture) continue;
-      const lateMs = name === this.#large ? LATE_MS : SMALL_LATE_MS;
+      const isLinked = Boolean(view.link) && !this.#isFull(view);
+      over.hidden = !isLinked || name !== this.#large;
+      if (isLinked) write(over, linkText(view.link));
+      const periodMs = isLinked ? LATE_PERIODS * 1000 * (view.link.period_s ?? 0) : 0;
+      const lateMs = Math.max(name === this.#large ? LATE_MS : SMALL_LATE_MS, periodMs);
       const isLate = !connected || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
       element.classList.toggle('is-stale', isLate || picture.drawn === 0);
-      write(lost, picture.drawn === 0 ? 'Waiting for a picture' : 'Old picture');
+      write(lost, picture.drawn > 0 ? 'Old picture' : this.#whyNone(name, isLinked && view.link));
     }
     if (this.telemetry.isStale) this.#drawHud();
   }

@@ -1,0 +1,134 @@
+"""The map that the station makes: of the pings that have arrived, with the pose of the sonar in each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim.channels import Channel, build
+from uwsim.channels.map import PLACED, PUBLISH_NS, PingMap, binary, empty_map
+from uwsim.channels.pings import Pings
+from uwsim.channels.source import Source
+from uwsim.channels.table import table_of
+from uwsim.link.carried import Carried
+from uwsim.network import STATION, Network
+from uwsim.simulator import Simulator
+
+RANGE_MAX_M = 1000.0  # of a scan whose sender's limit has been applied
+
+
+class MapAshore(PingMap):
+    """A map in the odom frame of the pings that have arrived at the station; what a message tells is told at once."""
+
+    def __init__(self, source: Source, pings: Pings, carried: Carried, network: Network) -> None:
+        super().__init__(source, pings)
+        self._carried, self._network = carried, network
+        self._looked_ns = self._told_ns = 0
+        self._is_new = self._has_changed = False
+
+    def read(self, sim: Simulator) -> Any:
+        """Return the map if pings have arrived since the last one, once a second at most."""
+        self.keep_up(sim)
+        if not self._is_new or sim.time_ns < self._told_ns + PUBLISH_NS:
+            return None
+        self._is_new, self._told_ns = False, sim.time_ns
+        return self._message(self._newest_ns, self._worker.submit(binary, self._map).result())
+
+    def read_changes(self, sim: Simulator) -> Any:
+        """Return what the pings that have arrived since the last call changed."""
+        self.keep_up(sim)
+        if not self._has_changed:
+            return None
+        self._has_changed = False
+        part = self._worker.submit(self._note_changes).result()
+        return self._changes_message(self._newest_ns, (part, None))[0] if len(part.cells) else None
+
+    def keep_up(self, sim: Simulator) -> None:
+        """Insert the pings that have arrived: into a new map if time has gone back."""
+        if sim.time_ns < self._looked_ns:
+            self._map, self._looked_ns, self._told_ns = None, 0, 0
+        for message in arrived(self._network, self._carried, self._looked_ns):
+            if self._map is None:
+                self._map = empty_map(sim.scenario)
+                self._worker.submit(self.changes.forget, self._map.resolution_m)
+            self._newest_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+            self._queue(*placed_points(message), self._pings.model.range_max_m)
+            self._is_new = self._has_changed = True
+        self._looked_ns = sim.time_ns
+
+
+def arrived(network: Network, carried: Carried, after_ns: int) -> Iterable[Any]:
+    """Return the messages of a channel that have arrived at the station after a time, oldest first."""
+    for got in network.received(STATION, 1e-9 * after_ns):
+        if got.topic == carried.channel.name:
+            yield carried.packing.unpack(got.payload, carried.channel)
+
+
+def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Return the echoes of a PlacedPing (n, 3) and the sonar's position (3,), in its frame."""
+    ranges_m = np.asarray(message.ranges, np.float64)
+    angles_rad = message.angle_min + message.angle_increment * np.arange(len(ranges_m))
+    met = np.isfinite(ranges_m)
+    across = np.column_stack([np.cos(angles_rad[met]), np.sin(angles_rad[met]), np.zeros(met.sum())])
+    at, turn = message.sonar.position, message.sonar.orientation
+    position = np.array([at.x, at.y, at.z])
+    points = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).apply(ranges_m[met, None] * across) + position
+    return points.astype(np.float32), position
+
+
+def with_scans(seen: Iterable[Channel]) -> list[Channel]:
+    """Return channels as the station has them, in which `ping` is made of the placed pings, if it is not carried."""
+    found = list(seen)
+    names = {channel.name for channel in found}
+    for channel in list(found):
+        prefix, _, name = channel.name.rpartition("/")
+        ping = f"{prefix}/ping" if prefix else "ping"
+        if name == PLACED and ping not in names:
+            scan = replace(
+                channel, name=ping, type="sensor_msgs/msg/LaserScan", frame_id=f"{prefix}/base_scan".lstrip("/"),
+                description="the beams of the placed pings that have arrived",
+            )  # fmt: skip
+            found.append(replace(scan, read=_scan_reader(channel, scan.frame_id)))
+    return found
+
+
+def _scan_reader(placed: Channel, frame_id: str) -> Callable[[Simulator], Any]:
+    def read(sim: Simulator) -> Any:
+        message = placed.read(sim)
+        if message is None:
+            return None
+        header = build.message("std_msgs/msg/Header", stamp=message.header.stamp, frame_id=frame_id)
+        last = message.angle_min + message.angle_increment * (len(message.ranges) - 1)
+        return build.message(
+            "sensor_msgs/msg/LaserScan", header=header, angle_min=message.angle_min, angle_max=last,
+            angle_increment=message.angle_increment, range_min=0.0, range_max=RANGE_MAX_M, ranges=message.ranges,
+        )  # fmt: skip
+
+    return read
+
+
+def maps_ashore(sim: Simulator, channels: Iterable[Channel], carried: dict[str, Carried]) -> list[Channel]:
+    """Return channels whose maps are made ashore, as are those that services save; none without pings."""
+    network, table = sim.link, table_of(sim)
+    assert network is not None
+    aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
+    made: dict[str, Channel] = {}
+    for source in table.sources:
+        if source.name not in table.maps:
+            continue
+        one = carried.get(source.topic(PLACED))
+        if one is None:
+            del table.maps[source.name]
+            continue
+        table.maps[source.name] = MapAshore(source, table.pings[source.name], one, network)
+        made |= {channel.name: channel for channel in table.maps[source.name].map_channels()}
+    return [
+        replace(made[channel.name], description=f"ashore: {channel.description}") if channel.name in made else channel
+        for channel in channels
+        if channel.name in made or channel.name not in aboard
+    ]

@@ -1,0 +1,73 @@
+"""The panel in one packet of a slow modem: what a pilot needs most, in 32 bytes."""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from uwsim.channels import Channel, build
+from uwsim.channels.own_types import TELEMETRY
+from uwsim.link.packing.panels import FLAGS, pack_failsafe, quantised, unpack_failsafe, value_of
+
+FIGURES = (
+    ("depth", "H", 0.01, 0.0), ("speed", "B", 0.02, math.nan), ("distance_to_seabed", "H", 0.1, math.inf),
+    ("distance_to_port", "B", 0.1, math.nan), ("temperature", "b", 0.5, math.nan), ("mission_time", "H", 1.0, math.nan),
+    ("battery", "B", 0.5, math.nan), ("tilt", "b", 0.0125, math.nan),
+)  # fmt: skip
+"""Fields of /telemetry: struct's code, quantum, and what stands for no value. A negative depth is 0."""
+HEAD = struct.Struct("<I9s3b4B" + "".join(code for _, code, _, _ in FIGURES))
+STAMP_NS = 10_000_000
+TURN_RAD = math.pi / 127  # roll, pitch and yaw
+
+
+def pack(message: Any) -> bytes:
+    """Return 31 bytes: position in cm, attitude to 1.4 degrees; no truth, deviations, commands and alarms."""
+    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    position = b"".join(_three_bytes(x) for x in message.position)
+    turn = np.asarray(message.orientation, np.float64)
+    angles_rad = Rotation.from_quat(turn).as_euler("ZYX") if np.linalg.norm(turn) > 0.5 else np.zeros(3)
+    flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
+    lamps = sum(bool(lit) << bit for bit, lit in enumerate(message.lamps[:8]))
+    figures = [quantised(float(getattr(message, name)), quantum, code) for name, code, quantum, _ in FIGURES]
+    return HEAD.pack(
+        stamp_ns // STAMP_NS, position, *(quantised(angle, TURN_RAD, "b") for angle in angles_rad), flags,
+        pack_failsafe(message), lamps, min(len(message.lamps), 8), *figures,
+    )  # fmt: skip
+
+
+def unpack(data: bytes, channel: Channel) -> Any:
+    """Return the panel; what was not carried is nan or empty."""
+    stamp, position, yaw, pitch, roll, flags, failsafe, lamps, count, *figures = HEAD.unpack(data)
+    turn = Rotation.from_euler("ZYX", np.array([yaw, pitch, roll]) * TURN_RAD).as_quat()
+    told = {name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)}
+    unknown = np.full(3, np.nan)
+    return build.message(
+        TELEMETRY,
+        header=build.header(stamp * STAMP_NS, channel.frame_id),
+        position=np.array([_from_three(position[k : k + 3]) for k in (0, 3, 6)]),
+        position_std=unknown.astype(np.float32),
+        true_position=unknown,
+        orientation=turn.astype(np.float32),
+        lamps=np.array([bool(lamps >> bit & 1) for bit in range(count)]),
+        **told | {"is_truth": False},
+        **dict.fromkeys(("angular_speed", "pressure", "distance_to_station", "link_delay"), math.nan),
+        **unpack_failsafe(failsafe),
+        **{
+            name: value_of(whole, quantum, code, none)
+            for (name, code, quantum, none), whole in zip(FIGURES, figures, strict=True)
+        },
+    )
+
+
+def _three_bytes(value_m: float) -> bytes:
+    whole = round(100.0 * value_m) if math.isfinite(value_m) else -(2**23)
+    return max(-(2**23), min(whole, 2**23 - 1)).to_bytes(3, "little", signed=True)
+
+
+def _from_three(data: bytes) -> float:
+    whole = int.from_bytes(data, "little", signed=True)
+    return math.nan if whole == -(2**23) else 0.01 * whole

@@ -1,0 +1,59 @@
+"""The station over a modem: pictures, map and panel are what has arrived; the full ones need leave for the truth."""
+
+from __future__ import annotations
+
+import io
+
+from PIL import Image
+
+from browser import chromium, desk, when
+from station_pages import get, page, serving
+
+
+def test_a_page_gets_thumbnails_a_map_ashore_and_no_full_picture_without_the_truth(tmp_path):
+    with serving(tmp_path, truth=False) as (station, server), page(server) as ada:
+        ada.call("take_control")
+        assert ada.call("start", scenario="lake", link="s2cm_hs", seed=3, speed=4)["success"]
+        said = ada.call("describe")
+        views = {view["name"]: view for view in said["views"]}
+        front = views["front"]
+        assert front["link"] == {"modem": "s2cm_hs", "period_s": 2.0}
+        assert "aboard_topic" not in front and "link" not in views["station"]
+        assert get(server, "/snapshot/front.png")[0] != 200, "none has come"
+        ada.subscribe("/station/view/front")
+        ada.subscribe(said["vehicles"][0]["map_changes"])
+        ada.subscribe(said["vehicles"][0]["scan"])
+        picture = ada.message("/station/view/front")
+        assert Image.open(io.BytesIO(bytes(picture["data"]))).width == 96
+        assert len(ada.message("/ping")["ranges"]) == 65
+        sim = station.present().live.simulator
+        sent = {one.topic for one in sim.link.counts() if one.sender == "rov"}
+        assert sent <= {"ranging/usbl", "telemetry", "placed_ping", "camera/front/image_raw/compressed"}
+        status, png, _ = get(server, "/snapshot/front.png")
+        assert status == 200 and Image.open(io.BytesIO(png)).width == 96
+        status, panel, _ = get(server, "/snapshot/front.json")
+        assert status == 200 and b"depth" in panel
+        offered = {topic.name for topic in station.present().topics()}
+        assert not {name for name in offered if "aboard" in name}
+
+
+def test_a_slow_modem_has_no_room_for_pictures_and_says_so(tmp_path):
+    with serving(tmp_path) as (station, server), page(server) as ada:
+        ada.call("take_control")
+        assert ada.call("start", scenario="pool", link="micromodem", seed=3)["success"]
+        views = {view["name"]: view for view in ada.call("describe")["views"]}
+        assert views["front"]["link"] == {"modem": "micromodem", "period_s": None}
+        assert station.present().carrier.rates.keys() == {"telemetry"}
+
+
+def test_the_operator_reads_how_often_pictures_come_and_may_see_what_the_vehicle_sees(tmp_path):
+    with chromium() as browser, desk(browser, tmp_path, "pool", link="s2cm_hs") as here:
+        look = here.open()
+        look.wait_for_selector("#station:not([hidden])")
+        when(look, "station.views.picture('front').drawn > 0")
+        when(look, "document.querySelector('.is-large .over').textContent === 'over s2cm_hs: 1 picture in 2 s'")
+        assert look.evaluate("station.views.picture('front').canvas.width") == 96
+        look.click("text=Show what the vehicle sees")
+        when(look, "station.views.picture('front').canvas.width > 96")
+        assert not look.is_visible(".is-large .over")
+        assert not here.complaints
