@@ -10,7 +10,7 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.mark.parametrize("page", ["first-dive", "scenarios", "batch", "learning"])
+@pytest.mark.parametrize("page", ["first-dive", "scenarios", "batch", "learning", "sweeps"])
 def test_the_programs_of_a_page_run(page: str, tmp_path: Path) -> None:
     text = (DOCS / f"{page}.md").read_text()
     programs = re.findall(r"^```python\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
@@ -34,3 +34,4 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
     assert "## uwsim survey" in (tmp_path / "commands.md").read_text()
     assert "`scan`" in (tmp_path / "channels.md").read_text()
     assert "| 0 to 2 | `place_body` | m | -10 ... 10 |" in (tmp_path / "environments.md").read_text()
+    assert "| `retries` | whole number in 0 ... 100 | `2` |" in (tmp_path / "sweep.md").read_text()

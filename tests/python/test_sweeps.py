@@ -13,6 +13,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.sweeps import fly_again, run_sweep
+from uwsim.sweeps.check import require_flyable
 from uwsim.sweeps.design import runs_of, saltelli
 from uwsim.sweeps.job import Job, fly_job
 from uwsim.sweeps.rows import Rows
@@ -283,6 +284,14 @@ def test_saltellis_points_change_one_column_at_a_time() -> None:
     for column, part in enumerate(mixed):
         np.testing.assert_array_equal(part[:, column], b[:, column])
         np.testing.assert_array_equal(np.delete(part, column, 1), np.delete(a, column, 1))
+
+
+def test_the_sweeps_of_the_page_are_accepted(folder: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text()
+    (folder / "mow.py").write_text(page.split("```python\n# mow.py\n")[1].split("```")[0])
+    for name in ("overlap", "nightly"):
+        text = page.split(f"```yaml\n# {name}.yaml\n")[1].split("```")[0]
+        require_flyable(*read_sweep(written(folder, text)))
 
 
 def test_the_command_says_what_it_did(folder: Path) -> None:

@@ -9,9 +9,11 @@ from tools.reference.environments import environments_page
 from tools.reference.python_names import python_page
 from tools.reference.scenario import scenario_page
 from tools.reference.sensors import sensors_page
+from tools.reference.sweep import sweep_page
 
 PAGES = {
     "scenario": scenario_page,
+    "sweep": sweep_page,
     "sensors": sensors_page,
     "channels": channels_page,
     "commands": commands_page,

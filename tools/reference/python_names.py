@@ -21,6 +21,7 @@ PUBLIC = {
         "uwsim.learning.options.EpisodeOptions",
         "uwsim.learning.task.Task",
     ],
+    "Sweeps and fleets": ["uwsim.sweeps", "uwsim.fleet"],
     "On the wall clock": ["uwsim.live.LiveSimulator"],
     "Recordings": ["uwsim.recording.Recorder"],
 }

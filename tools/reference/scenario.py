@@ -24,10 +24,10 @@ A key without a default must be given.
 
 def scenario_page() -> str:
     """Return the page, with a section for each model."""
-    return HEAD + "\n".join(_section(model) for model in _reachable(Scenario))
+    return HEAD + "\n".join(section(model) for model in reachable(Scenario))
 
 
-def _reachable(root: type[Model]) -> list[type[Model]]:
+def reachable(root: type[Model]) -> list[type[Model]]:
     """Return the models that a scenario may hold, each once, in the order in which a reader meets them."""
     found: list[type[Model]] = []
 
@@ -48,7 +48,8 @@ def _models_in(annotation: Any) -> list[type[Model]]:
     return [model for part in get_args(annotation) for model in _models_in(part)]
 
 
-def _section(model: type[Model]) -> str:
+def section(model: type[Model]) -> str:
+    """Return the section of a model: a table of its keys."""
     words = descriptions(model)
     rows = [_row(name, info, words.get(name, "")) for name, info in model.model_fields.items()]
     summary = (inspect.getdoc(model) or "").split("\n\n")[0]

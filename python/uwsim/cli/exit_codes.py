@@ -6,7 +6,8 @@ OK, FAILED, USAGE, STUCK, INCOMPLETE, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 EXIT_CODES = {
     OK: "success",
-    FAILED: "an error, or a check that failed: validate, doctor, map diff --exit-code, survey --verify-map",
+    FAILED: "an error, or a check that failed: validate, doctor, map diff --exit-code, survey --verify-map, "
+    "sweep, fleet",
     USAGE: "an unknown command or option, or one that would be without effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey: coverage is below --min-coverage; run: the mission ended early",

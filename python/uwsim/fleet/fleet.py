@@ -33,17 +33,17 @@ Tell = Callable[[int, int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Fleet:
-    """An area that was surveyed by tiles, or begun. results: by the number of the tile. figures: of the whole."""
+    """An area that was surveyed by tiles, or begun.
+
+    results: by the number of the tile. figures: of the whole. interrupted: whether tiles or the score are missing;
+    `resume=True` continues.
+    """
 
     out: Path
     tiles: list[Tile]
     results: Mapping[int, Mapping[str, Any]]
     figures: dict[str, Any]
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether tiles are missing; `resume=True` flies them."""
-        return len(self.results) < len(self.tiles)
+    interrupted: bool = False
 
     @property
     def failed(self) -> dict[int, str]:
@@ -105,14 +105,16 @@ def run_fleet(
             crew = open_workers(workers, scheduler=scheduler)
         with crew:
             _fly(crew, jobs, ledger, into, stop_requested, tell)
-            fleet = Fleet(into, tiles, ledger.results, {})
-            if fleet.interrupted:
-                return fleet
+            if len(ledger.results) < len(tiles):
+                return Fleet(into, tiles, ledger.results, {}, interrupted=True)
             figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
             figures |= _merged(into, ledger.results, show)
             if score:
                 with show("scoring the map"):
-                    figures |= scored(crew, jobs, grid, ledger.results, into, stop_requested)
+                    scores = scored(crew, jobs, grid, ledger.results, into, stop_requested)
+                if scores is None:
+                    return Fleet(into, tiles, ledger.results, figures, interrupted=True)
+                figures |= scores
     finally:
         ledger.close()
     write_json(into / SUMMARY, figures)
@@ -186,6 +188,7 @@ def _flown_figures(
         "vehicles": vehicles,
         "fleet_out_s": max(shares(times_s, vehicles), default=0.0),
         "fly_worker_s": sum(float(result.get("wall_s", 0.0)) for result in results.values()),
+        "fly_cpu_s": sum(float(result.get("cpu_s", 0.0)) for result in results.values()),
     }
 
 
@@ -204,10 +207,15 @@ def _merged(into: Path, results: Mapping[int, Mapping[str, Any]], show: Show) ->
     maps = [map_file(into, number) for number, result in sorted(results.items()) if "metrics" in result]
     if not maps:
         raise ValueError("no tile was surveyed: see the errors in the ledger")
-    begun_s = time.perf_counter()
+    begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     with show(f"merging {len(maps):,} maps"):
         if len(maps) > 1:
             merge_files(maps, into / MAP)
         else:
             OccupancyMap.read(maps[0]).write(into / MAP)
-    return {"merge_s": time.perf_counter() - begun_s, "map_bytes": (into / MAP).stat().st_size}
+    return {
+        "merge_s": time.perf_counter() - begun_s,
+        "merge_cpu_s": time.process_time() - begun_cpu_s,
+        "tiles_bytes": sum(path.stat().st_size for path in maps),
+        "map_bytes": (into / MAP).stat().st_size,
+    }

@@ -71,10 +71,10 @@ def by_tile(occupied_m: NDArray[np.float32], grid: Grid, tiles: list[Tile]) -> d
 def scored(
     crew: Workers, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path,
     stop_requested: Callable[[], bool],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any] | None:  # fmt: skip
     """Score each tile's part of the merged map on workers; return the score of the whole by name.
 
-    Raises OSError if a tile cannot be scored, KeyboardInterrupt once stop_requested().
+    None once stop_requested(). Raises OSError if a tile cannot be scored.
     """
     begun_s = time.perf_counter()
     wanted = _ScoreJobs(jobs, grid, results, out)
@@ -84,7 +84,7 @@ def scored(
             raise OSError(f"tile {each.job}: cannot be scored: {each.why}")
         parts[each.job] = each.result
     if len(parts) < len(wanted):
-        raise KeyboardInterrupt
+        return None
     in_order = [parts[number] for number in sorted(parts)]
     total = {key: sum(part[key] for part in in_order) for key in ("visible", "covered", "occupied", "false")}
     write_atomically(scores_file(out), (json.dumps(parts, sort_keys=True) + "\n").encode())
@@ -104,5 +104,6 @@ def scored(
         "distance_p95_of_the_worst_tile_m": max((p["distance_p95_m"] or 0.0 for p in in_order), default=None),
         "distance_max_m": max((p["distance_max_m"] or 0.0 for p in in_order), default=None),
         "coverage_of_the_worst_tile": min(shares, default=None),
+        "score_cpu_s": sum(part["cpu_s"] for part in in_order),
         "score_s": time.perf_counter() - begun_s,
     }

@@ -107,7 +107,7 @@ def fly_tile(job: TileJob) -> dict[str, Any]:
 
     A tile without water has `dry`, a mistake is an `error` in the result. Raises OSError and MemoryError.
     """
-    begun_s = time.perf_counter()
+    begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"error": None, "dry": None, "build": build_fingerprint()}
     try:
         with warnings.catch_warnings():
@@ -119,7 +119,7 @@ def fly_tile(job: TileJob) -> dict[str, Any]:
         result["dry"] = str(dry)
     except Exception as error:
         result["error"] = f"{type(error).__name__}: {' '.join(str(error).split())}"
-    return {**result, "wall_s": time.perf_counter() - begun_s}
+    return {**result, "wall_s": time.perf_counter() - begun_s, "cpu_s": time.process_time() - begun_cpu_s}
 
 
 def _fly(job: TileJob, result: dict[str, Any]) -> None:
@@ -140,6 +140,7 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
 
 def score_tile(job: ScoreJob) -> dict[str, Any]:
     """Return the counts and sums from which the score of the whole map follows; voxels on a border count once."""
+    begun_cpu_s = time.process_time()
     scenario = job.job.scenario_of_tile(_loaded(job.job.scenario))
     sim = Simulator(scenario, threads=1)
     tile = job.job.tile
@@ -147,7 +148,7 @@ def score_tile(job: ScoreJob) -> dict[str, Any]:
         sim.world, job.occupied_m.astype(np.float64), job.job.voxel_m, job.path_m.astype(np.float64),
         np.array(tile.area_m), job.range_m, rays=sim.scene,
     )  # fmt: skip
-    return {"error": None, **_counts(score, tile, job.grid)}
+    return {"error": None, **_counts(score, tile, job.grid), "cpu_s": time.process_time() - begun_cpu_s}
 
 
 def _counts(score: MapScore, tile: Tile, grid: Grid) -> dict[str, Any]:

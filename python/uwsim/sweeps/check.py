@@ -77,6 +77,8 @@ def require_flyable(spec: SweepSpec, source: SourceFile, folder: Path) -> None:
             return list(getattr(error, "mistakes", None) or [str(error)])
         return []
 
+    if unvaried := refused(always):
+        raise ScenarioError.of([source.file_prefix + mistake for mistake in unvaried])
     for name, variation in spec.vary.items():
         for level in extremes(variation)[:MAX_TRIED]:
             found = refused({**always, name: level})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 import warnings
 from collections.abc import Mapping
@@ -67,7 +66,7 @@ def fly_job(job: Job) -> dict[str, Any]:
     A mistake of scenario or mission is an error in the result. Raises OSError and MemoryError, which may go away.
     """
     begun_s = time.perf_counter()
-    result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None, "worker": os.getpid()}
+    result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None}
     try:
         with wall_limit(job.wall_limit_s), warnings.catch_warnings():
             warnings.simplefilter("ignore", SurveyAreaWarning)  # the figures say lanes_left_out

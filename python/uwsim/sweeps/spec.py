@@ -38,8 +38,9 @@ def beside(folder: Path, value: Any) -> Any:
 class Variation(Model):
     """The values that something takes: numbers from low to high, or choices.
 
-    steps: of a grid: how many numbers, both ends included. scale: log: as many between 1 and 10 as between 10 and 100.
-    whole: whole numbers only. choices: any values of the scenario's file; with a name for each, tables show the name.
+    low: the least number, in the unit of what is varied. high: the greatest. steps: of a grid: how many numbers, both
+    ends included. scale: log: as many between 1 and 10 as between 10 and 100. whole: whole numbers only. choices: any
+    values of the scenario's file; with a name for each, tables show the name.
     """
 
     low: Bound | None = None
@@ -70,9 +71,9 @@ class Variation(Model):
 
 
 class Seeds(Model):
-    """Seeds from `first` on.
+    """Consecutive seeds.
 
-    count: each sample is flown with so many; without it sample k has the seed first + k alone.
+    first: the first one. count: each sample is flown with so many; without it sample k has the seed first + k alone.
     """
 
     first: SeedNumber = 0
@@ -80,9 +81,9 @@ class Seeds(Model):
 
 
 class Objective(Model):
-    """The figure that tells good runs from bad ones: a column of the table.
+    """The figure that tells good runs from bad ones.
 
-    best: whether high or low is good.
+    metric: a column of the table. best: whether high or low is good.
     """
 
     metric: str
@@ -90,7 +91,10 @@ class Objective(Model):
 
 
 class Limits(Model):
-    """What a figure of every run must be in: `uwsim sweep` ends with exit code 1 if one is not."""
+    """What a figure of every run must be within, or `uwsim sweep` ends with exit code 1.
+
+    low: the least value that is allowed. high: the greatest.
+    """
 
     low: Bound | None = None
     high: Bound | None = None
@@ -110,14 +114,15 @@ class SweepSpec(Model):
     lists them), a key of the scenario's file such as survey.altitude_m, faults or faults[0].at_s, `mission` or
     `scenario` for several files, mission.NAME for a parameter of the mission.
     method: how samples are taken: all combinations (grid), at random, or spread evenly (latin_hypercube, sobol);
-    saltelli: as Sobol' indices need them. samples: how many, without repeats for saltelli and seeds. seed: of the
+    saltelli: as Sobol' indices need them. samples: how many; saltelli flies so many times the number of variations and
+    two more, and each is flown with all seeds. seed: of the
     samples. seeds: of the simulations; by default the scenario's own.
     map: whether a mission makes a map, which is scored; surveys always do. voxel_m: instead of the scenario's.
     estimate: what vehicles know of their pose, the truth or their own filter's. time_limit_s: of a mission, simulated.
     wall_limit_s: of wall time, after which a run counts as failed. retries: how often a run is repeated whose process
-    died. objective, require: which runs are good, and which good enough. show: columns that the report draws; by
-    default the objective and others that vary. worst: how many of the worst runs are flown again, with a recording and
-    a report each.
+    died. objective: which runs are good. require: limits of figures, by column, that every run must be within.
+    show: columns that the report draws; by default the objective and others that vary. worst: how many of the worst
+    runs are flown again, with a recording and a report each.
     """
 
     name: Name | None = None

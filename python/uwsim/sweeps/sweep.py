@@ -17,11 +17,11 @@ from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.sweeps.again import WORST, fly_run_again
 from uwsim.sweeps.check import FILES, Jobs, require_flyable
 from uwsim.sweeps.design import Run, choices, runs_of
-from uwsim.sweeps.job import fly_job
+from uwsim.sweeps.job import Job, fly_job
 from uwsim.sweeps.rows import Rows
 from uwsim.sweeps.spec import SweepSpec, read_sweep
 from uwsim.sweeps.table import TABLE, write_table
-from uwsim.workers import Ledger, open_workers
+from uwsim.workers import Ledger, Workers, open_workers
 
 REPORT = "report.html"
 Show = Callable[[str], AbstractContextManager[object]]
@@ -95,29 +95,38 @@ def run_sweep(
     if resume and not ledger.exists:
         raise ValueError(f"--resume: no sweep was begun in '{into}'")
     name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
-    with show("starting workers"):
-        crew = open_workers(workers, scheduler=scheduler)
-    with crew:
+    try:
         ledger.resume(plan) if resume else ledger.begin(plan)
-        try:
-            done = {n for n, result in ledger.results.items() if not (retry_failed and result["error"])}
-            open_jobs = {run.number: jobs.of(run) for run in runs if run.number not in done}
-            failed = sum(1 for n in done if ledger.results[n]["error"])
-            tell(len(done), failed, len(runs))
-            finished = len(done)
-            for each in crew.finished(fly_job, open_jobs, retries=spec.retries, stop_requested=stop_requested):
-                result = each.result or {"metrics": {}, "error": f"{each.why} ({each.trials} trials)"}
-                ledger.add(each.job, {**result, "trials": each.trials})
-                finished, failed = finished + 1, failed + bool(result["error"])
-                tell(finished, failed, len(runs))
-        finally:
-            ledger.close()
+        done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
+        missing = {run.number: jobs.of(run) for run in runs if run.number not in done}
+        if missing:
+            with show("starting workers"):
+                crew = open_workers(workers, scheduler=scheduler)
+            with crew:
+                _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell)
+    finally:
+        ledger.close()
     sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
     with show("writing the table"):
         write_table(into / TABLE, sweep.rows, {"uwsim sweep": json.dumps(plan), "uwsim": version("uwsim")})
     if report:
         _report(sweep, name, jobs, show)
     return sweep
+
+
+def _fly(
+    crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
+    stop_requested: Callable[[], bool], tell: Tell,
+) -> None:  # fmt: skip
+    """Fly what is missing, and note each run in the ledger as it is finished."""
+    finished = count - len(missing)
+    failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
+    tell(finished, failed, count)
+    for each in crew.finished(fly_job, missing, retries=retries, stop_requested=stop_requested):
+        result = each.result or {"metrics": {}, "error": f"{each.why} ({each.trials} trials)"}
+        ledger.add(each.job, {**result, "trials": each.trials})
+        finished, failed = finished + 1, failed + bool(result["error"])
+        tell(finished, failed, count)
 
 
 def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:

@@ -24,6 +24,7 @@ def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
     from pyarrow import parquet
 
     columns = {name: pa.array(_of_one_kind([row.get(name) for row in rows.rows])) for name in rows.columns}
+    columns = {n: c.cast(pa.string()) if c.type == pa.null() else c for n, c in columns.items()}  # such as no errors
     table = pa.table(columns).replace_schema_metadata(dict(notes))
     content = io.BytesIO()
     parquet.write_table(table, content, compression="zstd")
