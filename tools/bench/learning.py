@@ -81,7 +81,7 @@ class Driven:
     def __call__(self, seconds: float) -> float:
         """Step for about so many seconds."""
         steps, begin = 0, self._clock()
-        while (elapsed := self._clock() - begin) < seconds or steps < 2:
+        while (elapsed := self._clock() - begin) < seconds or steps < 1:
             self._env.step(self._actions[steps % len(self._actions)])
             steps += 1
         return steps * self._env.num_envs / elapsed
