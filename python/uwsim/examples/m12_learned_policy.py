@@ -16,7 +16,7 @@ PLACE_M = StationKeeping.place_m
 FOR_S = 40.0
 
 
-def by_policy(vehicle: OwnVehicle) -> Steps[None]:
+def mission(vehicle: OwnVehicle) -> Steps[None]:
     """Hold the place by the packaged policy."""
     policy, effort = LinearPolicy.load("station_keeping"), np.zeros(6)
     for _ in range(round(FOR_S / StationKeeping.period_s)):
@@ -37,15 +37,15 @@ def by_pid(vehicle: OwnVehicle) -> Steps[None]:
 def main() -> None:
     """Fly both in the same gusts, from 1.5 m beside the place."""
     scenario = assets_folder() / "learning" / "open_water.yaml"
-    for mission in (by_policy, by_pid):
+    for name, fly_it in (("learned", mission), ("PID", by_pid)):
         sim = uwsim.Simulator(scenario, seed=12)
         sim.parameters["water.current_world_m_s"] = [0.25, -0.2, 0.0]
         sim.rov.place(PLACE_M + np.array([1.0, -1.0, 0.5]))
-        samples = uwsim.fly(mission, sim).samples["rov"]
+        samples = uwsim.fly(fly_it, sim).samples["rov"]
         off_m = np.linalg.norm(samples.path_world_m - PLACE_M, axis=1)
         late_m = off_m[samples["time_s"] > FOR_S / 2]
         there_s = samples["time_s"][np.argmax(off_m < 0.1)]
-        print(f"{mission.__name__}: within 0.1 m after {there_s:.1f} s, then {np.sqrt((late_m**2).mean()):.3f} m rms")
+        print(f"{name}: within 0.1 m after {there_s:.1f} s, then {np.sqrt((late_m**2).mean()):.3f} m rms")
 
 
 if __name__ == "__main__":
