@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from uwsim.flight.fly import fly
     from uwsim.scenario import Scenario, ScenarioError
     from uwsim.simulator import Simulator
+    from uwsim.survey.run import run_survey
 
 try:
     __version__ = version("uwsim")
@@ -41,9 +42,20 @@ _MODULE_OF = {
     "ScenarioError": "uwsim.scenario",
     "Simulator": "uwsim.simulator",
     "fly": "uwsim.flight.fly",
+    "run_survey": "uwsim.survey.run",
 }
 
-__all__ = ["Batch", "DockedWarning", "Scenario", "ScenarioError", "Simulator", "__version__", "fly", "scenarios"]
+__all__ = [
+    "Batch",
+    "DockedWarning",
+    "Scenario",
+    "ScenarioError",
+    "Simulator",
+    "__version__",
+    "fly",
+    "run_survey",
+    "scenarios",
+]
 
 
 def __getattr__(name: str) -> Any:

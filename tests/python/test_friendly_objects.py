@@ -14,8 +14,10 @@ import pytest
 import uwsim
 from uwsim import _core
 from uwsim.mapping import OccupancyMap
+from uwsim.missions import Steps, wait
 from uwsim.readings import READINGS
 from uwsim.scenario.spec.optics import Optics, OpticsChanges
+from uwsim.scoring.survey_track import SurveyTrack
 
 PNG = b"\x89PNG"
 
@@ -91,6 +93,22 @@ def test_notebooks_show_pictures(sim: uwsim.Simulator, tmp_path: Path) -> None:
         assert np.array_equal(saved["world_from_camera"], frame.world_from_camera)
     with pytest.raises(ValueError, match=r"must end in \.npz"):
         frame.save_npz(tmp_path / "frame.txt")
+
+
+def test_tracks_show_themselves() -> None:
+    path = np.array([[0.0, 0.0, -1.0], [3.0, 4.0, -2.0]])
+    track = SurveyTrack(path, np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]]), 50.0, "pool")
+    assert repr(track) == "<SurveyTrack of 'pool': 2 pings on 5 m>"
+    assert track._repr_png_().startswith(PNG)
+    axes = track.plot().axes[0]
+    assert axes.collections[0].get_offsets().tolist() == path[:, :2].tolist()
+    assert SurveyTrack(path[:0], track.area_world_m, 50.0).plot().axes
+    samples = uwsim.fly(waiting, "pool").samples["rov"]
+    assert samples.plot().axes and " at 0x" not in repr(samples)
+
+
+def waiting(vehicle: object) -> Steps[None]:
+    yield wait(1.0)
 
 
 def test_the_view_from_above_shows_the_highest_voxel() -> None:

@@ -89,7 +89,10 @@ def test_the_command_line_lists_them() -> None:
     assert len(table) == 7
     assert "did you mean 'rov.drag'?" in error_line(uwsim("parameters", "pool", "rov.drg"))
     parameters = Simulator("pool").parameters
-    reasons = {"rov.fins": "has no values here", "rov.sonar.noise": "has no effect: it is for `mode: physics`"}
+    reasons = {
+        "rov.fins": "is empty: rov has none; it is",
+        "rov.sonar.noise": "has no effect: it is for `mode: physics`",
+    }
     for name, why in reasons.items():
         with pytest.raises(ValueError, match=f"{re.escape(name)}'\\]: {why}"):
             parameters.list(name)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.options import Pose, ScenarioName, Seed, Threads
+from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
 
 
 def camera(
@@ -19,6 +19,7 @@ def camera(
     name: Annotated[
         str, typer.Option("--camera", help="The camera: front, down, chase, station, or another.")
     ] = "front",
+    vehicle: VehicleName = None,
     pose: Pose = None,
     jerlov: Annotated[str | None, typer.Option(help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.")] = None,
     sun: Annotated[float | None, typer.Option(help="Elevation of the sun [deg].")] = None,
@@ -33,6 +34,6 @@ def camera(
     wanted = [part for part in effects.split(",") if part]
     if not wanted:
         raise ValueError(f"effects = {effects!r}: must name at least one picture")
-    request = CameraRequest(name, wanted, pose, jerlov, sun, [part for part in lamps.split(",") if part], at)
+    request = CameraRequest(name, wanted, pose, jerlov, sun, [part for part in lamps.split(",") if part], at, vehicle)
     frames = draw(scenario, request, out, seed=seed, threads=threads)
     typer.echo(f"{out}: {len(frames)} x {frames[0].info.width} x {frames[0].info.height} pixels, camera '{name}'")

@@ -9,7 +9,7 @@ from pathlib import Path
 from uwsim.cameras import Camera, Frame
 from uwsim.cameras.effects import effects_on
 from uwsim.cameras.image_file import check_suffix, write_image
-from uwsim.cli.pose_option import place_as_typed
+from uwsim.cli.pose_option import chosen_vehicle, place_as_typed
 from uwsim.figures.contact_sheet import contact_sheet
 from uwsim.simulator import Simulator
 
@@ -22,7 +22,7 @@ class CameraRequest:
 
     effects: those of each picture: "on", "off", or names joined by "+". pose: X,Y,Z[,YAW[,PITCH[,ROLL]]] of the
     vehicle, metres and degrees, positive pitch is down; by default its start. lamps: names of the switches that are on.
-    at_s: simulated time.
+    at_s: simulated time. vehicle: its name; by default the first.
     """
 
     camera: str = "front"
@@ -32,6 +32,7 @@ class CameraRequest:
     sun_deg: float | None = None
     lamps: Sequence[str] = ()
     at_s: float = 0.0
+    vehicle: str | None = None
 
 
 def draw(
@@ -54,23 +55,24 @@ def draw(
 
 def set_up(sim: Simulator, request: CameraRequest) -> Camera:
     """Set lamps, light, pose and time as requested and return the camera. Raises ValueError."""
-    cameras = {**sim.cameras, **sim.rov.cameras}
+    rov = chosen_vehicle(sim, request.vehicle)
+    cameras = {**sim.cameras, **rov.cameras}
     if request.camera not in cameras:
         raise ValueError(f"camera = {request.camera!r}: must be one of {', '.join(cameras)}")
     for name in request.lamps:
-        if name not in sim.rov.lamps:
-            raise ValueError(f"lamps = {name!r}: must be one of {', '.join(sim.rov.lamps) or 'none'}")
-    for name, lamp in sim.rov.lamps.items():
+        if name not in rov.lamps:
+            raise ValueError(f"lamps = {name!r}: must be one of {', '.join(rov.lamps) or 'none'}")
+    for name, lamp in rov.lamps.items():
         lamp.on = name in request.lamps
     if request.jerlov is not None:
         sim.set_optics(jerlov=request.jerlov)
     if request.sun_deg is not None:
         sim.set_optics(sun_elevation_deg=request.sun_deg)
     if request.pose is not None:
-        place_as_typed(sim.rov, request.pose)
+        place_as_typed(rov, request.pose)
     if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # false for nan, too
         raise ValueError(f"at = {request.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
     sim.advance(request.at_s)
     if request.pose is not None and request.at_s:
-        place_as_typed(sim.rov, request.pose)  # again: it is free, and may have drifted
+        place_as_typed(rov, request.pose)  # again: it is free, and may have drifted
     return cameras[request.camera]

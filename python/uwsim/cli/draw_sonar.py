@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from uwsim.cli.pose_option import place_as_typed
+from uwsim.cli.pose_option import chosen_vehicle, place_as_typed
 from uwsim.figures.sonar_fan import SECTION_IN, WIDTH_IN, beam_ends_m, draw_plan, draw_section
 from uwsim.figures.sonar_panels import draw_image, draw_profiles, draw_waterfall
 from uwsim.figures.style import new_figure, save_figure
 from uwsim.simulator import Simulator
 from uwsim.sonars import imaging
 from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.vehicle import Vehicle
 
 KINDS = ("all", "fan", "image", "side-scan", "profile")
 IMAGE_TILT_DEG = 12.0  # nose down: the imaging sonar's aperture then covers 2 to 22 degrees below the level
@@ -40,6 +41,7 @@ class Request:
     track_m: float = TRACK_M
     seed: int | None = None
     frequency_khz: float | None = None
+    vehicle: str | None = None
 
 
 def run_sonar(request: Request) -> list[str]:
@@ -54,13 +56,16 @@ def run_sonar(request: Request) -> list[str]:
     sim = Simulator(
         request.scenario, seed=request.seed, sonar_model=request.sonar_model, sonar_frequency_khz=request.frequency_khz
     )
+    rov = chosen_vehicle(sim, request.vehicle)
+    if not rov.sonars:
+        raise ValueError(f"vehicle '{rov.name}': has no sonar")
     if request.pose is not None:
-        place_as_typed(sim.rov, request.pose)
+        place_as_typed(rov, request.pose)
     if request.tilt_deg is not None:
-        sim.rov.sonar.aim(-np.radians(request.tilt_deg))
-    _require_in_the_water(sim)
+        rov.sonar.aim(-np.radians(request.tilt_deg))
+    _require_in_the_water(sim, rov)
     if request.kind in ("all", "side-scan"):
-        _ahead(sim)
+        _ahead(rov)
     figure, summary = _Sheet(sim, request).draw()
     save_figure(figure, request.out)
     return [*summary, str(request.out)]
@@ -74,9 +79,9 @@ def _require_picture(out: Path) -> None:
         raise OSError(f"--out {out}: " + ("is a folder" if out.is_dir() else f"there is no folder '{out.parent}'"))
 
 
-def _require_in_the_water(sim: Simulator) -> None:
+def _require_in_the_water(sim: Simulator, rov: Vehicle) -> None:
     """Raise ValueError for a head in the air or under the ground, which receives no echo."""
-    x, y, z = (float(value) for value in sim.rov.sonar.ping().world_from_sonar[:3, 3])
+    x, y, z = (float(value) for value in rov.sonar.ping().world_from_sonar[:3, 3])
     if z > 0.0:
         raise ValueError(f"the sonar's head is at z = {z:.2f} m: must be in the water, at or below 0")
     bed = float(sim.world.height_at([[x, y]])[0])
@@ -84,9 +89,9 @@ def _require_in_the_water(sim: Simulator) -> None:
         raise ValueError(f"the sonar's head is at z = {z:.2f} m, under the bed, which is at {bed:.2f} m there")
 
 
-def _ahead(sim: Simulator) -> NDArray[np.float64]:
+def _ahead(rov: Vehicle) -> NDArray[np.float64]:
     """Return the vehicle's horizontal heading (3,). Raises ValueError if the vehicle is vertical."""
-    ahead = sim.rov.pose.world_from_body[:3, 0] * (1.0, 1.0, 0.0)
+    ahead = rov.pose.world_from_body[:3, 0] * (1.0, 1.0, 0.0)
     length = float(np.linalg.norm(ahead))
     if not length > 1e-6:
         raise ValueError("a side-scan's track needs a heading: the vehicle points straight up or down")
@@ -98,7 +103,8 @@ class _Sheet:
 
     def __init__(self, sim: Simulator, request: Request) -> None:
         self._sim = sim
-        self._around = sim.around(sim.rov.name)
+        self._rov = chosen_vehicle(sim, request.vehicle)
+        self._around = sim.around(self._rov.name)
         self._request = request
         self._figure = new_figure(WIDTH_IN, WIDTH_IN)
         self._summary: list[str] = []
@@ -124,7 +130,7 @@ class _Sheet:
         return self._figure.add_axes((left / WIDTH_IN, -(top_in + height_in) / WIDTH_IN, 1.0, height_in / WIDTH_IN))
 
     def _fan(self) -> float:
-        sonar = self._sim.rov.sonar
+        sonar = self._rov.sonar
         ping = sonar.ping()
         ends_m, echo = beam_ends_m(ping, sonar.model.range_max_m)
         plan = self._axes(0, 0.0, 1.0)
@@ -138,7 +144,7 @@ class _Sheet:
     def _profile(self, top_in: float) -> float:
         """Step a pencil beam across the track, to either side of straight down."""
         model = SingleBeam(range_max_m=PROFILE_REACH_M, range_bins=round(PROFILE_REACH_M / PROFILE_BIN_M))
-        body, head = self._sim.rov.pose.world_from_body, self._sim.rov.sonar.ping().world_from_sonar[:3, 3]
+        body, head = self._rov.pose.world_from_body, self._rov.sonar.ping().world_from_sonar[:3, 3]
         pose = imaging.pose_matrix(head, yaw_rad=np.arctan2(body[1, 0], body[0, 0]), pitch_rad=np.pi / 2)
         angles = np.radians(np.arange(-PROFILE_HALF_DEG, PROFILE_HALF_DEG + 1e-6, PROFILE_STEP_DEG))
         profiles = imaging.profile(self._around, pose, angles, model)
@@ -154,8 +160,8 @@ class _Sheet:
     def _image(self, column: int) -> float:
         tilt_deg = IMAGE_TILT_DEG if self._request.tilt_deg is None else self._request.tilt_deg
         model = ForwardLooking()
-        head = self._sim.rov.sonar.ping().world_from_sonar[:3, 3]
-        pose = self._sim.rov.pose.world_from_body @ imaging.pose_matrix(pitch_rad=np.radians(tilt_deg))
+        head = self._rov.sonar.ping().world_from_sonar[:3, 3]
+        pose = self._rov.pose.world_from_body @ imaging.pose_matrix(pitch_rad=np.radians(tilt_deg))
         pose[:3, 3] = head
         image = imaging.look_ahead(self._around, pose, model)
         axes = self._axes(column, 0.0, 1.0)
@@ -169,7 +175,7 @@ class _Sheet:
         return height_in + GAP_IN
 
     def _side_scan(self, column: int, top_in: float, height_in: float) -> None:
-        body, ahead = self._sim.rov.pose.world_from_body, _ahead(self._sim)
+        body, ahead = self._rov.pose.world_from_body, _ahead(self._rov)
         pings = max(round(self._request.track_m / PING_SPACING_M), 1)
         track = np.repeat(body[None], pings, axis=0)
         track[:, :3, 3] += np.arange(pings)[:, None] * PING_SPACING_M * ahead

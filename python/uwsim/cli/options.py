@@ -34,6 +34,7 @@ Pose = Annotated[
         "Default: its start pose."
     ),
 ]
+VehicleName = Annotated[str | None, typer.Option("--vehicle", help="Name of the vehicle. Default: the first.")]
 MissionTime = Annotated[float | None, typer.Option(help="Replaces the scenario's battery time [s].")]
 Link = Annotated[
     str | None,

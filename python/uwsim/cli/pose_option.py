@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.simulator import Simulator
 from uwsim.vehicle import Vehicle
 
 POSE_FIELDS = ("X", "Y", "Z", "YAW", "PITCH", "ROLL")
@@ -37,3 +38,8 @@ def place_as_typed(vehicle: Vehicle, text: str) -> None:
         vehicle.place(position, quaternion)
     except ValueError as error:
         raise ValueError(f"--pose {text}: {error}") from error
+
+
+def chosen_vehicle(sim: Simulator, name: str | None) -> Vehicle:
+    """Return the vehicle of an option --vehicle; by default the first. Raises ValueError for an unknown name."""
+    return sim.rov if name is None else sim.vehicles[name]

@@ -7,12 +7,13 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel
+from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
 def sonar(
     scenario: ScenarioName = "lake",
+    vehicle: VehicleName = None,
     pose: Pose = None,
     out: Annotated[Path, typer.Option(help="The figure to write, a PNG.")] = Path("sonar.png"),
     kind: Annotated[
@@ -34,5 +35,5 @@ def sonar(
     from uwsim.cli.draw_sonar import Request, run_sonar
 
     model = parsed_sonar_model(sonar_model)
-    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, seed, frequency)):
+    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, seed, frequency, vehicle)):
         typer.echo(line)

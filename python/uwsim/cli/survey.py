@@ -17,6 +17,10 @@ def survey(
         str | None, typer.Argument(help="Name of a packaged scenario, or path of a YAML file. Default: lake.")
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for map.bt, report.html and the figures.")] = Path("out"),
+    mission: Annotated[
+        str | None,
+        typer.Option(help="MODULE:NAME of a mission of your own, such as my_missions:Spiral. Default: a lawn-mower."),
+    ] = None,
     seed: Seed = None,
     sonar_model: SonarModel = None,
     frequency: Frequency = None,
@@ -47,7 +51,9 @@ def survey(
     ] = None,
     report: Annotated[
         str,
-        typer.Option(help="full: report.html and figures; json: summary.json instead; none: map.bt alone, no score."),
+        typer.Option(
+            help="full: report.html, figures, summary.json; json: summary.json alone; none: map.bt alone, no score."
+        ),
     ] = "full",
     min_coverage: Annotated[
         float | None,
@@ -73,6 +79,7 @@ def survey(
     from uwsim.survey.run import resume_survey, run_survey
 
     arguments: dict[str, Any] = {
+        "mission": mission,
         "seed": seed,
         "sonar_model": parsed_sonar_model(sonar_model),
         "sonar_frequency_khz": frequency,

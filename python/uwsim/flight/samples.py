@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from uwsim.atomic_file import write_atomically
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator import Simulator
 from uwsim.vehicle import AXES, Vehicle
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PERIOD_S = 0.2
 WARNINGS = ("range", "proximity", "collision")
@@ -49,6 +52,20 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.values)
+
+    def __repr__(self) -> str:
+        return f"<Samples: {len(self)} of {', '.join(self.names[:4])} ... {len(self.names)} columns>"
+
+    def plot(self) -> Figure:
+        """Return a figure of the true path from above, coloured by its height."""
+        from uwsim.scoring.track_plot import plot  # here, since matplotlib takes a second to import
+
+        return plot(self.path_world_m, title=repr(self))
+
+    def _repr_png_(self) -> bytes:
+        from uwsim.scoring.track_plot import png
+
+        return png(self.plot())
 
     @property
     def path_world_m(self) -> NDArray[np.float64]:

@@ -114,7 +114,9 @@ class Parameters(Mapping[str, Any]):
         """Return why nothing at or below a name can be set."""
         if above.idle:
             return f"has no effect: {above.idle}"
-        return "has no values here" + did_you_mean(above.name, [*self])
+        owner, _, part = above.name.rpartition(".")
+        driven = "; it is driven by max_force_n and max_torque_nm" if part in ("thrusters", "fins") else ""
+        return f"is empty: {owner or 'the scenario'} has none{driven}{did_you_mean(above.name, [*self])}"
 
     def describe(self, name: str) -> Parameter:
         """Return type, unit, range, description, value and default of one value. Raises UnknownParameterError."""

@@ -6,12 +6,15 @@ import io
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.atomic_file import write_atomically
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TRACK = "track.npz"
 """The file's name beside map.bt."""
@@ -31,6 +34,22 @@ class SurveyTrack:
     area_world_m: NDArray[np.float64]
     range_max_m: float
     scenario_name: str = ""
+
+    def __repr__(self) -> str:
+        length_m = float(np.linalg.norm(np.diff(self.path_world_m, axis=0), axis=1).sum())
+        of = f" of '{self.scenario_name}'" if self.scenario_name else ""
+        return f"<SurveyTrack{of}: {len(self.path_world_m)} pings on {length_m:.0f} m>"
+
+    def plot(self) -> Figure:
+        """Return a figure of the path from above, coloured by its height, over the area."""
+        from uwsim.scoring.track_plot import plot  # here, since matplotlib takes a second to import
+
+        return plot(self.path_world_m, self.area_world_m, repr(self))
+
+    def _repr_png_(self) -> bytes:
+        from uwsim.scoring.track_plot import png
+
+        return png(self.plot())
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a NumPy archive atomically; the same track gives the same bytes. Raises OSError."""

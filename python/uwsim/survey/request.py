@@ -15,7 +15,10 @@ from uwsim.survey.record import EstimateKind
 
 @dataclass(frozen=True)
 class SurveyRequest:
-    """The arguments that determine a survey's map. scenario: a packaged scenario's name or an absolute path."""
+    """The arguments that determine a survey's map. scenario: a packaged scenario's name or an absolute path.
+
+    mission: `module:name` of one's own; None: the lawn-mower.
+    """
 
     scenario: str
     seed: int
@@ -27,6 +30,7 @@ class SurveyRequest:
     verify_map: bool
     outlier_filter: bool | None = None
     estimate: EstimateKind = "truth"
+    mission: str | None = None
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 

@@ -70,8 +70,8 @@ def write_results(
 ) -> float | None:
     """Print the summary, then write files into `out`; returns the coverage. Raises OSError.
 
-    report: "full" writes the track, the figures and the REPORT; "json" the track and SUMMARY; "none" the track alone,
-    without scoring: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
+    report: "full" writes the track, SUMMARY, the figures and the REPORT; "json" the track and SUMMARY; "none" the track
+    alone, without scoring: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
     """
     if report == "none" or scoring is None:
         terminal.result(f"ended because {record.stopped_because}")
@@ -84,9 +84,9 @@ def write_results(
     terminal.result(summary_table(record, score, free_voxels))
     terminal.result(f"ended because {record.stopped_because}")
     record.track.write(out / TRACK)
+    values = flight_values(record) | {"free_voxels": free_voxels} | score_values(score, path_known=True)
+    write_json(out / SUMMARY, values | {"warnings": survey_warnings(record, score)})
     if report == "json":
-        values = flight_values(record) | {"free_voxels": free_voxels} | score_values(score, path_known=True)
-        write_json(out / SUMMARY, values | {"warnings": survey_warnings(record, score)})
         terminal.result(f"{out / MAP}  {out / SUMMARY}")
         return score.coverage
     with terminal.status("drawing the report"):
@@ -95,5 +95,5 @@ def write_results(
 
         figures = draw_report_figures(out, sim.world, record, score, occupied, rays=sim.scene)
         write_report(out / REPORT, record, score, free_voxels, figures)
-    terminal.result(f"{out / MAP}  {out / REPORT}")
+    terminal.result(f"{out / MAP}  {out / REPORT}  {out / SUMMARY}")
     return score.coverage

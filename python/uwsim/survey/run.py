@@ -19,6 +19,7 @@ from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
 from uwsim.survey.flyable_lanes import flyable_plan
+from uwsim.survey.own_mission import OwnMission, maker, name_of
 from uwsim.survey.record import ESTIMATES, EstimateKind, SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
@@ -31,9 +32,10 @@ AUTOSAVE_S = 30.0
 
 
 def run_survey(
-    scenario: str | Path,
-    out: Path,
+    scenario: str | Path = "lake",
+    out: str | Path = "out",
     *,
+    mission: OwnMission | str | None = None,
     seed: int | None = None,
     sonar_model: int | str | None = None,
     sonar_frequency_khz: float | None = None,
@@ -50,20 +52,26 @@ def run_survey(
     record_topics: tuple[str, ...] | None = None,
     estimate: EstimateKind = "truth",
 ) -> SurveyRecord:
-    """Fly a scenario's survey and write map.bt, report.html and figures into `out`; returns the survey's record.
+    """Fly a scenario's survey and write map.bt, report.html, summary.json and figures into `out`; returns its record.
 
-    sonar_frequency_khz: for a sonar with several frequencies. engine: of the map, "bricks" by default. verify_map:
-    insert every scan into a stock OctoMap map too, and compare the bytes. autosave_s: wall time between saves, from
-    which `resume_survey` continues; 0 for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the
-    bytes of map.bt do not depend on it. report: "full"; "json" for map.bt and summary.json without report and figures;
-    "none" for map.bt alone, without a score. outlier_filter: replaces the scenario's.
-    estimate: "filter" flies and maps by the vehicle's own instruments (Vehicle.estimate) instead of the truth.
-    record: a new recording, from which `uwsim map from` makes map and report again; record_topics: see Recorder.
-    Raises ScenarioError or ValueError for an error in the scenario or the arguments, OSError for `out`. However the
-    flight ends, the map of everything seen until then is written.
+        record = uwsim.run_survey("pool", "out/", report="json")
+        print(record.coverage, record.simulated_s)
+
+    mission: instead of the adaptive lawn-mower, a class of (vehicle, clock, plan), see uwsim.missions.Mission, a
+    function `def mission(vehicle): yield ...`, or `package.module:name` of either. sonar_frequency_khz: for a sonar
+    with several frequencies. engine: of the map, "bricks" by default. verify_map: insert every scan into a stock
+    OctoMap map too, and compare the bytes. autosave_s: wall time between saves, from which `resume_survey` continues; 0
+    for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the bytes of map.bt do not depend on it.
+    report: "full"; "json" for map.bt and summary.json without report and figures; "none" for map.bt alone, without a
+    score. outlier_filter: replaces the scenario's. estimate: "filter" flies and maps by the vehicle's own instruments
+    (Vehicle.estimate) instead of the truth. record: a new recording, from which `uwsim map from` makes map and report
+    again; record_topics: see Recorder. Raises ScenarioError or ValueError for an error in the scenario or the
+    arguments, OSError for `out`. However the flight ends, the map of everything seen until then is written.
     """
     _require_interval(autosave_s)
     kind = _checked_report(report)
+    out = Path(out)
+    maker(mission)  # refuses what is none before the world is built
     if estimate not in ESTIMATES:
         raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
     if estimate != "truth" and record is not None:
@@ -94,6 +102,7 @@ def run_survey(
             verify_map=verify_map,
             outlier_filter=filters_outliers(sim, outlier_filter),
             estimate=estimate,
+            mission=name_of(mission),
         )
         occupancy, reference = request.new_map(map_memory_mb), request.new_reference()
     _require_writable(out)
@@ -106,7 +115,9 @@ def run_survey(
         from uwsim.survey.from_recording import survey_recorder  # here, since recording formats take long to import
 
         recorder = survey_recorder(sim, record, request, record_topics).start()
-    return _SurveyRun(sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder).run()
+    return _SurveyRun(
+        sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder, mission
+    ).run()
 
 
 def resume_survey(
@@ -133,7 +144,10 @@ def resume_survey(
         sim = saved.request.new_simulator(threads)
     _require_writable(out)
     checkpoint.remove_leftovers()
-    run = _SurveyRun(sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal, kind)
+    run = _SurveyRun(
+        sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal, kind,
+        mission=saved.request.mission,
+    )  # fmt: skip
     return run.run(saved)
 
 
@@ -182,6 +196,7 @@ class _SurveyRun:
     terminal: Terminal
     report: Report
     recorder: Recorder | None = None
+    mission: OwnMission | str | None = None
 
     def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
@@ -236,6 +251,7 @@ class _SurveyRun:
             return fly_survey(
                 sim,
                 self.occupancy,
+                mission=maker(self.mission),
                 on_progress=lambda share: show(share, sim.time_s),
                 reference=self.reference,
                 supervisor=autosave,

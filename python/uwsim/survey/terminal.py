@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -57,7 +59,7 @@ class Terminal:
             TimeElapsedColumn(),
             TextColumn("[dim]{task.fields[note]}"),
             console=self._messages,
-            disable=not self._messages.is_terminal,
+            disable=not _shows_progress(self._messages),
         )
         with bar:
             task = bar.add_task("", total=1.0, scenario=scenario_name, note="")
@@ -72,6 +74,11 @@ class Terminal:
             yield show
 
 
+def _shows_progress(console: Console) -> bool:
+    """Whether a bar can be drawn: on a terminal, or in a notebook with ipywidgets, which rich needs there."""
+    return console.is_terminal or (console.is_jupyter and importlib.util.find_spec("ipywidgets") is not None)
+
+
 class _ResultConsole(Console):
     """Prints to stdout, and nowhere once the reader has gone: `uwsim survey | head` must not prevent the report."""
 
@@ -83,7 +90,13 @@ class _ResultConsole(Console):
 
 @contextmanager
 def stop_on_ctrl_c(flight: Stoppable) -> Iterator[None]:
-    """During the block, let the first Ctrl-C or SIGTERM end the flight at its next pause, and the second end it now."""
+    """During the block, let the first Ctrl-C or SIGTERM end the flight at its next pause, and the second end it now.
+
+    Only the main thread hears them: in another one, nothing is changed.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
 
     def stop(number: int, frame: object) -> None:
         if flight.stop_requested():
