@@ -4,10 +4,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import shapely
 from matplotlib.path import Path as Polygon
 
 import uwsim
 from uwsim import Simulator
+from uwsim.flight.seen_bed import SeenBed
+from uwsim.mapping import OccupancyMap
+from uwsim.missions import lawn_mower_lanes
+from uwsim.missions.planners.area_chart import BEYOND_M, AreaChart
 from uwsim.missions.planners.boustrophedon import boustrophedon_lanes, mow_area
 from uwsim.missions.planners.frontier import explore
 
@@ -51,7 +56,12 @@ def test_lanes_are_across_the_narrowest_way_so_that_they_are_few() -> None:
 
 @pytest.mark.parametrize(
     ("area", "match"),
-    [([[0, 0], [1, 1]], "k at least 3"), ([[0, 0], [1, 1], [2, 2]], "has no area"), ([[0, 0, 1]] * 3, "corners")],
+    [
+        ([[0, 0], [1, 1]], "k at least 3"),
+        ([[0, 0], [1, 1], [2, 2]], "has no area"),
+        ([[0, 0, 1]] * 3, "corners"),
+        ([[0, 0], [4, 4], [4, 0], [0, 4]], "must not cross"),
+    ],
 )
 def test_what_is_no_polygon_is_refused(area, match) -> None:
     with pytest.raises(ValueError, match=match):
@@ -68,6 +78,55 @@ def test_a_concave_polygon_is_mown_at_the_altitude_without_a_collision() -> None
     altitude_m = flown.samples["rov"]["altitude_m"][100:]
     assert np.quantile(altitude_m, 0.05) > 2.3, "it follows the bed, and is higher where the bed rises ahead"
     assert np.median(altitude_m) < 4.0
+
+
+def test_the_surveys_lanes_lie_in_a_concave_polygon_too_apart_from_their_run_outs() -> None:
+    polygon = Polygon(np.array(COMB, float))
+    for lane in lawn_mower_lanes(COMB, 2.0, 1.0, np.zeros(2)):
+        inner = lane.start_m + np.linspace(1.01, lane.length_m - 1.01, 50)[:, None] * lane.direction
+        assert polygon.contains_points(inner).all()
+
+
+SHORE = [[-34, -36], [6, -36], [6, -8], [-34, -8]]
+ROUND_THE_ISLAND = [[-14, -14], [24, -14], [24, 20], [-14, 20]]
+HOOK = [[-22, -20], [20, -20], [20, 24], [12, 24], [12, -8], [-12, -8], [-12, 16], [-22, 16]]
+
+
+@pytest.mark.parametrize("area", [SHORE, ROUND_THE_ISLAND, HOOK], ids=["shore", "island", "hook"])
+def test_an_area_with_a_shore_or_an_island_in_it_is_seen_whole_and_never_left(area) -> None:
+    sim = Simulator("cove", seed=5)
+    sim.journal.attach(seen := SeenBed(sim, sim.vehicles))
+
+    def mission(vehicle):
+        vehicle.undock()
+        return (yield from mow_area(vehicle, area, altitude_m=3.0))
+
+    flown = uwsim.fly(mission, sim)
+    assert not flown.ended_early, flown.ended_because
+    assert flown.collisions == 0
+    assert flown.simulated_s < 600.0, "it does not grind along the shore"
+    polygon, path = shapely.Polygon(area), flown.samples["rov"].path_world_m[:, :2]
+    came_in = int(np.argmax(shapely.contains_xy(polygon, path)))
+    assert shapely.distance(polygon, shapely.points(path[came_in:])).max() < BEYOND_M + 1.0, "the vehicle swings out"
+    grid = np.mgrid[-39.5:40.0, -39.5:40.0].reshape(2, -1).T
+    wet = grid[shapely.contains_xy(polygon.buffer(-1.0), grid) & (sim.world.height_at(grid) < -4.5)]
+    wet = wet[np.linalg.norm(wet - (8.0, 8.0), axis=1) > 4.0]  # the island
+    wet = wet[(wet[:, 0] > 1.0) | (np.abs(wet[:, 1] - 18.0) > 2.0)]  # the quay
+    unseen = [tuple(c) for c in np.floor(wet).astype(int).tolist() if tuple(c) not in seen.cells]
+    assert len(unseen) < 0.05 * len(wet), unseen
+
+
+def test_what_a_map_shows_to_be_too_high_is_left_out_before_the_flight() -> None:
+    known = OccupancyMap(resolution_m=0.5)
+    shoal = np.mgrid[8:16:0.5, -20:0:0.5].reshape(2, -1).T + 0.25
+    for z_m in (-2.0, -2.5):
+        ends = np.column_stack([shoal, np.full(len(shoal), z_m)])
+        known.insert_scan(ends.astype(np.float32), (12.0, -10.0, -0.25))
+    chart = AreaChart([[-10, -20], [20, -20], [20, 0], [-10, 0]], -3.0, np.array([-5.0, -10.0]))
+    assert chart.open_at(np.array([[12.0, -10.0]]))[0]
+    chart.add_map(known)
+    assert chart.open_at(np.array([[12.0, -10.0], [5.5, -10.0], [4.0, -10.0]])).tolist() == [False, False, True]
+    assert chart.ways_from(np.array([-5.0, -10.0])).to(np.array([18.9, -10.0])) is None, "it reaches from side to side"
 
 
 def test_exploring_ends_when_the_map_knows_all_that_can_be_reached() -> None:

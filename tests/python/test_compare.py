@@ -41,6 +41,14 @@ def test_the_table_holds_each_flight_and_what_one_of_them_saw_is_a_share_of_what
     assert (tmp_path / "far-1" / "map.bt").is_file()
 
 
+def test_flights_by_the_estimate_and_with_faults_say_so_and_show_their_error(tmp_path: Path) -> None:
+    stuck = {"kind": "sensor", "sensor": "dvl", "mode": "off", "at_s": 1.0}
+    compare({"far": far}, "pool", tmp_path, seeds=(1,), voxel_m=0.5, estimate="filter", faults=[stuck])
+    values = json.loads((tmp_path / "compare.json").read_text())
+    assert values["estimate"] == "filter" and values["faults"] == [stuck]
+    assert 0.0 < values["rows"][0]["estimate_rms_m"] < 2.0
+
+
 def test_the_command_flies_files_and_prints_the_table(tmp_path: Path) -> None:
     mission = tmp_path / "sink.py"
     mission.write_text(
@@ -58,6 +66,9 @@ def test_the_command_flies_files_and_prints_the_table(tmp_path: Path) -> None:
         (("--seeds", "1,x"), "--seeds 1,x: must be whole numbers"),
         (("--seeds", "1,1"), "one comes twice"),
         (("frontier", "frontier"), "there is another 'frontier'"),
+        (("--by", "guess"), "--by guess: must be one of truth, estimate"),
+        (("--fault", "thruster"), "--fault thruster: must be as in a scenario"),
+        (("--fault", "kind: sensor, sensor: dvl, mode: of"), "mode"),
         (("--set", "bound_km=3", "--seeds", "1"), "bound_km"),
     ],
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -13,14 +13,16 @@ if TYPE_CHECKING:
     from uwsim.flight.compare import Comparison
 
 
-WIDTH = 150  # of the table in a file
+WIDTH = 165  # of the table in a file
+BY: dict[str, Literal["truth", "filter"]] = {"truth": "truth", "estimate": "filter"}
 
 
 def compare(
     missions: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Missions: files, or planners: unknown_water, frontier, boustrophedon. Default: these three.",
+            help="Missions: files, or planners: unknown_water, frontier, boustrophedon (default: these three), "
+            "pipeline, gate, wall, curves.",
             metavar="[MISSION]...",
             show_default=False,
         ),
@@ -31,6 +33,13 @@ def compare(
     ),
     seeds: Annotated[str, typer.Option(help="Seeds, such as 0,1,2.")] = "0,1,2",
     voxel: Annotated[float | None, typer.Option(help="Edge of the maps' voxels [m]; replaces the scenario's.")] = None,
+    by: Annotated[
+        str, typer.Option(help="What the missions fly by: truth, or estimate, which is that of the vehicle's filter.")
+    ] = "truth",
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(help="What fails in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."),
+    ] = None,
     time_limit: Annotated[float | None, typer.Option(help="End each flight after this simulated time [s].")] = None,
     argument: Annotated[
         list[str] | None, typer.Option("--set", help="NAME=VALUE for a parameter of every mission.")
@@ -46,27 +55,46 @@ def compare(
     from uwsim.flight.compare import compare as fly_all
     from uwsim.flight.mission_file import parsed_arguments
     from uwsim.missions.planners.area_missions import AREA_MISSIONS
+    from uwsim.missions.planners.inspection_missions import INSPECTION_MISSIONS
     from uwsim.survey.terminal import Terminal
 
+    known = {**AREA_MISSIONS, **INSPECTION_MISSIONS}
     chosen: dict[str, Any] = {}
     for text in missions or AREA_MISSIONS:
         name = Path(text).stem
-        if text not in AREA_MISSIONS and not Path(text).is_file():
-            raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(AREA_MISSIONS)}")
+        if text not in known and not Path(text).is_file():
+            raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(known)}")
         if name in chosen:
             raise ValueError(f"mission '{text}': there is another '{name}'")
-        chosen[name] = AREA_MISSIONS.get(text) or Path(text)
+        chosen[name] = known.get(text) or Path(text)
     try:
         numbers = [int(seed) for seed in seeds.split(",")]
     except ValueError:
         raise ValueError(f"--seeds {seeds}: must be whole numbers, such as 0,1,2") from None
+    if by not in BY:
+        raise ValueError(f"--by {by}: must be one of {', '.join(BY)}")
     screen = Terminal()
     found = fly_all(
         chosen, scenario, out, seeds=numbers, arguments=parsed_arguments(argument or [], ast.literal_eval),
+        estimate=BY[by], faults=[_fault(text) for text in fault or ()],
         time_limit_s=time_limit, voxel_m=voxel, threads=threads, show=screen.status,
     )  # fmt: skip
     _print(found)
     typer.echo(f"{out / 'compare.png'}")
+
+
+def _fault(text: str) -> dict[str, Any]:
+    """Return a fault as in a scenario's file, with or without its braces. Raises ValueError."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        fault = YAML(typ="safe").load(text if text.lstrip().startswith("{") else f"{{{text}}}")
+    except YAMLError:
+        fault = None
+    if not isinstance(fault, dict) or "kind" not in fault:
+        raise ValueError(f"--fault {text}: must be as in a scenario, such as 'kind: sensor, sensor: dvl, at_s: 60'")
+    return fault
 
 
 def _print(found: Comparison) -> None:
@@ -75,15 +103,16 @@ def _print(found: Comparison) -> None:
 
     table = Table()
     columns = (
-        "mission", "seed", "time [s]", "path [m]", "effort [s]", "battery [%]", "collisions", "seen [m²]", "of all [%]",
-        "half seen [s]", "map coverage [%]", "map error [m]",
+        "mission", "seed", "time [s]", "path [m]", "effort [s]", "battery [%]", "collisions", "lost [m]", "seen [m²]",
+        "of all [%]", "half seen [s]", "map coverage [%]", "map error [m]",
     )  # fmt: skip
     for column in columns:
         table.add_column(column, justify="left" if column == "mission" else "right")
     for row in found.rows:
         table.add_row(
             row.mission, f"{row.seed}", f"{row.time_s:.0f}", f"{row.path_m:.0f}", f"{row.effort_s:.0f}",
-            f"{row.battery_percent:.1f}", f"{row.collisions}", f"{row.seen_m2:.0f}", f"{100 * row.seen_share:.0f}",
+            f"{row.battery_percent:.1f}", f"{row.collisions}", f"{row.estimate_rms_m:.2f}",
+            f"{row.seen_m2:.0f}", f"{100 * row.seen_share:.0f}",
             f"{row.half_seen_s:.0f}", f"{100 * row.map_coverage:.0f}", f"{row.map_error_m:.3f}",
         )  # fmt: skip
     console = Console()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -16,7 +16,9 @@ from uwsim.atomic_file import write_atomically
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
 from uwsim.flight.record import FlightRecord
+from uwsim.flight.request import EstimateKind
 from uwsim.flight.seen_bed import CELL_M, SeenBed
+from uwsim.flight.summary import vehicle_values
 from uwsim.missions.run import MissionFunction
 from uwsim.scenario import Scenario
 from uwsim.scoring.score_json import write_json
@@ -32,7 +34,8 @@ class Row:
 
     seen_m2: columns of 1 m in which the sonar has had an echo; seen_share: of those that any of the compared flights
     saw. half_seen_s: when half of seen_m2 had been seen. effort_s: the commands' mean absolute value, summed over time:
-    seconds of full thrust. map_coverage, map_error_m: of the map, within 5 m of this flight's own hull; map_error_m is
+    seconds of full thrust. estimate_rms_m: how far the vehicle was from where it believed it was; 0 for the truth.
+    map_coverage, map_error_m: of the map, within 5 m of this flight's own hull; map_error_m is
     the mean distance of its occupied voxels from the true surface. NaN where there is none.
     """
 
@@ -44,6 +47,7 @@ class Row:
     effort_s: float
     battery_percent: float
     collisions: int
+    estimate_rms_m: float
     seen_m2: float
     seen_share: float
     half_seen_s: float
@@ -66,6 +70,8 @@ def compare(
     *,
     seeds: Iterable[int] = (0, 1, 2),
     arguments: Mapping[str, Any] | None = None,
+    estimate: EstimateKind = "truth",
+    faults: Sequence[Mapping[str, Any]] = (),
     time_limit_s: float | None = None,
     voxel_m: float | None = None,
     threads: int | None = None,
@@ -73,8 +79,10 @@ def compare(
 ) -> Comparison:
     """Fly each mission with each seed; write compare.csv, compare.json, compare.png and each flight's folder.
 
-    missions: by the name that they get in the table, functions or files. arguments: for all of them. Raises ValueError
-    before anything flies if there is nothing to compare; OSError, and what missions raise.
+    missions: by the name that they get in the table, functions or files. arguments: for all of them. estimate: what the
+    missions fly by, the "truth" or the vehicle's "filter". faults: of each flight, as in a scenario's `faults`. Raises
+    ValueError before anything flies if there is nothing to compare, or for a wrong fault; OSError, and what missions
+    raise.
     """
     numbers = list(seeds)
     if not missions or not numbers:
@@ -87,11 +95,13 @@ def compare(
         for seed in numbers:
             with show(f"flying {name}, seed {seed}"):
                 sim = Simulator(scenario, seed=seed, threads=threads)
+                for fault in faults:
+                    sim.faults.inject(**fault)
                 seen = SeenBed(sim, sim.vehicles)
                 sim.journal.attach(seen)
                 record = fly(
-                    mission, sim, folder / f"{name}-{seed}", arguments=arguments, map=True, voxel_m=voxel_m,
-                    time_limit_s=time_limit_s, report="json",
+                    mission, sim, folder / f"{name}-{seed}", arguments=arguments, estimate=estimate, map=True,
+                    voxel_m=voxel_m, time_limit_s=time_limit_s, report="json",
                 )  # fmt: skip
                 flown.append((name, seed, record, seen))
     everything = set().union(*(seen.cells for *_, seen in flown))
@@ -100,7 +110,7 @@ def compare(
     for name, _, _, seen in flown:
         curves[name].append((seen.times_s, seen.areas_m2))
     found = Comparison(rows, curves)
-    _write(found, folder)
+    _write(found, folder, {"estimate": estimate, "faults": [dict(fault) for fault in faults]})
     return found
 
 
@@ -118,6 +128,7 @@ def _row(name: str, seed: int, record: FlightRecord, seen: SeenBed, all_cells: i
         effort_s=sum(float(np.abs(s.commands).mean(axis=1) @ dt) for s, dt in zip(samples, periods_s, strict=True)),
         battery_percent=sum(float(s["battery_percent"][0] - s["battery_percent"][-1]) for s in samples),
         collisions=record.collisions,
+        estimate_rms_m=max(vehicle_values(s)["estimate_rms_m"] for s in samples),
         seen_m2=area_m2,
         seen_share=len(seen.cells) / all_cells if all_cells else float("nan"),
         half_seen_s=seen.times_s[half] if area_m2 else float("nan"),
@@ -126,7 +137,7 @@ def _row(name: str, seed: int, record: FlightRecord, seen: SeenBed, all_cells: i
     )
 
 
-def _write(found: Comparison, folder: Path) -> None:
+def _write(found: Comparison, folder: Path, flown_by: dict[str, Any]) -> None:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([field.name for field in fields(Row)])
@@ -134,7 +145,7 @@ def _write(found: Comparison, folder: Path) -> None:
     write_atomically(folder / TABLE, text.getvalue().encode())
     curves = {name: [{"time_s": t, "seen_m2": a} for t, a in lines] for name, lines in found.curves.items()}
     rows = [{key: None if value != value else value for key, value in asdict(row).items()} for row in found.rows]
-    write_json(folder / VALUES, {"rows": rows, "seen_over_time": curves})
+    write_json(folder / VALUES, {**flown_by, "rows": rows, "seen_over_time": curves})
     from uwsim.figures.comparison import draw_comparison  # here, since matplotlib takes a second to import
 
     draw_comparison(folder / FIGURE, found.curves)

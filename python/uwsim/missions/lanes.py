@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Point = NDArray[np.float64]
+Span = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +53,9 @@ def lawn_mower_lanes(
 ) -> list[Lane]:
     """Cover a simple polygon with parallel lanes, flown back and forth from the corner nearest to near_m.
 
-    The lanes run along the polygon's longest edge, at most spacing_m apart and half of that from its sides, and extend
-    run_out_m past it at both ends, so that a forward-looking sonar sees the polygon's rim.
+    Where the polygon is concave, a line across it is several lanes, and they fall into cells that are flown one after
+    the other. The lanes run along the polygon's longest edge, at most spacing_m apart and half of that from its sides,
+    and extend run_out_m past it at both ends, so that a forward-looking sonar sees the polygon's rim.
     Raises ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)
@@ -64,36 +66,68 @@ def lawn_mower_lanes(
     low, high = (area @ across).min(), (area @ across).max()
     count = max(1, int(np.ceil((high - low) / spacing_m)))
     offsets = low + (np.arange(count) + 0.5) * (high - low) / count
-    spans = [(offset, _span(area @ along, area @ across, offset)) for offset in offsets]
-    lanes = [
-        Lane((first - run_out_m) * along + offset * across, (last + run_out_m) * along + offset * across)
-        for offset, (first, last) in spans
-        if last > first
+    sweeps = [(offset, spans(area @ along, area @ across, offset)) for offset in offsets.tolist()]
+    cells = [
+        [
+            Lane((first - run_out_m) * along + offset * across, (last + run_out_m) * along + offset * across)
+            for offset, (first, last) in cell
+        ]
+        for cell in cells_of(sweeps)
     ]
-    if not lanes:
+    if not cells:
         raise ValueError(f"survey.area_m = {area.tolist()} m: no lane fits into it")
-    return _back_and_forth(lanes, near_m)
+    return ordered(cells, near_m)
 
 
-def _span(along: Point, across: Point, offset: float) -> tuple[float, float]:
-    """Return where the line at `offset` enters and leaves the polygon, given its corners along and across the lanes."""
+def spans(along: Point, across: Point, offset: float) -> list[Span]:
+    """Where the line at `offset` is in a polygon, given its corners along and across the line."""
     crossings = []
     for k in range(len(along)):
         a, b = across[k - 1], across[k]
         if (a < offset) != (b < offset):
-            crossings.append(along[k - 1] + (offset - a) / (b - a) * (along[k] - along[k - 1]))
-    return (min(crossings), max(crossings)) if crossings else (0.0, 0.0)
+            crossings.append(float(along[k - 1] + (offset - a) / (b - a) * (along[k] - along[k - 1])))
+    crossings.sort()
+    return [(first, last) for first, last in zip(crossings[::2], crossings[1::2], strict=True) if last > first]
 
 
-def _back_and_forth(lanes: list[Lane], near_m: Point) -> list[Lane]:
-    """Order and turn the lanes so that the first starts nearest to near_m and each next one where the last ended."""
+def cells_of(sweeps: Sequence[tuple[float, list[Span]]]) -> list[list[tuple[float, Span]]]:
+    """Join spans of neighbouring lines into cells: a cell ends where the polygon splits or merges."""
+    cells: list[list[tuple[float, Span]]] = []
+    open_cells: list[list[tuple[float, Span]]] = []
+    for offset, here in sweeps:
+        following = []
+        for span in here:
+            before = [cell for cell in open_cells if _overlap(cell[-1][1], span)]
+            alone = len(before) == 1 and sum(_overlap(before[0][-1][1], other) for other in here) == 1
+            cell = before[0] if alone else []
+            if not alone:
+                cells.append(cell)
+            following.append(cell)
+        for cell, span in zip(following, here, strict=True):
+            cell.append((offset, span))
+        open_cells = following
+    return cells
 
-    def reversed_lane(lane: Lane) -> Lane:
-        return Lane(lane.end_m, lane.start_m)
 
-    def distance(lane: Lane) -> float:
-        return float(np.linalg.norm(lane.start_m - near_m))
+def _overlap(a: Span, b: Span) -> bool:
+    return a[0] < b[1] and b[0] < a[1]
 
-    candidates = (lanes, [reversed_lane(lane) for lane in lanes])
-    ordered = min((order for c in candidates for order in (c, c[::-1])), key=lambda order: distance(order[0]))
-    return [lane if k % 2 == 0 else reversed_lane(lane) for k, lane in enumerate(ordered)]
+
+def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
+    """The lanes, each next cell and the corner to begin it at being the nearest to where the last one ended."""
+    flown: list[Lane] = []
+    here, left = near_m, list(cells)
+    while left:
+        choices = [(cell, lanes) for cell in left for lanes in _ways_to_fly(cell)]
+        cell, lanes = min(choices, key=lambda choice: float(np.linalg.norm(choice[1][0].start_m - here)))
+        flown += lanes
+        here = lanes[-1].end_m
+        left = [other for other in left if other is not cell]
+    return flown
+
+
+def _ways_to_fly(lanes: list[Lane]) -> list[list[Lane]]:
+    """The lanes back and forth, begun at either end of the first or the last one."""
+    turned = [Lane(lane.end_m, lane.start_m) for lane in lanes]
+    both = [(lanes, turned), (lanes[::-1], turned[::-1]), (turned, lanes), (turned[::-1], lanes[::-1])]
+    return [[pair[k % 2] for k, pair in enumerate(zip(*ways, strict=True))] for ways in both]

@@ -11,7 +11,9 @@ from uwsim.arguments import plain
 from uwsim.control.autopilot import Autopilot
 from uwsim.control.controller import Controller
 from uwsim.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
+from uwsim.missions.estimated_views import EstimatedCamera, EstimatedSonar
 from uwsim.missions.vehicle import CameraLike, LampLike, Panel
+from uwsim.named import Named
 from uwsim.sealed import Sealed
 
 CONTROL_PERIOD_S = 0.1
@@ -99,13 +101,13 @@ class OwnVehicle(Sealed):
 
     @property
     def sonar(self) -> SonarLike:
-        """The first of the sonars. Raises ValueError if there is none."""
-        return self._hull.sonar  # type: ignore[no-any-return]
+        """The first of the sonars; its pings are placed by the estimate. Raises ValueError if there is none."""
+        return self._seen_by_estimate(EstimatedSonar, self._hull.sonar)  # type: ignore[no-any-return]
 
     @property
     def sonars(self) -> Mapping[str, SonarLike]:
         """The multibeam sonars by name."""
-        return self._hull.sonars  # type: ignore[no-any-return]
+        return self._all_by_estimate(EstimatedSonar, self._hull.sonars)  # type: ignore[no-any-return]
 
     @property
     def imaging_sonars(self) -> Mapping[str, Any]:
@@ -115,12 +117,20 @@ class OwnVehicle(Sealed):
     @property
     def cameras(self) -> Mapping[str, CameraLike]:
         """The cameras by name."""
-        return self._hull.cameras  # type: ignore[no-any-return]
+        return self._all_by_estimate(EstimatedCamera, self._hull.cameras)  # type: ignore[no-any-return]
 
     @property
     def lamps(self) -> Mapping[str, LampLike]:
         """The lamps by their switch's name."""
         return self._hull.lamps  # type: ignore[no-any-return]
+
+    def _seen_by_estimate(self, view: Callable[[Any, Any, Any], Any], part: Any) -> Any:
+        return part if self.estimate is self._hull else view(part, self._hull, self.estimate)
+
+    def _all_by_estimate(self, view: Callable[[Any, Any, Any], Any], parts: Any) -> Any:
+        if self.estimate is self._hull:
+            return parts
+        return Named({name: view(part, self._hull, self.estimate) for name, part in parts.items()}, self.name)
 
     @property
     def released(self) -> bool:

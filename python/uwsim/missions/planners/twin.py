@@ -14,15 +14,17 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.control.protocols import PoseLike
+from uwsim.control.protocols import PingLike, PoseLike
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.lanes import Lane
 from uwsim.missions.moves import goto, hold
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.planners.boustrophedon import boustrophedon_lanes, fly_lanes
+from uwsim.missions.planners.area_chart import AreaChart
+from uwsim.missions.planners.boustrophedon import boustrophedon_lanes, checked_area
 from uwsim.missions.planners.cells import Cell, Cells
+from uwsim.missions.planners.lane_flight import fly_lanes
 from uwsim.missions.planners.live_map import LiveMap
-from uwsim.missions.planners.lookout import Lookout
+from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, Lookout
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
@@ -72,12 +74,18 @@ def make_twin(
     away = np.array(vehicle.pose.position_world_m, np.float64)
     cells = Cells((float(away[0]), float(away[1])), 0.0, 2.0 * resolution_m)
     live = LiveMap(vehicle, resolution_m, cells, PING_PERIOD_S)
-    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=live.hear)
+    chart = AreaChart(checked_area(area_m), HIGHEST_Z_M - CLEARANCE_M, np.array(away[:2]))
+
+    def hear(ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
+        live.hear(ping, echoes_world_m)
+        chart.add(echoes_world_m)
+
+    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=hear)
     lanes = boustrophedon_lanes(area_m, (1.0 - overlap) * lookout.swath_m, np.asarray(away[:2], np.float64))
     inside = _columns(cells, boustrophedon_lanes(area_m, cells.edge_m, np.asarray(away[:2], np.float64)))
     yield from lookout.tilt()
     yield from find_bed(vehicle)
-    yield from fly_lanes(lookout, lanes)
+    yield from fly_lanes(lookout, lanes, chart)
     first_map = OccupancyMap(resolution_m=resolution_m)
     first_map.merge(live.map)
 

@@ -1,0 +1,62 @@
+"""Sonars and cameras whose readings are placed in the world by the vehicle's estimate, not by the truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.control.protocols import PoseLike
+
+
+def believed(world_from_part: NDArray[np.float64], truth: PoseLike, estimate: PoseLike) -> NDArray[np.float64]:
+    """The pose of a part of the vehicle in the world, (4, 4), if the vehicle were where it believes to be."""
+    true_body, body = np.asarray(truth.world_from_body), np.asarray(estimate.world_from_body)
+    return np.asarray(body @ np.linalg.inv(true_body) @ world_from_part, np.float64)
+
+
+class EstimatedPing:
+    """A ping with its estimated pose; all else is the ping's own."""
+
+    def __init__(self, ping: Any, world_from_sonar: NDArray[np.float64]) -> None:
+        self._ping, self.world_from_sonar = ping, world_from_sonar
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._ping, name)
+
+
+class EstimatedSonar:
+    """A sonar of a vehicle that goes by its estimate; all but `ping` is the sonar's own."""
+
+    def __init__(self, sonar: Any, hull: Any, estimate: Any) -> None:
+        self._sonar, self._hull, self._estimate = sonar, hull, estimate
+
+    def ping(self) -> EstimatedPing:
+        """Ping; see uwsim.sonars.multibeam."""
+        ping = self._sonar.ping()
+        return EstimatedPing(ping, believed(ping.world_from_sonar, self._hull.pose, self._estimate.pose))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._sonar, name)
+
+
+class EstimatedCamera:
+    """A camera of a vehicle that goes by its estimate; all but the frames' poses is the camera's own."""
+
+    def __init__(self, camera: Any, hull: Any, estimate: Any) -> None:
+        self._camera, self._hull, self._estimate = camera, hull, estimate
+
+    def capture(self, *arguments: Any, **options: Any) -> Any:
+        """Take a picture; see uwsim.cameras.Camera."""
+        frame = self._camera.capture(*arguments, **options)
+        pose = believed(frame.world_from_camera, self._hull.pose, self._estimate.pose)
+        return replace(frame, world_from_camera=pose)
+
+    def resized(self, *arguments: Any, **options: Any) -> EstimatedCamera:
+        """The camera with pictures of another size."""
+        return EstimatedCamera(self._camera.resized(*arguments, **options), self._hull, self._estimate)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._camera, name)

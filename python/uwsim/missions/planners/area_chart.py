@@ -1,0 +1,207 @@
+"""AreaChart: where in an area a vehicle may go, as far as its sonar has seen, and the ways in it.
+
+A raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from everything that
+reaches too high to be passed over; unknown water is open. Ways are Dijkstra's over open cells, drawn straight wherever
+a straight line stays in them, so that no way leaves the area, concave or not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from uwsim.mapping import OccupancyMap
+
+Floats = NDArray[np.float64]
+BEYOND_M = 2.0  # by which ways may leave the area
+KEEP_M = 3.5  # from what cannot be passed over
+FINEST_M, MOST_CELLS = 1.0, 300  # along a side
+PATCH_M = 3.0
+ECHOES_IN_A_CELL = 3  # of one ping: fewer may be false detections
+WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
+
+
+class AreaChart:
+    """The chart of a polygon (k, 2). What reaches higher than top_z_m cannot be passed over.
+
+    start_m: where the vehicle is, (2,); if that is outside, it may come in through the hull of area and start, until
+    it has visited the area.
+    """
+
+    def __init__(self, area_m: Sequence[Sequence[float]] | Floats, top_z_m: float, start_m: Floats) -> None:
+        import shapely  # here, since it takes 0.2 s to import
+
+        polygon = shapely.Polygon(area_m)
+        area = polygon.buffer(BEYOND_M)
+        whole = shapely.union(polygon, shapely.Point(start_m)).convex_hull.buffer(BEYOND_M)
+        low_x, low_y, high_x, high_y = whole.bounds
+        self.edge_m = max(FINEST_M, max(high_x - low_x, high_y - low_y) / MOST_CELLS)
+        self._low = np.array([low_x, low_y]) - self.edge_m
+        shape = tuple(np.ceil((np.array([high_x, high_y]) - self._low) / self.edge_m).astype(int) + 1)
+        self._top_z_m = top_z_m
+        places = self._low + (np.indices(shape).reshape(2, -1).T + 0.5) * self.edge_m
+        self._area = np.asarray(shapely.contains_xy(area, places).reshape(shape))
+        self._inner = np.asarray(shapely.contains_xy(polygon, places).reshape(shape))
+        self._allowed = np.asarray(shapely.contains_xy(whole, places).reshape(shape))
+        self._shoal, self._near, self._seen, self._been = (np.zeros(shape, bool) for _ in range(4))
+        reach = math.ceil(KEEP_M / self.edge_m)
+        disc = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1).T
+        self._disc = disc[np.linalg.norm(disc, axis=1) * self.edge_m <= KEEP_M]
+        self.visit(start_m)
+
+    def visit(self, point_m: Floats) -> None:
+        """Tell where the vehicle is, (2,): once it has been in the area, ways stay there."""
+        (cell,), (held,) = self.cells_of(point_m[None])
+        if held:
+            self._been[tuple(cell)] = True
+            if self._area[tuple(cell)]:
+                self._allowed = self._area
+
+    def add(self, echoes_world_m: Floats) -> None:
+        """Chart what a ping shows, (n, 3)."""
+        cells, held = self.cells_of(echoes_world_m[:, :2])
+        self._seen[tuple(cells[held].T)] = True
+        high = cells[held & (echoes_world_m[:, 2] > self._top_z_m)]
+        if len(high) >= ECHOES_IN_A_CELL:
+            found, counts = np.unique(high, axis=0, return_counts=True)
+            self._close(found[counts >= ECHOES_IN_A_CELL])
+
+    def add_map(self, occupancy: OccupancyMap) -> None:
+        """Chart what a map knows to reach too high: rays are cast down from the surface, a voxel apart."""
+        step_m = min(occupancy.resolution_m, self.edge_m)
+        counts = np.ceil(np.array(self._shoal.shape) * self.edge_m / step_m).astype(int)
+        places = self._low + (np.indices(tuple(counts)).reshape(2, -1).T + 0.5) * step_m
+        origins = np.column_stack([places, np.full(len(places), -0.5 * occupancy.resolution_m)])
+        casts = occupancy.cast_rays(origins, np.tile([0.0, 0.0, -1.0], (len(places), 1)), -self._top_z_m, True)
+        cells, held = self.cells_of(places[casts.states == 1])
+        self._close(np.unique(cells[held], axis=0))
+
+    def close(self, point_m: Sequence[float] | Floats) -> None:
+        """Close the water about a point (2,) for another reason than its height."""
+        cells, held = self.cells_of(np.atleast_2d(np.asarray(point_m, np.float64)))
+        self._close(cells[held])
+
+    def open_at(self, points_m: Floats) -> NDArray[np.bool_]:
+        """Whether a vehicle may be at points (n, 2), for all that is known."""
+        return self._at(self._allowed & ~self._near, points_m)
+
+    def seen_at(self, points_m: Floats) -> NDArray[np.bool_]:
+        """Whether the sonar has had an echo in the cells of points (n, 2)."""
+        return self._at(self._seen, points_m)
+
+    def open_places(self) -> Floats:
+        """The middles (n, 2) of the open cells."""
+        return self.centre(np.argwhere(self._allowed & ~self._near))
+
+    def unseen_patches(self) -> Floats:
+        """The middles (n, 2) of squares of PATCH_M in the area, of whose open cells the sonar has not seen half."""
+        wanted = self._inner & ~self._near
+        size = max(1, round(PATCH_M / self.edge_m))
+        cells = np.argwhere(wanted)
+        squares, number = np.unique(cells // size, axis=0, return_inverse=True)
+        unseen = np.bincount(number.ravel(), ~self._seen[tuple(cells.T)], len(squares))
+        middles = squares[(unseen >= 0.5 * np.bincount(number.ravel())) & (unseen >= 0.25 * size**2)] * size + size // 2
+        middles = np.minimum(middles, np.array(wanted.shape) - 1)
+        return self.centre(middles[wanted[tuple(middles.T)]])
+
+    def patch_seen(self, middle_m: Floats) -> bool:
+        """Whether a square of `unseen_patches` has been seen since."""
+        return not any((middle_m == other).all() for other in self.unseen_patches())
+
+    def straight(self, start_m: Floats, end_m: Floats) -> bool:
+        """Whether a straight line between two points (2,) leads over open cells, or such as the vehicle has been in."""
+        count = max(2, math.ceil(2.0 * float(np.linalg.norm(end_m - start_m)) / self.edge_m) + 1)
+        places = start_m + np.linspace(0.0, 1.0, count)[:, None] * (end_m - start_m)
+        return bool(self._at(self._passable, places).all())
+
+    def ways_from(self, start_m: Floats) -> AreaWays:
+        """The ways from a point (2,); from one that is too near to a shoal they first lead back as it came."""
+        return AreaWays(self, self._passable, self.cells_of(start_m[None])[0][0])
+
+    @property
+    def _passable(self) -> NDArray[np.bool_]:
+        """Cells that are open, or in which the vehicle has been."""
+        return (self._allowed & ~self._near) | (self._been & ~self._shoal)
+
+    def centre(self, cells: NDArray[Any]) -> Floats:
+        """The middles (n, 2) of cells (n, 2)."""
+        return np.asarray(self._low + (cells + 0.5) * self.edge_m, np.float64)
+
+    def cells_of(self, points_m: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """The cells (n, 2) of points (n, 2), and whether each lies in the raster."""
+        cells = np.floor((points_m - self._low) / self.edge_m).astype(np.int64)
+        held: NDArray[np.bool_] = ((cells >= 0) & (cells < self._shoal.shape)).all(axis=1)
+        return cells, held
+
+    def _close(self, cells: NDArray[np.int64]) -> None:
+        new = cells[~self._shoal[tuple(cells.T)]]
+        if len(new):
+            self._shoal[tuple(new.T)] = True
+            near = (new[:, None] + self._disc).reshape(-1, 2)
+            near = near[((near >= 0) & (near < self._near.shape)).all(axis=1)]
+            self._near[tuple(near.T)] = True
+
+    def _at(self, raster: NDArray[np.bool_], points_m: Floats) -> NDArray[np.bool_]:
+        cells, held = self.cells_of(points_m)
+        found = np.zeros(len(points_m), bool)
+        found[held] = raster[tuple(cells[held].T)]
+        return found
+
+
+class AreaWays:
+    """All shortest ways from one cell over the open cells of a chart, as it was when they were asked for."""
+
+    def __init__(self, chart: AreaChart, open_cells: NDArray[np.bool_], first: NDArray[np.int64]) -> None:
+        self._chart, self._shape = chart, open_cells.shape
+        start = int(np.ravel_multi_index(tuple(first), open_cells.shape, mode="clip"))
+        self._lengths, self._before = dijkstra(
+            _graph(open_cells), directed=False, indices=start, return_predecessors=True
+        )
+
+    def lengths_m(self, points_m: Floats) -> Floats:
+        """Lengths (n,) of the ways to points (n, 2); inf where none leads."""
+        cells, held = self._chart.cells_of(points_m)
+        lengths = np.full(len(points_m), np.inf)
+        lengths[held] = self._lengths[np.ravel_multi_index(tuple(cells[held].T), self._shape)]
+        return np.asarray(lengths * self._chart.edge_m)
+
+    def to(self, goal_m: Floats) -> Floats | None:
+        """The corners of the way to a point (2,), (n, 2), from the first cell on; None if there is none."""
+        if not math.isfinite(float(self.lengths_m(goal_m[None])[0])):
+            return None
+        (cell,), _ = self._chart.cells_of(goal_m[None])
+        way = [int(np.ravel_multi_index(tuple(cell), self._shape))]
+        while self._before[way[-1]] >= 0:
+            way.append(int(self._before[way[-1]]))
+        cells = np.array(np.unravel_index(way[::-1], self._shape)).T
+        return self._straightened(np.vstack([self._chart.centre(cells), goal_m]))
+
+    def _straightened(self, points: Floats) -> Floats:
+        """Leave out the points between which a straight line is open."""
+        kept, k = [points[0]], 0
+        while k < len(points) - 1:
+            last = len(points) - 1
+            k = next((j for j in range(last, k + 1, -1) if self._chart.straight(points[k], points[j])), k + 1)
+            kept.append(points[k])
+        return np.array(kept)
+
+
+def _graph(open_cells: NDArray[np.bool_]) -> coo_array:
+    """The graph of open cells, each joined to those of its eight neighbours that are open."""
+    number = np.arange(open_cells.size).reshape(open_cells.shape)
+    rows, columns, lengths = [], [], []
+    for di, dj in WAYS:
+        here = (slice(None, -di or None), slice(max(0, -dj), -dj if dj > 0 else None))
+        there = (slice(di, None), slice(max(0, dj), dj if dj < 0 else None))
+        both = open_cells[here] & open_cells[there]
+        rows.append(number[here][both])
+        columns.append(number[there][both])
+        lengths.append(np.full(len(rows[-1]), math.hypot(di, dj)))
+    edges = np.concatenate(lengths), (np.concatenate(rows), np.concatenate(columns))
+    return coo_array(edges, shape=(open_cells.size, open_cells.size)).tocsr()

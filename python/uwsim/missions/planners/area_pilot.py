@@ -1,0 +1,76 @@
+"""AreaPilot: goes from place to place in an area by its chart, and mends the way when the sonar sees more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.missions.planners.area_chart import AreaChart
+from uwsim.missions.planners.lookout import GRACE_S, HIGHEST_Z_M, Lookout
+from uwsim.missions.steps import Steps
+
+Floats = NDArray[np.float64]
+ARRIVED_M = 1.0  # from the end of a way
+CLIMB_S = 20.0  # time to climb over what is ahead
+
+
+class AreaPilot:
+    """Flies with a lookout that hears with chart.add."""
+
+    def __init__(self, lookout: Lookout, chart: AreaChart) -> None:
+        self.lookout, self.chart = lookout, chart
+
+    def here(self) -> Floats:
+        """Where the vehicle is, (2,); the chart is told of it."""
+        here = np.array(self.lookout.vehicle.pose.position_world_m[:2], np.float64)
+        self.chart.visit(here)
+        return here
+
+    def go_to(
+        self, goal: Floats, most_m: float = math.inf, enough: Callable[[], bool] = lambda: False
+    ) -> Steps[bool | None]:
+        """Go to a point (2,) by open water; return whether it got there before that was closed or time was up.
+
+        It stops when it is enough. None if the way that was left turned out to be longer than most_m.
+        """
+        here, vehicle = self.here(), self.lookout.vehicle
+        way, last = self.chart.ways_from(here).to(goal), here
+        if way is None:
+            return False
+        end_s = vehicle.time_s + GRACE_S + 5.0 * _length_m(here, way) / self.lookout.speed_m_s
+        while len(way) and not enough():
+            here = self.here()
+            if float(np.linalg.norm(way[0] - here)) < ARRIVED_M:
+                way, last = way[1:], way[0]
+                continue
+            if vehicle.time_s > end_s or not self.chart.open_at(goal[None])[0]:
+                return False
+            if not (yield from self.clear()) or not self.chart.straight(last, way[0]):
+                here = self.here()
+                way, last = self.chart.ways_from(here).to(goal), here
+                if way is None:
+                    return False
+                if _length_m(here, way) > most_m:
+                    return None
+            yield from self.lookout.towards(way[0])
+        return True
+
+    def clear(self) -> Steps[bool]:
+        """Climb over what is near ahead; if that is in vain, close it and return False."""
+        lookout, vehicle = self.lookout, self.lookout.vehicle
+        end_s = vehicle.time_s + CLIMB_S
+        while lookout.must_stop:
+            pose = vehicle.pose
+            if vehicle.time_s > end_s or float(pose.position_world_m[2]) > HIGHEST_Z_M - 0.2:
+                ahead = np.array([math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)])
+                self.chart.close(self.here() + lookout.ahead_m * ahead)
+                return False
+            yield from lookout.steer(pose.yaw_rad, (0.0, 0.0))
+        return True
+
+
+def _length_m(here: Floats, way: Floats) -> float:
+    return float(np.linalg.norm(np.diff(np.vstack([here, way]), axis=0), axis=1).sum())

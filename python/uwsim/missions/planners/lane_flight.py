@@ -1,0 +1,175 @@
+"""fly_lanes: flies the lanes of an area, none of its way outside the area, round what the sonar sees to be too high.
+
+A lane is a row of points. What a shoal covers of it is trimmed; what lies behind a shoal is flown at once if the way
+round is short, else after the other lanes, from what has been seen by then. Points that the sonar has seen from
+elsewhere are not flown to.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.missions.lanes import Lane
+from uwsim.missions.planners.area_chart import AreaChart
+from uwsim.missions.planners.area_pilot import AreaPilot
+from uwsim.missions.planners.lookout import GRACE_S, Lookout
+from uwsim.missions.steps import Steps
+
+Floats = NDArray[np.float64]
+POINT_M = 1.0  # between the points of a lane
+PASSED_M = 2.0  # aside of a point that counts as flown
+AIM_M, LOOK_M = 3.0, 6.0  # ahead on the lane: where it steers to, and as far as the lane must be open
+ROUND, ROUND_M = 2.5, 8.0  # a way round a shoal is short up to ROUND times what it skips, and ROUND_M
+
+
+@dataclass(frozen=True)
+class FlownLanes:
+    """left_out: the lanes of which nothing was flown. trimmed_m: of all lanes, what was too near to a shoal.
+
+    unreached_m: to which no way led in the area. seen_m: not flown, but seen from elsewhere.
+    """
+
+    left_out: tuple[int, ...]
+    trimmed_m: float
+    unreached_m: float
+    seen_m: float
+
+
+def fly_lanes(lookout: Lookout, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
+    """Fly lanes in their order, then what was left of them.
+
+    Logs `trimmed` for what is known to be too high before the flight, `lane` where each begins, `left_over` where it
+    goes back to one, and `left_out`. The lookout must hear with chart.add. Raises StoppedError.
+    """
+    return (yield from _LaneFlight(lookout, lanes, chart).steps())
+
+
+class _LaneFlight:
+    """left: by lane, which of its points are still to be flown. flown: how many were. next: one past the last flown."""
+
+    def __init__(self, lookout: Lookout, lanes: Sequence[Lane], chart: AreaChart) -> None:
+        self._lookout, self._vehicle, self._chart = lookout, lookout.vehicle, chart
+        self._pilot = AreaPilot(lookout, chart)
+        self._points = [_points(lane) for lane in lanes]
+        self._left = [np.ones(len(points), bool) for points in self._points]
+        self._flown, self._next = [0] * len(lanes), [0] * len(lanes)
+        self._trimmed = self._unreached = self._seen = 0
+
+    def steps(self) -> Steps[FlownLanes]:
+        for k in range(len(self._points)):
+            if trimmed := self._trim(k):
+                self._vehicle.log("trimmed", number=k, length_m=trimmed * POINT_M, reason="the map shows it too high")
+        for k in range(len(self._points)):
+            self._vehicle.log("lane", number=k, of=len(self._points))
+            yield from self._lane(k)
+        while (nearest := self._nearest_left()) is not None:
+            x, y = self._first(nearest, self._pilot.here(), in_order=False)[0].tolist()
+            self._vehicle.log("left_over", number=nearest, position_m=[x, y])
+            yield from self._piece(nearest, False)
+        left_out = tuple(k for k, flown in enumerate(self._flown) if not flown)
+        for k in left_out:
+            self._vehicle.log("left_out", number=k)
+        return FlownLanes(left_out, self._trimmed * POINT_M, self._unreached * POINT_M, self._seen * POINT_M)
+
+    def _trim(self, k: int) -> int:
+        """Leave out what is known to be too high; return how many points."""
+        closed = self._left[k] & ~self._chart.open_at(self._points[k])
+        self._left[k] &= ~closed
+        self._trimmed += int(closed.sum())
+        return int(closed.sum())
+
+    def _lane(self, k: int) -> Steps[None]:
+        """Fly a lane for the first time, as far as ways round shoals are short: in order, or from its nearest point."""
+        in_order = True
+        while True:
+            self._trim(k)
+            if not self._left[k][self._next[k] if in_order else 0 :].any():
+                return
+            here = self._pilot.here()
+            point, length_m = self._first(k, here, in_order=in_order)
+            straight_m = float(np.linalg.norm(point - here))
+            short_m = max(ROUND * straight_m, straight_m + ROUND_M)
+            short = length_m <= short_m and (yield from self._piece(k, in_order, short_m))
+            if not short and not in_order:
+                return
+            in_order = short
+
+    def _nearest_left(self) -> int | None:
+        """The lane with the nearest point that is left, once those are left out that need not or cannot be flown to."""
+        ways, nearest_m, nearest = self._chart.ways_from(self._pilot.here()), math.inf, None
+        for k, points in enumerate(self._points):
+            self._trim(k)
+            seen = self._left[k] & self._chart.seen_at(points)
+            self._left[k] &= ~seen
+            self._seen += int(seen.sum())
+            if not self._left[k].any():
+                continue
+            lengths_m = np.where(self._left[k], ways.lengths_m(points), np.inf)
+            unreached = self._left[k] & ~np.isfinite(lengths_m)
+            self._left[k] &= ~unreached
+            self._unreached += int(unreached.sum())
+            if lengths_m.min() < nearest_m:
+                nearest_m, nearest = float(lengths_m.min()), k
+        return nearest
+
+    def _first(self, k: int, here: Floats, *, in_order: bool) -> tuple[Floats, float]:
+        """The point of a lane to begin at, and the length of the way there: the next that is left, or the nearest."""
+        lengths_m = np.where(self._left[k], self._chart.ways_from(here).lengths_m(self._points[k]), np.inf)
+        at = self._next[k] + int(np.argmax(self._left[k][self._next[k] :])) if in_order else int(np.argmin(lengths_m))
+        return self._points[k][at], float(lengths_m[at])
+
+    def _piece(self, k: int, in_order: bool, short_m: float = math.inf) -> Steps[bool]:
+        """Go to what is left of a lane, and fly along it until that ends or something is in the way.
+
+        Return False if the way to it turned out to be longer than short_m.
+        """
+        goal = self._first(k, self._pilot.here(), in_order=in_order)[0]
+        at = int(np.argmin(np.linalg.norm(self._points[k] - goal, axis=1)))
+        gone = yield from self._pilot.go_to(goal, short_m)
+        if not gone:
+            self._give_up(k, at, gone is not None)
+            return gone is not None
+        left = self._left[k]
+        after, before = int(np.argmin(np.append(left[at:], False))), int(np.argmin(np.append(left[at::-1], False)))
+        yield from self._along(k, at, 1 if in_order or after >= before else -1)
+        self._give_up(k, at, True)
+        return True
+
+    def _give_up(self, k: int, at: int, for_good: bool) -> None:
+        """Leave out a point that is still left after it was tried."""
+        if for_good and self._left[k][at]:
+            self._left[k][at] = False
+            self._unreached += 1
+
+    def _along(self, k: int, at: int, step: int) -> Steps[None]:
+        """Fly along a lane from one of its points, up (step = 1) or down (-1), until it ends or is not open ahead."""
+        points, left = self._points[k], self._left[k]
+        end = at + step * int(np.argmin(np.append(left[at::step], False)))  # one past the last point of the run
+        direction = step * (points[-1] - points[0]) / max(float(np.linalg.norm(points[-1] - points[0])), 1e-9)
+        end_s = self._vehicle.time_s + GRACE_S + 5.0 * abs(end - at) * POINT_M / self._lookout.speed_m_s
+        while at != end:
+            here = self._pilot.here()
+            away = points[at] - here
+            if float(away @ direction) < 0.5 * POINT_M and float(np.linalg.norm(away)) < PASSED_M:
+                left[at], self._next[k], self._flown[k] = False, max(self._next[k], at + 1), self._flown[k] + 1
+                at += step
+                continue
+            ahead_m = min(LOOK_M, abs(end - step - at) * POINT_M)
+            if not self._chart.straight(here, points[at] + ahead_m * direction) or not (yield from self._pilot.clear()):
+                self._trim(k)
+                return
+            if self._vehicle.time_s > end_s:
+                left[at] = False
+                self._unreached += 1
+                return
+            yield from self._lookout.towards(points[at] + AIM_M * direction)
+
+
+def _points(lane: Lane) -> Floats:
+    count = max(1, round(lane.length_m / POINT_M))
+    return np.asarray(lane.start_m + np.linspace(0.0, 1.0, count + 1)[:, None] * (lane.end_m - lane.start_m))
