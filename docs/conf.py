@@ -2,17 +2,22 @@
 
 import re
 from importlib.metadata import version as installed_version
+from pathlib import Path
 from typing import Any
 
 project = "uwsim"
 author = "the uwsim authors"
 version = release = installed_version("uwsim")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
-source_suffix = {".md": "markdown"}
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns = ["_static"]
-myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
+nb_execution_mode = "cache"  # notebooks are executed when they, or what is beside them, have changed
+nb_execution_cache_path = str(Path(__file__).parents[1] / "build" / "notebooks")
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300  # [s] of a cell, on a busy machine
 myst_links_external_new_tab = True
 
 autodoc_member_order = "bysource"

@@ -71,11 +71,11 @@ def test_no_line_of_help_is_cut(command: list[str]) -> None:
     assert "..." not in shown.replace("COMMAND [ARGS]...", "")
 
 
-def test_every_exit_code_is_in_the_help_and_in_the_readme() -> None:
-    shown, readme = uwsim("--help").stdout, (assets_folder().parent / "README.md").read_text()
+def test_every_exit_code_is_in_the_help_and_in_the_documentation() -> None:
+    shown, page = uwsim("--help").stdout, (assets_folder().parent / "docs" / "conventions.md").read_text()
     for code, meaning in EXIT_CODES.items():
         assert f"{code}  {meaning}" in shown
-        assert f"| {code} | {meaning} |" in readme
+        assert f"| {code} | {meaning} |" in page
 
 
 def test_a_survey_that_its_battery_stops_is_incomplete_and_the_exit_code_says_so(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The Python programs of the documentation's pages run as printed: all of a page, one after the other."""
 
+import json
 import re
 import subprocess
 import sys
@@ -10,7 +11,25 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.mark.parametrize("page", ["first-dive", "scenarios", "batch", "learning", "sweeps"])
+PAGES = [
+    "batch",
+    "build-a-vehicle",
+    "cameras",
+    "ci",
+    "determinism",
+    "first-dive",
+    "learning",
+    "live",
+    "maps",
+    "scenarios",
+    "sensors",
+    "sonars",
+    "sweeps",
+    "world",
+]
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_the_programs_of_a_page_run(page: str, tmp_path: Path) -> None:
     text = (DOCS / f"{page}.md").read_text()
     programs = re.findall(r"^```python\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
@@ -35,3 +54,13 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
     assert "`scan`" in (tmp_path / "channels.md").read_text()
     assert "| 0 to 2 | `place_body` | m | -10 ... 10 |" in (tmp_path / "environments.md").read_text()
     assert "| `retries` | whole number in 0 ... 100 | `2` |" in (tmp_path / "sweep.md").read_text()
+    assert "Francois and Garrison 1982" in (tmp_path / "sources.md").read_text()
+
+
+def test_notebooks_are_kept_without_what_they_gave() -> None:
+    """The site's build executes them; kept outputs would be of another version, and no difference could be read."""
+    notebooks = sorted((DOCS / "notebooks").glob("*.ipynb"))
+    assert len(notebooks) >= 6
+    for path in notebooks:
+        cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+        assert cells and all(not cell["outputs"] and cell["execution_count"] is None for cell in cells), path.name

@@ -9,6 +9,7 @@ from tools.reference.environments import environments_page
 from tools.reference.python_names import python_page
 from tools.reference.scenario import scenario_page
 from tools.reference.sensors import sensors_page
+from tools.reference.sources import sources_page
 from tools.reference.sweep import sweep_page
 
 PAGES = {
@@ -19,6 +20,7 @@ PAGES = {
     "commands": commands_page,
     "environments": environments_page,
     "python": python_page,
+    "sources": sources_page,
 }
 
 

@@ -1,4 +1,4 @@
-"""The exit codes of `uwsim`: one table, for the commands, `uwsim --help` and README.md."""
+"""The exit codes of `uwsim`: one table, for the commands, `uwsim --help` and docs/conventions.md."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ def validate(
         list[str] | None,
         typer.Argument(help="Any of dynamics, sonar, imaging, camera, link, control, estimation. Default: all."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the curves as PNG.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
 ) -> None:
     """Compare the simulator with closed forms and published data.
 
@@ -23,11 +23,13 @@ def validate(
     """
     from uwsim.validate import SUITES, run_suite
     from uwsim.validate.check_table import print_checks
+    from uwsim.validate.page import write_page
 
-    missed = False
+    found = {}
     for suite in suites or SUITES:
-        checks = run_suite(suite, out)
-        print_checks(checks, suite)
-        missed = missed or not all(check.passed for check in checks)
-    if missed:
+        found[suite] = run_suite(suite, out)
+        print_checks(found[suite], suite)
+    if out is not None:
+        write_page(out, found)
+    if not all(check.passed for checks in found.values() for check in checks):
         raise typer.Exit(FAILED)
