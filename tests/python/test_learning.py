@@ -18,6 +18,7 @@ from gymnasium.vector import AutoresetMode
 
 from uwsim.learning import ENVIRONMENTS
 from uwsim.learning.tasks import TASKS
+from uwsim.scenario.read.assets import assets_folder
 
 STATION = "uwsim/StationKeeping-v0"
 
@@ -97,7 +98,7 @@ def test_without_autoreset_the_user_resets_by_a_mask() -> None:
 
 
 def test_parameters_are_drawn_for_each_episode() -> None:
-    ranges = {"rov.mass_kg": (13.0, 14.5)}
+    ranges = {"rov.mass_kg": (13.0, 14.5), "rov.thrusters.front_left.health": (0.3, 1.0)}
     vector = gymnasium.make_vec(STATION, num_envs=3, randomize=ranges)
     vector.reset(seed=3)
     batch = vector.unwrapped.episodes.batch
@@ -148,6 +149,15 @@ def test_wrong_options_are_named(make: dict[str, Any], message: str) -> None:
         warnings.simplefilter("ignore")  # Gymnasium's own, on unknown render modes
         with pytest.raises(ValueError, match=message):
             gymnasium.make_vec(STATION, **{"num_envs": 1, **make})
+
+
+def test_a_vehicle_that_cannot_do_what_actions_say_is_refused(tmp_path: Path) -> None:
+    text = (assets_folder() / "learning" / "open_water.yaml").read_text()
+    (tmp_path / "remus.yaml").write_text(text.replace("bluerov2_heavy", "remus100"))
+    with pytest.raises(ValueError, match="vehicle 'rov': nothing drives its sway"):
+        gymnasium.make_vec(STATION, num_envs=1, scenario=tmp_path / "remus.yaml")
+    with pytest.raises(ValueError, match="vehicle 'rov': its sonar has 513 beams: the task needs 64"):
+        gymnasium.make("uwsim/PipelineFollowing-v0", scenario="cove").reset()
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,8 @@ class Episodes:
         scenario = task_scenario(kind, options.scenario)
         self.batch = Batch(scenario, n=n, threads=options.threads)
         self.task = kind(self.batch)
+        if options.scenario is not None:
+            require_driven(self.task)
         self.n = n
         self.period_s = kind.period_s
         self.steps = round(kind.period_s / scenario.step_s)
@@ -175,3 +177,12 @@ class Episodes:
 def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
     """Return a task's scenario, or the one that is to replace it."""
     return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)
+
+
+def require_driven(task: Task) -> None:
+    """Raise ValueError unless the vehicle's drive has an effect on all axes that actions set."""
+    driven = task.batch.simulator(0).vehicles[task.vehicle].controllable
+    idle = [axis for axis in task.axes if axis not in driven]
+    if idle:
+        rule = f"nothing drives its {' and '.join(idle)}, which actions of {type(task).__name__} set"
+        raise ValueError(f"vehicle '{task.vehicle}': {rule}")
