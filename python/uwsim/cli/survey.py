@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Frequency, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, need
+from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -45,6 +45,7 @@ def survey(
             help="Discard ranges with which their neighbours in the swath disagree. Default: in physics mode.",
         ),
     ] = None,
+    link: Link = None,
     estimate: Annotated[
         str | None,
         typer.Option(help="truth, or filter: fly and map by the vehicle's own instruments. Default: truth."),
@@ -88,6 +89,7 @@ def survey(
         "engine": engine,
         "outlier_filter": outlier_filter,
         "estimate": estimate,
+        "link": link,
     }
     if resume and record is not None:
         raise ValueError("--record: a survey that is resumed cannot be recorded from its start")

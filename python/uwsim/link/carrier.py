@@ -79,11 +79,16 @@ class Carrier:
                 hint = did_you_mean(pattern, topics)
                 raise ValueError(f"link.repeats: '{pattern}': must match a channel that goes over the link{hint}")
 
-    def start(self) -> Self:
-        """Begin to carry; return itself. Raises NotRunningError."""
-        self._live.read(self._begin).result()
+    def start(self, saved: dict[str, Any] | None = None) -> Self:
+        """Begin to carry, or go on from what `save` returned; return itself. Raises NotRunningError."""
+        self._live.read(lambda sim: self._begin(sim, saved)).result()
         self._live.attend(self)
         return self
+
+    def save(self) -> dict[str, Any]:
+        """Return when what is due next, as JSON values; the messages themselves are in the simulator's state."""
+        return {"rates": self.rates, "schedule": self._schedule.save(), "tick": self._tick,
+                "arrived_ns": self._arrived_ns, "due_tick": self.due_tick}  # fmt: skip
 
     def close(self) -> None:
         """Carry no more."""
@@ -166,9 +171,9 @@ class Carrier:
             self._wake()
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
 
-    def _begin(self, sim: Simulator) -> None:
-        self._arrived_ns = sim.time_ns
-        self.rates = self._made_rates(sim)
+    def _begin(self, sim: Simulator, saved: dict[str, Any] | None) -> None:
+        self._arrived_ns = sim.time_ns if saved is None else saved["arrived_ns"]
+        self.rates = self._made_rates(sim) if saved is None else saved["rates"]
         left_out = [
             name for name, one in self._carried.items() if name not in self.rates and one.channel.direction == "out"
         ]
@@ -176,7 +181,11 @@ class Carrier:
             logger.warning("the link has no room for %s", ", ".join(left_out))
         is_modem = self._network.modem.kind == "modem"
         self._schedule = Schedule(self._carried, self.rates, sim.step_s, shared=is_modem)
-        self._schedule.restart(sim.tick)
+        if saved is None:
+            self._schedule.restart(sim.tick)
+        else:
+            self._schedule.restore(saved["schedule"])
+            self._tick, self.due_tick = saved["tick"], saved["due_tick"]
 
     def _made_rates(self, sim: Simulator) -> dict[str, float]:
         said = [one for one in self._carried.values() if one.channel.direction == "out"]

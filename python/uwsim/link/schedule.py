@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from uwsim.channels.channel import PICTURE
 from uwsim.link.carried import Carried
@@ -44,6 +45,15 @@ class Schedule:
     def due_ticks(self) -> Iterable[int]:
         """The tick at which each turn is next."""
         return (turn.due_tick for turn in self._turns)
+
+    def save(self) -> list[list[Any]]:
+        """Return each turn's names in their order, and when it is next."""
+        return [[list(turn.names), turn.due_tick] for turn in self._turns]
+
+    def restore(self, turns: list[list[Any]]) -> None:
+        """Go on from what `save` returned."""
+        for turn, (names, due_tick) in zip(self._turns, turns, strict=True):
+            turn.names, turn.due_tick = deque(names), due_tick
 
     def restart(self, tick: int) -> None:
         """Begin anew: everything is due at this tick."""

@@ -26,7 +26,7 @@ class FlightState:
     """A survey in flight.
 
     simulation: bytes of Simulator.save_state. mission: its saved state, None if it has none. begun_s: simulated time at
-    the start of the survey. wall_s: wall time flown so far.
+    the start of the survey. wall_s: wall time flown so far. ashore: the station's end of the link, if there is one.
     """
 
     simulation: bytes
@@ -36,6 +36,7 @@ class FlightState:
     wall_s: float
     stage_wall_s: dict[str, float]
     log: PingLog
+    ashore: dict[str, Any] | None = None
 
 
 class _SampleFile(BaseModel):
@@ -63,6 +64,7 @@ class _StateFile(BaseModel):
     richest: _SampleFile | None
     richest_score: float
     pings_with_warning: dict[str, Annotated[int, Field(ge=0)]]
+    ashore: dict[str, Any] | None = None
     more: dict[str, Any]
 
 
@@ -83,6 +85,7 @@ def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
         "richest": None if log.sample is None else {name: _encoded(a) for name, a in vars(log.sample).items()},
         "richest_score": log.sample_score,
         "pings_with_warning": log.pings_with_warning,
+        "ashore": state.ashore,
         "more": more,
     }
     text = json.dumps(content).encode()
@@ -112,7 +115,14 @@ def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
         pings_with_warning=read.pings_with_warning,
     )
     state = FlightState(
-        read.simulation, read.mission, read.steps_to_ping, read.begun_s, read.wall_s, read.stage_wall_s, log
+        read.simulation,
+        read.mission,
+        read.steps_to_ping,
+        read.begun_s,
+        read.wall_s,
+        read.stage_wall_s,
+        log,
+        read.ashore,
     )
     return state, read.more
 

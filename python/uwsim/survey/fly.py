@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from uwsim.survey.ping_to_map import HullBox, PingToMap
 from uwsim.survey.pinging_clock import PingingClock, TakePing
 from uwsim.survey.record import INTERRUPTED, EstimateKind, SurveyRecord
 from uwsim.survey.wall_time import AUTOSAVE, WallTimer
+
+if TYPE_CHECKING:
+    from uwsim.survey.ashore import Ashore
 
 HULL_MARGIN_M = 0.05
 MakeMission = Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission]
@@ -117,6 +120,11 @@ class _Flight:
             self._wall_start_s -= resume.wall_s
             self._begun_s, self._log = resume.begun_s, resume.log
             self.timer = WallTimer(resume.stage_wall_s)
+        self._ashore: Ashore | None = None
+        if sim.link is not None:
+            from uwsim.survey.ashore import Ashore  # here, since channels take long to import
+
+            self._ashore = Ashore(sim, None if resume is None else resume.ashore)
 
     def fly(
         self, chain: PingToMap, make_mission: MakeMission, survey: Survey, on_progress: Callable[[float], None]
@@ -129,7 +137,7 @@ class _Flight:
             chain,
             self._log,
             ping_interval_s(self._sim, survey),
-            lambda: on_progress(self._mission.progress),
+            lambda: self._on_ping(on_progress),
             self._on_pause,
             self._on_ping_taken,
             estimate,
@@ -147,6 +155,14 @@ class _Flight:
             return self._mission.run()
         except KeyboardInterrupt:
             return INTERRUPTED
+        finally:
+            if self._ashore is not None:
+                self._ashore.close()
+
+    def _on_ping(self, on_progress: Callable[[float], None]) -> None:
+        if self._ashore is not None:
+            self._ashore.listen()
+        on_progress(self._mission.progress)
 
     def _on_pause(self) -> None:
         if self._supervisor is None:
@@ -170,6 +186,7 @@ class _Flight:
             wall_s=time.perf_counter() - self._wall_start_s,
             stage_wall_s=dict(self.timer.wall_s),
             log=self._log.copy(),
+            ashore=None if self._ashore is None else self._ashore.save(),
         )
 
     def record(self, stopped_because: str) -> SurveyRecord:
@@ -202,6 +219,7 @@ class _Flight:
             position_error_m=np.array(log.position_error_m),
             pings_with_warning=dict(log.pings_with_warning),
             warning_limits_m=_warning_limits_m(sim.scenario),
+            ashore=self._ashore,
         )
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scoring.survey_track import SurveyTrack
 from uwsim.survey.wall_time import MAP_THREAD_STAGES
+
+if TYPE_CHECKING:
+    from uwsim.survey.ashore import Ashore
 
 INTERRUPTED = "interrupted (Ctrl-C)"
 FloatArray = NDArray[np.floating]
@@ -44,7 +47,8 @@ class SurveyRecord:
     share of the visible surface that is in the map, 0..1; None when the map was not scored.
     lanes_left_out: a sentence on the lanes that cannot be flown; None if there are none. estimate: whether mission and
     map went by the true pose or by the vehicle's own filter; path_world_m is the true path in both cases.
-    position_error_m: (n,), how far the sonar was from where the map was told that it was, at each ping.
+    position_error_m: (n,), how far the sonar was from where the map was told that it was, at each ping. ashore: what
+    the station has of it, where there is a link.
     """
 
     scenario_name: str
@@ -75,6 +79,7 @@ class SurveyRecord:
     lanes_left_out: str | None = None
     estimate: EstimateKind = "truth"
     position_error_m: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    ashore: Ashore | None = None
 
     @property
     def interrupted(self) -> bool:

@@ -11,11 +11,12 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from uwsim.atomic_file import write_atomically
+from uwsim.link.table import HEADINGS
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.score_text import coverage_text, distance_text, order_met, order_rows
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.report_figures import ReportFigure
-from uwsim.survey.summary import duration_text, key_figures, survey_warnings
+from uwsim.survey.summary import ashore_text, duration_text, key_figures, survey_warnings
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 STYLE = Path(__file__).with_name("report_style.css")
@@ -27,6 +28,7 @@ def write_report(
     score: MapScore,
     free_voxel_count: int,
     figures: Sequence[ReportFigure],
+    ashore: MapScore | None = None,
 ) -> None:
     """Write the report atomically, with the figures inside it as data URIs. Raises OSError if that fails."""
     page = filled_page(
@@ -40,6 +42,9 @@ def write_report(
         judged=_judged_cells(score),
         setup=_setup(record),
         stages=_stages(record),
+        link=[row.texts() for row in record.ashore.table()] if record.ashore is not None else [],
+        link_headings=HEADINGS,
+        ashore=None if ashore is None else ashore_text(record, ashore),
         figures=[(figure, data_uri(figure.path)) for figure in figures],
     )
     write_atomically(path, page.encode("utf-8"))

@@ -31,6 +31,7 @@ class SurveyRequest:
     outlier_filter: bool | None = None
     estimate: EstimateKind = "truth"
     mission: str | None = None
+    link: str | None = None
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
@@ -42,6 +43,7 @@ class SurveyRequest:
             sonar_model=self.sonar_model,
             sonar_frequency_khz=self.sonar_frequency_khz,
             mission_time_s=self.mission_time_s,
+            link=self.link,
             threads=threads,
         )
 
@@ -56,7 +58,7 @@ class SurveyRequest:
     def require_same(self, arguments: dict[str, Any]) -> None:
         """Raise ValueError if an argument that is not None differs from this request."""
         for name, value in arguments.items():
-            requested = resolved_path(value) if name in ("scenario", "sonar_model") else value
+            requested = resolved_path(value) if name in ("scenario", "sonar_model", "link") else value
             begun_with = getattr(self, name)
             if requested is not None and requested != begun_with:
                 raise ValueError(f"--resume: {name} = {requested}: the survey was begun with {begun_with}")

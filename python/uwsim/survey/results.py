@@ -5,11 +5,12 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.link.table import text_table
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import score_values, write_json
@@ -17,7 +18,7 @@ from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.checkpoint import MAP
 from uwsim.survey.record import SurveyRecord
-from uwsim.survey.summary import flight_values, summary_table, survey_warnings
+from uwsim.survey.summary import ashore_text, flight_values, summary_table, survey_warnings
 from uwsim.survey.terminal import Terminal
 
 Report = Literal["full", "json", "none"]
@@ -30,19 +31,27 @@ FIGURE_FILES = (
     "sonar_fan.png",
     "depth_profile.png",
 )
-RESULT_FILES = (TRACK, REPORT, SUMMARY, *FIGURE_FILES)
+MAP_ASHORE = "map_ashore.bt"
+RESULT_FILES = (TRACK, REPORT, SUMMARY, MAP_ASHORE, *FIGURE_FILES)
 
 
 class Scoring:
     """Scores a survey's map on a thread, so that the map can be written meanwhile. A context manager, which ends it."""
 
-    def __init__(self, sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> None:
+    def __init__(
+        self, sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, ashore: OccupancyMap | None = None
+    ) -> None:
         self._pool = ThreadPoolExecutor(1, "scoring")
         self._scored = self._pool.submit(_scored, sim, occupancy, record)
+        self._ashore = None if ashore is None else self._pool.submit(_scored, sim, ashore, record)
 
     def result(self) -> tuple[MapScore, NDArray[np.float64]]:
         """Wait for the score; returns it and the centres (n, 3) of the occupied voxels. Raises what score_map does."""
         return self._scored.result()
+
+    def ashore(self) -> MapScore | None:
+        """Wait for the score of the station's map, if there is one."""
+        return None if self._ashore is None else self._ashore.result()[0]
 
     def __enter__(self) -> Self:
         return self
@@ -57,6 +66,13 @@ def _scored(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> tu
     occupied = occupancy.occupied_voxels()
     path, area, range_m = record.path_world_m, record.area_world_m, record.range_max_m
     return score_map(sim.world, occupied, occupancy.resolution_m, path, area, range_m, rays=sim.scene), occupied
+
+
+def _link_values(record: SurveyRecord, ashore: MapScore | None) -> dict[str, Any]:
+    if record.ashore is None or ashore is None:
+        return {}
+    score = {"pings": record.ashore.ping_count, **score_values(ashore, path_known=True)}
+    return {"link": [row._asdict() for row in record.ashore.table()], "ashore": score}
 
 
 def write_results(
@@ -81,10 +97,15 @@ def write_results(
     with terminal.status("scoring the map"):
         free_voxels = occupancy.statistics().free_voxels
         score, occupied = scoring.result()
+        ashore = scoring.ashore()
     terminal.result(summary_table(record, score, free_voxels))
+    if record.ashore is not None and ashore is not None:
+        terminal.result(text_table(record.ashore.table()))
+        terminal.result(f"{ashore_text(record, ashore)}  {out / MAP_ASHORE}")
     terminal.result(f"ended because {record.stopped_because}")
     record.track.write(out / TRACK)
     values = flight_values(record) | {"free_voxels": free_voxels} | score_values(score, path_known=True)
+    values |= _link_values(record, ashore)
     write_json(out / SUMMARY, values | {"warnings": survey_warnings(record, score)})
     if report == "json":
         terminal.result(f"{out / MAP}  {out / SUMMARY}")
@@ -94,6 +115,6 @@ def write_results(
         from uwsim.survey.report_figures import draw_report_figures
 
         figures = draw_report_figures(out, sim.world, record, score, occupied, rays=sim.scene)
-        write_report(out / REPORT, record, score, free_voxels, figures)
+        write_report(out / REPORT, record, score, free_voxels, figures, ashore)
     terminal.result(f"{out / MAP}  {out / REPORT}  {out / SUMMARY}")
     return score.coverage

@@ -22,7 +22,7 @@ from uwsim.survey.flyable_lanes import flyable_plan
 from uwsim.survey.own_mission import OwnMission, maker, name_of
 from uwsim.survey.record import ESTIMATES, EstimateKind, SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
-from uwsim.survey.results import REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
+from uwsim.survey.results import MAP_ASHORE, REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
 from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ def run_survey(
     record: Path | None = None,
     record_topics: tuple[str, ...] | None = None,
     estimate: EstimateKind = "truth",
+    link: str | Path | None = None,
 ) -> SurveyRecord:
     """Fly a scenario's survey and write map.bt, report.html, summary.json and figures into `out`; returns its record.
 
@@ -64,9 +65,11 @@ def run_survey(
     for none. map_memory_mb: limit of the map's memory, the rest goes to disk; the bytes of map.bt do not depend on it.
     report: "full"; "json" for map.bt and summary.json without report and figures; "none" for map.bt alone, without a
     score. outlier_filter: replaces the scenario's. estimate: "filter" flies and maps by the vehicle's own instruments
-    (Vehicle.estimate) instead of the truth. record: a new recording, from which `uwsim map from` makes map and report
-    again; record_topics: see Recorder. Raises ScenarioError or ValueError for an error in the scenario or the
-    arguments, OSError for `out`. However the flight ends, the map of everything seen until then is written.
+    (Vehicle.estimate) instead of the truth. link: a modem, by name or file, instead of the scenario's; the map that the
+    station makes of the pings that arrive is scored beside that aboard, and written as map_ashore.bt. record: a new
+    recording, from which `uwsim map from` makes map and report again; record_topics: see Recorder. Raises ScenarioError
+    or ValueError for an error in the scenario or the arguments, OSError for `out`. However the flight ends, the map of
+    everything seen until then is written.
     """
     _require_interval(autosave_s)
     kind = _checked_report(report)
@@ -85,6 +88,7 @@ def run_survey(
             sonar_model=sonar_model,
             sonar_frequency_khz=sonar_frequency_khz,
             mission_time_s=mission_time_s,
+            link=link,
             threads=threads,
         )
         survey = required_survey(sim.scenario)
@@ -103,6 +107,7 @@ def run_survey(
             outlier_filter=filters_outliers(sim, outlier_filter),
             estimate=estimate,
             mission=name_of(mission),
+            link=resolved_path(link),
         )
         occupancy, reference = request.new_map(map_memory_mb), request.new_reference()
     _require_writable(out)
@@ -213,10 +218,19 @@ class _SurveyRun:
             except OSError as second:
                 raise OSError(f"{error}; and {second}") from error
             raise
-        scored = nullcontext() if self.report == "none" else Scoring(self.sim, self.occupancy, record)
+        ashore = self._map_ashore(record)
+        scored = nullcontext() if self.report == "none" else Scoring(self.sim, self.occupancy, record, ashore)
         with scored as scoring:
             self._write_map()
             return self._finish(record, autosave, scoring)
+
+    def _map_ashore(self, record: SurveyRecord) -> OccupancyMap | None:
+        """Make the station's map, and write it. Raises OSError."""
+        if record.ashore is None:
+            return None
+        made = record.ashore.made_map(self.occupancy.resolution_m, self.request.engine)
+        made.write(self.checkpoint.out / MAP_ASHORE)
+        return made
 
     def _finish(self, record: SurveyRecord, autosave: Autosave, scoring: Scoring | None) -> SurveyRecord:
         """Once the map is written, verify it and write the results."""

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from uwsim.scoring.map_score import MapScore
-from uwsim.scoring.score_text import coverage_text, score_rows
+from uwsim.scoring.score_text import coverage_text, distance_text, score_rows
 from uwsim.survey.completeness import ENOUGH_PERCENT
 from uwsim.survey.record import SurveyRecord
 
@@ -32,6 +32,14 @@ def key_figures(record: SurveyRecord, score: MapScore, free_voxel_count: int) ->
         ("free voxels", f"{free_voxel_count:,}"),
         *score_rows(score),
     ]
+
+
+def ashore_text(record: SurveyRecord, score: MapScore) -> str:
+    """Return a sentence on the map that the station has made."""
+    count = 0 if record.ashore is None else record.ashore.ping_count
+    share = coverage_text(score) if score.visible_truth_voxels else "-"
+    distance = f", mean distance to the truth {distance_text(score.distance_mean_m)}" if score.occupied_voxels else ""
+    return f"the map ashore: {count:,} of {record.ping_count:,} pings, {share} covered{distance}"
 
 
 def _error_rows(record: SurveyRecord) -> list[tuple[str, str]]:

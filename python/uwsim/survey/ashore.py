@@ -1,0 +1,74 @@
+"""The station's end of a survey over a link: the pings that have arrived, of which it makes a map of its own."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+from uwsim.channels import channels
+from uwsim.channels.map import PLACED
+from uwsim.link import Carrier
+from uwsim.link.ashore import placed_points
+from uwsim.link.carried import carried_channels
+from uwsim.link.table import LinkRow, link_rows
+from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.network import STATION
+from uwsim.simulator import Simulator
+
+TOLD = ("telemetry", PLACED)
+
+
+class Ashore:
+    """Lets a surveying vehicle tell its panel and its pings, unless the scenario says what its link carries.
+
+    saved: of `save`, to go on from. The link disturbs nothing aboard.
+    """
+
+    def __init__(self, sim: Simulator, saved: dict[str, Any] | None = None) -> None:
+        assert sim.link is not None
+        self._sim, self._network = sim, sim.link
+        given = channels(sim)
+        named = {one.channel.name: one for one in carried_channels(given, sim) if one.vehicle == sim.rov.name}
+        self._ping = next((one for name, one in named.items() if name.endswith(PLACED)), None)
+        self._reach_m = sim.rov.sonar.model.range_max_m
+        self._pings = [base64.b64decode(ping) for ping in saved["pings"]] if saved else []
+        self._looked_ns = int(saved["looked_ns"]) if saved else sim.time_ns
+        self._carrier = Carrier(sim, given, only=TOLD)
+        self._seen = [one for one in self._carrier.channels if one.name.endswith(TOLD)]
+        self._carrier.start(saved["carrier"] if saved else None)
+
+    def listen(self) -> None:
+        """Keep the pings that have arrived; to be called often, since the link forgets."""
+        for channel in self._seen:
+            channel.read(self._sim)  # over a cable, what nobody listens to is not sent
+        for got in self._network.received(STATION, 1e-9 * self._looked_ns):
+            if self._ping is not None and got.topic == self._ping.channel.name:
+                self._pings.append(got.payload)
+        self._looked_ns = self._sim.time_ns
+
+    def save(self) -> dict[str, Any]:
+        """Return all that the future depends on, as JSON values."""
+        pings = [base64.b64encode(ping).decode() for ping in self._pings]
+        return {"pings": pings, "looked_ns": self._looked_ns, "carrier": self._carrier.save()}
+
+    def close(self) -> None:
+        """Tell no more."""
+        self._carrier.close()
+
+    @property
+    def ping_count(self) -> int:
+        """How many pings have arrived."""
+        return len(self._pings)
+
+    def table(self) -> list[LinkRow]:
+        """Return what became of the messages."""
+        return link_rows(self._sim)
+
+    def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:
+        """Return the map of the pings that have arrived."""
+        made = OccupancyMap(resolution_m=resolution_m, engine=engine)
+        for payload in self._pings:
+            assert self._ping is not None
+            points, origin = placed_points(self._ping.packing.unpack(payload, self._ping.channel))
+            made.insert_scan(points, origin, self._reach_m)
+        return made
