@@ -248,7 +248,7 @@ class Simulator(Sealed):
 
     def step(self, n: int = 1) -> None:
         """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""
-        if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 0 <= n < 2**63:
+        if not (type(n) is int or isinstance(n, np.integer)) or not 0 <= n < 2**63:
             raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
         if n:
             for vehicle in self.vehicles.values():

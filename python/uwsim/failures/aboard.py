@@ -50,6 +50,9 @@ class Aboard:
 
     def step(self, tick: int, end: int, advance: Callable[[int], None]) -> None:
         """Make the steps from a tick to another by `advance`, in parts that begin where a program is due."""
+        if self.is_idle:
+            advance(end - tick)
+            return
         programs = self._programs.values()
         while tick < end:
             for program in programs:
@@ -58,6 +61,11 @@ class Aboard:
             part_end = min(end, max(tick + 1, min([program.due_tick for program in programs])))
             advance(part_end - tick)
             tick = part_end
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether there is nothing that could become due: no fault and no failsafe."""
+        return len(self._programs) == 1 and not self._faults.are_any
 
     def restart(self, scenario: Scenario) -> None:
         """Be as at the start of a run of a scenario, which may have another seed."""

@@ -112,6 +112,11 @@ class Faults(Sealed):
         """Do nothing: `begin_anew` is told the scenario."""
 
     @property
+    def are_any(self) -> bool:
+        """Whether there are faults at all, begun or not."""
+        return bool(self._faults)
+
+    @property
     def active(self) -> tuple[str, ...]:
         """The names of those that last now."""
         return tuple(name for name, fault in self._faults.items() if fault.is_active)

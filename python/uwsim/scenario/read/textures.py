@@ -1,4 +1,4 @@
-"""Textures of mesh files: an image and the place of each triangle on it."""
+"""Textures and colours of mesh files: an image and the place of each triangle on it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, load_mesh
 
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
 MAX_SIDE = 4096
+PATCH = 4
+"""Side of a colour's patch, pixels."""
+UNCOLOURED = np.array([1.0, 1.0, 1.0])
+"""The base colour of a glTF material that names none: white, as its specification says."""
 
 Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
@@ -19,7 +23,8 @@ Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 def load_texture(path: Path) -> Texture | None:
     """Return a mesh file's image (h, w, 3) uint8, sRGB, and corners (m, 3, 2) float32 on it, from its lower left.
 
-    None for a file without an image, or with one that cannot be read, and for formats other than glTF and OBJ. The
+    A glTF file without images, whose materials or vertices have colours, gives an image with a patch for each colour.
+    None for a file without either, or with an image that cannot be read, and for formats other than glTF and OBJ. The
     triangles are those of load_mesh, in its order. Several images in a file are placed side by side. Images are reduced
     to at most 4,096 pixels a side.
     """
@@ -29,6 +34,8 @@ def load_texture(path: Path) -> Texture | None:
 
     try:
         scene = trimesh.load_scene(path, process=False)
+        if path.suffix.lower() in Y_UP_SUFFIXES and (colours := _face_colours(scene)) is not None:
+            return _palette(colours) if len(colours) == len(load_mesh(path)[1]) else None
         mesh: Any = scene.to_mesh()
         uv = getattr(mesh.visual, "uv", None)
         image = _image_of(mesh.visual)
@@ -40,6 +47,43 @@ def load_texture(path: Path) -> Texture | None:
     if len(triangles) != len(mesh.faces):
         return None
     return image, np.ascontiguousarray(np.asarray(uv, np.float32)[mesh.faces])
+
+
+def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
+    """Return the colour of each triangle (m, 3), sRGB, of a scene with colours and without images, else None."""
+    parts, given = [], False
+    for mesh in scene.dump(concatenate=False):
+        material = getattr(mesh.visual, "material", None)
+        if _image_of(mesh.visual) is not None:
+            return None
+        factor = getattr(material, "baseColorFactor", None)
+        if material is None and mesh.visual.defined:
+            linear = np.asarray(mesh.visual.face_colors[:, :3], np.float64) / 255.0
+        else:
+            plain = UNCOLOURED if factor is None else np.asarray(material.main_color[:3], np.float64) / 255.0
+            linear = np.tile(plain, (len(mesh.faces), 1))
+        given = given or factor is not None or (material is None and mesh.visual.defined)
+        parts.append(linear)
+    if not given:
+        return None
+    linear = np.concatenate(parts)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # IEC 61966-2-1
+    return np.asarray(np.rint(255.0 * encoded), np.uint8)
+
+
+def _palette(colours: NDArray[np.uint8]) -> Texture:
+    """Return an image with a patch for each of the colours (m, 3), and corners in the middle of theirs."""
+    known, which = np.unique(colours, axis=0, return_inverse=True)
+    across = min(len(known), MAX_SIDE // PATCH)
+    rows = -(-len(known) // across)
+    if rows * PATCH > MAX_SIDE:
+        raise ValueError(f"{len(known)} colours are too many")
+    patches = np.zeros((rows * across, 3), np.uint8)
+    patches[: len(known)] = known
+    image = np.repeat(np.repeat(patches.reshape(rows, across, 3), PATCH, axis=0), PATCH, axis=1)
+    row, column = np.divmod(which.ravel(), across)
+    middle = np.column_stack([(column + 0.5) / across, 1.0 - (row + 0.5) / rows]).astype(np.float32)
+    return np.ascontiguousarray(image), np.ascontiguousarray(np.repeat(middle[:, None], 3, axis=1))
 
 
 def _image_of(visual: Any) -> NDArray[np.uint8] | None:
