@@ -22,7 +22,7 @@ from uwsim.journal import Journal
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
 from uwsim.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
-from uwsim.scenario.build.control import ControlSettings
+from uwsim.scenario.build.control import ControlSettings, floating_text
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.sealed import Sealed
@@ -120,7 +120,8 @@ class Vehicle(Sealed):
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()
         state = "released" if self.released else "docked"
-        return f"<Vehicle '{self.name}', {state}, at ({east:.2f}, {north:.2f}, {up:.2f}) m>"
+        floats = floating_text(self.control.net_buoyancy_n)
+        return f"<Vehicle '{self.name}', {state}, at ({east:.2f}, {north:.2f}, {up:.2f}) m; {floats}>"
 
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
         """Go on with other figures. Simulator.parameters calls this."""

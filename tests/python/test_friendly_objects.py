@@ -74,10 +74,12 @@ def test_a_physics_ping_travels() -> None:
 def test_nothing_prints_as_an_address(sim: uwsim.Simulator) -> None:
     rov = sim.rov
     things = [sim, sim.scenario, rov, rov.pose, rov.telemetry(), rov.sonar, rov.sonar.ping()]
+    things += [sim.events, sim.faults, sim.parameters, rov.control]
     things += [*rov.sensors.values(), *rov.cameras.values(), *rov.lamps.values(), rov.cameras["front"].capture()]
     for thing in things:
         assert " at 0x" not in repr(thing)
         assert len(repr(thing)) < 400
+    assert repr(rov).endswith("balanced in the water>") and str(sim.scenario) == repr(sim.scenario)
     assert repr(sim) == f"<Simulator 'pool', seed 3, at {sim.time_s:.3f} s, with rov>"
 
 

@@ -40,6 +40,10 @@ class EventLog(Sequence[Event]):
     def __len__(self) -> int:
         return len(self._events)
 
+    def __repr__(self) -> str:
+        last = f", the last: {self._events[-1].name} at {self._events[-1].time_s:g} s" if self._events else ""
+        return f"<EventLog: {len(self._events)} events{last}>"
+
     def __iter__(self) -> Iterator[Event]:
         return iter(self._events)
 

@@ -111,6 +111,9 @@ class Faults(Sealed):
     def restart(self) -> None:
         """Do nothing: `begin_anew` is told the scenario."""
 
+    def __repr__(self) -> str:
+        return f"<Faults: {', '.join(self._faults) or 'none'}; active: {', '.join(self.active) or 'none'}>"
+
     @property
     def are_any(self) -> bool:
         """Whether there are faults at all, begun or not."""

@@ -65,6 +65,10 @@ class Parameters(Mapping[str, Any]):
         self._overlay = overlay
         self.restart(scenario)
 
+    def __repr__(self) -> str:
+        changed = f"; changed: {', '.join(self._changes)}" if self._changes else ""
+        return f"<Parameters of '{self._original.name}': sim.parameters.list('rov.drag') names some{changed}>"
+
     def restart(self, scenario: Scenario) -> None:
         """Begin anew with another scenario of the same names, without applying it."""
         self._original = self._running = scenario

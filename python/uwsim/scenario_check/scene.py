@@ -165,7 +165,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
     water = sim.world.water
     control = sim.vehicles[entry.name].control.model
     current = np.asarray(water.velocity_m_s([position], 0.0)[0], np.float64)
-    net_n = -float(control.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))[2])
+    net_n = sim.vehicles[entry.name].control.net_buoyancy_n
     displaced_kg = float(water.density_at_kg_m3(0.0)) * rigid_body(entry.model, 1000.0).volume_m3
     return VehicleScene(
         name=entry.name,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from uwsim.scenario.build.control import floating_text
 from uwsim.scenario_check.check import CheckReport
 from uwsim.scenario_check.scene import ObstacleScene, Scene, VehicleScene
 
@@ -32,12 +33,10 @@ def _scene_lines(scene: Scene) -> Iterator[str]:
 
 def _vehicle_line(vehicle: VehicleScene) -> str:
     x, y, z = vehicle.position_m
-    net = vehicle.net_buoyancy_n
-    floats = "balanced" if abs(net) < 0.05 else f"{'rises' if net > 0 else 'sinks'} by {abs(net):.1f} N"
     place = "docked at" if vehicle.docked else "free at"
     return (
         f"vehicle '{vehicle.name}' ({vehicle.model}): {place} ({x:g}, {y:g}, {z:g}) m, yaw {vehicle.yaw_deg:g} deg, "
-        f"{vehicle.altitude_m:.1f} m above the bed; {floats}"
+        f"{vehicle.altitude_m:.1f} m above the bed; {floating_text(vehicle.net_buoyancy_n)}"
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from uwsim import _core
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.craft import craft
@@ -21,6 +23,22 @@ class ControlSettings:
 
     model: _core.ControlModel
     gains: _core.ControlGains
+
+    @property
+    def net_buoyancy_n(self) -> float:
+        """What lifts the vehicle deep in still water when nothing drives it; negative: it sinks."""
+        return -float(self.model.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))[2])
+
+    def __repr__(self) -> str:
+        driven = ", ".join(axis for axis, is_driven in zip(AXES, self.model.driven, strict=True) if is_driven)
+        return f"<ControlSettings: drives {driven}; {floating_text(self.net_buoyancy_n)}>"
+
+
+def floating_text(net_buoyancy_n: float) -> str:
+    """Return `rises by 2.0 N` or the like."""
+    if abs(net_buoyancy_n) < 0.05:
+        return "balanced in the water"
+    return f"{'rises' if net_buoyancy_n > 0.0 else 'sinks'} by {abs(net_buoyancy_n):.1f} N"
 
 
 def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 1000.0) -> ControlSettings:

@@ -53,7 +53,7 @@ def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
     """Return the colour of each triangle (m, 3), sRGB, of a scene with colours and without images, else None."""
     parts, given = [], False
     for mesh in scene.dump(concatenate=False):
-        material = getattr(mesh.visual, "material", None)
+        material: Any = getattr(mesh.visual, "material", None)
         if _image_of(mesh.visual) is not None:
             return None
         factor = getattr(material, "baseColorFactor", None)

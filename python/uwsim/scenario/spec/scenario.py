@@ -74,6 +74,8 @@ class Scenario(Model):
         about = f"seed {self.seed}, {len(self.obstacles)} obstacles, vehicles {vehicles}"
         return f"<Scenario '{self.name}': {about}; {' '.join(self.description.split())}>"
 
+    __str__ = __repr__
+
     @model_validator(mode="after")
     def _names_are_unique(self) -> Scenario:
         taken = set(RESERVED_NAMES)
