@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec, spec_from_file_location
+from pathlib import Path
 
 import atheris
 from tests.fuzz.laws import Laws
@@ -11,9 +14,27 @@ from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
 
+def import_from_sources() -> None:
+    """Let uwsim come from its folder: atheris cannot instrument what an editable install's own importer loads."""
+    native = find_spec("uwsim._core")
+    assert native is not None and native.origin is not None
+    origin = native.origin
+
+    class Native:
+        @staticmethod
+        def find_spec(name: str, *_: object) -> ModuleSpec | None:
+            return spec_from_file_location(name, origin) if name == "uwsim._core" else None
+
+    for name in [name for name in sys.modules if name.partition(".")[0] == "uwsim"]:
+        del sys.modules[name]
+    sys.meta_path[:] = [Native, *(each for each in sys.meta_path if "ScikitBuild" not in type(each).__name__)]
+    sys.path.insert(0, str(Path(__file__).parents[2] / "python"))
+
+
 def main() -> None:
     """Instrument the reader while its first inputs are read, then mutate them until the time is over."""
     name, *options = sys.argv[1:]
+    import_from_sources()
     os.environ["UWSIM_CACHE"] = ""  # a cache of millions of damaged meshes would help nobody
     laws = Laws(name)
     import numpy  # noqa: F401  # not to be instrumented
