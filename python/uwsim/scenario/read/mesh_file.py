@@ -10,9 +10,9 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.cut_short import warn_if_cut_short
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole
 
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
@@ -21,7 +21,6 @@ MAX_BYTES = 500_000_000
 MAX_TRIANGLES = 5_000_000
 TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
 MAX_REACH_M = 1e5
-MAX_PLY_HEADER = 65_536
 Y_UP_SUFFIXES = (".glb", ".gltf")
 CACHED_SUFFIXES = (".obj", ".stl")
 """Files that hold all of their mesh, so that their content is a key to it."""
@@ -54,10 +53,11 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
 def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
     """Read the file; content: its bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
     suffix = path.suffix.lower()
-    _warn_if_cut_short(path, suffix, content)
     try:
         if suffix in TRIMESH_SUFFIXES:
             vertices, triangles = _read_with_trimesh(path, suffix, content)
+            if suffix in TEXT_SUFFIXES:
+                require_whole(f"mesh '{path}'", suffix, content or path.read_bytes(), len(triangles))
             y_up = suffix in Y_UP_SUFFIXES
         else:
             vertices, triangles = _read_with_assimp(path)
@@ -91,14 +91,6 @@ def _require_readable(path: Path) -> None:
         raise ScenarioError(
             f"mesh '{path}': {size} bytes, must be at most {MAX_BYTES}; reduce it in the program it is from"
         )
-
-
-def _warn_if_cut_short(path: Path, suffix: str, content: bytes) -> None:
-    """Warn if the last line of a text has no end; of STL, glTF and binary files the reader finds out itself."""
-    if suffix in (".obj", ".off", ".ply"):
-        content = content or path.read_bytes()
-        if suffix != ".ply" or b"format ascii" in content[:MAX_PLY_HEADER]:
-            warn_if_cut_short(f"mesh '{path}'", content)
 
 
 def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertices, NDArray[Any]]:
