@@ -28,6 +28,8 @@ if(UWSIM_SANITIZE)
   if(UWSIM_FUZZERS)
     list(APPEND sanitize -fsanitize=fuzzer-no-link -fno-sanitize=function)
   endif()
+  # Under AddressSanitizer Eigen would free by a function of its own what PCL's library has allocated by malloc.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
   add_compile_options(${sanitize} -O1 -g1 -D_GLIBCXX_ASSERTIONS)
   add_link_options(${sanitize})
 endif()

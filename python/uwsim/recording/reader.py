@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import struct
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
@@ -235,10 +236,24 @@ class Recording:
                 self.complete = True
 
 
+class _Bounded:
+    """A file that is not read beyond its end: a damaged length would else allocate as much memory as it says."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+        self._size = os.fstat(file.fileno()).st_size
+
+    def read(self, size: int) -> bytes:
+        """Return so many bytes. Raises EOFError if there are fewer."""
+        if size > self._size - self._file.tell():
+            raise EOFError
+        return self._file.read(size)
+
+
 def _records(file: IO[bytes], *, chunks: bool = False) -> Iterator[Any]:
     """Yield the records of a file up to its end, or to where it is cut off. chunks: do not take them apart."""
     try:
-        for record in StreamReader(file, emit_chunks=True, validate_crcs=False).records:
+        for record in StreamReader(_Bounded(file), emit_chunks=True, validate_crcs=False).records:  # type: ignore[arg-type]
             if isinstance(record, Chunk):
                 parts = breakup_chunk(record, validate_crc=True)  # also finds out whether it is whole
                 if not chunks:

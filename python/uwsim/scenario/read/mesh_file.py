@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scenario.read.array_cache import cached_arrays
+from uwsim.scenario.read.assimp_mesh import read_by_assimp
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole
 
@@ -60,7 +61,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
                 require_whole(f"mesh '{path}'", suffix, content or path.read_bytes(), len(triangles))
             y_up = suffix in Y_UP_SUFFIXES
         else:
-            vertices, triangles = _read_with_assimp(path)
+            vertices, triangles = joined(read_by_assimp(path))
             y_up = True  # assimp turns every file that declares its axes to y up
     except ScenarioError:
         raise
@@ -127,36 +128,6 @@ def _sound_stl(data: bytes) -> bytes:
     if b"endsolid" not in data.lower():
         raise ValueError("breaks off before its endsolid")
     return data.decode("utf-8", errors="replace").encode()
-
-
-def _read_with_assimp(path: Path) -> tuple[Vertices, NDArray[Any]]:
-    import assimp_py
-
-    flags = (
-        assimp_py.Process_Triangulate
-        | assimp_py.Process_SortByPType  # keeps lines and points apart from triangles
-        | assimp_py.Process_JoinIdenticalVertices
-        | assimp_py.Process_GlobalScale  # the file's unit to metres
-    )
-    scene = assimp_py.import_file(str(path), flags)
-    parts: list[tuple[Vertices, NDArray[Any]]] = []
-
-    def gather(node: Any, file_from_parent: NDArray[np.float64]) -> None:
-        file_from_node = file_from_parent @ np.asarray(node.transformation, np.float64)
-        for index in node.mesh_indices:
-            mesh = scene.meshes[index]
-            if mesh.num_indices != 3 * mesh.num_faces:
-                continue
-            points = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
-            triangles = np.asarray(mesh.indices, np.int64).reshape(-1, 3)
-            if np.linalg.det(file_from_node[:3, :3]) < 0:  # mirrored: would wind inward
-                triangles = triangles[:, ::-1]
-            parts.append((points @ file_from_node[:3, :3].T + file_from_node[:3, 3], triangles))
-        for child in node.children:
-            gather(child, file_from_node)
-
-    gather(scene.root_node, np.eye(4))
-    return joined(parts)
 
 
 def joined(parts: list[tuple[Vertices, NDArray[Any]]]) -> tuple[Vertices, NDArray[Any]]:

@@ -1,0 +1,43 @@
+"""Meshes by assimp, which knows dozens of formats and crashes or spins on damaged files: in a process with limits."""
+
+from __future__ import annotations
+
+import io
+import signal
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+READER = Path(__file__).with_name("assimp_process.py")
+MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
+CPU_S, CPU_S_PER_BYTE = 8, 1e-6
+"""Limits of a small file, and what each byte of a larger one adds. A BlueROV2 of 5 MB takes a second."""
+
+
+def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:
+    """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError, which says why; ImportError."""
+    if find_spec("assimp_py") is None:
+        raise ImportError("no assimp", name="assimp_py")
+    size = path.stat().st_size
+    limits = MEMORY_BYTES + MEMORY_PER_BYTE * size, CPU_S + round(CPU_S_PER_BYTE * size)
+    command = [sys.executable, "-I", str(READER), str(path), *map(str, limits)]
+    ran = subprocess.run(command, capture_output=True, check=False, stdin=subprocess.DEVNULL)
+    if ran.returncode:
+        raise ValueError(_reason(ran.returncode, ran.stderr.decode(errors="replace"), limits[1]))
+    with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as arrays:
+        parts = [arrays[name] for name in arrays.files]
+    return list(zip(parts[::2], parts[1::2], strict=True))
+
+
+def _reason(code: int, said: str, cpu_s: int) -> str:
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        return f"assimp had not read it after {cpu_s} s"
+    if code < 0:
+        return f"assimp crashed on it ({signal.Signals(-code).name})"
+    lines = said.strip().splitlines()
+    return lines[-1] if lines else "assimp gave up"

@@ -1,0 +1,67 @@
+"""Reads a mesh by assimp, in a process of its own: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
+
+It must not import uwsim, so that it starts quickly. stdout: points and triangles of each part, p0, t0, p1, t1 ...
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+from typing import Any
+
+import numpy as np
+
+
+def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
+    """Return points (n, 3) float64 and triangles (m, 3) int64 of each part of a file, the nodes' transforms applied."""
+    import assimp_py
+
+    flags = (
+        assimp_py.Process_Triangulate
+        | assimp_py.Process_SortByPType  # keeps lines and points apart from triangles
+        | assimp_py.Process_JoinIdenticalVertices
+        | assimp_py.Process_GlobalScale  # the file's unit to metres
+    )
+    scene = assimp_py.import_file(path, flags)
+    parts: list[np.ndarray[Any, Any]] = []
+
+    def gather(node: Any, file_from_parent: np.ndarray[Any, Any]) -> None:
+        file_from_node = file_from_parent @ np.asarray(node.transformation, np.float64)
+        for index in node.mesh_indices:
+            mesh = scene.meshes[index]
+            if mesh.num_indices != 3 * mesh.num_faces:
+                continue
+            points = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
+            triangles = np.asarray(mesh.indices, np.int64).reshape(-1, 3)
+            if np.linalg.det(file_from_node[:3, :3]) < 0:  # mirrored: would wind inward
+                triangles = triangles[:, ::-1]
+            parts.extend((points @ file_from_node[:3, :3].T + file_from_node[:3, 3], triangles))
+        for child in node.children:
+            gather(child, file_from_node)
+
+    gather(scene.root_node, np.eye(4))
+    return parts
+
+
+def main() -> None:
+    """Read within the limits; an error is a line on stderr and exit code 1."""
+    path, memory_bytes, cpu_s = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # whatever assimp prints is not part of the answer
+    for kind, limit in (
+        (resource.RLIMIT_AS, memory_bytes),
+        (resource.RLIMIT_CPU, cpu_s),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(kind, (limit, limit))
+    try:
+        parts = read_parts(path)
+    except Exception as error:  # on malformed files assimp raises errors of any type
+        sys.exit(" ".join(str(error).split()) or type(error).__name__)
+    np.savez(out, *parts)
+    out.close()
+
+
+if __name__ == "__main__":
+    main()
