@@ -1,8 +1,8 @@
 """Environment steps a second: by members, by what is observed, by threads; against the bare C++ step and pybullet.
 
 All cases take turns in each round; medians of rates and of ratios within rounds. Cases of one thread are measured in
-processor time, the others by the wall clock, which wants a quiet machine. Actions are random, episodes end and begin
-anew as in training.
+processor time, the others by the wall clock, which wants a quiet machine, as does the ratio of many threads to one,
+both by the wall clock. Actions are random; episodes end and begin anew as in training.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -44,7 +44,7 @@ def main(
 ) -> None:
     """Measure all cases in turns and print medians."""
     cores = len(os.sched_getaffinity(0))
-    cases: dict[str, Callable[[float], float]] = {}
+    cases: dict[str, Callable[[float], Rate]] = {}
     for kind, (name, options) in KINDS.items():
         for count in COUNTS:
             for threads in sorted({1, cores}) if count == max(COUNTS) else (1,):
@@ -59,7 +59,7 @@ def main(
     for index in range(rounds):
         with console.status(f"round {index + 1} of {rounds}"):
             per_round.append({name: measure(seconds) for name, measure in cases.items()})
-    figures = {name: statistics.median(turn[name] for turn in per_round) for name in cases}
+    figures = {name: statistics.median(turn[name].own for turn in per_round) for name in cases}
     ratios = compared(per_round, cores)
     console.print(rates_table(figures))
     console.print(ratios_table(ratios))
@@ -68,23 +68,40 @@ def main(
         json_file.write_text(json.dumps({"steps_s": figures, "ratios": ratios}, indent=2) + "\n", encoding="utf-8")
 
 
+class Rate(NamedTuple):
+    """Environment steps a second, of all members, by the case's own clock and by the wall clock."""
+
+    own: float
+    wall: float
+
+
+def timed(step: Callable[[int], object], members: int, threads: int, seconds: float) -> Rate:
+    """Call step(0), step(1), ... for about so many seconds of the clock that suits the threads."""
+    clock = time.process_time if threads == 1 else time.perf_counter
+    calls, begin, wall_begin = 0, clock(), time.perf_counter()
+    while (elapsed := clock() - begin) < seconds or calls < 1:
+        step(calls)
+        calls += 1
+    return Rate(calls * members / elapsed, calls * members / (time.perf_counter() - wall_begin))
+
+
 class Driven:
-    """A vector environment under random actions; calling it returns environment steps a second, of all members."""
+    """A vector environment under random actions."""
 
     def __init__(self, name: str, count: int, threads: int, options: dict[str, Any]) -> None:
         self._env = gymnasium.make_vec(name, count, threads=threads, **options)
         self._env.reset(seed=0)
-        self._clock = time.process_time if threads == 1 else time.perf_counter
+        self._threads = threads
         draws = np.random.default_rng(0)
         self._actions = draws.uniform(-0.3, 0.3, (64, *(self._env.action_space.shape or ()))).astype(np.float32)
 
-    def __call__(self, seconds: float) -> float:
+    def __call__(self, seconds: float) -> Rate:
         """Step for about so many seconds."""
-        steps, begin = 0, self._clock()
-        while (elapsed := self._clock() - begin) < seconds or steps < 1:
-            self._env.step(self._actions[steps % len(self._actions)])
-            steps += 1
-        return steps * self._env.num_envs / elapsed
+
+        def step(call: int) -> object:
+            return self._env.step(self._actions[call % len(self._actions)])
+
+        return timed(step, self._env.num_envs, self._threads, seconds)
 
 
 class Bare:
@@ -93,42 +110,39 @@ class Bare:
     def __init__(self, name: str, threads: int) -> None:
         env = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
         env.reset(seed=0)
-        self._clock = time.process_time if threads == 1 else time.perf_counter
+        self._threads = threads
         self._batch, self._steps = env.episodes.batch, env.episodes.steps
         efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (self._batch.n, 6))
         self._batch.step(1, efforts)
 
-    def __call__(self, seconds: float) -> float:
-        """Step for about so many seconds; return periods of an environment a second, of all members."""
-        calls, begin = 0, self._clock()
-        while (elapsed := self._clock() - begin) < seconds:
-            self._batch.step(self._steps)
-            calls += 1
-        return calls * self._batch.n / elapsed
+    def __call__(self, seconds: float) -> Rate:
+        """Step for about so many seconds; a call is a period of an environment."""
+        return timed(lambda call: self._batch.step(self._steps), self._batch.n, self._threads, seconds)
 
 
-def pybullet_step() -> Callable[[float], float] | None:
+def pybullet_step() -> Callable[[float], Rate] | None:
     """Return what steps a BlueROV2 Heavy in pybullet with NumPy forces, in periods of an environment; None without."""
     peer = runpy.run_path(str(Path(__file__).with_name("dynamics.py")))["pybullet_peer"]()
     if peer is None:
         return None
     steps_s = peer(on_bed=False)
-    return lambda seconds: steps_s() / 10.0  # ten steps of 5 ms are a period of uwsim/StationKeeping-v0
+    return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten of its steps are a period of uwsim/StationKeeping-v0
 
 
-def compared(per_round: list[dict[str, float]], cores: int) -> dict[str, float]:
+def compared(per_round: list[dict[str, Rate]], cores: int) -> dict[str, float]:
     """Return medians of ratios within rounds."""
 
     def ratio(one: str, other: str) -> float:
-        return statistics.median(turn[one] / turn[other] for turn in per_round)
+        return statistics.median(turn[one].own / turn[other].own for turn in per_round)
 
     most, ratios = max(COUNTS), {}
     for threads in sorted({1, cores}):
         case, tail = f"n = {most}, threads = {threads}", f", {threads} thread(s)"
         ratios[f"proprioception / bare C++ step{tail}"] = ratio(f"proprioception, {case}", f"bare C++ step, {case}")
-    for kind in KINDS:
-        ratios[f"{kind}, {cores} threads / 1"] = ratio(
-            f"{kind}, n = {most}, threads = {cores}", f"{kind}, n = {most}, threads = 1"
+    for kind in KINDS if cores > 1 else ():
+        few, many = (f"{kind}, n = {most}, threads = {threads}" for threads in (1, cores))
+        ratios[f"{kind}, {cores} threads / 1"] = statistics.median(
+            turn[many].wall / turn[few].wall for turn in per_round
         )
     if "pybullet and NumPy, one vehicle" in per_round[0]:
         one = f"proprioception, n = {most}, threads = 1"
