@@ -64,3 +64,12 @@ def test_notebooks_are_kept_without_what_they_gave() -> None:
     for path in notebooks:
         cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
         assert cells and all(not cell["outputs"] and cell["execution_count"] is None for cell in cells), path.name
+
+
+def test_every_picture_is_shown_and_made_by_a_command() -> None:
+    pages = "".join(path.read_text() for path in [*DOCS.glob("*.md"), DOCS.parent / "README.md"])
+    commands = (DOCS.parent / "tools" / "pictures").read_text()
+    pictures = [path.name for path in DOCS.iterdir() if path.suffix in (".png", ".jpg", ".webp")]
+    assert pictures
+    for name in pictures:
+        assert name in commands and name in pages, name

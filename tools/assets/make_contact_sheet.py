@@ -1,4 +1,4 @@
-"""Draws docs/cameras.jpg, the contact sheet in the README.
+"""Draws docs/cameras.jpg, the contact sheet of docs/cameras.md.
 
 The ROV's front and down cameras in several waters, at noon without lamps and at dusk with them; then the front camera
 without any effect and with warm and cold water mixing before it, the ROV from its chase camera, and in its cage from

@@ -1,4 +1,4 @@
-"""Draws docs/station-start.jpg and docs/station.jpg, the pictures of the operator's station in the README.
+"""Draws docs/station-start.jpg and docs/station.jpg, the pictures of the operator's station in docs/station.md.
 
 A pilot's page in headless Chromium, beside a pipeline of the lake, after a lane over the bed has been mapped. Needs
 the development installation (tools/setup --dev). `--extra FOLDER` also writes the screens at dusk, with alarms, in
