@@ -27,6 +27,7 @@ from uwsim.survey.flyable_lanes import SurveyAreaWarning
 from uwsim.survey.summary import flight_values as survey_values
 from uwsim.sweeps.vary import varied
 from uwsim.sweeps.wall_limit import WallLimitError, wall_limit
+from uwsim.workers.tidy import tidy_now_and_then
 
 OF_THE_WALL = ("wall_s", "stage_wall_s", "threads", "seed", "scenario")
 """Figures of a flight that the clock on the wall decides, or that the table has elsewhere."""
@@ -76,6 +77,7 @@ def fly_job(job: Job) -> dict[str, Any]:
     except (Exception, WallLimitError) as error:
         kind = "" if isinstance(error, ScenarioError | MissionError | WallLimitError) else f"{type(error).__name__}: "
         result["error"] = kind + " ".join(str(error).split())
+    tidy_now_and_then()
     result["run_wall_s"] = time.perf_counter() - begun_s
     return result
 
