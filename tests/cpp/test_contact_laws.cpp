@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #include "meshes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
@@ -112,6 +113,52 @@ TEST(Contact, ABodyRestsOnASolidsMesh) {
   EXPECT_LT(on_box.rms_speed, 1e-4);
   EXPECT_NEAR(on_box.end.world_from_body.position_m.z(), -11.5 + 0.3, 1.2 * kRestGap_m);
 }
+
+TEST(Contact, ABodyThatIsHeldRestsToTheLastBit) {
+  BodyState tilted = at(0, 0, -9.6);
+  tilted.world_from_body.orientation = Eigen::AngleAxisd(-std::atan(0.25), Eigen::Vector3d::UnitY());
+  const Rest ends[] = {rest(terrain_world(flat), box_craft(sinking_box(500)), at(0.1, 0.2, -9.5), 4000),
+                       rest(terrain_world(gentle), box_craft(sinking_box(500)), tilted, 4000),
+                       rest(terrain_world(rough), box_craft(sinking_box(500)), at(0.4, 0.3, -9), 8000)};
+  for (const Rest& end : ends) {
+    EXPECT_EQ(end.rms_speed, 0);
+    EXPECT_EQ(end.drift_m, 0);
+  }
+}
+
+/// A box on a flat bed that is pulled along x by a force that grows to twice what friction holds. `forgets`: each step
+/// is made by a world of its own, which remembers nothing of the steps before.
+std::vector<double> pulled(bool forgets, int steps) {
+  const World world = terrain_world(flat);
+  const auto craft = box_craft(sinking_box(500));
+  const auto made = [&](const BodyState& state) {
+    RigidBodyWorld bodies(world, kStep_s);
+    bodies.add_body({"body", craft, CollisionShape::kHull, 0.6, 0.1}, state);
+    return bodies;
+  };
+  RigidBodyWorld bodies = made(at(0.1, 0.2, -9.69));
+  for (int k = 0; k < 2000; ++k) bodies.step(EvenWater{}, 0);
+  const double held_n = 0.6 * (craft->parameters().mass_kg - 1000 * craft->hull().solid().volume_m3) * 9.80665;
+  std::vector<double> places_m;
+  for (int k = 0; k < steps; ++k) {
+    if (forgets) bodies = made(bodies.state(0));
+    Vector6d tau = Vector6d::Zero();
+    tau[0] = 2 * held_n * (k / 4 * 4) / steps;  // the same for four steps
+    bodies.set_wrench(0, tau);
+    bodies.step(EvenWater{}, 0);
+    places_m.push_back(bodies.state(0).world_from_body.position_m.x());
+  }
+  return places_m;
+}
+
+TEST(Contact, ABodyAtRestMovesAsSoonAsFrictionIsExceeded) {
+  const std::vector<double> places_m = pulled(false, 400);
+  for (std::size_t k = 0; k < 200; ++k) EXPECT_EQ(places_m[k], places_m[0]) << k;
+  EXPECT_GT(places_m[212], places_m[0]);
+  EXPECT_GT(places_m[399] - places_m[0], 0.05);
+}
+
+TEST(Contact, WhatIsRememberedOfARestChangesNoBit) { EXPECT_EQ(pulled(false, 400), pulled(true, 400)); }
 
 TEST(Contact, TheImpulseOfAStepIsThatOfTheFullMassMatrix) {
   CraftParameters p = box_parameters(1000);

@@ -39,6 +39,9 @@ struct ContactBody {
   Vector6d impulse_body = Vector6d::Zero();
   /// Out: a velocity that changes this step's pose only, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
+  /// Out: the least share of Coulomb's limit that friction has left at any contact that presses; 0 where one slides or
+  /// hardly presses, -1 if the body touches others than the fixed world.
+  double grip = -1;
 };
 
 }  // namespace uwsim

@@ -14,6 +14,8 @@ constexpr int kMostSteps = 12;  // of Newton's method; more than 9 were not seen
 constexpr int kPushSweeps = 20;
 constexpr double kWeights[] = {1, 0.5};  // r; the second is tried where the first does not converge
 constexpr double kCompliance = 1e-5;     // of a contact, as a part of 1 / mass
+// Least impulse of a contact that takes a part in holding a body.
+constexpr double kPresses = 1e-5;  // of the largest
 // Largest error of an impulse, as a part of the largest impulse: what is aimed for, and what is good enough when a step
 // no longer gains a digit.
 constexpr double kAim = 1e-13, kGoodEnough = 1e-9;
@@ -51,8 +53,21 @@ bool GroundContactSolver::solve(ContactBody& body, std::span<const Contact> cont
   }
   body.velocity_body += frame.factor * change_;
   body.impulse_body += frame.factor.transpose().triangularView<Eigen::Upper>().solve(change_);
+  body.grip = grip();
   separate_overlaps(frame, body, contacts, step_s);
   return true;
+}
+
+double GroundContactSolver::grip() const {
+  double largest = 0, least = 1;
+  for (const Point& point : points_) largest = std::max(largest, point.impulse[0]);
+  for (const Point& point : points_) {
+    if (!(point.slope(0, 0) > 0)) continue;
+    const double limit = point.friction * point.impulse[0];
+    if (point.impulse[0] < kPresses * largest || !(limit > 0)) return 0;
+    least = std::min(least, 1 - point.impulse.tail<2>().norm() / limit);
+  }
+  return std::max(least, 0.0);
 }
 
 void GroundContactSolver::add_point(const Frame& frame, const ContactBody& body, const Contact& contact,

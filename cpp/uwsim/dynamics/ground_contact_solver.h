@@ -20,8 +20,8 @@ namespace uwsim {
 class GroundContactSolver {
  public:
   void reserve(std::size_t contacts) { points_.reserve(contacts); }
-  /// Changes velocity_body, impulse_body and push_body of `body`, and sets the impulses along the normals [N s].
-  /// Returns false, and changes nothing, where the method does not converge.
+  /// Changes velocity_body, impulse_body, push_body and grip of `body`, and sets the impulses along the
+  /// normals [N s]. Returns false, and changes nothing, where the method does not converge.
   bool solve(ContactBody& body, std::span<const Contact> contacts, double step_s, std::span<double> normal_impulses);
 
  private:
@@ -45,6 +45,7 @@ class GroundContactSolver {
                    Point& point) const;
   void improve();
   bool find_impulses(const Frame& frame, const ContactBody& body, std::span<const Contact> contacts, double weight);
+  double grip() const;
   void separate_overlaps(const Frame& frame, ContactBody& body, std::span<const Contact> contacts, double step_s);
 
   std::vector<Point> points_;

@@ -40,6 +40,7 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   finder_.add_body(spec.collision_pieces_body_m);
   bodies_.push_back({.spec = std::move(spec), .state = state});
   next_states_.resize(bodies_.size());
+  rests_.resize(bodies_.size());
   moving_.resize(bodies_.size());
   contact_bodies_.resize(bodies_.size());
   contacts_.reserve(kContactsPerBody * bodies_.size());
@@ -55,6 +56,7 @@ void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
       finder_.set_body(k, specs[k].collision_pieces_body_m);
     }
     bodies_[k].spec = std::move(specs[k]);
+    bodies_[k].resting.forget();
   }
 }
 
@@ -71,6 +73,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
         body.held ? body.state : advance(*body.spec.craft, body.state, {.body = body.tau_body}, water, time_s, step_s_);
     require_plausible(body, next_states_[k], time_s);  // before it hits another body
   }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) rests_[k] = stays_at_rest(k) ? 1 : 0;
   find_contacts();
   if (!contacts_.empty()) solve_contacts(water, time_s);
   for (std::size_t k = 0; k < bodies_.size(); ++k) require_plausible(bodies_[k], next_states_[k], time_s);
@@ -82,11 +85,26 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   }
 }
 
+/// Whether a body is known to stay where it is, held by terrain and solids, with no other body near.
+bool RigidBodyWorld::stays_at_rest(std::size_t body) const {
+  const Body& it = bodies_[body];
+  if (it.held || !it.resting.lasts(it.state, next_states_[body].velocity_body)) return false;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (k == body || bodies_[k].held) continue;
+    const double near_m = finder_.radius_m(body) + finder_.radius_m(k) + reach_m(body) + reach_m(k);
+    const Eigen::Vector3d between = bodies_[k].state.world_from_body.position_m - it.state.world_from_body.position_m;
+    if (between.squaredNorm() < near_m * near_m) return false;
+  }
+  return true;
+}
+
 /// Finds the contacts at the present poses whose gaps this step could close.
 void RigidBodyWorld::find_contacts() {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    bodies_[k].in_contact = false;
-    moving_[k] = {bodies_[k].state.world_from_body, reach_m(k), !bodies_[k].held};
+    const bool rests = rests_[k] != 0;
+    bodies_[k].in_contact = rests;
+    if (rests) next_states_[k] = bodies_[k].state;
+    moving_[k] = {bodies_[k].state.world_from_body, reach_m(k), !bodies_[k].held && !rests};
   }
   finder_.find(moving_, contacts_);
   for (Contact& contact : contacts_) combine_materials(contact);
@@ -131,6 +149,10 @@ void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const ContactBody& solved = contact_bodies_[k];
     if (solved.impulse_body.isZero(0) && solved.push_body.isZero(0)) continue;
+    if (bodies_[k].resting.begins(solved, next_states_[k].velocity_body, finder_.radius_m(k))) {
+      next_states_[k] = {bodies_[k].state.world_from_body, Vector6d::Zero()};
+      continue;
+    }
     Loads loads{.body = bodies_[k].tau_body};
     const Eigen::Quaterniond& q = solved.world_from_body.orientation;
     loads.world << q * solved.impulse_body.head<3>() / step_s_, q * solved.impulse_body.tail<3>() / step_s_;

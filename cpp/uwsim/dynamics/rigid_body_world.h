@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/contact_finder.h"
 #include "uwsim/dynamics/contact_solver.h"
+#include "uwsim/dynamics/resting.h"
 #include "uwsim/vehicle/hydrodynamics.h"
 #include "uwsim/world/world.h"
 
@@ -69,8 +71,10 @@ class RigidBodyWorld {
     Vector6d acceleration_body = Vector6d::Zero();
     bool held = false;
     bool in_contact = false;
+    Resting resting = {};
   };
 
+  bool stays_at_rest(std::size_t body) const;
   void find_contacts();
   double reach_m(std::size_t body) const;
   void combine_materials(Contact& contact) const;
@@ -83,6 +87,7 @@ class RigidBodyWorld {
   std::vector<Body> bodies_;
   // Kept so that steps allocate nothing.
   std::vector<BodyState> next_states_;
+  std::vector<std::uint8_t> rests_;  // of each body, whether it is known to stay where it is
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_;
   std::vector<Contact> contacts_;
