@@ -70,6 +70,22 @@ def test_a_mistake_has_the_line_of_its_item_though_others_are_left_out(tmp_path:
     assert ["kind: cylinder" in culprits[0], "on_bed" in culprits[1], "kind: pipeline" in culprits[2]] == [True] * 3
 
 
+def test_a_value_under_a_misspelt_key_is_checked_though_others_are_missing(tmp_path: Path) -> None:
+    survey = "survey:\n  area_m: [-20, 20]\n  altitude: 3m\n  speed_m_s: 9\nvehicles:\n"
+    edited(tmp_path / "cove.yaml", ("vehicles:\n", survey), ("water:\n", "water:\n  current: [0.2, 0, 0]\n"))
+    told = "\n".join(check_file(tmp_path / "cove.yaml").mistakes)
+    for message in (
+        "survey.altitude: unknown key; did you mean 'altitude_m'?",
+        "survey.altitude = '3m': must be a number",
+        "survey.speed_m_s = 9 m/s: must be in [0.05, 5] m/s",
+        "survey.line_spacing_m: missing",
+        "survey.area_m[0] = -20: must be a list",
+        "water.current = [0.2, 0, 0]: must be a current with its kind, or a list of them; a velocity alone",
+    ):
+        assert message in told
+    assert "speed_m_s: missing" not in told
+
+
 def test_nothing_follows_from_a_mistake_that_is_told(tmp_path: Path) -> None:
     vehicle = (assets_folder() / "vehicles" / "bluerov2_heavy.yaml").read_text()
     path = tmp_path / "mine.yaml"

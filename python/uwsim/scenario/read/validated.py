@@ -82,19 +82,28 @@ def _follows(mistake: Mistake, left: Remainder) -> bool:
 
 
 def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
-    """Leave out what is at fault; False if there is nothing more to leave out."""
+    """Read misspelt keys as what was meant; else leave out what is wrong; else that of which something is missing.
+
+    One of these at a time, so that as much as can be is left to be checked. False if there is nothing more to do.
+    """
+    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # lists: from their ends
+    renamed = [each for each in ordered if (key := _meant(each)) is not None and left.rename(each.path, key)]
+    if renamed:
+        return True
+    absent = [each for each in ordered if each.rule.startswith("missing") and not left.has(each.path)]
+    present = [each.path for each in ordered if each not in absent]
     gone: list[tuple[Key, ...]] = []
-    for mistake in sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True):  # lists: from their ends
-        if any(mistake.path[: len(path)] == path for path in gone):
+    for path in present or [each.path[:-1] for each in absent]:
+        if any(path[: len(other)] == other for other in gone):
             continue
-        meant = MEANT.search(mistake.rule) if mistake.rule.startswith("unknown key") else None
-        if meant and left.rename(mistake.path, meant[1]):
-            gone.append(mistake.path)
-            continue
-        absent = mistake.rule.startswith("missing") and not left.has(mistake.path)
-        if (removed := left.leave_out(mistake.path[:-1] if absent else mistake.path)) is not None:
+        if (removed := left.leave_out(path)) is not None:
             gone.append(removed)
     return bool(gone)
+
+
+def _meant(mistake: Mistake) -> str | None:
+    meant = MEANT.search(mistake.rule) if mistake.rule.startswith("unknown key") else None
+    return meant and meant[1]
 
 
 def _last_first(path: tuple[Key, ...]) -> tuple[tuple[bool, int, str], ...]:

@@ -150,6 +150,9 @@ CurrentSpec = Annotated[
 
 
 def _as_list(value: object) -> object:
+    if isinstance(value, list | tuple) and value and all(isinstance(item, int | float) for item in value):
+        rule = "must be a current with its kind, or a list of them; a velocity alone is current_world_m_s"
+        raise broken(rule, value=list(value))
     return (value,) if isinstance(value, Mapping | Model) else value
 
 
