@@ -63,15 +63,21 @@ def teleop(
 
 @contextmanager
 def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
-    """Let a simulator run and serve it on a free port of this machine: over its link, if it has one."""
+    """Let a simulator run and serve it on a free port of this machine: over its link, if it has one.
+
+    Over a modem the vehicle tells what the terminal shows, unless the scenario says what the link carries.
+    """
     from uwsim.bridges import RosbridgeServer
+    from uwsim.channels.map import PLACED
     from uwsim.link import Carrier
+    from uwsim.link.ashore import with_scans
     from uwsim.live import LiveSimulator
 
     with ExitStack() as ends:
         live = ends.enter_context(LiveSimulator(simulator))
         server = RosbridgeServer(live, port=0)
         if simulator.link is not None:
-            carrier = ends.enter_context(Carrier(live, server.channels))
-            server.channels, server.services = carrier.channels, carrier.over(server.services)
+            shown = ("telemetry", PLACED) if simulator.link.modem.kind == "modem" else None
+            carrier = ends.enter_context(Carrier(live, server.channels, only=shown))
+            server.channels, server.services = with_scans(carrier.channels), carrier.over(server.services)
         yield ends.enter_context(server)

@@ -55,7 +55,7 @@ Take = Callable[[Readout, Any], None]
 
 def take_telemetry(readout: Readout, message: Any) -> None:
     """Take this project's /telemetry."""
-    place = message.position if message.is_truth else message.estimate
+    place = message.true_position if message.is_truth else message.position
     readout.position_m = tuple(float(value) for value in place)  # type: ignore[assignment]
     _take_attitude(readout, message.orientation)
     readout.speed_m_s = message.speed
@@ -69,7 +69,8 @@ def take_telemetry(readout: Readout, message: Any) -> None:
     readout.mission_s = message.mission_time
     readout.battery_percent = message.battery
     readout.tilt_deg = math.degrees(message.tilt)
-    readout.efforts = tuple(float(value) for value in message.efforts)
+    if len(message.efforts):  # a slow modem's panel does not tell
+        readout.efforts = tuple(float(value) for value in message.efforts)
     readout.lamps = tuple(bool(value) for value in message.lamps)
     readout.released = bool(message.released)
     lit = {
