@@ -76,6 +76,27 @@ TEST(NavigationFilter, ABiasInBothPartsGrowsAsItsDriftDoes) {
   EXPECT_NEAR(both.growth(0.01), drift.growth(0.01), 0.01 * drift.growth(0.01));
 }
 
+/// Facing east, the vehicle's own field ahead turns the compass, and that across it does not: readings there, with
+/// their noise, must not tell of it.
+TEST(NavigationFilter, OneHeadingTellsNothingOfTheFieldAcrossIt) {
+  constexpr double kIron = 0.02, kNoise = 0.005;
+  NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
+  const int compass =
+      filter.add_aid(heading_aid(Eigen::Vector3d::UnitX(), kNoise, {0.01, 0, 0, 0}, kIron, EIGEN_PI / 2));
+  filter.start(known(0, 0, 0.02));
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (std::uint64_t k = 1; k <= 12000; ++k) {
+    filter.add_imu(k * kStep_ns, kAtRest.data());
+    const double reading = kNoise * normal(random);
+    if (k % 4 == 0) filter.add_reading(compass, k * kStep_ns, k * kStep_ns, &reading);
+    filter.catch_up();
+  }
+  const int across = kAidBias + 2;
+  EXPECT_NEAR(std::sqrt(filter.state().covariance(across, across)), kIron, 0.01 * kIron);
+  EXPECT_NEAR(filter.state().aid_bias[across - kAidBias], 0, 0.1 * kIron);
+}
+
 /// Fixes that come late and out of order give the state that they give in time, to the last bit.
 TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
   const auto made = [](bool late) {

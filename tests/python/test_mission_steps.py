@@ -155,6 +155,24 @@ def test_a_mission_must_be_a_generator_of_one_argument() -> None:
         run(of_two, vehicle, Clock())
 
 
+def holds(vehicle):
+    """Hold by many short holds; return where the first began, and where the last ended."""
+    vehicle.undock()
+    yield from goto(vehicle, (0.0, 3.0, -2.0), within_m=0.3)
+    vehicle.set_effort(surge=1.0)
+    yield wait(2.0)  # it has way on
+    began = vehicle.pose.position_world_m
+    for _ in range(60):
+        yield from hold(vehicle, 0.5)
+    return began, vehicle.pose.position_world_m
+
+
+def test_repeated_holds_keep_the_place_of_the_first() -> None:
+    sim = Simulator("pool")
+    began, ended = run(holds, sim.rov, sim)
+    assert ended == pytest.approx(began, abs=0.15)
+
+
 def tour(vehicle):
     """Fly through every kind of move."""
     vehicle.undock()

@@ -50,6 +50,13 @@ def survey(
         str | None,
         typer.Option(help="truth, or filter: fly and map by the vehicle's own instruments. Default: truth."),
     ] = None,
+    close_loops: Annotated[
+        bool,
+        typer.Option(
+            "--close-loops",
+            help="With --estimate filter: mend the drift of the map where its parts overlap. Not saved as it flies.",
+        ),
+    ] = False,
     report: Annotated[
         str,
         typer.Option(
@@ -77,7 +84,7 @@ def survey(
     if min_coverage and report == "none":
         raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
     from uwsim.survey.completeness import coverage_shortfall
-    from uwsim.survey.run import resume_survey, run_survey
+    from uwsim.survey.run import AUTOSAVE_S, resume_survey, run_survey
 
     arguments: dict[str, Any] = {
         "mission": mission,
@@ -93,6 +100,10 @@ def survey(
     }
     if resume and record is not None:
         raise ValueError("--record: a survey that is resumed cannot be recorded from its start")
+    if close_loops and autosave not in (0.0, AUTOSAVE_S):
+        raise ValueError(f"--autosave {autosave:g} s: a survey with --close-loops is not saved as it flies")
+    if resume and close_loops:
+        raise ValueError("--close-loops: such a survey is not saved, so it cannot be resumed")
     if record is None:
         need("--record", record_topic=record_topic)
     if record is not None and record.suffix != ".mcap":
@@ -112,6 +123,7 @@ def survey(
             map_memory_mb=map_memory,
             report=report,
             verify_map=verify_map,
+            close_loops=close_loops,
             record=record,
             record_topics=tuple(record_topic) if record_topic else None,
             **arguments,

@@ -76,12 +76,16 @@ def hold(
     position_world_m: Point | None = None,
     heading_rad: float | None = None,
 ) -> Steps[None]:
-    """Stay at a position (3,) and heading, by default the present ones, for a time, by default for ever."""
+    """Stay at a position (3,) and heading, by default the present ones, for a time, by default for ever.
+
+    A hold that follows another at once keeps the place of that one: repeated, they do not wander off.
+    """
     if not duration_s > 0.0:
         raise ValueError(f"hold: duration_s = {duration_s} s: must be positive")
-    pose = vehicle.pose
-    x, y, height = _target(vehicle, "hold", pose.position_world_m if position_world_m is None else position_world_m)
-    heading = pose.yaw_rad if heading_rad is None else heading_rad
+    pose, before = vehicle.pose, vehicle.held()
+    here, facing = (pose.position_world_m, pose.yaw_rad) if before is None else before
+    x, y, height = _target(vehicle, "hold", here if position_world_m is None else position_world_m)
+    heading = facing if heading_rad is None else heading_rad
     end_s = vehicle.time_s + duration_s - 1e-6
     autopilot = vehicle.autopilot
     while vehicle.time_s < end_s:
@@ -91,6 +95,7 @@ def hold(
             yield wait(autopilot.period_s)
         else:
             yield from steer(vehicle, heading, _back_to(vehicle, x, y), height())
+        vehicle.note_held((np.array([x, y, height()]), heading))
 
 
 def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:

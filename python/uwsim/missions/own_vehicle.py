@@ -7,6 +7,9 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim.arguments import plain
 from uwsim.control.autopilot import Autopilot
 from uwsim.control.controller import Controller
@@ -17,6 +20,9 @@ from uwsim.named import Named
 from uwsim.sealed import Sealed
 
 CONTROL_PERIOD_S = 0.1
+SAME_TIME_S = 1e-6
+Held = tuple[NDArray[np.float64], float]
+"""A position (3,), world, and a heading [rad]."""
 
 
 class Event(NamedTuple):
@@ -52,6 +58,7 @@ class OwnVehicle(Sealed):
         self._effort = (0.0,) * 6
         self.name = str(getattr(hull, "name", "vehicle"))
         self.estimate = hull if estimate is None else estimate
+        self._held: tuple[float, Held] | None = None
 
     @property
     def time_s(self) -> float:
@@ -83,6 +90,14 @@ class OwnVehicle(Sealed):
         Autopilot. Both have `steer` and `period_s`.
         """
         return self._autopilot
+
+    def held(self) -> Held | None:
+        """Return what `hold` held until this very time; None if the vehicle has done something else since."""
+        return self._held[1] if self._held is not None and abs(self.time_s - self._held[0]) < SAME_TIME_S else None
+
+    def note_held(self, held: Held) -> None:
+        """Take note that `hold` holds this until now."""
+        self._held = (self.time_s, held)
 
     @property
     def authority(self) -> Any:

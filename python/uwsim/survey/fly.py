@@ -79,19 +79,31 @@ def fly_survey(
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
     filters = filters_outliers(sim, outlier_filter)
     flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken, estimate, least_share)
-    with PingToMap(
+    with chain_of(sim, occupancy, filters, flight.timer, transmit, reference) as chain:
+        stopped_because = flight.fly(chain, mission, survey, on_progress)
+    return occupancy, replace(flight.record(stopped_because), outlier_filter=filters)
+
+
+def chain_of(
+    sim: Simulator,
+    occupancy: OccupancyMap,
+    filters: bool,
+    timer: WallTimer | None = None,
+    transmit: Callable[[str], str] | None = None,
+    reference: OccupancyMap | None = None,
+) -> PingToMap:
+    """Return the chain from the surveying vehicle's pings to a map. filters: whether outliers are discarded."""
+    return PingToMap(
         occupancy,
         sim.rov.sonar.model,
         hull_box(sim.scenario),
         threads=sim.threads,
-        timer=flight.timer,
+        timer=timer,
         transmit=transmit,
         reference=reference,
         outlier_filter=filters,
         max_uncertainty_m=_max_uncertainty_m(sim, occupancy) if filters else None,
-    ) as chain:
-        stopped_because = flight.fly(chain, mission, survey, on_progress)
-    return occupancy, replace(flight.record(stopped_because), outlier_filter=filters)
+    )
 
 
 class _Flight:

@@ -20,12 +20,14 @@ from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
 from uwsim.survey.flyable_lanes import flyable_plan
 from uwsim.survey.own_mission import OwnMission, maker, name_of
+from uwsim.survey.pinging_clock import TakePing
 from uwsim.survey.record import ESTIMATES, EstimateKind, SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import MAP_ASHORE, REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
 from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
 
 if TYPE_CHECKING:
+    from uwsim.closure import PingTrack
     from uwsim.recording.recorder import Recorder
 
 AUTOSAVE_S = 30.0
@@ -52,6 +54,7 @@ def run_survey(
     record_topics: tuple[str, ...] | None = None,
     estimate: EstimateKind = "truth",
     link: str | Path | None = None,
+    close_loops: bool = False,
 ) -> SurveyRecord:
     """Fly a scenario's survey and write map.bt, report.html, summary.json and figures into `out`; returns its record.
 
@@ -66,10 +69,11 @@ def run_survey(
     report: "full"; "json" for map.bt and summary.json without report and figures; "none" for map.bt alone, without a
     score. outlier_filter: replaces the scenario's. estimate: "filter" flies and maps by the vehicle's own instruments
     (Vehicle.estimate) instead of the truth. link: a modem, by name or file, instead of the scenario's; the map that the
-    station makes of the pings that arrive is scored beside that aboard, and written as map_ashore.bt. record: a new
-    recording, from which `uwsim map from` makes map and report again; record_topics: see Recorder. Raises ScenarioError
-    or ValueError for an error in the scenario or the arguments, OSError for `out`. However the flight ends, the map of
-    everything seen until then is written.
+    station makes of the pings that arrive is scored beside that aboard, and written as map_ashore.bt. close_loops: bend
+    the estimated track until its submaps fit each other, and make the map from that; such a survey is not saved as it
+    flies, and needs estimate="filter". record: a new recording, from which `uwsim map from` makes map and report again;
+    record_topics: see Recorder. Raises ScenarioError or ValueError for an error in the scenario or the arguments,
+    OSError for `out`. However the flight ends, the map of everything seen until then is written.
     """
     _require_interval(autosave_s)
     kind = _checked_report(report)
@@ -79,6 +83,11 @@ def run_survey(
         raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
     if estimate != "truth" and record is not None:
         raise ValueError(f"record: a survey with estimate = {estimate!r} cannot be recorded, only one with the truth")
+    if close_loops and estimate != "filter":
+        raise ValueError("close_loops: needs estimate = 'filter'; a track that is the truth has nothing to close")
+    if close_loops and (verify_map or map_memory_mb is not None):
+        raise ValueError("close_loops: cannot be combined with verify_map or map_memory_mb")
+    autosave_s = 0.0 if close_loops else autosave_s
     terminal = Terminal()
     with terminal.status(f"building {scenario}"):
         _require_surveyable(load(scenario))  # before the world is built
@@ -121,7 +130,7 @@ def run_survey(
 
         recorder = survey_recorder(sim, record, request, record_topics).start()
     return _SurveyRun(
-        sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder, mission
+        sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder, mission, close_loops
     ).run()
 
 
@@ -202,6 +211,7 @@ class _SurveyRun:
     report: Report
     recorder: Recorder | None = None
     mission: OwnMission | str | None = None
+    close_loops: bool = False
 
     def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
@@ -256,13 +266,19 @@ class _SurveyRun:
         return record
 
     def _fly(self, autosave: Autosave, saved: SavedSurvey | None) -> SurveyRecord:
-        sim, on_ping_taken = self.sim, None
+        sim = self.sim
+        on_ping_taken: TakePing | None = None
+        if self.close_loops:
+            from uwsim.survey.closed_map import PingKeeper  # here, since scipy takes long to import
+
+            keeper = PingKeeper(sim)
+            on_ping_taken = keeper
         if self.recorder is not None:
             from uwsim.survey.from_recording import record_ping
 
             on_ping_taken = partial(record_ping, self.recorder)
         with self.terminal.flight(sim.scenario.name) as show, stop_on_ctrl_c(autosave):
-            return fly_survey(
+            record = fly_survey(
                 sim,
                 self.occupancy,
                 mission=maker(self.mission),
@@ -274,6 +290,18 @@ class _SurveyRun:
                 on_ping_taken=on_ping_taken,
                 estimate=self.request.estimate,
             )[1]
+        return self._closed(keeper.track, record) if self.close_loops else record
+
+    def _closed(self, track: PingTrack, record: SurveyRecord) -> SurveyRecord:
+        """Make the map again from the closed track; say what was closed."""
+        from uwsim.survey.closed_map import remake
+
+        with self.terminal.status("closing loops"):
+            self.occupancy, record, closed = remake(self.sim, track, self.occupancy, record)
+        self.terminal.message(
+            f"{len(closed.matches)} of {closed.tried} overlaps of {len(closed.submaps)} submaps matched"
+        )
+        return record
 
     def _close_recording(self, record: SurveyRecord | None) -> None:
         """Finish the recording, with the flight's figures if there are some. Raises OSError."""

@@ -1,0 +1,103 @@
+"""Matches two submaps of the same ground, and says how well the ground tells where they belong.
+
+Point to plane (Chen and Medioni 1992, "Object modelling by registration of multiple range images"), about the vertical
+only: roll and pitch are known from gravity. Points may slide along a surface, which those of a smooth bed have to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.closure.submaps import CELL_M, Submap
+
+Array = NDArray[np.float64]
+POINTS = 600  # of the second cloud that are used, evenly chosen
+REACHES_M, ITERATIONS = (4.0, 1.5), 8  # farther points have no influence; steps with each
+STILL_M = 1e-3
+LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # share of the points within the last reach; rms distance from the planes
+POINTS_PER_LOOK = 10.0  # points whose errors are one and the same: assumed, a beam's footprint over some pings
+LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # what a match is trusted at most: a submap bends by as much, assumed
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Submap `second` matched to `first`: what is at here_m (2,) in the one is at there_m (2,) in the other.
+
+    turn_rad: from the first to the second's. covariance: (3, 3) of x, y [m] and the turn [rad].
+    """
+
+    first: int
+    second: int
+    here_m: Array
+    there_m: Array
+    turn_rad: float
+    covariance: Array
+
+
+@dataclass(eq=False)
+class _Fit:
+    """moved_m: the source's points, moved; turn_rad: by how much in all; information: (4, 4) of x, y, turn and z."""
+
+    moved_m: Array
+    turn_rad: float = 0.0
+    overlap: float = 0.0
+    off_m: float = np.inf
+    information: Array | None = None
+
+
+def match(maps: list[Submap], first: int, second: int) -> Match | None:
+    """Match two submaps, from where the estimate has them; None where they do not fit, or the ground tells nothing."""
+    source = _common(maps[second], maps[first])
+    if len(source) < POINTS // 10:
+        return None
+    fit = _Fit(source)
+    for reach_m in REACHES_M:
+        for _ in range(ITERATIONS):
+            step_m = _improve(fit, maps[first], reach_m)
+            if step_m is None:
+                return None
+            if step_m < STILL_M:
+                break
+    if fit.overlap < LEAST_OVERLAP or fit.off_m > MOST_OFF_M or fit.information is None:
+        return None
+    least = np.diag([LEAST_STD_M**2, LEAST_STD_M**2, LEAST_STD_RAD**2])
+    covariance = np.asarray(np.linalg.inv(fit.information)[:3, :3] + least)
+    here, there = fit.moved_m[:, :2].mean(axis=0), source[:, :2].mean(axis=0)
+    return Match(first, second, here, there, fit.turn_rad, covariance)
+
+
+def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
+    """Take one step of Gauss and Newton; returns its length [m], None where the planes leave it open."""
+    distances, nearest = target.tree.query(fit.moved_m, distance_upper_bound=reach_m)
+    near = np.isfinite(distances)
+    fit.overlap = float(near.mean())
+    if near.sum() < POINTS // 10:
+        return None
+    points, nearest = fit.moved_m[near], nearest[near]
+    normals, centre = target.normals[nearest], fit.moved_m.mean(axis=0)
+    arm = points - centre
+    lever = normals[:, 1] * arm[:, 0] - normals[:, 0] * arm[:, 1]
+    jacobian = np.column_stack([normals[:, :2], lever, normals[:, 2]])
+    off = np.einsum("ni,ni->n", normals, points - target.points_world_m[nearest])
+    spread = max(1.48 * float(np.median(np.abs(off))), 1e-3)
+    weights = 1.0 / (1.0 + (off / (2.0 * spread)) ** 2)  # Cauchy
+    normal_matrix = jacobian.T @ (weights[:, None] * jacobian)
+    if np.linalg.cond(normal_matrix) > 1e10:
+        return None
+    x, y, turn, z = np.linalg.solve(normal_matrix, -jacobian.T @ (weights * off))
+    cos, sin = np.cos(turn), np.sin(turn)
+    fit.moved_m = (fit.moved_m - centre) @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + centre + [x, y, z]
+    fit.turn_rad += float(turn)
+    fit.off_m = float(np.sqrt(np.average(off**2, weights=weights)))
+    fit.information = normal_matrix / (max(fit.off_m, 0.01) ** 2 * POINTS_PER_LOOK)
+    return float(np.linalg.norm([x, y, z]))
+
+
+def _common(submap: Submap, other: Submap) -> Array:
+    """Return points of a submap that lie in the plan of another, at most some POINTS of them."""
+    cells = np.floor(submap.points_world_m[:, :2] / CELL_M).astype(np.int64).tolist()
+    common = submap.points_world_m[[tuple(cell) in other.cells for cell in cells]]
+    return np.asarray(common[:: max(1, len(common) // POINTS)], np.float64)

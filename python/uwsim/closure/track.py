@@ -1,0 +1,59 @@
+"""PingTrack: what a flight's map is made of, kept so that it can be made again from a better track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class PingTrack:
+    """The pings of a flight and where the vehicle took itself to be; some 4 kB a ping.
+
+    times_s; world_from_body and body_from_sonar (4, 4); ranges_m (beams,); deviation_m (beams,) or None; points_body_m
+    (n, 3): the echoes that the map was given. std_m: of the horizontal position, each axis, as the filter had it.
+    """
+
+    times_s: list[float] = field(default_factory=list)
+    world_from_body: list[Array] = field(default_factory=list)
+    body_from_sonar: list[Array] = field(default_factory=list)
+    ranges_m: list[NDArray[np.float32]] = field(default_factory=list)
+    deviation_m: list[NDArray[np.float32] | None] = field(default_factory=list)
+    points_sonar_m: list[NDArray[np.float32]] = field(default_factory=list)
+    std_m: list[float] = field(default_factory=list)
+
+    def add(
+        self,
+        time_s: float,
+        world_from_body: Array,
+        body_from_sonar: Array,
+        ranges_m: NDArray[np.float32],
+        points_sonar_m: NDArray[np.float32],
+        std_m: float,
+        deviation_m: NDArray[np.float32] | None = None,
+    ) -> None:
+        """Keep a ping. points_sonar_m: (beams, 3), not finite where there is no echo."""
+        self.times_s.append(time_s)
+        self.world_from_body.append(np.array(world_from_body))
+        self.body_from_sonar.append(np.array(body_from_sonar))
+        self.ranges_m.append(np.array(ranges_m, np.float32))
+        self.deviation_m.append(None if deviation_m is None else np.array(deviation_m, np.float32))
+        some = np.asarray(points_sonar_m, np.float32)[::BEAM_STEP]
+        self.points_sonar_m.append(some[np.isfinite(some).all(axis=1)])
+        self.std_m.append(std_m)
+
+    def __len__(self) -> int:
+        """Return the number of pings."""
+        return len(self.times_s)
+
+    def points_world_m(self, ping: int) -> Array:
+        """Return the echoes of a ping that matching uses, by the estimated pose, (n, 3)."""
+        world_from_sonar = self.world_from_body[ping] @ self.body_from_sonar[ping]
+        return np.asarray(self.points_sonar_m[ping] @ world_from_sonar[:3, :3].T + world_from_sonar[:3, 3])
+
+
+BEAM_STEP = 4  # every so many beams are kept as points for matching; all of them as ranges for the map
