@@ -32,7 +32,7 @@ def there(vehicle):
 def test_a_mission_flies_remotely_as_in_process(tmp_path: Path) -> None:
     here = fly(there, "pool", map=True, voxel_m=0.5)
     with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
-        far = fly_remote(there, server.url, tmp_path, lockstep=True, map=True, voxel_m=0.5, report="json")
+        far = fly_remote(there, server.url, tmp_path, lockstep=True, map=True, voxel_m=0.5, report="json", truth="pool")
         assert live.paused, "as it was before"
         assert live.rov.lamps["front"].on
         assert not live.simulator.rov.effort.any(), "efforts are zero at the end"
@@ -52,6 +52,7 @@ def test_a_mission_flies_remotely_as_in_process(tmp_path: Path) -> None:
     assert off_m.max() < 0.5 * np.sqrt(3.0) / 2.0 + 0.05, "the true surface runs through its voxels"
     assert json.loads((tmp_path / "summary.json").read_text())["pings"] > 50
     assert (tmp_path / "map.bt").exists()
+    assert far.score is not None and far.score.distance_mean_m < 0.3, "the truth was named"
 
 
 def test_a_remote_vehicle_reads_what_the_simulated_one_does() -> None:

@@ -11,13 +11,19 @@ from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, WithoutEffectError, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
+UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
+
 
 def run(
     mission: Annotated[
         Path | None, typer.Argument(help="A Python file with `def mission(vehicle): yield ...`.", show_default=False)
     ] = None,
     scenario: Annotated[
-        str | None, typer.Option(help="Name of a packaged scenario, or path of a YAML file. Default: lake.")
+        str | None,
+        typer.Option(
+            help="Name of a packaged scenario, or path of a YAML file. Default: lake. With --connect: the one that "
+            "the server flies, to score the map against."
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for log.jsonl, report.html, track-VEHICLE.csv and map.bt.")] = Path(
         "out"
@@ -80,13 +86,14 @@ def run(
     from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
 
     simulated = {
-        "--scenario": scenario, "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
+        "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
         "--mission-time": mission_time, "--link": link, "--threads": threads,
         "--record": record, "--autosave": autosave,
     }  # fmt: skip
     ours = {
         "the mission": mission, "--connect": connect, "--map": make_map or None, "--voxel": voxel, "--vehicle": vehicle,
-        "--time-limit": time_limit, "--set": argument, "--function": function, **simulated,
+        "--time-limit": time_limit, "--set": argument, "--function": function, "--scenario": scenario,
+        **simulated,
     }  # fmt: skip
     if resume:
         kept = {name: value for name, value in ours.items() if name not in ("--threads", "--autosave")}
@@ -96,6 +103,7 @@ def run(
     if connect is None:
         need("--connect", lockstep=lockstep, odometry=odometry)
     else:
+        _refuse({"--autosave": simulated.pop("--autosave")}, "--connect", UNSAVED)
         _refuse(simulated, "--connect", "the server has its own, or there is none")
     if not make_map and not resume:
         need("--map", voxel=voxel)
@@ -123,6 +131,7 @@ def run(
                 map=make_map,
                 voxel_m=voxel,
                 time_limit_s=time_limit,
+                truth=scenario,
                 report=report,
                 autosave=saving,
                 show=screen.status,

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import MissionFunction, begin, first_parameter
 from uwsim.missions.steps import drive
 from uwsim.missions.stopped import StoppedError
+from uwsim.simulator import Simulator
 
 VOXEL_M = 0.2
 NAN = math.nan
@@ -45,6 +47,7 @@ def fly_remote(
     map: bool = False,  # noqa: A002  # as the option is called
     voxel_m: float | None = None,
     time_limit_s: float | None = None,
+    truth: str | Path | None = None,
     report: str = "full",
     autosave: FlightAutosave | None = None,
     show: Callable[[str], AbstractContextManager[object]] = lambda activity: nullcontext(),
@@ -52,8 +55,9 @@ def fly_remote(
     """Fly a mission with vehicles at a rosbridge server; return its record. Results are as those of `fly`.
 
     url: such as "ws://127.0.0.1:9090". odometry: the topic of the pose, of which map and samples are made: the truth is
-    not known here. lockstep: the simulator stands still while the mission thinks; for a simulator alone. map: of what
-    the sonar sees, without a score. Raises ValueError, OSError, and what the mission raises.
+    not known here. truth: the scenario that the server flies, if it is one of ours and odometry its truth: the map is
+    scored against it, and the report draws its bed. lockstep: the simulator stands still while the mission thinks; for
+    a simulator alone. map: of what the sonar sees. Raises ValueError, OSError, and what the mission raises.
     """
     file = Path(mission) if isinstance(mission, str | Path) else None
     fly_it = load_mission(file, function) if file is not None else mission
@@ -64,6 +68,9 @@ def fly_remote(
         raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
+    if truth is not None and out is None:
+        raise ValueError(f"truth = '{truth}': is without effect without out, where report and score go")
+    world = None if truth is None else Simulator(truth)
     with ExitStack() as stack:
         connection = stack.enter_context(RemoteConnection(url))
         hulls = [RemoteVehicle(connection, name, odometry) for name in tuple(vehicles) or (None,)]
@@ -85,7 +92,10 @@ def fly_remote(
         with show(f"flying {mission_name(fly_it, file)} at {url}"):
             flown = flight.fly(fly_it, own, file, url)
     if folder is not None:
-        flown = write_results(flown, None, folder, report, show)
+        if world is not None:
+            sonars = [sonar for hull in world.vehicles.values() for sonar in hull.sonars.values()]
+            flown = replace(flown, range_max_m=max((float(s.model.range_limit_m) for s in sonars), default=0.0))
+        flown = write_results(flown, world, folder, report, show)
     if flown.error is not None:
         raise flown.error
     return flown

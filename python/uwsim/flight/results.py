@@ -36,7 +36,7 @@ def write_results(
 ) -> FlightRecord:
     """Write map, tracks, and report or summary; return the record with the map's score. Raises OSError.
 
-    sim: where the flight was flown; None for a remote vehicle, whose world is not known.
+    sim: where the flight was flown, or a simulator of the same world; None if its world is not known.
     """
     for name, samples in flown.samples.items():
         samples.write(out / f"track-{name}.csv")
@@ -44,7 +44,7 @@ def write_results(
     if flown.occupancy is not None:
         flown.occupancy.write(out / MAP)
         if area_m is not None and sim is not None:
-            SurveyTrack(flown.all_pings_world_m, area_m, flown.range_max_m, flown.scenario).write(out / TRACK)
+            SurveyTrack(flown.all_pings_world_m, area_m, flown.range_max_m, sim.scenario.name).write(out / TRACK)
     if report == "none":
         return flown
     if sim is not None:
