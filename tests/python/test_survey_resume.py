@@ -120,7 +120,7 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
     assert process.returncode == 0, errors
     assert "all lanes are flown" in output
     assert hashlib.sha256((out / "map.bt").read_bytes()).hexdigest() == expected
-    assert {path.suffix for path in out.iterdir()} == {".bt", ".html", ".npz", ".png"}, "no leftovers"
+    assert {path.suffix for path in out.iterdir()} == {".bt", ".html", ".json", ".npz", ".png"}, "no leftovers"
 
 
 @pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])

@@ -31,7 +31,7 @@ def fleet(
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Fly the tiles that are missing in --out.")] = False,
 ) -> None:
-    """Survey a scenario's area by tiles, each flown by a vehicle of its own; merge and score the map.
+    """Survey an area by tiles, each by a vehicle of its own; merge the maps.
 
     A worker builds only its tile's part of the terrain, so that the area may be larger than one process could hold.
     The map has the same bytes whatever the number of workers and the order in which tiles are finished. Ctrl-C and

@@ -91,10 +91,10 @@ def merge(
     sources: Annotated[list[Path], typer.Argument(help="Two or more maps with the same resolution.")],
     out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")],
 ) -> None:
-    """Merge maps of one area, or of its parts; the result does not depend on their order.
+    """Merge maps of one area, or of its parts.
 
-    If all are .ot, by the sum of their log-odds. A .bt holds no probabilities: if any is one, a voxel is occupied if
-    any map has it occupied.
+    The result does not depend on their order. Maps that are all .ot are merged by the sum of their log-odds. A .bt
+    holds no probabilities: if any is one, a voxel is occupied if any map has it occupied.
     """
     from uwsim.mapping.merge import merge_files
 
