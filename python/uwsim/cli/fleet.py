@@ -31,11 +31,12 @@ def fleet(
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Fly the tiles that are missing in --out.")] = False,
 ) -> None:
-    """Survey an area by tiles, each by a vehicle of its own; merge the maps.
+    """Survey an area in tiles, on many workers, and merge the maps.
 
-    A worker builds only its tile's part of the terrain, so that the area may be larger than one process could hold.
-    The map has the same bytes whatever the number of workers and the order in which tiles are finished. Ctrl-C and
-    kills lose only the tiles under way: --resume flies the rest. Ends with 1 if a tile failed.
+    Each tile is flown by a vehicle of its own, and the whole is scored. A worker builds only its tile's part of the
+    terrain, so that the area may be larger than one process could hold. The map has the same bytes whatever the
+    number of workers and the order in which tiles are finished. Ctrl-C and kills lose only the tiles under way:
+    --resume flies the rest. Ends with 1 if a tile failed.
     """
     from uwsim.cli.job_progress import job_progress
     from uwsim.fleet import run_fleet

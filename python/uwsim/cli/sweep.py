@@ -35,11 +35,11 @@ def sweep(
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write the table alone.")] = False,
 ) -> None:
-    """Fly a survey or a mission many times, with other parameters, faults, missions or seeds each time.
+    """Fly a survey or a mission many times, varied each time.
 
-    One table of all runs, a report of what matters, the worst runs with their recordings. Ctrl-C and kills lose only
-    the runs under way: --resume flies the rest. A run that fails is a row with its error. Ends with 1 if one failed,
-    or is outside what the sweep requires.
+    Other parameters, faults, missions or seeds each time. One table of all runs, a report of what matters, the
+    worst runs with their recordings. Ctrl-C and kills lose only the runs under way: --resume flies the rest. A run
+    that fails is a row with its error. Ends with 1 if one failed, or is outside what the sweep requires.
     """
     from uwsim.cli.job_progress import job_progress
     from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
