@@ -8,6 +8,7 @@ import pytest
 from uwsim import Simulator
 from uwsim.command_gate import FailsafeWarning
 from uwsim.estimation import Start
+from uwsim.failures.manoeuvres import ascent
 from uwsim.live import LiveSimulator, replay
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.errors import ScenarioError
@@ -188,3 +189,12 @@ def test_a_vehicle_without_one_says_so():
     assert sim.rov.failsafe is None
     with pytest.raises(ValueError, match="it has no failsafe"):
         sim.rov.override_failsafe()
+
+
+@pytest.mark.parametrize(("height_m", "rate_m_s"), [(10.0, 0.5), (0.3, 0.5), (4.0, 0.02)])
+def test_an_ascent_never_passes_its_end_and_its_rate_is_its_height_s_derivative(height_m, rate_m_s):
+    times_s = np.arange(0.0, height_m / rate_m_s + 10.0, 0.01)
+    risen_m, rates_m_s = np.array([ascent(height_m, rate_m_s, time_s) for time_s in times_s]).T
+    assert risen_m[-1] == pytest.approx(height_m) and rates_m_s[-1] == 0.0
+    assert risen_m.max() <= height_m and rates_m_s.max() <= rate_m_s
+    np.testing.assert_allclose(np.diff(risen_m) / 0.01, (rates_m_s[1:] + rates_m_s[:-1]) / 2.0, atol=1e-3)

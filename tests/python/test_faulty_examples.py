@@ -98,7 +98,7 @@ def test_the_pings_end_at_the_surface_when_the_altimeter_falls_silent_with_the_b
     with pytest.warns(FailsafeWarning, match="surface: sensor"):
         uwsim.fly(m02_ping_and_plot.mission, sim, time_limit_s=30.0)
     assert began(sim) == ["battery", "sensor"]
-    sim.advance(60.0)  # it overshoots by half a metre, and sinks back within a minute
+    sim.advance(45.0)
     assert sim.rov.pose.position_world_m[2] == pytest.approx(-1.0, abs=0.1)
 
 

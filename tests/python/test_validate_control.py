@@ -6,7 +6,7 @@ import pytest
 
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.spec.control import Control
-from uwsim.validate.control import VEHICLES, response_checks
+from uwsim.validate.control import GUST_VEHICLE, VEHICLES, response_checks
 from uwsim.validate.gust_flights import gust_checks
 from uwsim.validate.step_figures import draw_steps
 from uwsim.validate.step_responses import step_responses
@@ -20,7 +20,7 @@ def test_every_packaged_vehicle_answers_steps_within_the_limits(name: str) -> No
 
 
 def test_a_vehicle_keeps_place_and_path_in_gusts_by_its_own_estimate() -> None:
-    checks = gust_checks("bluerov2_heavy", load_vehicle("bluerov2_heavy"), seeds=(2,))  # `validate` flies six
+    checks = gust_checks(GUST_VEHICLE, load_vehicle(GUST_VEHICLE), seeds=(2,))  # `validate` flies six
     assert [check for check in checks if not check.passed] == []
 
 

@@ -11,7 +11,7 @@ from sea import open_water
 from uwsim.scenario import ScenarioError, load_vehicle, rigid_body, vehicle_hull
 from uwsim.scenario.read.assets import assets_folder, packaged_names
 
-BLUEROVS = ("bluerov2_heavy", "bluerov2_wu", "bluerov2_tank")
+BLUEROVS = ("bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_wu", "bluerov2_tank")
 T200 = {"diameter_m": 0.076, "kt": 0.445, "j0": 0.976}
 
 
@@ -67,7 +67,7 @@ def bollard(name: str, axis: int) -> list[tuple[float, float, float]]:
     cos45 = np.sqrt(0.5)
     if axis == 0:
         return [(51.5, cos45, 2), (39.9, cos45, 2)]
-    return [(51.5, 1.0, 4 if name == "bluerov2_heavy" else 2)]
+    return [(51.5, 1.0, 4 if name.startswith("bluerov2_heavy") else 2)]
 
 
 def thrust_n(name: str, axis: int, speed_m_s: float, density_kg_m3: float) -> float:

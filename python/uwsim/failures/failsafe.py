@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from uwsim.control.autopilot import Autopilot
+from uwsim.control.controller import Controller
 from uwsim.control.protocols import EstimateLike
 from uwsim.failures import manoeuvres
 from uwsim.failures.alarms import LOOK_S, Alarms
@@ -18,7 +18,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.sealed import Sealed
 from uwsim.vehicle import Vehicle
 
-PERIOD_S = 0.1  # of control
+PERIOD_S = 0.05  # of control
 SILENCE = "silence"
 ZERO = (0.0,) * 6
 
@@ -105,7 +105,7 @@ class Failsafe(Sealed):
         self._water_kg = water_kg
         self._link_silence_s = link_silence_s
         self._steered = Steered(vehicle)
-        self._pilot: Autopilot | None = None
+        self._pilot: Controller | None = None
         self.restart()
 
     def restart(self) -> None:
@@ -182,7 +182,7 @@ class Failsafe(Sealed):
             "was_free": self._was_free,
             "overridden": sorted(self._overridden),
             "began": vars(self._began),
-            "integrals": None if self._pilot is None else list(self._pilot.integrals),
+            "pilot": None if self._pilot is None else self._pilot.memory.tolist(),
             "efforts": list(self._steered.last),
             "lit": self._alarms.lit,
             "counts": self._alarms.counts,
@@ -200,9 +200,8 @@ class Failsafe(Sealed):
         self._next_look, self._next_control = state["next_look"], state["next_control"]
         self._steered.last = tuple(state["efforts"])
         self._pilot = None
-        if state["integrals"] is not None:
-            east, north, up = state["integrals"]
-            self._take_pilot().integrals = (east, north, up)
+        if state["pilot"] is not None:
+            self._take_pilot().memory = state["pilot"]
 
     # What it does
 
@@ -293,9 +292,9 @@ class Failsafe(Sealed):
         sample = None if sensor is None else sensor.sample()
         return float(sample.value) if sample is not None and sample.valid else math.inf
 
-    def _take_pilot(self) -> Autopilot:
+    def _take_pilot(self) -> Controller:
         if self._pilot is None:
-            self._pilot = Autopilot(self._steered, PERIOD_S)
+            self._pilot = Controller(self._steered, PERIOD_S, settings=self._vehicle.control)
         return self._pilot
 
     def _ticks(self, duration_s: float) -> int:

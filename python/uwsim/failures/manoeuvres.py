@@ -1,7 +1,6 @@
 """The manoeuvres of a failsafe: hold, surface, return. Each is a function of where the vehicle was when it began.
 
-The autopilot's loops (uwsim.control) do the steering; here is where to. A place is held by a velocity towards it,
-proportional to the distance (a cascade, position over velocity: Fossen 2011, ch. 12).
+The loops of uwsim.control.Controller do the steering; here is where to.
 """
 
 from __future__ import annotations
@@ -9,13 +8,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from uwsim.control.autopilot import Autopilot
+from uwsim.control.controller import Controller
 from uwsim.scenario.spec.failsafe import Failsafe
 
-PULL_1_S = 0.3  # velocity towards a place, per metre
-HOLD_M_S = 0.5  # and at most, while a place is held
+PULL_1_S = 0.3  # velocity towards home, per metre
 ARRIVED_M = 1.0
 SHALLOWEST_M = 0.5  # depth above which `return` does not climb
+SLOWING_M_S2 = 0.1  # with which an ascent ends, assumed: within any vehicle's means
 
 
 @dataclass(frozen=True)
@@ -29,19 +28,34 @@ class Beginning:
     time_s: float
 
 
-def hold(pilot: Autopilot, began: Beginning) -> None:
+def hold(pilot: Controller, began: Beginning) -> None:
     """Keep depth, heading and place."""
-    pilot.steer(began.yaw_rad, _towards(pilot, began.x_m, began.y_m, HOLD_M_S), began.z_m)
+    pilot.hold((began.x_m, began.y_m, began.z_m), began.yaw_rad)
 
 
-def surface(pilot: Autopilot, began: Beginning, figures: Failsafe, time_s: float) -> None:
+def surface(pilot: Controller, began: Beginning, figures: Failsafe, time_s: float) -> None:
     """Ascend at the stated rate, keeping heading and place, and stay at the stated depth."""
-    z_m = max(began.z_m, min(began.z_m + figures.ascent_m_s * (time_s - began.time_s), -figures.surface_m))
-    pilot.steer(began.yaw_rad, _towards(pilot, began.x_m, began.y_m, HOLD_M_S), z_m)
+    height_m = max(0.0, -figures.surface_m - began.z_m)
+    risen_m, rate_m_s = ascent(height_m, figures.ascent_m_s, time_s - began.time_s)
+    velocity_m_s = (0.0, 0.0, rate_m_s)
+    pilot.hold((began.x_m, began.y_m, began.z_m + risen_m), began.yaw_rad, velocity_world_m_s=velocity_m_s)
+
+
+def ascent(height_m: float, rate_m_s: float, since_s: float) -> tuple[float, float]:
+    """Return how far an ascent of height_m has come, and its rate then: steady, and slower and slower at the end."""
+    fastest_m_s = min(rate_m_s, math.sqrt(2.0 * SLOWING_M_S2 * height_m))
+    if fastest_m_s <= 0.0:
+        return 0.0, 0.0
+    slowing_s = fastest_m_s / SLOWING_M_S2
+    left_s = (height_m - 0.5 * fastest_m_s * slowing_s) / fastest_m_s + slowing_s - since_s
+    if left_s >= slowing_s:
+        return fastest_m_s * since_s, fastest_m_s
+    left_s = max(0.0, left_s)
+    return height_m - 0.5 * SLOWING_M_S2 * left_s**2, SLOWING_M_S2 * left_s
 
 
 def fly_back(
-    pilot: Autopilot,
+    pilot: Controller,
     began: Beginning,
     figures: Failsafe,
     time_s: float,
@@ -52,12 +66,12 @@ def fly_back(
 
     above_bed_m: as the vehicle's altimeter has it; inf without one, or without an echo.
     """
-    x_m, y_m, z_m = pilot.vehicle.pose.position_world_m.tolist()
+    x_m, y_m, z_m = pilot.estimate.pose.position_world_m.tolist()
     east_m, north_m = home_m[0] - x_m, home_m[1] - y_m
     away_m = math.hypot(east_m, north_m)
     way_z_m = home_m[2] if figures.return_depth_m is None else -figures.return_depth_m
     if away_m <= ARRIVED_M:
-        pilot.steer(pilot.vehicle.pose.yaw_rad, _towards(pilot, home_m[0], home_m[1], HOLD_M_S), home_m[2])
+        pilot.hold(home_m, pilot.estimate.pose.yaw_rad)
         return
     change_m = figures.ascent_m_s * (time_s - began.time_s)
     z_m = began.z_m + max(-change_m, min(change_m, way_z_m - began.z_m))
@@ -67,16 +81,8 @@ def fly_back(
     pilot.steer(math.atan2(north_m, east_m), (speed_m_s * east_m / away_m, speed_m_s * north_m / away_m), z_m)
 
 
-def z_m_above_bed(z_m: float, pilot: Autopilot, figures: Failsafe, above_bed_m: float) -> float:
+def z_m_above_bed(z_m: float, pilot: Controller, figures: Failsafe, above_bed_m: float) -> float:
     """Return the height at which the vehicle is as far above the bed as it must be."""
     if not math.isfinite(above_bed_m):
         return z_m
-    return float(pilot.vehicle.pose.position_world_m[2]) - above_bed_m + figures.height_m
-
-
-def _towards(pilot: Autopilot, x_m: float, y_m: float, most_m_s: float) -> tuple[float, float]:
-    """Return the velocity towards a place."""
-    here_x_m, here_y_m, _ = pilot.vehicle.pose.position_world_m.tolist()
-    east_m_s, north_m_s = PULL_1_S * (x_m - here_x_m), PULL_1_S * (y_m - here_y_m)
-    share = min(1.0, most_m_s / max(math.hypot(east_m_s, north_m_s), 1e-9))
-    return share * east_m_s, share * north_m_s
+    return float(pilot.estimate.pose.position_world_m[2]) - above_bed_m + figures.height_m

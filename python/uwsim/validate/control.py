@@ -5,14 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from uwsim.scenario import load_vehicle
-from uwsim.validate.check import Check, at_most
-from uwsim.validate.gust_flights import gust_checks
+from uwsim.validate.check import Check, at_most, relative
+from uwsim.validate.gust_flights import gust_checks, top_speed_m_s
 from uwsim.validate.step_responses import StepResponse, step_responses
 
-VEHICLES = ("rov", "paper", "bluerov2_heavy", "bluerov2_wu", "bluerov2_tank")
+VEHICLES = ("rov", "paper", "bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_wu", "bluerov2_tank")
 """The packaged vehicles that thrusters alone steer; remus100 steers by fins, whose forces the loops do not know."""
 RISE_S = {"m": 5.0, "rad": 5.0, "m/s": 2.5, "rad/s": 1.5}
 SETTLING_S = {"m": 10.0, "rad": 10.0, "m/s": 5.0, "rad/s": 4.0}
+GUST_VEHICLE, MAKERS_SPEED_M_S, SPEED_TOLERANCE = "bluerov2_heavy_cfd", 1.5, 0.1  # Blue Robotics' data sheet: 3 knots
 OVERSHOOT, STEADY = 0.1, 0.02  # shares of the step
 
 
@@ -26,7 +27,9 @@ def run(out: Path | None) -> list[Check]:
             from uwsim.validate.step_figures import draw_steps
 
             draw_steps(responses, out / f"control-{name}.png")
-    return checks + gust_checks("bluerov2_heavy", load_vehicle("bluerov2_heavy"))
+    fast = load_vehicle(GUST_VEHICLE)
+    top = relative(GUST_VEHICLE, "speed at full thrust", MAKERS_SPEED_M_S, top_speed_m_s(fast), SPEED_TOLERANCE, "m/s")
+    return [*checks, top, *gust_checks(GUST_VEHICLE, fast)]
 
 
 def response_checks(response: StepResponse) -> list[Check]:

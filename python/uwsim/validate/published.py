@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from uwsim.validate.reference_solution import Coefficients
 
 BLUEROV2_HEAVY = Coefficients(
@@ -13,6 +15,13 @@ BLUEROV2_HEAVY = Coefficients(
     quadratic_damping=(141.0, 217.0, 190.0, 1.192, 0.470, 1.5),
     centre_of_buoyancy_m=(0.0, 0.0, 0.01),
     source="von Benzon et al. 2022, J. Mar. Sci. Eng. 10:1898",
+)
+
+BLUEROV2_HEAVY_CFD = replace(
+    BLUEROV2_HEAVY,
+    linear_damping=(0.388, 0.0, 0.0, 0.0, 0.8, 0.0),
+    quadratic_damping=(36.25, 129.7, 243.3, 1.192, 0.470, 4.86),
+    source="surge: BlueROV2-CFD-analysis 2026; sway, heave, yaw: Li et al. 2020, JMSE 8:688; else as above",
 )
 
 BLUEROV2_WU = Coefficients(
@@ -53,6 +62,7 @@ REMUS_100 = Coefficients(
 
 PUBLISHED = {
     "bluerov2_heavy": BLUEROV2_HEAVY,
+    "bluerov2_heavy_cfd": BLUEROV2_HEAVY_CFD,
     "bluerov2_wu": BLUEROV2_WU,
     "bluerov2_tank": BLUEROV2_TANK,
     "remus100": REMUS_100,

@@ -92,14 +92,16 @@ _STANDARD = {
     "vertical_left": Mount((0, 0.111, 0.07), _UP, 1),
     "vertical_right": Mount((0, -0.111, 0.07), _UP, -1),
 }
+_HEAVY = {
+    **_VECTORED,
+    "vertical_front_left": Mount((0.118, 0.215, 0.064), _UP, 1),
+    "vertical_front_right": Mount((0.118, -0.215, 0.064), _UP, -1),
+    "vertical_rear_left": Mount((-0.118, 0.215, 0.064), _UP, -1),
+    "vertical_rear_right": Mount((-0.118, -0.215, 0.064), _UP, 1),
+}
 MOUNTS: dict[str, dict[str, Mount]] = {
-    "bluerov2_heavy": {
-        **_VECTORED,
-        "vertical_front_left": Mount((0.118, 0.215, 0.064), _UP, 1),
-        "vertical_front_right": Mount((0.118, -0.215, 0.064), _UP, -1),
-        "vertical_rear_left": Mount((-0.118, 0.215, 0.064), _UP, -1),
-        "vertical_rear_right": Mount((-0.118, -0.215, 0.064), _UP, 1),
-    },
+    "bluerov2_heavy": _HEAVY,
+    "bluerov2_heavy_cfd": _HEAVY,
     "bluerov2_wu": _STANDARD,
     "bluerov2_tank": _STANDARD,
     "remus100": {"propeller": Mount((-0.8, 0, 0), (1, 0, 0), -1, REMUS_PROPELLER)},
