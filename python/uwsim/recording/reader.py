@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from uwsim.recording.derived import Derived, Make
 
-DAMAGED = (McapError, CRCValidationError, struct.error, RuntimeError, UnicodeDecodeError, EOFError)
-"""What reading a file that ends in the middle of a record raises; RuntimeError is lz4's."""
+DAMAGED = (McapError, CRCValidationError, struct.error, RuntimeError, UnicodeDecodeError, EOFError, OverflowError)
+"""What reading a damaged or cut file raises; RuntimeError is lz4's, OverflowError that of a length beyond all files."""
 
 
 class ChannelInfo(NamedTuple):

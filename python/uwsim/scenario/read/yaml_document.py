@@ -115,6 +115,12 @@ class _Constructor(RoundTripConstructor):
             reason = f"not a number or date that can be read: '{node.value!s:.40}'"
             raise ConstructorError(problem=reason, problem_mark=node.start_mark) from error
 
+    def check_mapping_key(self, node: Any, key_node: Any, mapping: Any, key: Any, value: Any) -> bool:
+        try:
+            return bool(super().check_mapping_key(node, key_node, mapping, key, value))
+        except TypeError as error:  # a mapping with a list in it has no hash
+            raise ConstructorError(problem="a key is no plain word", problem_mark=key_node.start_mark) from error
+
 
 def _refuse_tags(text: str, name: str) -> None:
     for event in YAML(typ="rt").parse(StringIO(text)):

@@ -1,0 +1,204 @@
+"""Kills surveys, missions, sweeps and fleets at random moments, resumes them, and compares what they made.
+
+    .venv/bin/python tools/soak/kill.py --kills 200
+
+A kill is a kill -9 of the command and of all its workers. Half the moments are uniform over the job; a quarter are
+within milliseconds of a file being written (autosaves, renames, results), a quarter within the results at the end.
+After each kill a map that is there must open; the job is resumed, and killed again. What it has made at its end must
+have the bytes of a job that nobody killed. Exits with 1 if any is not so.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+import typer
+
+from uwsim.mapping import OccupancyMap
+
+UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
+POLL_S = 0.001
+NOTHING_SAVED = ("no unfinished survey", "no unfinished flight", "no sweep was begun", "no fleet has flown")
+SWEEP = """\
+scenario: pool
+mission: MISSION
+vary: {mission.depth_m: {choices: [1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4]}}
+seeds: {first: 3}
+"""
+MISSION = "from uwsim.examples.m01_hello_dive import mission\n__all__ = ['mission']\n"
+FLEET = ("fleet", "pool", "--tile", "5", "--voxel", "0.3", "--workers", "2")
+
+
+@dataclass(frozen=True)
+class Work:
+    """Something to kill. options: of the command, but for --out and --resume. digest: of what it made in a folder."""
+
+    name: str
+    options: tuple[str, ...]
+    digest: Callable[[Path], str]
+
+
+def digest_of_map(out: Path) -> str:
+    """Return the hash of map.bt."""
+    return hashlib.sha256((out / "map.bt").read_bytes()).hexdigest()
+
+
+def digest_of_flight(out: Path) -> str:
+    """Return the hash of map and track."""
+    tracks = b"".join(path.read_bytes() for path in sorted(out.glob("track-*.csv")))
+    return hashlib.sha256((out / "map.bt").read_bytes() + tracks).hexdigest()
+
+
+def digest_of_table(out: Path) -> str:
+    """Return the hash of all rows, but for their wall times."""
+    table = pd.read_parquet(out / "runs.parquet")
+    return hashlib.sha256(table.drop(columns=["run_wall_s", "flight_wall_s"]).to_csv().encode()).hexdigest()
+
+
+def works(folder: Path) -> list[Work]:
+    """Return one of each kind. folder: for their files."""
+    mission = folder / "dive.py"
+    mission.write_text(MISSION)
+    sweep = folder / "sweep.yaml"
+    sweep.write_text(SWEEP.replace("MISSION", str(mission)))
+    saved = ("--autosave", "0.1")
+    return [
+        Work("survey", ("survey", "pool", "--voxel", "0.1", "--seed", "3", *saved), digest_of_map),
+        Work("run", ("run", str(mission), "--scenario", "lake", "--map", "--seed", "3", *saved), digest_of_flight),
+        Work("sweep", ("sweep", str(sweep), "--workers", "2"), digest_of_table),
+        Work("fleet", FLEET, digest_of_map),
+    ]
+
+
+def start(work: Work, out: Path, *, resume: bool) -> subprocess.Popen[str]:
+    """Start a command as the leader of a group of its own."""
+    arguments = ["--resume"] if resume and work.name in ("survey", "run") else [*work.options[1:]]
+    arguments += ["--resume"] if resume and work.name not in ("survey", "run") else []
+    command = [*UWSIM, work.options[0], *arguments, "--out", str(out)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+
+def is_writing(out: Path) -> bool:
+    """Whether a temporary file is there, which is renamed when it is complete."""
+    return any(name.startswith(".") for _, _, files in os.walk(out) for name in files)
+
+
+def wait_for_the_moment(process: subprocess.Popen[str], out: Path, whole_s: float, draw: random.Random) -> str:
+    """Wait until it is to be killed, or has ended; return the kind of the moment."""
+    kind = draw.choice(["any", "any", "write", "end"])
+    began_s = time.monotonic()
+    after_s = draw.uniform(0.0, whole_s) if kind != "end" else draw.uniform(0.7, 1.0) * whole_s
+    while process.poll() is None and time.monotonic() - began_s < after_s:
+        time.sleep(POLL_S)
+    while kind == "write" and process.poll() is None and not is_writing(out):
+        time.sleep(POLL_S)
+    if kind == "write":
+        time.sleep(draw.uniform(0.0, 0.01))
+    return kind
+
+
+def kill(process: subprocess.Popen[str]) -> None:
+    """Kill the process and its workers."""
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+@dataclass(frozen=True)
+class Whole:
+    """Work that nobody disturbed: the digest of what it made, and how long it took."""
+
+    digest: str
+    took_s: float
+
+
+def done_whole(work: Work, folder: Path) -> Whole:
+    """Do the work undisturbed."""
+    out = folder / f"{work.name}-whole"
+    began_s = time.monotonic()
+    process = start(work, out, resume=False)
+    _, errors = process.communicate()
+    if process.returncode != 0:
+        sys.exit(f"{work.name}: ends with {process.returncode}: {errors}")
+    return Whole(work.digest(out), time.monotonic() - began_s)
+
+
+def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int) -> tuple[list[str], str]:
+    """Kill the work up to `kills` times, then let it end; return the kinds of moments, and "" or what is wrong."""
+    kinds: list[str] = []
+    resume = False
+    while True:
+        process = start(work, out, resume=resume)
+        if len(kinds) < kills:
+            kind = wait_for_the_moment(process, out, whole.took_s, draw)
+            if process.poll() is None:
+                kill(process)
+                kinds.append(kind)
+                resume = True
+                if (out / "map.bt").exists():
+                    OccupancyMap.read(out / "map.bt")  # raises if it is damaged
+                continue
+        _, errors = process.communicate()
+        if resume and any(words in errors for words in NOTHING_SAVED):
+            if (out / "map.bt").exists() or (out / "runs.parquet").exists():  # killed after its last save was removed
+                return kinds, judged(work, out, whole)
+            shutil.rmtree(out, ignore_errors=True)  # before its first
+            resume = False
+            continue
+        if process.returncode != 0:
+            return kinds, f"ends with {process.returncode}: {errors.strip()[-300:]}"
+        return kinds, judged(work, out, whole)
+
+
+def judged(work: Work, out: Path, whole: Whole) -> str:
+    """Return "", or what is wrong with what was made."""
+    return "" if work.digest(out) == whole.digest else "other bytes than when nobody kills it"
+
+
+def main(
+    kills: Annotated[int, typer.Option(min=1, help="How many, of all kinds of work together.")] = 200,
+    each: Annotated[int, typer.Option(min=1, help="How many at most until a job may end.")] = 5,
+    seed: Annotated[int, typer.Option(help="Of the moments.")] = 0,
+    only: Annotated[str, typer.Option(help="survey, run, sweep or fleet alone.")] = "",
+) -> None:
+    """Kill, look, resume, compare, repeat."""
+    draw = random.Random(seed)
+    moments: Counter[str] = Counter()
+    failures = 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        todo = [work for work in works(folder) if only in ("", work.name)]
+        if not todo:
+            raise typer.BadParameter(f"'{only}' is none of survey, run, sweep, fleet", param_hint="--only")
+        whole = {work.name: done_whole(work, folder) for work in todo}
+        for work in itertools.cycle(todo):
+            out = folder / "killed"
+            shutil.rmtree(out, ignore_errors=True)
+            kinds, wrong = attack(work, out, whole[work.name], draw, draw.randint(1, each))
+            moments.update(kinds)
+            failures += bool(wrong)
+            typer.echo(
+                f"{moments.total():4d} {work.name}: killed at {', '.join(kinds) or 'no moment'}: {wrong or 'well'}"
+            )
+            if moments.total() >= kills:
+                break
+    typer.echo(f"{moments.total()} kills ({dict(moments)}), {failures} failures")
+    raise typer.Exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    typer.run(main)
