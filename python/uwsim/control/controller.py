@@ -83,19 +83,22 @@ class Controller(Sealed):
         z_world_m: float | None = None,
         *,
         altitude_m: tuple[float, float] | None = None,
+        pitch_rad: float = 0.0,
         across_first: bool = False,
     ) -> None:
         """Hold a heading, a horizontal velocity over ground (2,), and a height z or an altitude.
 
-        altitude_m: wanted and measured. Without either, the vertical velocity is held at zero. across_first: where the
-        thrusters do not suffice, force across the vehicle comes before force along it.
+        altitude_m: wanted and measured. Without either, the vertical velocity is held at zero, and a vehicle that no
+        thruster lifts holds its pitch instead. pitch_rad: positive nose down. across_first: where the thrusters do not
+        suffice, force across the vehicle comes before force along it.
         """
         if altitude_m is not None:
             wanted_m, measured_m = altitude_m
             z_world_m = float(self.estimate.pose.position_world_m[2]) + wanted_m - measured_m
         east, north = velocity_world_m_s
         z_m = math.nan if z_world_m is None else z_world_m
-        self._reach((math.nan, math.nan, z_m), (east, north, 0.0), heading_rad, across_first=across_first)
+        free = math.nan
+        self._reach((free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first)
 
     def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
         """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; level while no rate about x or y is wanted."""

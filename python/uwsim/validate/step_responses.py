@@ -11,18 +11,23 @@ from numpy.typing import NDArray
 
 from uwsim.control import Controller
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.build.control import AXES
 from uwsim.simulator import Simulator
 from uwsim.validate.flights import START_M, deep_water
 from uwsim.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-PERIOD_S, DURATION_S, STEADY_S = 0.05, 30.0, 5.0
+PERIOD_S, DURATION_S, STEADY_S, SETTLE_S = 0.05, 30.0, 5.0, 20.0
+CRUISE_M_S = 1.5  # some 3 knots, at which such AUVs cruise
 SETTLED = 0.05  # share of the step
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step of one quantity. needs: the axis that must be driven. command, read: set it, and read it."""
+    """A step of one quantity. needs: the axis that must be driven. command, read: set it, and read it.
+
+    under_way_m_s: the speed ahead at which it begins, held for SETTLE_S before; 0: from rest.
+    """
 
     name: str
     unit: str
@@ -30,6 +35,7 @@ class Step:
     needs: str
     command: Callable[[Controller, float], None]
     read: Callable[[Vehicle], float]
+    under_way_m_s: float = 0.0
 
 
 def _at(x_m: float = 0.0, y_m: float = 0.0, z_m: float = 0.0) -> Array:
@@ -81,6 +87,53 @@ STEPS = (
 )
 
 
+def _ahead(c: Controller, heading_rad: float = 0.0, z_m: float | None = None, pitch_rad: float = 0.0) -> None:
+    """Go on at the cruising speed."""
+    velocity_m_s = (CRUISE_M_S * math.cos(heading_rad), CRUISE_M_S * math.sin(heading_rad))
+    c.steer(heading_rad, velocity_m_s, z_m, pitch_rad=pitch_rad)
+
+
+STEPS_UNDER_WAY = (
+    Step(
+        "depth under way",
+        "m",
+        2.0,
+        "pitch",
+        lambda c, s: _ahead(c, z_m=START_M[2] + s),
+        lambda r: r.pose.position_world_m[2] - START_M[2],
+        CRUISE_M_S,
+    ),
+    Step(
+        "heading under way",
+        "rad",
+        0.5,
+        "yaw",
+        lambda c, s: _ahead(c, heading_rad=s, z_m=START_M[2]),
+        lambda r: r.pose.yaw_rad,
+        CRUISE_M_S,
+    ),
+    Step(
+        "pitch under way",
+        "rad",
+        0.1,
+        "pitch",
+        lambda c, s: _ahead(c, pitch_rad=s),
+        lambda r: -_tilt(r, 0),
+        CRUISE_M_S,
+    ),
+    Step(
+        "surge under way",
+        "m/s",
+        0.3,
+        "surge",
+        lambda c, s: c.steer(0.0, (CRUISE_M_S + s, 0.0), START_M[2]),
+        lambda r: r.velocity.linear_body_m_s[0] - CRUISE_M_S,
+        CRUISE_M_S,
+    ),
+)
+"""Of vehicles that no thruster lifts: they climb by their pitch, and fins turn them only under way."""
+
+
 @dataclass(frozen=True, eq=False)
 class StepResponse:
     """A step as flown: values in shares of the step, (n,), at times_s (n,)."""
@@ -119,17 +172,21 @@ class StepResponse:
 
 
 def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
-    """Fly all steps that the vehicle's thrusters drive."""
+    """Fly all steps that the vehicle's actuators drive; those under way if no thruster lifts it."""
     sim = deep_water(model)
-    return [_fly(name, sim, step) for step in STEPS if step.needs in sim.rov.controllable]
+    driven = dict(zip(AXES, sim.rov.control.model.driven, strict=True))
+    return [_fly(name, sim, step) for step in (STEPS if driven["heave"] else STEPS_UNDER_WAY) if driven[step.needs]]
 
 
 def _fly(name: str, sim: Simulator, step: Step) -> StepResponse:
     rov = sim.rov
     rov.set_effort()
     sim.advance(2.0)  # thrusters come to rest
-    rov.place(START_M)
+    rov.place(START_M, velocity_body=step.under_way_m_s * np.eye(6)[0])
     controller = Controller(rov, PERIOD_S)
+    for _ in range(round(SETTLE_S / PERIOD_S) if step.under_way_m_s else 0):
+        step.command(controller, 0.0)
+        sim.advance(PERIOD_S)
     values = []
     for _ in range(round(DURATION_S / PERIOD_S)):
         step.command(controller, step.size)
