@@ -3413,6 +3413,25 @@ class Batch:
         members: collections.abc.Sequence[MemberSpec],
         threads: typing.SupportsInt | typing.SupportsIndex,
     ) -> None: ...
+    def acoustic_ping(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sonar: typing.SupportsInt | typing.SupportsIndex,
+        ranges_m: numpy.typing.NDArray[numpy.float32],
+        points_sonar_m: numpy.typing.NDArray[numpy.float32],
+        incidence_rad: numpy.typing.NDArray[numpy.float32],
+        intensity_db: numpy.typing.NDArray[numpy.float32],
+        labels: numpy.typing.NDArray[numpy.uint16],
+        valid: numpy.typing.NDArray[numpy.bool],
+        snr_db: numpy.typing.NDArray[numpy.float32],
+        travel_time_s: numpy.typing.NDArray[numpy.float32],
+        deviation_m: numpy.typing.NDArray[numpy.float32],
+        detections: numpy.typing.NDArray[numpy.uint8],
+        world_from_sonar: numpy.typing.NDArray[numpy.float64],
+    ) -> None:
+        """
+        Ping in physics mode. Raises ValueError in geometry mode.
+        """
     def beams(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> int:
@@ -3421,9 +3440,13 @@ class Batch:
         """
     def in_physics_mode(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
-    ) -> bool:
+    ) -> list[bool]:
         """
-        Whether the sonar of any member is.
+        Whether the sonar of each member is.
+        """
+    def member(self, index: typing.SupportsInt | typing.SupportsIndex) -> Simulation:
+        """
+        A member, until it is restarted. Use it when no call to the batch runs; it cannot be restarted by itself.
         """
     def motion(
         self,
@@ -3491,6 +3514,10 @@ class Batch:
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
         Answers Ctrl-C.
+        """
+    def step_each(self, counts: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        """
+        Advances each member by a count of its own, (n,). Answers Ctrl-C.
         """
 
 def absorption_db_km(

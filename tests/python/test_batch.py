@@ -11,7 +11,6 @@ import pytest
 from uwsim import Batch, DockedWarning, Scenario, Simulator
 from uwsim.scenario import load
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.scenario.spec.failsafe import Failsafe
 
 SEEDS = (3, 11, 4)
 CHANGES: tuple[dict[str, Any], ...] = (
@@ -149,12 +148,6 @@ def test_where_one_diverges_the_others_make_their_steps(scenario: Scenario) -> N
 def test_a_batch_that_cannot_be_is_refused(scenario: Scenario, arguments: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"must be|expected"):
         Batch(scenario, **arguments)
-
-
-def test_what_a_batch_would_not_do_is_refused(scenario: Scenario) -> None:
-    guarded = scenario.vehicles[0].model_copy(update={"failsafe": Failsafe(silence_s=1.0)})
-    with pytest.raises(ValueError, match="vehicle 'rov': failsafe: runs in a Simulator"):
-        Batch(scenario.model_copy(update={"vehicles": (guarded,)}), n=1)
 
 
 def test_efforts_to_docked_vehicles_are_warned_of() -> None:

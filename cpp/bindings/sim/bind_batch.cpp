@@ -47,27 +47,43 @@ class OwnedBatch {
     return call(batch_);
   }
 
-  /// Steps in slices, so that Ctrl-C is answered. Where a member throws, the others go on to the end.
   void step(std::uint64_t count) {
+    in_slices(count, [&](Batch& batch, std::uint64_t, std::uint64_t now) { batch.step(now); });
+  }
+
+  void step_each(const std::vector<std::uint64_t>& counts) {
+    std::vector<std::uint64_t> now_each(counts.size());
+    const std::uint64_t most = counts.empty() ? 0 : *std::ranges::max_element(counts);
+    in_slices(most, [&](Batch& batch, std::uint64_t done, std::uint64_t now) {
+      for (std::size_t k = 0; k < counts.size(); ++k)
+        now_each[k] = std::min(counts[k] - std::min(counts[k], done), now);
+      batch.step_each(now_each);
+    });
+  }
+
+ private:
+  /// Calls advance(batch, done, now) until `count` steps are done, in slices, so that Ctrl-C is answered. Where a
+  /// member throws, the others go on to the end.
+  template <typename Advance>
+  void in_slices(std::uint64_t count, const Advance& advance) {
     with([&](Batch& batch) {
       std::exception_ptr error;
       const std::uint64_t slice = std::max<std::uint64_t>(1, kMemberStepsBetweenSignals / batch.size());
-      while (count > 0) {
-        const std::uint64_t now = std::min(count, slice);
+      for (std::uint64_t done = 0; done < count;) {
+        const std::uint64_t now = std::min(count - done, slice);
         try {
-          batch.step(now);
+          advance(batch, done, now);
         } catch (const InvalidValue&) {
           if (!error) error = std::current_exception();
         }
-        count -= now;
+        done += now;
         const py::gil_scoped_acquire locked;
-        if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (done < count && PyErr_CheckSignals() != 0) throw py::error_already_set();
       }
       if (error) std::rethrow_exception(error);
     });
   }
 
- private:
   std::recursive_mutex mutex_;  // recursive: a signal handler that runs between slices may call, too
   Batch batch_;
 };
@@ -103,19 +119,42 @@ void write_samples(OwnedBatch& owned, std::size_t vehicle, std::size_t sensor, b
   owned.with([&](Batch& b) { b.read_sensor(vehicle, sensor, with_noise, rows); });
 }
 
+std::size_t fans(OwnedBatch& owned, std::size_t vehicle, std::size_t sonar) {
+  return owned.with([&](Batch& b) { return b.size() * b.member(0)->sonar(vehicle, sonar).multibeam().beams(); });
+}
+
+std::size_t heads(OwnedBatch& owned) {
+  return owned.with([](Batch& b) { return 16 * b.size(); });
+}
+
 void write_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t sonar, Out<float> ranges_m,
                  Out<float> points_sonar_m, Out<float> incidence_rad, Out<float> intensity_db, Out<Label> labels,
                  Out<bool> valid, Out<double> world_from_sonar) {
-  const auto [n, beams] =
-      owned.with([&](Batch& b) { return std::pair(b.size(), b.member(0).sonar(vehicle, sonar).multibeam().beams()); });
-  const PingRows rows{room(ranges_m, n * beams, "ranges_m"),
-                      room(points_sonar_m, 3 * n * beams, "points_sonar_m"),
-                      room(incidence_rad, n * beams, "incidence_rad"),
-                      room(intensity_db, n * beams, "intensity_db"),
-                      room(labels, n * beams, "labels"),
-                      as_bytes(room(valid, n * beams, "valid"))};
-  double* const heads = room(world_from_sonar, 16 * n, "world_from_sonar");
-  owned.with([&](Batch& b) { b.ping(vehicle, sonar, rows, heads); });
+  const std::size_t beams = fans(owned, vehicle, sonar);
+  const PingRows rows{room(ranges_m, beams, "ranges_m"),
+                      room(points_sonar_m, 3 * beams, "points_sonar_m"),
+                      room(incidence_rad, beams, "incidence_rad"),
+                      room(intensity_db, beams, "intensity_db"),
+                      room(labels, beams, "labels"),
+                      as_bytes(room(valid, beams, "valid"))};
+  double* const poses = room(world_from_sonar, heads(owned), "world_from_sonar");
+  owned.with([&](Batch& b) { b.ping(vehicle, sonar, rows, poses); });
+}
+
+void write_acoustic_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t sonar, Out<float> ranges_m,
+                          Out<float> points_sonar_m, Out<float> incidence_rad, Out<float> intensity_db,
+                          Out<Label> labels, Out<bool> valid, Out<float> snr_db, Out<float> travel_time_s,
+                          Out<float> deviation_m, Out<std::uint8_t> detections, Out<double> world_from_sonar) {
+  const std::size_t beams = fans(owned, vehicle, sonar);
+  const AcousticRows rows{{room(ranges_m, beams, "ranges_m"), room(points_sonar_m, 3 * beams, "points_sonar_m"),
+                           room(incidence_rad, beams, "incidence_rad"), room(intensity_db, beams, "intensity_db"),
+                           room(labels, beams, "labels"), as_bytes(room(valid, beams, "valid"))},
+                          room(snr_db, beams, "snr_db"),
+                          room(travel_time_s, beams, "travel_time_s"),
+                          room(deviation_m, beams, "deviation_m"),
+                          room(detections, beams, "detections")};
+  double* const poses = room(world_from_sonar, heads(owned), "world_from_sonar");
+  owned.with([&](Batch& b) { b.acoustic_ping(vehicle, sonar, rows, poses); });
 }
 
 }  // namespace
@@ -159,6 +198,8 @@ void bind_batch(py::module_& m) {
           },
           py::arg("vehicle"), py::arg("efforts"), "(n, 6), each in [-1, 1]. Raises ValueError, changing nothing.")
       .def("step", &OwnedBatch::step, py::arg("count") = 1, "Answers Ctrl-C.")
+      .def("step_each", &OwnedBatch::step_each, py::arg("counts"),
+           "Advances each member by a count of its own, (n,). Answers Ctrl-C.")
       .def("motion", &write_motion, py::arg("vehicle"), py::arg("times_ns").noconvert(),
            py::arg("positions_world_m").noconvert(), py::arg("orientations_xyzw").noconvert(),
            py::arg("velocities_body").noconvert(), py::arg("collisions").noconvert(), py::arg("released").noconvert())
@@ -168,27 +209,42 @@ void bind_batch(py::module_& m) {
           "in_physics_mode",
           [](OwnedBatch& o, std::size_t vehicle, std::size_t sonar) {
             return o.with([&](Batch& b) {
+              std::vector<bool> modes;
               for (std::size_t k = 0; k < b.size(); ++k)
-                if (b.member(k).sonar(vehicle, sonar).in_physics_mode()) return true;
-              return false;
+                modes.push_back(b.member(k)->sonar(vehicle, sonar).in_physics_mode());
+              return modes;
             });
           },
-          py::arg("vehicle"), py::arg("sonar"), "Whether the sonar of any member is.")
+          py::arg("vehicle"), py::arg("sonar"), "Whether the sonar of each member is.")
       .def(
           "beams",
           [](OwnedBatch& o, std::size_t vehicle, std::size_t sonar) {
-            return o.with([&](Batch& b) { return b.member(0).sonar(vehicle, sonar).multibeam().beams(); });
+            return o.with([&](Batch& b) { return b.member(0)->sonar(vehicle, sonar).multibeam().beams(); });
           },
           py::arg("vehicle"), py::arg("sonar"), "The number of beams of the first member's sonar.")
       .def("ping", &write_pings, py::arg("vehicle"), py::arg("sonar"), py::arg("ranges_m").noconvert(),
            py::arg("points_sonar_m").noconvert(), py::arg("incidence_rad").noconvert(),
            py::arg("intensity_db").noconvert(), py::arg("labels").noconvert(), py::arg("valid").noconvert(),
            py::arg("world_from_sonar").noconvert(), "Ping in geometry mode.")
+      .def("acoustic_ping", &write_acoustic_pings, py::arg("vehicle"), py::arg("sonar"),
+           py::arg("ranges_m").noconvert(), py::arg("points_sonar_m").noconvert(), py::arg("incidence_rad").noconvert(),
+           py::arg("intensity_db").noconvert(), py::arg("labels").noconvert(), py::arg("valid").noconvert(),
+           py::arg("snr_db").noconvert(), py::arg("travel_time_s").noconvert(), py::arg("deviation_m").noconvert(),
+           py::arg("detections").noconvert(), py::arg("world_from_sonar").noconvert(),
+           "Ping in physics mode. Raises ValueError in geometry mode.")
+      .def(
+          "member",
+          [](OwnedBatch& o, std::size_t index) {
+            return std::make_unique<OwnedSimulation>(
+                o.with([&](Batch& b) { return b.member(checked({index}, b).front()); }));
+          },
+          py::arg("index"),
+          "A member, until it is restarted. Use it when no call to the batch runs; it cannot be restarted by itself.")
       .def(
           "save_state",
           [](OwnedBatch& o, std::size_t member, const std::string& scenario, const std::string& build,
              const std::string& notes) {
-            return py::bytes(o.with([&](Batch& b) { return b.member(member).save_state({scenario, build}, notes); }));
+            return py::bytes(o.with([&](Batch& b) { return b.member(member)->save_state({scenario, build}, notes); }));
           },
           py::arg("member"), py::arg("scenario"), py::arg("build"), py::arg("notes"),
           "As Simulation.save_state of that member.");

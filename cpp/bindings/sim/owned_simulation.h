@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "uwsim/core/check.h"
 #include "uwsim/sim/simulation.h"
 
 namespace uwsim::bindings {
@@ -21,7 +22,10 @@ inline constexpr std::uint64_t kStepsBetweenSignals = 2000;
 class OwnedSimulation {
  public:
   OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
-      : scene_(std::move(scene)), simulation_(std::make_unique<Simulation>(world, scene_, spec)) {}
+      : scene_(std::move(scene)), simulation_(std::make_shared<Simulation>(world, scene_, spec)) {}
+
+  /// A member of a batch, with the vehicles and the link that it has. It is to be used when no call to the batch runs.
+  explicit OwnedSimulation(std::shared_ptr<Simulation> member) : simulation_(std::move(member)) {}
 
   /// call(simulation), with the GIL released.
   template <typename Call>
@@ -51,8 +55,9 @@ class OwnedSimulation {
 
   /// Begins anew in `world` with `spec`, with the same vehicles at their starts. Throws, changing nothing.
   void restart(const World& world, const SimulationSpec& spec) {
+    require(scene_ != nullptr, "restart", "a member of a batch", "must be restarted by the batch");
     with([&](Simulation& old) {
-      auto fresh = std::make_unique<Simulation>(world, scene_, spec);
+      auto fresh = std::make_shared<Simulation>(world, scene_, spec);
       for (const VehicleSpec& vehicle : vehicles_) fresh->add_vehicle(vehicle);
       if (link_) fresh->set_link(*link_);
       earlier_versions_ += old.version() + 1;
@@ -93,8 +98,8 @@ class OwnedSimulation {
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
   std::optional<LinkSpec> link_;
-  std::unique_ptr<Simulation> simulation_;
-  std::unique_ptr<Simulation> previous_;  // a signal handler may restart it while it makes pings
+  std::shared_ptr<Simulation> simulation_;
+  std::shared_ptr<Simulation> previous_;  // a signal handler may restart it while it makes pings
   std::uint64_t earlier_versions_ = 0;
 };
 

@@ -53,10 +53,10 @@ Batch::Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vec
   each(all_, threads_, [&](std::size_t member, std::size_t) { members_[member] = made(specs_[member]); });
 }
 
-std::unique_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
+std::shared_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
   World world = world_;
   world.water = spec.water;
-  auto simulation = std::make_unique<Simulation>(world, scene_, spec.simulation);
+  auto simulation = std::make_shared<Simulation>(world, scene_, spec.simulation);
   for (const auto& vehicle : spec.vehicles) {
     require(vehicle && vehicle->craft, "vehicles.craft", "none", "must be set");
     simulation->add_vehicle(*vehicle);
@@ -67,7 +67,7 @@ std::unique_ptr<Simulation> Batch::made(const MemberSpec& spec) const {
 
 void Batch::restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs) {
   require(specs.empty() || specs.size() == chosen.size(), "specs", specs.size(), "must be one for each");
-  std::vector<std::unique_ptr<Simulation>> fresh(chosen.size());
+  std::vector<std::shared_ptr<Simulation>> fresh(chosen.size());
   each(chosen, threads_,
        [&](std::size_t member, std::size_t k) { fresh[k] = made(specs.empty() ? specs_[member] : specs[k]); });
   for (std::size_t k = 0; k < chosen.size(); ++k) {
@@ -102,6 +102,19 @@ void Batch::step(std::uint64_t count) {
   each(all_, threads, [&](std::size_t k, std::size_t) { members_[k]->step(count); });
 }
 
+void Batch::step_each(std::span<const std::uint64_t> counts) {
+  require(counts.size() == size(), "counts", counts.size(), "must be one for each member");
+  std::vector<std::size_t> moving;
+  std::uint64_t steps = 0;
+  for (const std::size_t k : all_) {
+    if (counts[k] == 0) continue;
+    moving.push_back(k);
+    steps += std::min<std::uint64_t>(counts[k], kStepsWorthThreads);
+  }
+  each(moving, steps < kStepsWorthThreads ? 1 : threads_,
+       [&](std::size_t k, std::size_t) { members_[k]->step(counts[k]); });
+}
+
 void Batch::motion(std::size_t vehicle, const MotionRows& rows) const {
   each(all_, 1, [&](std::size_t k, std::size_t) {
     const Simulation& simulation = *members_[k];
@@ -129,14 +142,40 @@ void Batch::read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise
   });
 }
 
-void Batch::ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const {
+/// Calls ping(simulation, k, beams) for each member, and writes the heads' poses.
+template <typename Ping>
+void Batch::ping_each(std::size_t vehicle, std::size_t sonar, double* world_from_sonar, const Ping& ping) const {
   const std::size_t beams = members_.front()->sonar(vehicle, sonar).multibeam().beams();
   each(all_, threads_, [&](std::size_t k, std::size_t) {
     const Simulation& simulation = *members_[k];
     const std::size_t own = simulation.sonar(vehicle, sonar).multibeam().beams();
     require(own == beams, "sonar.beams", own, "must be as many as those of the first member");
-    simulation.ping(vehicle, sonar, rows.row(k, beams));
+    ping(simulation, k, beams);
     Eigen::Map<RowMajor4>(world_from_sonar + 16 * k) = simulation.world_from_sonar(vehicle, sonar).matrix();
+  });
+}
+
+void Batch::ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const {
+  ping_each(vehicle, sonar, world_from_sonar, [&](const Simulation& simulation, std::size_t k, std::size_t beams) {
+    simulation.ping(vehicle, sonar, rows.row(k, beams));
+  });
+}
+
+void Batch::acoustic_ping(std::size_t vehicle, std::size_t sonar, const AcousticRows& rows,
+                          double* world_from_sonar) const {
+  ping_each(vehicle, sonar, world_from_sonar, [&](const Simulation& simulation, std::size_t k, std::size_t beams) {
+    const AcousticPing ping = simulation.acoustic_ping(vehicle, sonar);
+    const PingRows echoes = rows.echoes.row(k, beams);
+    std::ranges::copy(ping.ranges_m, echoes.ranges_m);
+    std::ranges::copy(ping.points_sonar_m, echoes.points_sonar_m);
+    std::ranges::copy(ping.incidence_rad, echoes.incidence_rad);
+    std::ranges::copy(ping.intensity_db, echoes.intensity_db);
+    std::ranges::copy(ping.labels, echoes.labels);
+    std::ranges::copy(ping.valid, echoes.valid);
+    std::ranges::copy(ping.snr_db, rows.snr_db + k * beams);
+    std::ranges::copy(ping.travel_time_s, rows.travel_time_s + k * beams);
+    std::ranges::copy(ping.deviation_m, rows.deviation_m + k * beams);
+    std::ranges::copy(ping.detections, rows.detections + k * beams);
   });
 }
 

@@ -37,6 +37,14 @@ struct SampleRows {
   std::uint8_t* valid;
 };
 
+/// The pings of one sonar of each member in physics mode: (n, beams), with three columns for points. The names mean
+/// what they mean in AcousticPing.
+struct AcousticRows {
+  PingRows echoes;
+  float *snr_db, *travel_time_s, *deviation_m;
+  std::uint8_t* detections;
+};
+
 /// n simulations of one world that do not know of each other, advanced and asked together by several threads. They
 /// share terrain, solids and their indices; each has its own water, seed and vehicles, which are of the same names and
 /// instruments. A member is the Simulation of its spec: it gives the same results to the last bit, whatever the
@@ -49,8 +57,8 @@ class Batch {
   Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads);
 
   std::size_t size() const { return members_.size(); }
-  /// Throws std::out_of_range.
-  Simulation& member(std::size_t index) { return *members_.at(index); }
+  /// Shared, so that what looks at a member outlives its restart. Throws std::out_of_range.
+  const std::shared_ptr<Simulation>& member(std::size_t index) { return members_.at(index); }
 
   /// Begins members anew, each by its spec; `specs`: other ones for these members, or none. Throws, changing nothing.
   void restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs = {});
@@ -62,6 +70,8 @@ class Batch {
   /// none.
   void set_efforts(std::size_t vehicle, std::span<const double> efforts);
   void step(std::uint64_t count);
+  /// Advances each member by a count of its own, (n,).
+  void step_each(std::span<const std::uint64_t> counts);
 
   void motion(std::size_t vehicle, const MotionRows& rows) const;
   /// The number of values in a reading. Throws std::out_of_range.
@@ -69,17 +79,21 @@ class Batch {
   void read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise, const SampleRows& rows);
   /// Pings in geometry mode: rows of n * beams, and the heads' poses (n, 4, 4), row by row.
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const;
+  /// Pings in physics mode, likewise. Throws InvalidValue for a member in geometry mode.
+  void acoustic_ping(std::size_t vehicle, std::size_t sonar, const AcousticRows& rows, double* world_from_sonar) const;
 
  private:
-  std::unique_ptr<Simulation> made(const MemberSpec& spec) const;
+  std::shared_ptr<Simulation> made(const MemberSpec& spec) const;
   template <typename Work>
   void each(std::span<const std::size_t> chosen, int threads, const Work& work) const;
+  template <typename Ping>
+  void ping_each(std::size_t vehicle, std::size_t sonar, double* world_from_sonar, const Ping& ping) const;
 
   World world_;
   std::shared_ptr<const RayScene> scene_;
   int threads_;
   std::vector<MemberSpec> specs_;
-  std::vector<std::unique_ptr<Simulation>> members_;
+  std::vector<std::shared_ptr<Simulation>> members_;
   std::vector<std::size_t> all_;  // 0, 1, ... n - 1
 };
 

@@ -1,6 +1,7 @@
 """Many independent simulations of one world, stepped and asked together, with arrays that have a row for each."""
 
+from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.batch import Batch
-from uwsim.batch.results import BatchMotion, BatchPings, BatchSamples
+from uwsim.batch.results import BatchMotion, BatchPhysicsPings, BatchPings, BatchSamples
 
-__all__ = ["Batch", "BatchMotion", "BatchPings", "BatchSamples"]
+__all__ = ["Batch", "BatchMotion", "BatchPhysicsPings", "BatchPings", "BatchSamples", "MemberAboard"]

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
+
+from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.fault import FaultModel, FaultSpec
+from uwsim.scenario.spec.fields import Model
 
 Changes = Mapping[str, Any]
+FaultList = Sequence[Mapping[str, Any]]
+
+
+class _Faults(Model):
+    """For the check of faults that are not in a file."""
+
+    faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)]
 
 
 def whole(value: Any, name: str, least: int, most: int) -> int:
@@ -32,6 +44,25 @@ def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
     return {k: _mapping(each[k], f"parameters[{k}]") for k in chosen}
+
+
+def faults(given: FaultList | Sequence[FaultList], n: int, chosen: Iterable[int]) -> dict[int, tuple[FaultModel, ...]]:
+    """Return the faults of the chosen of n members; one list of them is for all. Raises ValueError."""
+    if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
+        raise ValueError(f"faults is {type(given).__name__}: must be a list of faults, or n of them")
+    if all(isinstance(one, Mapping) for one in given):
+        for_all = _read(given, "")
+        return dict.fromkeys(chosen, for_all)
+    if len(given) != n:
+        raise ValueError(f"faults: {len(given)} lists: expected one, or n = {n}")
+    return {k: _read(given[k], f"batch[{k}]: ") for k in chosen}
+
+
+def _read(one: object, where: str) -> tuple[FaultModel, ...]:
+    try:
+        return validated(_Faults, {"faults": one}).faults
+    except ValueError as error:
+        raise ValueError(f"{where}{error}") from None
 
 
 def _mapping(one: object, name: str) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from uwsim import _core
 from uwsim.arguments import checked_threads
 from uwsim.batch import arguments
-from uwsim.batch.arguments import Changes, whole
-from uwsim.batch.members import Members
+from uwsim.batch.aboard import MemberAboard
+from uwsim.batch.arguments import Changes, FaultList, whole
+from uwsim.batch.members import Member, Members
+from uwsim.batch.programs import Programs
 from uwsim.batch.results import (
     BatchMotion,
     BatchPings,
@@ -29,6 +32,7 @@ from uwsim.did_you_mean import did_you_mean
 from uwsim.docking import DockedWarning
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.spec.fault import FaultModel
 from uwsim.sealed import Sealed
 from uwsim.simulator import Simulator
 
@@ -43,7 +47,8 @@ class Batch(Sealed):
 
     scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default
     the scenario's and those that follow it. parameters: of each member, by the names of Simulator.parameters; one
-    mapping is for all. threads: by default all.
+    mapping is for all. faults: instead of the scenario's, with the keys that it has; a list for all, or n lists.
+    threads: by default all.
 
     Calls release the GIL and use all threads. `observe`, `read` and `ping` give arrays that belong to the batch: the
     next such call writes into them, so copy what you keep. One thread at a time may use a batch. Raises ValueError;
@@ -54,7 +59,9 @@ class Batch(Sealed):
     n: int
     threads: int
     _fixed_when = "the batch is made"
-    _changed_by = MappingProxyType({"seeds": "reset(seeds=...)", "parameters": "reset(parameters=...)"})
+    _changed_by = MappingProxyType(
+        {"seeds": "reset(seeds=...)", "parameters": "reset(parameters=...)", "faults": "reset(faults=...)"}
+    )
 
     def __init__(
         self,
@@ -63,6 +70,7 @@ class Batch(Sealed):
         n: int,
         seeds: Sequence[int] | NDArray[np.integer[Any]] | None = None,
         parameters: Changes | Sequence[Changes] | None = None,
+        faults: FaultList | Sequence[FaultList] | None = None,
         threads: int | None = None,
     ) -> None:
         self.scenario = load(scenario)
@@ -76,11 +84,17 @@ class Batch(Sealed):
         everyone = range(self.n)
         self._seeds = arguments.seeds(range(first, first + self.n) if seeds is None else seeds, self.n, everyone)
         self._changes = arguments.changes({} if parameters is None else parameters, self.n, everyone)
-        members = [self._members.member(k, self._seeds[k], self._changes[k]) for k in everyone]
-        self._core = _core.Batch(self._world, _core.RayScene(self._world), members, self.threads)
+        own: dict[int, tuple[FaultModel, ...]] = dict.fromkeys(everyone, self.scenario.faults)
+        self._faults = own if faults is None else arguments.faults(faults, self.n, everyone)
+        members = [self._member(k) for k in everyone]
+        scene = _core.RayScene(self._world)
+        self._core = _core.Batch(self._world, scene, [member.spec for member in members], self.threads)
+        self._programs = Programs(self._core, self._world, scene, self._members, self.n)
+        for k, member in enumerate(members):
+            self._programs.begin(k, member)
         self._motion = [motion_buffers(self.n) for _ in self._names]
         self._samples: dict[tuple[int, int], Buffers[BatchSamples]] = {}
-        self._pings: dict[tuple[int, int], Buffers[BatchPings]] = {}
+        self._pings: dict[tuple[int, int, bool], Buffers[BatchPings]] = {}
         self._has_warned = False
 
     def __repr__(self) -> str:
@@ -95,6 +109,11 @@ class Batch(Sealed):
     def parameters(self) -> tuple[Changes, ...]:
         """What was set for each member."""
         return tuple(MappingProxyType(changes) for changes in self._changes.values())
+
+    @property
+    def faults(self) -> tuple[tuple[FaultModel, ...], ...]:
+        """The faults that each member begins with."""
+        return tuple(self._faults.values())
 
     @property
     def world(self) -> _core.FixedWorld:
@@ -117,9 +136,10 @@ class Batch(Sealed):
                     raise ValueError(f"efforts.shape = {values.shape}: expected ({self.n}, 6)")
             for vehicle, values in checked.items():
                 self._core.set_efforts(vehicle, values)
+                self._programs.hear_efforts(self._names[vehicle], values)
                 if steps and not self._has_warned and values.any():
                     self._warn_if_docked(vehicle)
-        self._core.step(steps)
+        self._programs.step(steps)
 
     def observe(self, vehicle: str | None = None) -> BatchMotion:
         """Return where a vehicle of each member is, by default the first, as it truly is."""
@@ -141,24 +161,27 @@ class Batch(Sealed):
             self._samples[key] = sample_buffers(self.n, _core.sensor_kind(sensors[key[1]].kind).fields)
         samples = self._samples[key]
         self._core.read_sensor(*key, noise, *samples.writable)
+        self._programs.tell(*key, noise, samples)
         return samples.shown
 
     def ping(self, vehicle: str | None = None) -> BatchPings:
-        """Ping with the first sonar of a vehicle of each member, in geometry mode. Raises ValueError in physics mode.
+        """Ping with the first sonar of a vehicle of each member; in physics mode these are BatchPhysicsPings.
 
-        All members' sonars must have as many beams.
+        All members' sonars must have as many beams and be in one mode. Raises ValueError.
         """
         index = self._vehicle(vehicle)
-        sonars = self._members.vehicles[index].sonars
-        if not sonars:
+        if not self._members.vehicles[index].sonars:
             raise ValueError(f"vehicle '{self._names[index]}': carries no sonar")
-        if self._core.in_physics_mode(index, 0):
-            raise ValueError(f"{self._names[index]}.sonar.mode = physics: a batch pings in geometry mode alone")
-        key = index, self._core.beams(index, 0)
+        modes = self._core.in_physics_mode(index, 0)
+        in_physics_mode = modes[0]
+        if in_physics_mode in modes and (not in_physics_mode) in modes:
+            other = f"another in batch[{modes.index(not in_physics_mode)}] than in batch[0]"
+            raise ValueError(f"{self._names[index]}.sonar.mode: {other}: a batch pings in one mode")
+        key = index, self._core.beams(index, 0), in_physics_mode
         if key not in self._pings:
-            self._pings[key] = ping_buffers(self.n, key[1])
+            self._pings[key] = ping_buffers(self.n, key[1], in_physics_mode)
         pings = self._pings[key]
-        self._core.ping(index, 0, *pings.writable)
+        (self._core.acoustic_ping if in_physics_mode else self._core.ping)(index, 0, *pings.writable)
         return pings.shown
 
     def place(
@@ -193,31 +216,51 @@ class Batch(Sealed):
         *,
         seeds: Sequence[int] | NDArray[np.integer[Any]] | None = None,
         parameters: Changes | Sequence[Changes] | None = None,
+        faults: FaultList | Sequence[FaultList] | None = None,
     ) -> None:
         """Begin members anew, as they were made: all, or those of a mask (n,) bool.
 
-        seeds, parameters: other ones from now on, n of them, of which those of the mask count. Raises ValueError,
-        changing nothing.
+        seeds, parameters, faults: other ones from now on, n of them, of which those of the mask count. Raises
+        ValueError, changing nothing.
         """
-        members = arguments.members(mask, self.n)
-        if seeds is None and parameters is None:
-            self._core.restart(members)
+        chosen = arguments.members(mask, self.n)
+        if seeds is None and parameters is None and faults is None:
+            self._core.restart(chosen)
+            self._programs.begin_again(chosen)
             return
-        new_seeds = self._seeds if seeds is None else arguments.seeds(seeds, self.n, members)
-        new_changes = self._changes if parameters is None else arguments.changes(parameters, self.n, members)
-        self._core.restart(members, [self._members.member(k, new_seeds[k], new_changes[k]) for k in members])
-        for k in members:
-            self._seeds[k], self._changes[k] = new_seeds[k], new_changes[k]
+        new_seeds = self._seeds if seeds is None else arguments.seeds(seeds, self.n, chosen)
+        new_changes = self._changes if parameters is None else arguments.changes(parameters, self.n, chosen)
+        new_faults = self._faults if faults is None else arguments.faults(faults, self.n, chosen)
+        members = [self._members.member(k, new_seeds[k], new_changes[k], new_faults[k]) for k in chosen]
+        for k, member in zip(chosen, members, strict=True):
+            self._programs.check(k, member)
+        self._core.restart(chosen, [member.spec for member in members])
+        for k, member in zip(chosen, members, strict=True):
+            self._seeds[k], self._changes[k], self._faults[k] = new_seeds[k], new_changes[k], new_faults[k]
+            self._programs.begin(k, member)
+
+    def aboard(self, member: int) -> MemberAboard:
+        """Return what runs aboard a member, until it is reset: its faults, failsafes and events. Raises ValueError."""
+        k = whole(member, "member", 0, self.n - 1)
+        return self._programs.aboard(k, self._member(k))
+
+    def _member(self, k: int) -> Member:
+        return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])
 
     def simulator(self, member: int) -> Simulator:
         """Return a Simulator in the present state of a member, to look closer. It goes its own way from there."""
         k = whole(member, "member", 0, self.n - 1)
-        sim = Simulator(self.scenario.with_changes(seed=self._seeds[k]), threads=self.threads)
+        scenario = self.scenario.with_changes(seed=self._seeds[k])
+        if self._faults[k] != scenario.faults:
+            scenario = scenario.model_copy(update={"faults": self._faults[k]})
+        sim = Simulator(scenario, threads=self.threads)
         if self._changes[k]:
             sim.parameters.update(self._changes[k])
         origin = scenario_fingerprint(sim.scenario), build_fingerprint()
-        notes = _core.saved_notes(sim.save_state(), *origin)
-        sim.restore_state(self._core.save_state(k, *origin, notes))
+        notes = json.loads(_core.saved_notes(sim.save_state(), *origin))
+        if self._programs.has(k):
+            notes |= self.aboard(k).save()
+        sim.restore_state(self._core.save_state(k, *origin, json.dumps(notes)))
         return sim
 
     def _vehicle(self, name: str | None) -> int:

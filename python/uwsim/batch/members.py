@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from uwsim import _core
 from uwsim.batch.arguments import Changes
@@ -10,13 +12,40 @@ from uwsim.parameters import Parameters
 from uwsim.parameters.edits import edited
 from uwsim.parameters.tree import Place
 from uwsim.scenario import Scenario, ScenarioError
+from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.link import link_spec
 from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
+from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.world import scenario_water
+from uwsim.scenario.spec.fault import FaultModel
 
-SEED: Place = ("seed",)
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """What a member is. original: the scenario of its seed and faults. scenario: that with its parameters."""
+
+    original: Scenario
+    scenario: Scenario
+    water: _core.Water
+    vehicles: Sequence[_core.VehicleSpec]
+    spec: _core.MemberSpec
+
+    @property
+    def off(self) -> list[tuple[int, int]]:
+        """The sensors that are off: places of vehicle and sensor."""
+        return [
+            (index, place)
+            for index, entry in enumerate(self.scenario.vehicles)
+            for place, sensor in enumerate(entry.model.sensors.values())
+            if not sensor.on
+        ]
+
+    @property
+    def has_programs(self) -> bool:
+        """Whether something runs aboard: faults, or the failsafe of a vehicle."""
+        failsafes = (entry.failsafe or entry.model.failsafe for entry in self.scenario.vehicles)
+        return bool(self.scenario.faults) or any(failsafes)
 
 
 class Members:
@@ -26,42 +55,48 @@ class Members:
     """
 
     def __init__(self, scenario: Scenario, world: _core.World) -> None:
-        _require_no_programs(scenario)
         self._scenario = scenario
         self._world = world
         self._places: dict[tuple[str, ...], Sequence[Place]] = {}
         self.vehicles = [self._made(scenario, index) for index in range(len(scenario.vehicles))]
 
-    def member(self, index: int, seed: int, changes: Changes) -> _core.MemberSpec:
-        """Return what the member of a place, seed and parameters is built from. Raises ValueError that names it."""
+    def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
+        """Return what the member of a place, seed, parameters and faults is built from. ValueError that names it."""
         try:
-            scenario = self._changed(seed, changes)
+            original = self._scenario.model_copy(update={"seed": seed, "faults": tuple(faults)})
+            scenario = self._changed(original, changes)
             vehicles = [self._vehicle(scenario, k) for k in range(len(scenario.vehicles))]
             water = scenario_water(scenario, self._world)
         except ValueError as error:
             raise ValueError(f"batch[{index}]: {error}") from None
         link = None if scenario.link is None else link_spec(scenario.link, scenario.station)
-        return _core.MemberSpec(water, simulation_spec(scenario), vehicles, link)
+        spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link)
+        return Member(original, scenario, water, vehicles, spec)
 
-    def _changed(self, seed: int, changes: Changes) -> Scenario:
-        """Return the scenario with a seed and parameters.
+    @cached_property
+    def control(self) -> list[ControlSettings]:
+        """The control settings of the vehicles, which parameters do not change."""
+        entries = zip(self._scenario.vehicles, self.vehicles, strict=True)
+        return [vehicle_control(self._scenario, entry.model, spec) for entry, spec in entries]
+
+    def _changed(self, original: Scenario, changes: Changes) -> Scenario:
+        """Return a scenario with parameters.
 
         Finding the places of parameters takes most of the time, so they are kept when numbers of these names have been
         accepted: what has an effect does not depend on numbers.
         """
         names = tuple(changes)
         if not names:
-            return self._scenario.with_changes(seed=seed)
+            return original
         are_numbers = all(type(value) in (int, float) for value in changes.values())
         places = self._places.get(names)
         if places is not None and are_numbers:
             try:
-                return edited(self._scenario, {SEED: seed, **dict(zip(places, changes.values(), strict=True))})
+                return edited(original, dict(zip(places, changes.values(), strict=True)))
             except ScenarioError:
                 pass  # said below, by the parameters' names
-        parameters = Parameters(self._scenario.with_changes(seed=seed), lambda _: None, lambda *_, **__: None, {})
+        parameters = Parameters(original, lambda _: None, lambda *_, **__: None, {})
         parameters.update(changes)
-        _require_no_programs(parameters.scenario)
         if are_numbers:
             self._places[names] = parameters.places(names)
         return parameters.scenario
@@ -77,13 +112,3 @@ class Members:
     def _made(scenario: Scenario, index: int) -> _core.VehicleSpec:
         with vehicle_errors_at(scenario, index):
             return vehicle_spec(scenario, scenario.vehicles[index])
-
-
-def _require_no_programs(scenario: Scenario) -> None:
-    """Refuse what Simulator does between steps, which the core does not know: it would be without effect."""
-    if scenario.faults:
-        rule = "faults with times run in a Simulator; in a batch set parameters, such as rov.thrusters.NAME.health"
-        raise ValueError(f"faults: {rule}")
-    for entry in scenario.vehicles:
-        if entry.failsafe or entry.model.failsafe:
-            raise ValueError(f"vehicle '{entry.name}': failsafe: runs in a Simulator, not in a batch")

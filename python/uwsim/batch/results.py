@@ -47,7 +47,7 @@ class BatchSamples:
 
 @dataclass(frozen=True, eq=False)
 class BatchPings:
-    """A ping of one sonar of each member, in geometry mode; see Ping. Read-only arrays that belong to the batch.
+    """A ping of one sonar of each member; see Ping. Read-only arrays that belong to the batch.
 
     (n, beams): ranges_m, incidence_rad, intensity_db float32, labels uint16, valid bool; points_sonar_m (n, beams, 3)
     float32; world_from_sonar (n, 4, 4) float64.
@@ -60,6 +60,19 @@ class BatchPings:
     labels: NDArray[np.uint16]
     valid: NDArray[np.bool_]
     world_from_sonar: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class BatchPhysicsPings(BatchPings):
+    """A ping of one sonar of each member in physics mode, and what _core.PhysicsPing has besides.
+
+    (n, beams): snr_db, travel_time_s, deviation_m float32, detections uint8.
+    """
+
+    snr_db: NDArray[np.float32]
+    travel_time_s: NDArray[np.float32]
+    deviation_m: NDArray[np.float32]
+    detections: NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,14 +102,18 @@ def sample_buffers(n: int, fields: Mapping[str, tuple[int, str]]) -> Buffers[Bat
     return Buffers(writable, BatchSamples(values, stamps, valid, Named(views, "fields")))
 
 
-def ping_buffers(n: int, beams: int) -> Buffers[BatchPings]:
+def ping_buffers(n: int, beams: int, in_physics_mode: bool) -> Buffers[BatchPings]:
     """Make the arrays for pings of n members."""
     fan, floats = (n, beams), np.float32
-    writable = _arrays(
-        (fan, floats), ((*fan, 3), floats), (fan, floats), (fan, floats), (fan, np.uint16), (fan, np.bool_),
-        ((n, 4, 4), float),
-    )  # fmt: skip
-    return Buffers(writable, BatchPings(*map(_read_only, writable)))
+    echoes = _arrays(
+        (fan, floats), ((*fan, 3), floats), (fan, floats), (fan, floats), (fan, np.uint16), (fan, np.bool_)
+    )
+    heads = _arrays(((n, 4, 4), float))
+    if not in_physics_mode:
+        return Buffers((*echoes, *heads), BatchPings(*map(_read_only, (*echoes, *heads))))
+    detector = _arrays((fan, floats), (fan, floats), (fan, floats), (fan, np.uint8))
+    shown = BatchPhysicsPings(*map(_read_only, (*echoes, *heads, *detector)))
+    return Buffers((*echoes, *detector, *heads), shown)
 
 
 def _arrays(*shapes: tuple[tuple[int, ...], Any]) -> tuple[NDArray[Any], ...]:

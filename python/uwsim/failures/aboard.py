@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -32,8 +32,9 @@ class Aboard:
         network: Network | None,
         events: EventLog,
         tick: Callable[[], int],
-    ) -> None:
-        """Give each vehicle the failsafe that the scenario or its own file says."""
+    ) -> dict[str, Failsafe]:
+        """Give each vehicle the failsafe that the scenario or its own file says; return them by vehicle."""
+        failsafes = {}
         for entry in scenario.vehicles:
             figures = entry.failsafe or entry.model.failsafe
             if figures is None:
@@ -45,21 +46,27 @@ class Aboard:
                 tick=tick, water_kg=partial(self._faults.water_kg, entry.name),
                 link_silence_s=None if network is None else partial(network.silence_s, entry.name),
             )  # fmt: skip
-            self._programs[f"failsafe of {entry.name}"] = failsafe
+            self._programs[f"failsafe of {entry.name}"] = failsafes[entry.name] = failsafe
             vehicle.gate.failsafe = failsafe
+        return failsafes
 
     def step(self, tick: int, end: int, advance: Callable[[int], None]) -> None:
         """Make the steps from a tick to another by `advance`, in parts that begin where a program is due."""
         if self.is_idle:
             advance(end - tick)
             return
+        for steps in self.parts(tick, end):
+            advance(steps)
+
+    def parts(self, tick: int, end: int) -> Iterator[int]:
+        """Let the programs act that are due, and give the number of steps to the next; so on to the end."""
         programs = self._programs.values()
         while tick < end:
             for program in programs:
                 if program.due_tick <= tick:
                     program.act(tick)
             part_end = min(end, max(tick + 1, min([program.due_tick for program in programs])))
-            advance(part_end - tick)
+            yield part_end - tick
             tick = part_end
 
     @property

@@ -1,0 +1,145 @@
+"""What runs aboard one member of a batch: its faults and the failsafes of its vehicles, as in a Simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.batch.members import Member
+from uwsim.docking import Dock
+from uwsim.failures import Aboard, EventLog, Failsafe, Faults
+from uwsim.journal import Journal
+from uwsim.network import Network
+from uwsim.parameters import Parameters
+from uwsim.scenario import Scenario, VehicleEntry
+from uwsim.scenario.build.control import ControlSettings
+from uwsim.scenario.build.simulation import simulation_spec
+from uwsim.scenario.build.station import dock_position, exit_position
+from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
+from uwsim.scenario.build.world import scenario_water
+from uwsim.vehicle import Vehicle
+
+
+class MemberAboard:
+    """What runs aboard a member, until it is reset.
+
+    events: faults, alarms and failsafes so far. faults: to `inject` and `end` them. failsafes: by vehicle; see
+    uwsim.failures.Failsafe for `state`, `cause`, `alarms` and `override`.
+    """
+
+    events: EventLog
+    faults: Faults
+    failsafes: Mapping[str, Failsafe]
+
+    def __init__(
+        self,
+        core: _core.Simulation,
+        world: _core.World,
+        scene: _core.RayScene,
+        member: Member,
+        control: Sequence[ControlSettings],
+    ) -> None:
+        """core: the member as it was made. control: of each vehicle. Changes nothing of the member.
+
+        Raises ValueError for faults of what it has not.
+        """
+        scenario = member.original
+        self._core, self._world, self._water = core, world, member.water
+        self._specs, self._step_s = list(member.vehicles), scenario.step_s
+        self._journal = Journal()  # nobody watches
+        station = scenario.station
+        yaw_rad = float(np.radians(station.yaw_deg))
+        dock = Dock(core, scene, dock_position(station), exit_position(station), yaw_rad)
+        self._vehicles = {
+            entry.name: self._vehicle(k, entry, dock, control[k]) for k, entry in enumerate(member.scenario.vehicles)
+        }
+        self._sensors = [list(vehicle.sensors.values()) for vehicle in self._vehicles.values()]
+        network = None
+        if scenario.link is not None and scenario.link.modem.kind != "none":
+            network = Network(core, scenario, scenario.link.modem, self._journal)
+        self.events = EventLog(scenario.step_s)
+        self.faults = Faults(
+            scenario, self._vehicles, events=self.events, journal=self._journal, tick=self._tick,
+            apply=lambda: self._parameters.lay_anew(), network=network,
+        )  # fmt: skip
+        self._parameters = Parameters(member.scenario, self._change, self._journal.note, {}, self.faults.overlay)
+        self._programs = Aboard(self.faults)
+        self.failsafes = self._programs.add_failsafes(
+            scenario, self._vehicles, dock=dock, network=network, events=self.events, tick=self._tick
+        )
+
+    def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock, control: ControlSettings) -> Vehicle:
+        return Vehicle(
+            self._core,
+            index,
+            self._specs[index],
+            dock=dock,
+            cameras={},
+            lamps={},
+            imaging_sonars={},
+            journal=self._journal,
+            sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
+            step_s=self._step_s,
+            navigate=_no_estimate,
+            control=control,
+        )
+
+    @property
+    def tick(self) -> int:
+        """The number of steps since the member's start."""
+        return self._core.tick
+
+    def _tick(self) -> int:
+        return self._core.tick
+
+    def parts(self, steps: int) -> Iterator[int]:
+        """Let the programs act that are due, and give the number of steps to the next; so on for so many steps."""
+        tick = self.tick
+        for part in self._programs.parts(tick, tick + steps):
+            yield part
+            tick += part
+            if self.tick != tick:
+                return  # its motion has diverged
+
+    def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
+        """Take note of an effort (6,) that has been set: it ends a silence, or yields to a failsafe that steers."""
+        if vehicle in self.failsafes:
+            self._vehicles[vehicle].set_effort(*effort.tolist())
+
+    def tell(
+        self, vehicle: int, sensor: int, noise: bool, values: NDArray[np.float64], valid: NDArray[np.bool_]
+    ) -> None:
+        """Make of a sample what the sensor tells, as Sensor.read does: values (width,), valid (1,), written into."""
+        instrument = self._sensors[vehicle][sensor]
+        if not instrument.on:
+            values[...], valid[...] = np.nan, False
+        elif noise and instrument.distortion is not None:
+            fields = _core.sensor_kind(instrument.kind).fields
+            values[...] = instrument.distortion.of_rows(values[None], fields)[0]
+
+    def save(self) -> dict[str, Any]:
+        """Return what a saved state notes of it."""
+        return {"programs": self._programs.save(), "events": self.events.save()}
+
+    def _change(self, scenario: Scenario) -> None:
+        """Give the member a scenario's figures, which differ in parameters alone. Raises ValueError."""
+        before = self._parameters.scenario
+        other_water = scenario.water != before.water
+        water = scenario_water(scenario, self._world) if other_water else self._water
+        specs = list(self._specs)
+        for index, (entry, old) in enumerate(zip(scenario.vehicles, before.vehicles, strict=True)):
+            if other_water or entry != old:
+                with vehicle_errors_at(scenario, index):
+                    specs[index] = vehicle_spec(scenario, entry)
+        self._core.change(water, simulation_spec(scenario), specs)
+        self._water, self._specs = water, specs
+        for index, (entry, vehicle) in enumerate(zip(scenario.vehicles, self._vehicles.values(), strict=True)):
+            vehicle.change(entry, specs[index], {})
+
+
+def _no_estimate(*_: Any) -> NoReturn:
+    raise ValueError("estimate: members of a batch have none")

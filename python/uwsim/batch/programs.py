@@ -1,0 +1,106 @@
+"""The members of a batch in which something runs aboard, and how they are stepped: each in parts of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.batch.aboard import MemberAboard
+from uwsim.batch.members import Member, Members
+from uwsim.batch.results import BatchSamples, Buffers
+
+
+class Programs:
+    """Faults and failsafes of the members that have any, and which sensors are off. Other members cost nothing.
+
+    A program acts at ticks of its own, in Python; between two of them its member is stepped as any other. Members need
+    not be at the same tick meanwhile, so that a round of parts keeps all threads busy.
+    """
+
+    def __init__(self, core: _core.Batch, world: _core.World, scene: _core.RayScene, members: Members, n: int) -> None:
+        self._core, self._world, self._scene, self._members, self._n = core, world, scene, members, n
+        self._made: dict[int, Member] = {}
+        self._aboard: dict[int, MemberAboard] = {}
+        self._off: dict[int, list[tuple[int, int]]] = {}
+
+    def check(self, k: int, member: Member) -> None:
+        """Raise ValueError for programs that a member could not have."""
+        if member.has_programs:
+            self._new(k, member)
+
+    def begin(self, k: int, member: Member) -> None:
+        """Begin those of a member that has just been made."""
+        self._aboard.pop(k, None)
+        self._made.pop(k, None)
+        self._off.pop(k, None)
+        if off := member.off:
+            self._off[k] = off
+        if member.has_programs:
+            self._made[k] = member
+            self._aboard[k] = self._new(k, member)
+
+    def begin_again(self, members: Iterable[int]) -> None:
+        """Begin those of members that have been restarted as they were."""
+        for k in members:
+            self._aboard.pop(k, None)
+            if k in self._made:
+                self._aboard[k] = self._new(k, self._made[k])
+
+    def has(self, k: int) -> bool:
+        """Whether a member has any."""
+        return k in self._aboard
+
+    def aboard(self, k: int, member: Member) -> MemberAboard:
+        """Return what runs aboard a member; from now on it has it, if nothing has run there so far."""
+        if k not in self._aboard:
+            self._aboard[k] = self._new(k, member)
+        return self._aboard[k]
+
+    def _new(self, k: int, member: Member) -> MemberAboard:
+        try:
+            return MemberAboard(self._core.member(k), self._world, self._scene, member, self._members.control)
+        except ValueError as error:
+            raise ValueError(f"batch[{k}]: {error}") from None
+
+    def hear_efforts(self, vehicle: str, efforts: NDArray[np.float64]) -> None:
+        """Tell the failsafes of efforts (n, 6) that have been set."""
+        for k, aboard in self._aboard.items():
+            aboard.hear_effort(vehicle, efforts[k])
+
+    def step(self, steps: int) -> None:
+        """Step all members. Raises ValueError if one cannot go on, when the others have made their steps."""
+        if not self._aboard:
+            self._core.step(steps)
+            return
+        running = {k: aboard.parts(steps) for k, aboard in self._aboard.items()}
+        counts = [steps if k not in running else 0 for k in range(self._n)]
+        mistakes: list[str] = []
+        while True:
+            for k in list(running):
+                try:
+                    counts[k] = next(running[k], 0)
+                except ValueError as error:
+                    mistakes.append(f"batch[{k}]: {error}")
+                if not counts[k]:
+                    del running[k]
+            if not any(counts):
+                break
+            try:
+                self._core.step_each(counts)
+            except ValueError as error:
+                mistakes.append(str(error))
+            counts = [0] * self._n
+        if mistakes:
+            raise ValueError(mistakes[0])
+
+    def tell(self, vehicle: int, sensor: int, noise: bool, samples: Buffers[BatchSamples]) -> None:
+        """Make of samples what the sensors tell that are off or fail."""
+        values, _, valid = samples.writable
+        for k, off in self._off.items():
+            if k not in self._aboard and (vehicle, sensor) in off:
+                values[k], valid[k] = np.nan, False
+        for k, aboard in self._aboard.items():
+            aboard.tell(vehicle, sensor, noise, values[k], valid[k : k + 1])
