@@ -9,12 +9,15 @@ import pytest
 from foxglove_client import FoxgloveClient
 from ros2_tools import until
 from uwsim.bridges.foxglove import FoxgloveServer
+from uwsim.bridges.foxglove.places import told_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, _grid
 from uwsim.channels import channels, services
 from uwsim.channels.cdr import schema
 from uwsim.channels.feed import Feed
 from uwsim.channels.messages import from_bytes
+from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
+from uwsim.simulator import Simulator
 
 ASSETS = Path(__file__).parents[2] / "assets"
 SCAN = "sensor_msgs/msg/LaserScan"
@@ -114,6 +117,19 @@ def test_a_track_is_sent_in_segments_that_join():
     assert [tracks._positions["rov"][199]] == tracks._positions["rov"][199:200]
     whole = tracks.whole(0).encode()
     assert all(f"rov {number}".encode() in whole for number in range(3)) and b"rov 3" not in whole
+
+
+def test_over_a_link_a_track_is_what_the_vehicle_told():
+    with LiveSimulator(Simulator("lake", link="micromodem"), paused=True) as live:
+        sim, told = live.simulator, []
+        sim.rov.place((-60.0, -40.0, -12.0))
+        with Carrier(live, channels(sim), only=("telemetry",)) as carrier:
+            leave = told_places(live, carrier.channels, Feed(live))(lambda now, time_ns: told.append((now, time_ns)))
+            live.step(6000)
+            arrived_s = [one.arrived_s for one in sim.link.received("station") if one.topic == "telemetry"]
+            leave()
+    assert len(told) == len(arrived_s) > 0 and told[0][1] >= 1e9 * arrived_s[0] > 2e9
+    assert told[0][0]["rov"] == pytest.approx((-60.0, -40.0, -12.0), abs=0.5)
 
 
 def test_map_blocks_follow_the_changes(live):

@@ -7,6 +7,7 @@ import io
 from PIL import Image
 
 from browser import chromium, desk, when
+from ros2_tools import until
 from station_pages import get, page, serving
 
 
@@ -17,7 +18,7 @@ def test_a_page_gets_thumbnails_a_map_ashore_and_no_full_picture_without_the_tru
         said = ada.call("describe")
         views = {view["name"]: view for view in said["views"]}
         front = views["front"]
-        assert front["link"] == {"modem": "s2cm_hs", "period_s": 2.0}
+        assert front["link"] == {"modem": "s2cm_hs", "period_s": 2.0, "large_only": True}
         assert "aboard_topic" not in front and "link" not in views["station"]
         assert get(server, "/snapshot/front.png")[0] != 200, "none has come"
         ada.subscribe("/station/view/front")
@@ -42,8 +43,41 @@ def test_a_slow_modem_has_no_room_for_pictures_and_says_so(tmp_path):
         ada.call("take_control")
         assert ada.call("start", scenario="pool", link="micromodem", seed=3)["success"]
         views = {view["name"]: view for view in ada.call("describe")["views"]}
-        assert views["front"]["link"] == {"modem": "micromodem", "period_s": None}
+        assert views["front"]["link"] == {"modem": "micromodem", "period_s": None, "large_only": True}
         assert station.present().carrier.rates.keys() == {"telemetry"}
+
+
+def test_over_the_ideal_link_pictures_come_whole_and_late_and_small_ones_less_often(tmp_path):
+    with serving(tmp_path, truth=False) as (station, server), page(server) as ada:
+        ada.call("take_control")
+        assert ada.call("start", scenario="pool", link="ideal_acoustic", seed=3)["success"]
+        said = ada.call("describe")
+        views = {view["name"]: view for view in said["views"]}
+        assert not views["front"]["link"]["large_only"] and "aboard_topic" not in views["front"]
+        live = station.present().live
+        camera = live.simulator.rov.cameras["front"].mount
+        for topic in ("/station/view/front", "/station/small/down"):
+            ada.subscribe(topic)
+            assert Image.open(io.BytesIO(bytes(ada.message(topic)["data"]))).width == camera.width
+        until(lambda: _sent(live, "front") > 10)
+        assert 0 < _sent(live, "down") <= 1 + 0.5e-9 * live.time_ns, "one in 2 s at most"
+        live.command("inject_fault", kind="link", name="cut").result()
+        before = _arrived(live)
+        until(lambda: _sent(live, "front") > 20)
+        assert _arrived(live) <= before + 1, "one that was on its way"
+
+
+def _counts(live, camera):
+    topic = f"camera/{camera}/image_raw/compressed"
+    return next(one for one in live.read(lambda sim: sim.link.counts()).result() if one.topic == topic)
+
+
+def _sent(live, camera):
+    return _counts(live, camera).sent
+
+
+def _arrived(live):
+    return _counts(live, "front").delivered
 
 
 def test_the_operator_reads_how_often_pictures_come_and_may_see_what_the_vehicle_sees(tmp_path):

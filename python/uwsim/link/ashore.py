@@ -21,35 +21,62 @@ from uwsim.simulator import Simulator
 
 RANGE_MAX_M = 1000.0  # of a scan whose sender's limit has been applied
 
+LookedFor = Callable[[str, Simulator], object]
+"""Is told of each look for a channel's messages."""
+
 
 class MapAshore(PingMap):
-    """A map in the odom frame of the pings that have arrived at the station; what a message tells is told at once."""
+    """A map in the odom frame of the pings that have arrived at the station.
 
-    def __init__(self, source: Source, pings: Pings, carried: Carried, network: Network) -> None:
+    Over a modem, whose next ping may be long in coming, what a ping changed is told at once; else as aboard.
+    """
+
+    def __init__(
+        self, source: Source, pings: Pings, carried: Carried, network: Network, looked_for: LookedFor | None = None
+    ) -> None:
         super().__init__(source, pings)
-        self._carried, self._network = carried, network
+        self._carried, self._network, self._looked_for = carried, network, looked_for
+        self._is_slow = network.modem.kind == "modem"
         self._looked_ns = self._told_ns = 0
         self._is_new = self._has_changed = False
+        self._whole_said: tuple[int, Any] = (-1, None)
+        self._changes_said: tuple[int, Any] = (-1, None)
 
     def read(self, sim: Simulator) -> Any:
-        """Return the map if pings have arrived since the last one, once a second at most."""
-        self.keep_up(sim)
-        if not self._is_new or sim.time_ns < self._told_ns + PUBLISH_NS:
-            return None
-        self._is_new, self._told_ns = False, sim.time_ns
-        return self._message(self._newest_ns, self._worker.submit(binary, self._map).result())
+        """Return the map if pings have arrived since the last one, once a second at most; the same to all of a time."""
+        if self._whole_said[0] != sim.time_ns:
+            self._whole_said = sim.time_ns, self._new_map(sim)
+        return self._whole_said[1]
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Return what the pings that have arrived since the last call changed."""
+        """Return what the pings that have arrived since the last call changed; the same to all of a time."""
+        if self._changes_said[0] != sim.time_ns:
+            self._changes_said = sim.time_ns, self._new_changes(sim)
+        return self._changes_said[1]
+
+    def _new_map(self, sim: Simulator) -> Any:
+        self.keep_up(sim)
+        if not self._is_new or (self._is_slow and sim.time_ns < self._told_ns + PUBLISH_NS):
+            return None
+        self._is_new, self._told_ns = False, sim.time_ns
+        if not self._is_slow:
+            return super().read(sim)
+        return self._message(self._newest_ns, self._worker.submit(binary, self._map).result())
+
+    def _new_changes(self, sim: Simulator) -> Any:
         self.keep_up(sim)
         if not self._has_changed:
             return None
         self._has_changed = False
+        if not self._is_slow:
+            return super().read_changes(sim)
         part = self._worker.submit(self._note_changes).result()
         return self._changes_message(self._newest_ns, (part, None))[0] if len(part.cells) else None
 
     def keep_up(self, sim: Simulator) -> None:
         """Insert the pings that have arrived: into a new map if time has gone back."""
+        if self._looked_for is not None:
+            self._looked_for(self._carried.channel.name, sim)  # a cable carries what somebody looks for
         if sim.time_ns < self._looked_ns:
             self._map, self._looked_ns, self._told_ns = None, 0, 0
         for message in arrived(self._network, self._carried, self._looked_ns):
@@ -112,7 +139,9 @@ def _scan_reader(placed: Channel, frame_id: str) -> Callable[[Simulator], Any]:
     return read
 
 
-def maps_ashore(sim: Simulator, channels: Iterable[Channel], carried: dict[str, Carried]) -> list[Channel]:
+def maps_ashore(
+    sim: Simulator, channels: Iterable[Channel], carried: dict[str, Carried], looked_for: LookedFor | None = None
+) -> list[Channel]:
     """Return channels whose maps are made ashore, as are those that services save; none without pings."""
     network, table = sim.link, table_of(sim)
     assert network is not None
@@ -125,7 +154,7 @@ def maps_ashore(sim: Simulator, channels: Iterable[Channel], carried: dict[str, 
         if one is None:
             del table.maps[source.name]
             continue
-        table.maps[source.name] = MapAshore(source, table.pings[source.name], one, network)
+        table.maps[source.name] = MapAshore(source, table.pings[source.name], one, network, looked_for)
         made |= {channel.name: channel for channel in table.maps[source.name].map_channels()}
     return [
         replace(made[channel.name], description=f"ashore: {channel.description}") if channel.name in made else channel

@@ -40,9 +40,9 @@ class Carrier:
 
     simulator: live, or one that its owner steps. channels: as `uwsim.channels.channels` returns them. All that is sent
     is a command of the log, so that a replay sends the same; what arrives is unpacked from what was carried. Over a
-    modem every channel that the scenario names is sent at a rate that the modem has room for (`rates`), pictures only
-    while somebody listens; over a cable or the ideal link, what somebody listens to. only: how the names end of what
-    vehicles may say, where the scenario does not choose by `carries`.
+    modem every channel that the scenario names is sent at a rate that the modem has room for (`rates`); over a cable or
+    the ideal link, what somebody listens to. A picture is sent when somebody has looked since the one before. only: how
+    the names end of what vehicles may say, where the scenario does not choose by `carries`.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class Carrier:
         self.rates: dict[str, float] = {}
         self.channels = [
             self._heard(channel) if channel.direction == "in" else channel
-            for channel in seen_channels(sim, given, self._looked_for)
+            for channel in seen_channels(sim, given, self.look_for)
         ]
         self._schedule = Schedule({}, {}, sim.step_s, shared=True)
         self._arrived_ns = 0
@@ -120,10 +120,10 @@ class Carrier:
         """The modem's name."""
         return self._network.modem.name
 
-    def newest(self, name: str) -> Any:
-        """Return the newest message of a vehicle's channel that has arrived, or None."""
+    def newest(self, name: str, after_s: float = 0.0) -> Any:
+        """Return the newest message of a vehicle's channel that has arrived after a simulated time, or None."""
         one = self._carried.get(name)
-        found = [got for got in self._network.received(STATION) if got.topic == name]
+        found = [got for got in self._network.received(STATION, after_s) if got.topic == name]
         return one.packing.unpack(found[-1].payload, one.channel) if one is not None and found else None
 
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
@@ -165,8 +165,8 @@ class Carrier:
     def _wake(self) -> None:
         self.due_tick = min(self.due_tick, self._live.tick)
 
-    def _looked_for(self, name: str, sim: Simulator) -> None:
-        """Take note that somebody at the station looks for a channel's messages."""
+    def look_for(self, name: str, sim: Simulator) -> None:
+        """Take note that somebody at the station looks for a channel's messages. On the simulator's thread."""
         if name not in self._listened:
             self._wake()
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
@@ -235,6 +235,8 @@ class Carrier:
                 priority=channel.priority, replaces=True, lifetime_s=max(2.0 / self.rates[channel.name], 1.0),
                 repeats=self._repeats(channel.name),
             )  # fmt: skip
+            if channel.late:
+                self._listened.pop(channel.name, None)  # another picture is for the next look
         return payload is not None
 
     def _receive(self, sim: Simulator, vehicle: str) -> None:

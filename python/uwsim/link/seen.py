@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 from uwsim.channels import Channel
 from uwsim.channels.own_types import LINK
-from uwsim.link.ashore import maps_ashore
+from uwsim.link.ashore import LookedFor, maps_ashore
 from uwsim.link.carried import Carried, carried_channels
 from uwsim.link.status import status_channels
 from uwsim.network import STATION, Network
@@ -18,24 +18,20 @@ MODEM_HZ, QUICK_HZ = 20.0, 100.0
 """How often the station looks for what has arrived, in simulated time: it is seen up to one period later."""
 
 
-def seen_channels(
-    sim: Simulator, channels: Iterable[Channel], looked_for: Callable[[str, Simulator], object] | None = None
-) -> list[Channel]:
+def seen_channels(sim: Simulator, channels: Iterable[Channel], looked_for: LookedFor | None = None) -> list[Channel]:
     """Return the channels as the station has them: what goes over the link is what has arrived.
 
-    Channels that could go over the link, but do not, are not seen at all; over a modem maps are made ashore. What is
-    read depends on the simulator's state alone, so that a replay reads the same. looked_for: is told of each look for a
-    channel's messages.
+    Channels that could go over the link, but do not, are not seen at all; maps are made ashore. What is read depends on
+    the simulator's state alone, so that a replay reads the same. looked_for: is told of each look for a channel's
+    messages.
     """
     network = sim.link
     given = list(channels)
     if network is None:
         return given
     carried = {one.channel.name: one for one in carried_channels(given, sim)}
-    if network.modem.kind == "modem":
-        given = maps_ashore(sim, given, carried)
     seen = []
-    for channel in given:
+    for channel in maps_ashore(sim, given, carried, looked_for):
         one = carried.get(channel.name)
         if one is not None:
             seen.append(_seen(one, network, looked_for) if channel.direction == "out" else channel)
@@ -49,7 +45,7 @@ def is_seen(channels: Iterable[Channel]) -> bool:
     return any(channel.type == LINK for channel in channels)
 
 
-def _seen(one: Carried, network: Network, looked_for: Callable[[str, Simulator], object] | None) -> Channel:
+def _seen(one: Carried, network: Network, looked_for: LookedFor | None) -> Channel:
     rate_hz = MODEM_HZ if network.modem.kind == "modem" else QUICK_HZ
     name = one.channel.name
 

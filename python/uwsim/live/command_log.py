@@ -12,6 +12,7 @@ from uwsim.scenario import Scenario
 from uwsim.simulator import Simulator
 
 ENTRIES_MAX = 1_000_000
+PAYLOAD_BYTES_MAX = 256_000_000
 CALL, RESET = "call", "reset"
 
 
@@ -30,8 +31,8 @@ class Entry(NamedTuple):
 class CommandLog:
     """The entries of one live run, in the order in which they took effect, and the state at its start.
 
-    Commands that raised an error changed nothing and are not in it. It holds the newest ENTRIES_MAX entries; forgotten
-    counts the older ones.
+    Commands that raised an error changed nothing and are not in it. It holds the newest ENTRIES_MAX entries, and of
+    what a link was given PAYLOAD_BYTES_MAX: pictures over a cable are large. forgotten counts the older ones.
     """
 
     def __init__(self, start_state: bytes, start_tick: int) -> None:
@@ -39,12 +40,14 @@ class CommandLog:
         self.start_tick = start_tick
         self.forgotten = 0
         self._entries: deque[Entry] = deque()
+        self._payload_bytes = 0
 
     def append(self, entry: Entry) -> None:
         """Add an entry."""
         self._entries.append(entry)
-        if len(self._entries) > ENTRIES_MAX:
-            self._entries.popleft()
+        self._payload_bytes += _payload_bytes(entry)
+        while len(self._entries) > ENTRIES_MAX or self._payload_bytes > PAYLOAD_BYTES_MAX:
+            self._payload_bytes -= _payload_bytes(self._entries.popleft())
             self.forgotten += 1
 
     def __len__(self) -> int:
@@ -53,6 +56,10 @@ class CommandLog:
     def __iter__(self) -> Iterator[Entry]:
         """Return an iterator over a copy: the log may grow meanwhile."""
         return iter(list(self._entries.copy()))
+
+
+def _payload_bytes(entry: Entry) -> int:
+    return len(entry.arguments["payload"]) if entry.name == "link_send" else 0
 
 
 def replay(

@@ -38,7 +38,7 @@ def depth_tiff(running: Running, vehicle: str) -> bytes:
 def snapshot_png(running: Running, view: str) -> bytes:
     """Return a picture of a view, without loss, and keep what the panel said at that moment. Raises ValueError.
 
-    Over a modem these are the last picture and the last panel that came.
+    Over a link these are the last picture and the last panel that came.
     """
     shown = running.views.view(view)
     if running.arrivals is not None and view in running.arrivals:

@@ -65,17 +65,15 @@ class Running:
         self.table = table_of(sim)
         over_modem = sim.link is not None and sim.link.modem.kind == "modem"
         self.carrier = None if sim.link is None else Carrier(live, self.channels, only=SHOWN if over_modem else None)
-        self.maps = self.table.maps  # over a modem, those that are made ashore
+        self.maps = self.table.maps  # over a link, those that are made ashore
         self.far = live if self.carrier is None else self.carrier.remote()  # as pilots command it
         if self.carrier is not None:
-            self.channels, self.services = self.carrier.channels, self.carrier.over(self.services)
-            if over_modem:
-                self.channels = with_scans(self.channels)
+            self.channels, self.services = with_scans(self.carrier.channels), self.carrier.over(self.services)
         self.helm = Helm(self.far, self.table.steering, repeats=self.carrier is not None)
         self.scene = Scene(sim, self.table.sources)
-        self.views = Views(live, self.table, node, stir, over_modem=over_modem, truth=truth)
+        self.views = Views(live, self.table, node, stir, over_link=sim.link is not None, truth=truth)
         self.arrivals: Arrivals | None = None
-        if self.carrier is not None and over_modem:
+        if self.carrier is not None:
             self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
         self.recorder: Recorder | None = None
         self.edition = 0

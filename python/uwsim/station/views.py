@@ -112,8 +112,8 @@ class View:
 class Views:
     """The views of one simulator. `beat` must be called when it says, and when `stir` was; it does not wait.
 
-    over_modem: pictures of vehicles' cameras come over a modem; those that are made here, in full, have other topics
-    then, and there are none without the truth.
+    over_link: pictures of vehicles' cameras come over a link; those that are made here have other topics then, and
+    there are none without the truth.
     """
 
     def __init__(
@@ -123,14 +123,14 @@ class Views:
         node: Node,
         stir: Callable[[], object],
         *,
-        over_modem: bool = False,
+        over_link: bool = False,
         truth: bool = True,
     ) -> None:
         self._live, self._node, self._stir = live, node, stir
         self._pictures = table.pictures
         self._small_s = 0.0  # when the last small picture was begun
         self.views = {view.name: view for view in _views(live.simulator, table)}
-        self.aboard = {view.name for view in self.views.values() if over_modem and view.vehicle}
+        self.aboard = {view.name for view in self.views.values() if over_link and view.vehicle}
         self._made = [view for view in self.views.values() if truth or view.name not in self.aboard]
         for name in self.aboard:
             self.views[name].call("aboard", "aboard_small")

@@ -15,7 +15,6 @@ from uwsim.scenario import Scenario, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
-from uwsim.simulator import Simulator
 
 GRID_MAX = 160  # heights along an edge of the bed that is shown
 STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
@@ -23,6 +22,8 @@ HULL, PATH = Color(r=0.95, g=0.75, b=0.1, a=1.0), Color(r=0.95, g=0.4, b=0.1, a=
 SEGMENT = 200  # positions of one entity of a track: the last alone is sent again as it grows
 TRACK_STEP_M = 0.2
 Position = tuple[float, float, float]
+Positions = dict[str, Position]
+"""By vehicle."""
 
 
 def lake(scenario: Scenario) -> SceneUpdate:
@@ -67,16 +68,14 @@ class Tracks:
     def __init__(self) -> None:
         self._positions: dict[str, list[Position]] = {}
 
-    def read(self, sim: Simulator) -> dict[str, Position]:
-        """Return where the vehicles are."""
-        return {name: tuple(vehicle.pose.position_world_m.tolist()) for name, vehicle in sim.vehicles.items()}
-
-    def grown(self, now: dict[str, Position], time_ns: int) -> SceneUpdate | None:
+    def grown(self, now: Positions, time_ns: int) -> SceneUpdate | None:
         """Add positions; return the segments that changed."""
         changed = []
         for name, position in now.items():
             track = self._positions.setdefault(name, [])
-            if not track or np.linalg.norm(np.subtract(position, track[-1])) >= TRACK_STEP_M:
+            if np.isfinite(position).all() and (
+                not track or np.linalg.norm(np.subtract(position, track[-1])) >= TRACK_STEP_M
+            ):
                 track.append(position)
                 changed.append(self._segment(name, (len(track) - 1) // SEGMENT, time_ns))
         return SceneUpdate(entities=changed) if changed else None

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import foxglove
 from foxglove.channels import SceneUpdateChannel
 from foxglove.messages import SceneUpdate
 
-from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, hulls, lake
+from uwsim.bridges.foxglove.places import Follow, Leave, told_places, true_places
+from uwsim.bridges.foxglove.scenes import MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.outgoing import Line, Outgoing
-from uwsim.live import LiveSimulator, Subscription
+from uwsim.live import LiveSimulator
 
-TRACK_S = 0.5
 WAITING = 64  # updates: each builds on those before, so that none may be lost to a newer one soon
 
 
@@ -75,29 +74,29 @@ class StillShow(Show):
 class TrackShow(Show):
     """The vehicles' tracks since somebody first looked."""
 
-    def __init__(self, outgoing: Outgoing, context: foxglove.Context, live: LiveSimulator) -> None:
+    def __init__(
+        self, outgoing: Outgoing, context: foxglove.Context, live: LiveSimulator, listen: Callable[[Follow], Leave]
+    ) -> None:
         super().__init__("scene/track", outgoing, context)
         self._live = live
+        self._listen = listen
         self._tracks = Tracks()
-        self._subscription: Subscription | None = None
+        self._leave: Leave | None = None
 
     def begin(self) -> None:
         """Send all segments, then those that grow."""
         time_ns = self._live.simulator.time_ns
         self._offer(lambda: self._tracks.whole(time_ns), time_ns)
-        if self._subscription is None:
-            self._subscription = self._live.every(
-                TRACK_S, lambda sim: (self._tracks.read(sim), sim.time_ns), self._grow
-            )
+        if self._leave is None:
+            self._leave = self._listen(self._grow)
 
     def end(self) -> None:
         """Note no more positions."""
-        if self._subscription is not None:
-            self._subscription.cancel()
-            self._subscription = None
+        if self._leave is not None:
+            self._leave()
+            self._leave = None
 
-    def _grow(self, found: tuple[Any, int]) -> None:
-        now, time_ns = found
+    def _grow(self, now: Positions, time_ns: int) -> None:
         self._offer(lambda: self._tracks.grown(now, time_ns), time_ns)
 
 
@@ -138,7 +137,7 @@ def shows_of(
     context: foxglove.Context,
 ) -> list[Show]:
     """Return the shows of a simulator; without one, those that follow from the channels alone."""
-    found = [] if live is None else _shows_of_world(live, outgoing, context)
+    found = [] if live is None else _shows_of_world(live, channels, feed, outgoing, context)
     for channel in channels:
         if channel.name.rpartition("/")[2] == "map_changes":
             prefix = channel.name.removesuffix("map_changes")
@@ -146,12 +145,14 @@ def shows_of(
     return found
 
 
-def _shows_of_world(live: LiveSimulator, outgoing: Outgoing, context: foxglove.Context) -> list[Show]:
-    scenario = live.simulator.scenario
+def _shows_of_world(
+    live: LiveSimulator, channels: Sequence[Channel], feed: Readings, outgoing: Outgoing, context: foxglove.Context
+) -> list[Show]:
+    scenario, has_link = live.simulator.scenario, live.simulator.link is not None
     alone = len(scenario.vehicles) == 1
     frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
     return [
         StillShow("scene/lake", outgoing, context, live, lambda: lake(scenario)),
         StillShow("scene/vehicles", outgoing, context, live, lambda: hulls(scenario, frames)),
-        TrackShow(outgoing, context, live),
+        TrackShow(outgoing, context, live, told_places(live, channels, feed) if has_link else true_places(live)),
     ]

@@ -11,11 +11,14 @@ const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan'
 const KEYS = 10;
 const ROW = 6; // small views that fit beside each other
 const LARGE = { credit: 2 };
-const LATE_PERIODS = 3; // of pictures that come over a modem
+const LATE_PERIODS = 3; // of pictures that come over a link
+const SELDOM_S = 0.5; // between pictures: whoever waits longer reads how long
 
-// A view of a vehicle's camera whose pictures come over a modem has `link`: { modem, period_s }, null without room for any.
+// A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s: null
+// without room for any. large_only: pictures of the large view alone are carried.
 function linkText({ modem, period_s: period }) {
   if (period === null) return `${modem} has no room for pictures`;
+  if (period < SELDOM_S) return `over ${modem}`;
   return `over ${modem}: 1 picture in ${period < 10 ? +period.toFixed(1) : Math.round(period)} s`;
 }
 
@@ -24,7 +27,7 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = '';
-  #isAboard = false; // whether views show what the vehicle sees, not what the modem carries
+  #isAboard = false; // whether views show what the vehicle sees, not what the link carries
   #cameras = new Previews();
   #sonars = new Previews();
   #tools = el('div', { className: 'picture-tools' });
@@ -144,7 +147,7 @@ export class Views extends EventTarget {
     for (const [name, { view, picture, hud }] of this.#views) {
       if (!picture || document.hidden) picture?.show('');
       else if (name === this.#large) picture.show(this.#isFull(view) ? view.aboard_topic : view.topic, LARGE);
-      else if (view.link && !hud)
+      else if (view.link?.large_only && !hud)
         picture.show(''); // it would take the modem's time
       else (hud ? cameras : sonars).push({ picture, topic: this.#smallTopic(view) });
     }
@@ -152,10 +155,10 @@ export class Views extends EventTarget {
     this.#sonars.show(sonars); // which come at their own pace
   }
 
-  // link: of a view whose pictures come over a modem, which carries the large view alone.
+  // link: of a view whose pictures come over a link.
   #whyNone(name, link) {
     if (link && link.period_s === null) return 'No picture';
-    return link && name !== this.#large ? 'Enlarge to ask for it' : 'Waiting for a picture';
+    return link?.large_only && name !== this.#large ? 'Enlarge to ask for it' : 'Waiting for a picture';
   }
 
   #isFull(view) {

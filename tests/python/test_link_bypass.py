@@ -1,0 +1,106 @@
+"""Whatever does not go over the link is in the table of docs/link.md, and the table names nothing else."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from pathlib import Path
+
+import foxglove
+
+from uwsim.bridges.foxglove.shows import shows_of
+from uwsim.channels import Channel, services
+from uwsim.channels.feed import Feed
+from uwsim.channels.outgoing import Outgoing
+from uwsim.channels.served import served_channels
+from uwsim.link import Carrier
+from uwsim.link.carried import carried_channels
+from uwsim.link.remote import CARRIED
+from uwsim.live import COMMANDS, LiveSimulator
+from uwsim.network import STATION
+from uwsim.simulator import Simulator
+from uwsim.station import Station
+from uwsim.station.running import Running
+
+PAGE = (Path(__file__).parents[2] / "docs/link.md").read_text()
+OVER = {"station/drive", "station/command"}
+"""The station's services that put commands on the link: see the last test."""
+TOLD = ("track", "map")
+"""Foxglove's scenes that are made of what has arrived: see test_foxglove."""
+
+
+def table() -> list[str]:
+    """Return the names in the page's table, as patterns."""
+    rows = PAGE.split("| what | names | why |")[1].split("\n\n")[0].splitlines()[2:]
+    return [name for row in rows for name in re.findall(r"`([^`]+)`", row.split("|")[2])]
+
+
+def own_name(name: str, sim: Simulator) -> str:
+    """Return a name without its vehicle, where there are several."""
+    first, _, rest = name.partition("/")
+    return rest if rest and first in sim.vehicles else name
+
+
+def is_order(service: str) -> bool:
+    """Whether a service is a command to a vehicle."""
+    name = service.rpartition("/")[2]
+    return name in CARRIED or "lights/" in service
+
+
+def bypassing(scenario: str) -> set[str]:
+    """Return all that clients see and call beside the link of a scenario."""
+    sim = Simulator(scenario, link="tether")
+    live = LiveSimulator(sim)
+    given = served_channels(live)
+    carried = {one.channel.name for one in carried_channels(given, sim)}
+    seen: list[Channel] = Carrier(live, given).channels
+    station = Running(live, Node(), lambda: None, wire="both", origin="world", truth=True)
+    topics = {one.name for one in station.topics()} - {f"station/{size}/{name}" for name in station.views.aboard
+                                                       for size in ("view", "small")}  # fmt: skip
+    shows = {one.topic for one in shows_of(live, seen, Feed(live), Outgoing("test"), foxglove.Context())}
+    shows = {topic for topic in shows if not topic.endswith(TOLD)}
+    asked = {one.name for one in services(sim) if not is_order(one.name)}
+    return {own_name(name, sim) for name in {one.name for one in seen} - carried | asked} | topics | shows
+
+
+class Node:
+    """The end of a graph that a Station has."""
+
+
+def test_all_that_bypasses_the_link_is_in_the_table_and_nothing_else() -> None:
+    found = bypassing("lake") | bypassing("pair") | set(COMMANDS) - CARRIED
+    found |= {one.name for one in Station().services} - OVER
+    listed = table()
+    assert not sorted(name for name in found if not any(fnmatch.fnmatchcase(name, one) for one in listed))
+    assert not [one for one in listed if not fnmatch.filter(found, one)], "names that there are not"
+
+
+def test_every_order_to_a_vehicle_by_service_is_a_message_of_the_link() -> None:
+    sim = Simulator("lake", link="tether")
+    with LiveSimulator(sim, paused=True) as live, Carrier(live, served_channels(live)) as carrier:
+        orders = [one for one in carrier.over(services(sim)) if is_order(one.name)]
+        assert {"release", "undock", "dock", "override_failsafe"} <= {one.name for one in orders}
+        for order in orders:
+            before = given(sim)
+            assert order.call(live, {"data": True})["success"], order.name
+            assert given(sim) == before + 1 and not sim.rov.released, order.name
+
+
+def test_the_pilot_s_hands_and_commands_at_the_station_are_messages_of_the_link() -> None:
+    sim = Simulator("lake", link="tether")
+    station = Station(is_fixed=True)
+    station.node = Node()
+    with LiveSimulator(sim, paused=True) as live:
+        running = Running(live, station.node, lambda: None, wire="both", origin="world", truth=True)
+        running.carrier.start()
+        running.helm.drive({"vehicle": "rov", "surge": 0.5}).result()
+        assert given(sim) == 1 and not any(sim.rov.effort)
+        for name in sorted(CARRIED & {"release", "undock", "dock"}):
+            before = given(sim)
+            running.far.command(name, vehicle="rov").result()
+            assert given(sim) == before + 1 and not sim.rov.released
+
+
+def given(sim: Simulator) -> int:
+    """Return how many messages the station has given to its modem."""
+    return sum(one.given for one in sim.link.counts() if one.sender == STATION)
