@@ -119,6 +119,27 @@ def test_pictures_are_a_part_of_the_observation() -> None:
     assert same(member(seen, 1), lone.reset(seed=5)[0])
 
 
+FAULTS = [
+    {"kind": "thruster", "axis": "surge", "health": 0.0, "rate_per_h": 36000.0, "for_s": 0.2},
+    {"kind": "sensor", "sensor": "altitude", "mode": "bias", "bias": 3.0, "at_s": 0.3},
+]
+
+
+def test_episodes_with_faults_and_a_sonar_in_physics_mode_follow_from_the_seed() -> None:
+    pipeline, options = "uwsim/PipelineFollowing-v0", {"faults": FAULTS, "sonar_mode": "physics"}
+    vector, lone = gymnasium.make_vec(pipeline, num_envs=2, **options), gymnasium.make(pipeline, **options)
+    plain = gymnasium.make_vec(pipeline, num_envs=2, sonar_mode="geometry")
+    (seen, _), (well, _), (own, _) = vector.reset(seed=6), plain.reset(seed=6), lone.reset(seed=7)
+    assert not np.array_equal(seen[:, :64], well[:, :64])  # echoes in noise
+    actions = np.full((2, 4), 0.5, np.float32)
+    for _ in range(10):
+        seen, well, own = vector.step(actions)[0], plain.step(actions)[0], lone.step(actions[1])[0]
+        assert same(seen[1], own)
+    np.testing.assert_allclose(seen[:, 64] - well[:, 64], 3.0, atol=0.5)
+    begun = [vector.unwrapped.episodes.batch.aboard(k).events[0].time_s for k in range(2)]
+    assert begun[0] != begun[1]
+
+
 def test_render_gives_a_picture_of_each_member() -> None:
     vector = gymnasium.make_vec(STATION, num_envs=2, render_mode="rgb_array")
     vector.reset(seed=1)
@@ -139,6 +160,10 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"camera": "frnt"}, "camera = 'frnt': must be one of"),
         ({"render_mode": "human"}, "render_mode = 'human'"),
         ({"num_envs": 0}, "num_envs = 0"),
+        ({"sonar_mode": "physics"}, "sonar_mode = 'physics': is without effect: StationKeeping does not look"),
+        ({"faults": [{"kind": "sensor", "sensor": "imu", "at_s": 1}]}, "'imu': StationKeeping reads none"),
+        ({"faults": [{"kind": "link", "at_s": 1}]}, "the scenario has no link"),
+        ({"faults": [{"kind": "thruster", "thruster": "frnt", "at_s": 1}]}, "thruster = 'frnt': must be one of"),
         ({"camera": "front", "randomize": {"optics.wind_m_s": (0, 1)}}, "optics would be without effect"),
     ],
 )

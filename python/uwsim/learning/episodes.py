@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from uwsim.batch import Batch
 from uwsim.learning.eye import Eye, look
 from uwsim.learning.motion import Motion, yaw_xyzw
-from uwsim.learning.options import EpisodeOptions, checked_ranges
+from uwsim.learning.options import EpisodeOptions, checked_ranges, in_sonar_mode, require_effect
 from uwsim.learning.task import Flags, Floats, Task, Verdict
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.assets import assets_folder
@@ -42,7 +42,10 @@ class Episodes:
 
     def __init__(self, kind: type[Task], n: int, options: EpisodeOptions) -> None:
         scenario = task_scenario(kind, options.scenario)
-        self.batch = Batch(scenario, n=n, threads=options.threads)
+        if options.sonar_mode is not None:
+            scenario = in_sonar_mode(scenario, kind, options.sonar_mode)
+        self.batch = Batch(scenario, n=n, faults=options.faults, threads=options.threads)
+        require_effect(self.batch.faults[0], kind, scenario)
         self.task = kind(self.batch)
         if options.scenario is not None:
             require_driven(self.task)

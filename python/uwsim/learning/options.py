@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
+from uwsim.batch.arguments import FaultList
 from uwsim.did_you_mean import did_you_mean
+from uwsim.learning.task import Task
 from uwsim.parameters import Parameters
 from uwsim.scenario import Scenario
+from uwsim.scenario.spec.fault import FaultModel, LinkLoss, SensorFault
 
 Ranges = Mapping[str, tuple[float, float]]
 PICTURE_MAX = 1024
@@ -22,7 +26,9 @@ class EpisodeOptions:
     scenario: instead of the task's own, with what the task needs in it. randomize: parameters, by their names in
     `Simulator.parameters`, that are drawn uniformly in (low, high) for each episode, beside the task's own, or instead
     of those of the same name. duration_s: after which an episode is truncated. threads: by default all. camera: of the
-    vehicle, whose pictures (camera_size: height, width) are added to the observation.
+    vehicle, whose pictures (camera_size: height, width) are added to the observation. faults: that each episode begins
+    with, instead of the scenario's, with the keys that they have there; those by chance (rate_per_h) are drawn anew for
+    each. sonar_mode: "geometry" or "physics", of the sonar that the task looks through.
     """
 
     scenario: str | Path | Scenario | None = None
@@ -31,6 +37,8 @@ class EpisodeOptions:
     threads: int | None = None
     camera: str | None = None
     camera_size: tuple[int, int] = (84, 84)
+    faults: FaultList | None = None
+    sonar_mode: Literal["geometry", "physics"] | None = None
 
     def __post_init__(self) -> None:
         """Check what does not depend on the scenario. Raises ValueError."""
@@ -43,6 +51,28 @@ class EpisodeOptions:
             raise ValueError("camera_size: is without effect: no camera is given")
         if self.camera is not None and any(name.startswith("optics.") for name in self.randomize or {}):
             raise ValueError("randomize: optics would be without effect: all members' pictures are taken in one light")
+
+
+def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:
+    """Return the scenario with the sonar of its first vehicle in a mode. Raises ValueError."""
+    if not kind.pings:
+        raise ValueError(f"sonar_mode = {mode!r}: is without effect: {kind.__name__} does not look through a sonar")
+    parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
+    parameters.update({f"{scenario.vehicles[0].name}.sonar.mode": mode})
+    return parameters.scenario
+
+
+def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Scenario) -> None:
+    """Raise ValueError for faults that neither a task nor a failsafe would notice."""
+    failsafes = [entry.failsafe or entry.model.failsafe for entry in scenario.vehicles]
+    watches_sensors = any(failsafe and failsafe.sensor_then for failsafe in failsafes)
+    for index, fault in enumerate(faults):
+        place = f"faults[{index}]: would be without effect"
+        if isinstance(fault, LinkLoss) and scenario.link is None:
+            raise ValueError(f"{place}: the scenario has no link")
+        if isinstance(fault, SensorFault) and fault.sensor not in kind.sensors and not watches_sensors:
+            read = ", ".join(kind.sensors) or "none"
+            raise ValueError(f"{place}: sensor '{fault.sensor}': {kind.__name__} reads {read}")
 
 
 def checked_ranges(ranges: Ranges, scenario: Scenario) -> dict[str, tuple[float, float]]:

@@ -63,7 +63,8 @@ class Task(ABC):
 
     scenario_file: in the folder `learning` of the assets. period_s: between two actions. duration_s: after which an
     episode is truncated. axes: of the efforts that an action sets, in [-1, 1]. randomize: parameters that are drawn for
-    each episode, uniformly in (low, high). draws: how many numbers in [0, 1) `start` takes for each member.
+    each episode, uniformly in (low, high). draws: how many numbers in [0, 1) `start` takes for each member. pings:
+    whether it looks through the vehicle's first sonar. sensors: those that it reads; the rest is true motion.
 
     A task may keep arrays of its own; `start` begins the rows of its members anew.
     """
@@ -74,6 +75,8 @@ class Task(ABC):
     axes: ClassVar[tuple[str, ...]] = AXES
     randomize: ClassVar[Mapping[str, tuple[float, float]]] = {}
     draws: ClassVar[int]
+    pings: ClassVar[bool] = False
+    sensors: ClassVar[tuple[str, ...]] = ()
     goal_fields: ClassVar[tuple[Field, ...]]
 
     def __init__(self, batch: Batch, vehicle: str | None = None) -> None:

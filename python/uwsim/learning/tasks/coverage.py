@@ -35,6 +35,7 @@ class Coverage(Task):
     duration_s = 180.0
     axes = ("surge", "sway", "yaw")
     draws = 3
+    pings = True
     goal_fields = (
         Field("position_plot", 2, 2.0, "1", "from the plot's middle, east and north, in halves of its side"),
         Field("heading", 2, 1.0, "1", "cosine and sine of the angle from east, counter-clockwise"),

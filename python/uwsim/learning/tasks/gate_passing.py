@@ -32,6 +32,8 @@ class GatePassing(Task):
     duration_s = 60.0
     axes = ("surge", "sway", "heave", "yaw")
     draws = 4
+    pings = True
+    sensors = ("altitude",)
     goal_fields = (ranges_field(64, 20.0), ALTITUDE)
 
     def __init__(self, batch: Batch, vehicle: str | None = None) -> None:

@@ -35,6 +35,8 @@ class PipelineFollowing(Task):
     duration_s = 120.0
     axes = ("surge", "sway", "heave", "yaw")
     draws = 4
+    pings = True
+    sensors = ("altitude",)
     goal_fields = (ranges_field(64, 20.0), ALTITUDE)
 
     def __init__(self, batch: Batch, vehicle: str | None = None) -> None:
