@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.quaternions import about_z
 
 Vector = NDArray[np.float64]
 CAPTURE_M, CAPTURE_M_S, CAPTURE_DEG = 1.5, 0.5, 30.0
@@ -40,7 +40,7 @@ class Dock:
     @property
     def orientation_xyzw(self) -> Vector:
         """(4,), of a vehicle in the dock and at its exit."""
-        return np.asarray(Rotation.from_euler("z", self.yaw_rad).as_quat(), np.float64)
+        return about_z(self.yaw_rad)
 
     def require_exit(self, vehicle: int) -> None:
         """Raise ValueError unless the vehicle's hull has free water around it at the exit."""

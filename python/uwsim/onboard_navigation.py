@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from uwsim.estimation import Navigator, Start
+from uwsim import _core
 from uwsim.journal import Journal
+
+if TYPE_CHECKING:
+    from uwsim.estimation import Navigator, Start
+    from uwsim.estimation.protocols import Instrumented
 
 KEPT_SAMPLES_S = 10.0  # samples are taken in at least so often, so that few are kept
 ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
 """How well position and velocity are known where navigation starts: assumed, as of a surveyed dock."""
 MOVES = ("place", "dock", "undock")
+
+
+def new_navigator(
+    vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
+) -> Navigator:
+    """Return a Navigator, started, of a vehicle in this water."""
+    from uwsim.estimation import Navigator  # here, since scipy takes long to import
+
+    return Navigator(
+        vehicle,
+        start,
+        station_world_m=station_world_m,
+        gravity_m_s2=water.gravity_m_s2,
+        density_kg_m3=float(water.density_at_kg_m3(0.0)),
+    )
 
 
 class OnboardNavigation:

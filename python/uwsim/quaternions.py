@@ -1,8 +1,12 @@
-"""Single rotations as quaternions x, y, z, w: SciPy's Rotation takes 20 us for what these do in one."""
+"""Single rotations as quaternions x, y, z, w: SciPy's Rotation takes 20 us for what these do in one.
+
+Its import takes longer than all else that a simulator is made of, too.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +22,34 @@ def product(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
         w * r + x * q - y * p + z * s,
         w * s - x * p - y * q - z * r,
     ])  # fmt: skip
+
+
+def of_yaw_pitch_roll_deg(angles_deg: Sequence[float]) -> NDArray[np.float64]:
+    """Return the rotation about z, then the new y, then the new x, (4,)."""
+    yaw, pitch, roll = np.radians(np.asarray(angles_deg, np.float64)).tolist()
+    return product(product(about_z(yaw), about_y(pitch)), about_x(roll))
+
+
+def matrix(xyzw: ArrayLike) -> NDArray[np.float64]:
+    """Return the rotation as a matrix (3, 3)."""
+    x, y, z, w = np.asarray(xyzw, np.float64).tolist()
+    return np.array([
+        [x * x - y * y - z * z + w * w, 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), -x * x + y * y - z * z + w * w, 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), -x * x - y * y + z * z + w * w],
+    ])  # fmt: skip
+
+
+def turned(xyzw: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
+    """Return points (3,) or (n, 3) after the rotation."""
+    # BLAS may round otherwise for another number of points; einsum does not call it.
+    result: NDArray[np.float64] = np.einsum("jk,...k->...j", matrix(xyzw), np.asarray(points, np.float64))
+    return result
+
+
+def about_x(angle_rad: float) -> NDArray[np.float64]:
+    """Return the rotation about x, (4,)."""
+    return np.array([math.sin(0.5 * angle_rad), 0.0, 0.0, math.cos(0.5 * angle_rad)])
 
 
 def about_y(angle_rad: float) -> NDArray[np.float64]:

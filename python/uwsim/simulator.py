@@ -15,11 +15,11 @@ from uwsim.cameras import Camera
 from uwsim.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
-from uwsim.estimation import Navigator, Start
 from uwsim.failures import Aboard, EventLog, Faults
 from uwsim.journal import Journal
 from uwsim.named import Named
 from uwsim.network import Network
+from uwsim.onboard_navigation import new_navigator
 from uwsim.parameters import Parameters
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
 from uwsim.scenario.build.hull import hull_radius_m
@@ -138,18 +138,8 @@ class Simulator(Sealed):
             journal=self.journal,
             sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
             step_s=self.step_s,
-            navigate=self._navigator,
+            navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
             control=vehicle_control(self.scenario, entry.model, spec),
-        )
-
-    def _navigator(self, vehicle: Vehicle, start: Start) -> Navigator:
-        water = self.world.water
-        return Navigator(
-            vehicle,
-            start,
-            station_world_m=self.scenario.station.position_m,
-            gravity_m_s2=water.gravity_m_s2,
-            density_kg_m3=float(water.density_at_kg_m3(0.0)),
         )
 
     def _made_dock(self) -> Dock:

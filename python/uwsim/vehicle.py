@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from uwsim.arguments import number, numbers_by_name, read_only
 from uwsim.cameras import Camera, Lamp
 from uwsim.command_gate import CommandGate, FailsafeLike
 from uwsim.docking import Dock, DockedWarning
-from uwsim.estimation import Navigator, Start
 from uwsim.journal import Journal
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
@@ -30,6 +29,9 @@ from uwsim.sensors import Sensor, Sensors
 from uwsim.sonars.imaging import Acoustics
 from uwsim.sonars.mounted import ImagingSonar
 from uwsim.sonars.multibeam import Sonar
+
+if TYPE_CHECKING:
+    from uwsim.estimation import Navigator, Start
 
 Vector = NDArray[np.float64]
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -340,6 +342,8 @@ class Vehicle(Sealed):
         return self._navigation
 
     def _known_start(self) -> Start:
+        from uwsim.estimation import Start  # here, since scipy takes long to import
+
         position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
         velocity = turn @ self.velocity.linear_body_m_s
         return Start(tuple(position.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S)

@@ -172,7 +172,7 @@ def _checkpoint() -> list[bytes]:
     from uwsim.survey.flight_state import FlightState, to_bytes
     from uwsim.survey.ping_log import PingLog
 
-    log = PingLog(area_world_m=np.zeros((4, 2)), positions_world_m=[np.zeros(3)], position_error_m=[0.0])
+    log = PingLog(area_world_m=np.zeros((4, 2)), positions_world_m=[[0.0, 0.0, 0.0]], position_error_m=[0.0])
     state = FlightState(b"state", {"leg": 3}, 2, 0.5, 1.0, {"fly": 1.0}, log)
     return [to_bytes(state, {"order": {}, "maps": {}}).partition(b"\n")[2]]
 

@@ -39,7 +39,7 @@ void bind_commands(py::class_<OwnedSimulation>& simulation) {
           [](OwnedSimulation& o, std::size_t v, double surge, double sway, double heave, double roll, double pitch,
              double yaw) {
             const Vector6d effort{surge, sway, heave, roll, pitch, yaw};
-            o.with([&](Simulation& s) { s.actuators(v).set_effort(effort); });
+            o.with_briefly([&](Simulation& s) { s.actuators(v).set_effort(effort); });
           },
           vehicle, py::arg("surge"), py::arg("sway"), py::arg("heave"), py::arg("roll"), py::arg("pitch"),
           py::arg("yaw"), "Each in [-1, 1]. Raises ValueError.")

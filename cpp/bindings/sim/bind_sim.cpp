@@ -22,7 +22,7 @@ namespace {
 SensorReading read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor, bool with_noise) {
   Sample sample;
   const SensorKind* kind = nullptr;
-  owned.with([&](Simulation& sim) {
+  owned.with_briefly([&](Simulation& sim) {
     sample = sim.read_sensor(vehicle, sensor, with_noise);
     kind = &sim.vehicle(vehicle).sensors.at(sensor).kind();
   });
@@ -175,19 +175,21 @@ void bind_sim(py::module_& m) {
            "ignored. Raises ValueError, changing nothing.")
       .def("step", &OwnedSimulation::step, py::arg("count") = 1,
            "Advances by fixed steps. Releases the GIL, answers Ctrl-C.")
-      .def_property_readonly("time_ns",
-                             [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.time_ns(); }); })
+      .def_property_readonly(
+          "time_ns", [](OwnedSimulation& o) { return o.with_briefly([](Simulation& s) { return s.time_ns(); }); })
       .def_property_readonly(
           "version", &OwnedSimulation::version,
           "Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.")
-      .def_property_readonly("tick", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.tick(); }); })
+      .def_property_readonly("tick",
+                             [](OwnedSimulation& o) { return o.with_briefly([](Simulation& s) { return s.tick(); }); })
       .def(
-          "state", [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.state(v); }); },
+          "state",
+          [](OwnedSimulation& o, std::size_t v) { return o.with_briefly([&](Simulation& s) { return s.state(v); }); },
           py::arg("vehicle"))
       .def(
           "motion",
           [](OwnedSimulation& o, std::size_t v) {
-            const BodyState state = o.with([&](Simulation& s) { return s.state(v); });
+            const BodyState state = o.with_briefly([&](Simulation& s) { return s.state(v); });
             const Pose& pose = state.world_from_body;
             return py::make_tuple(fixed(pose.position_m), fixed(pose.orientation.coeffs()), fixed(pose.matrix()),
                                   fixed(state.linear_body_m_s()), fixed(state.angular_body_rad_s()));
@@ -214,15 +216,21 @@ void bind_sim(py::module_& m) {
           "Hold it there, at rest, its commands ended and its battery full, until it is released. Raises ValueError.")
       .def(
           "released",
-          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.released(v); }); },
+          [](OwnedSimulation& o, std::size_t v) {
+            return o.with_briefly([&](Simulation& s) { return s.released(v); });
+          },
           py::arg("vehicle"))
       .def(
           "collisions",
-          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.collisions(v); }); },
+          [](OwnedSimulation& o, std::size_t v) {
+            return o.with_briefly([&](Simulation& s) { return s.collisions(v); });
+          },
           py::arg("vehicle"), "How often the vehicle has begun to touch something.")
       .def(
           "telemetry",
-          [](OwnedSimulation& o, std::size_t v) { return o.with([&](Simulation& s) { return s.telemetry(v); }); },
+          [](OwnedSimulation& o, std::size_t v) {
+            return o.with_briefly([&](Simulation& s) { return s.telemetry(v); });
+          },
           py::arg("vehicle"))
       .def(
           "scene_around",

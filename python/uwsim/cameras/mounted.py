@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.cameras.camera import Camera
 from uwsim.cameras.shared_scene import SharedScene
+from uwsim.quaternions import about_z
 from uwsim.scenario.build.camera import chase_camera
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.scenario.spec.station import Station
@@ -38,5 +39,5 @@ def change_cameras(cameras: Mapping[str, Camera], mounts: Mapping[str, CameraMou
 
 def station_cameras(station: Station, scene: SharedScene) -> dict[str, Camera]:
     """Return the station's cameras, by name."""
-    pose = np.asarray(station.position_m), Rotation.from_euler("z", station.yaw_deg, degrees=True).as_quat()
+    pose = np.asarray(station.position_m), about_z(math.radians(station.yaw_deg))
     return {name: Camera(name, mount, scene, pose) for name, mount in station.cameras.items()}

@@ -242,9 +242,12 @@ class AdaptiveLawnMower(Sealed):
         state, lane = self.state, self.lanes[self.state.lane]
         (ahead_x, ahead_y), speed = lane.direction.tolist(), self.plan.speed_m_s
         while True:
-            along, across = lane.locate(self._position())
+            position = self._position()
+            along, across = lane.locate(position)
             state.along_m = _clip(along, 0.0, lane.length_m)
-            if along >= lane.length_m or not self._water_ahead(self.vehicle.sonar.ping()) or self._shoal_ahead(lane):
+            if along >= lane.length_m or not self._water_ahead(self.vehicle.sonar.ping()):
+                break
+            if self.shoals.any_known and self._shoal_ahead(position, lane):
                 break
             if along > state.furthest_m + ARRIVED_M:
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
@@ -259,10 +262,11 @@ class AdaptiveLawnMower(Sealed):
     def _water_ahead(self, ping: PingLike) -> bool:
         """Apply the published rule: the first, the middle or the last beam reads more than 7 m."""
         ranges = ping.ranges_m
-        return any(float(ranges[beam]) > TURN_RANGE_M for beam in (0, len(ranges) // 2, -1))
+        first, middle, last = ranges[0], ranges[len(ranges) // 2], ranges[-1]
+        return bool(first > TURN_RANGE_M or middle > TURN_RANGE_M or last > TURN_RANGE_M)
 
-    def _shoal_ahead(self, lane: Lane) -> bool:
-        x, y, _ = self._position().tolist()
+    def _shoal_ahead(self, position: NDArray[np.float64], lane: Lane) -> bool:
+        x, y, _ = position.tolist()
         ahead_x, ahead_y = lane.direction.tolist()
         return self.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from uwsim import _core
 from uwsim.control.protocols import PingLike
 from uwsim.sealed import Sealed
+
+if TYPE_CHECKING:
+    from scipy.sparse import coo_array
 
 Point = tuple[float, float]
 Cell = tuple[int, int]
@@ -44,6 +46,11 @@ class ShoalChart(Sealed):
     def cells(self) -> list[Cell]:
         """The shoals: each cell's east and north number, sorted."""
         return sorted(self._shoals)
+
+    @property
+    def any_known(self) -> bool:
+        """Whether any shoal is charted."""
+        return bool(self._shoals)
 
     def restore(self, cells: Iterable[Cell]) -> None:
         """Chart these shoals and no others."""
@@ -107,6 +114,8 @@ class ShoalChart(Sealed):
         return self._known_way[2]
 
     def _search(self, start: Cell, goal: Cell) -> list[Cell] | None:
+        from scipy.sparse.csgraph import dijkstra  # here, since it takes long to import and few ways lead round shoals
+
         corners = np.array([start, goal, *self._shoals])
         low = corners.min(axis=0) - MARGIN_CELLS
         shape = tuple((corners.max(axis=0) + MARGIN_CELLS + 1 - low).tolist())
@@ -132,6 +141,8 @@ def _cell(point_m: Iterable[float]) -> Cell:
 
 def _neighbours(cost: NDArray[np.float64]) -> coo_array:
     """The graph of cells: an edge to each of eight neighbours costs its length times the mean of both cells' costs."""
+    from scipy.sparse import coo_array
+
     number = np.arange(cost.size).reshape(cost.shape)
     rows, columns, weights = [], [], []
     for di, dj in WAYS:

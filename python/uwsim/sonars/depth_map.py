@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.sonars.imaging import Place, checked_pose, pose_matrix
@@ -69,6 +68,8 @@ def depth_images(sim: Place, world_from_sonar: ArrayLike, model: DepthMap) -> ND
 
     Cameras from starboard to port about the sonar's x axis; row 0 is the top one, column 0 the one to port.
     """
+    from scipy.spatial.transform import Rotation  # here, since it takes long to import
+
     camera = model.camera()
     pose = checked_pose(world_from_sonar)
     images = []

@@ -6,7 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
+
+from uwsim import quaternions
+from uwsim.quaternions import about_x, about_y, about_z, product
 
 Matrix = NDArray[np.float64]
 
@@ -25,7 +27,8 @@ def pose_matrix(
     turns = np.array([yaw_rad, pitch_rad, roll_rad], np.float64)
     if not np.isfinite(turns).all():
         raise ValueError(f"yaw, pitch, roll = {turns} rad: must be finite")
-    matrix[:3, :3] = Rotation.from_euler("ZYX", turns).as_matrix()
+    yaw, pitch, roll = turns.tolist()
+    matrix[:3, :3] = quaternions.matrix(product(product(about_z(yaw), about_y(pitch)), about_x(roll)))
     matrix[:3, 3] = np.asarray(list(position_m), np.float64)
     return checked_pose(matrix)
 
@@ -46,5 +49,7 @@ def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
 
 def split_poses(poses: Matrix) -> tuple[Matrix, Matrix]:
     """Return positions (n, 3) and quaternions (n, 4) of poses (n, 4, 4), as the native core takes them."""
+    from scipy.spatial.transform import Rotation  # here, since it takes long to import
+
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat() if len(poses) else np.zeros((0, 4))
     return np.ascontiguousarray(poses[:, :3, 3]), turns

@@ -107,7 +107,7 @@ def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
     sample = None if read.richest is None else {name: _decoded(array) for name, array in dict(read.richest).items()}
     log = PingLog(
         area_world_m=_decoded(read.area_world_m),
-        positions_world_m=list(_decoded(read.path_world_m).reshape(-1, 3)),
+        positions_world_m=_decoded(read.path_world_m).reshape(-1, 3).tolist(),
         position_error_m=_decoded(read.position_error_m).tolist(),
         echo_count=read.echo_count,
         sample=None if sample is None else PingSample(**sample),

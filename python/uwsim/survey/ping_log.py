@@ -13,7 +13,7 @@ from uwsim import _core
 from uwsim.scoring.polygon import inside_polygon
 from uwsim.survey.record import PingSample
 
-PINGS_PER_CANDIDATE = 10  # every tenth ping is a candidate for the sample
+PINGS_PER_CANDIDATE = 50  # one ping in so many is a candidate for the sample
 PANEL_WARNINGS = ("range", "proximity", "collision")
 """The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
 _LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
@@ -28,7 +28,7 @@ class PingLog:
     """
 
     area_world_m: NDArray[np.float64]
-    positions_world_m: list[NDArray[np.float64]] = field(default_factory=list)
+    positions_world_m: list[list[float]] = field(default_factory=list)
     position_error_m: list[float] = field(default_factory=list)
     echo_count: int = 0
     sample: PingSample | None = None
@@ -46,19 +46,22 @@ class PingLog:
 
         mapped_from_m: (3,) where the map was told that the sonar was, if not where it was.
         """
-        for name, is_lit in zip(PANEL_WARNINGS, _LIT(panel), strict=True):
-            if is_lit:
-                self.pings_with_warning[name] += 1
-        position = ping.world_from_sonar[:3, 3].copy()  # a view would keep the whole ping
+        if True in (lit := _LIT(panel)):
+            for name, is_lit in zip(PANEL_WARNINGS, lit, strict=True):
+                self.pings_with_warning[name] += is_lit
+        position = ping.world_from_sonar[:3, 3].tolist()
         self.positions_world_m.append(position)
         self.position_error_m.append(0.0 if mapped_from_m is None else math.dist(position, mapped_from_m))
         self.echo_count += len(points_world_m)
-        if len(self.positions_world_m) % PINGS_PER_CANDIDATE:
-            return
+        if len(self.positions_world_m) % PINGS_PER_CANDIDATE == 0:
+            self._consider(ping, points_world_m, position)
+
+    def _consider(self, ping: _core.Ping, points_world_m: NDArray[np.float32], position: list[float]) -> None:
+        """Keep a ping as the sample if it is better."""
         # The best sample is a full fan that hits solids as well as the bed.
         labels = ping.labels[ping.valid]
         score = 100.0 * np.count_nonzero(np.bincount(labels)) + len(labels) / len(ping.labels)
-        if score > self.sample_score and inside_polygon(position[None, :2], self.area_world_m)[0]:
+        if score > self.sample_score and inside_polygon(np.array([position[:2]]), self.area_world_m)[0]:
             self.sample_score = score
             self.sample = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, points_world_m)
 

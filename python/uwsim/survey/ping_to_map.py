@@ -72,6 +72,7 @@ class PingToMap(Sealed):
         self.model = model if isinstance(model, _core.MultibeamModel) else ranging.MODELS[model]
         self.hull_box = hull_box
         self.timer = timer or WallTimer()
+        self._codec, self._conversion = self.timer.measure("codec"), self.timer.measure("conversion")
         self._transmit = transmit
         self._outlier_filter = outlier_filter
         self._max_uncertainty_m = max_uncertainty_m
@@ -93,14 +94,14 @@ class PingToMap(Sealed):
 
         deviation_m: (beams,), of the echoes' places, where they are known: in physics mode.
         """
-        with self.timer.measure("codec"):
+        with self._codec:
             if deviation_m is not None and self._max_uncertainty_m is not None:
                 ranges_m = ranging.reject_uncertain(ranges_m, deviation_m, self._max_uncertainty_m)
             text = ranging.encode_depth_string(ranges_m, self.model)
             if self._transmit is not None:
                 text = self._transmit(text)
             decoded = ranging.decode_depth_string(text, self.model)
-        with self.timer.measure("conversion"):
+        with self._conversion:
             scan = ranging.to_laser_scan(decoded, self.model, stamp_s)
             if self._outlier_filter:
                 scan = ranging.reject_outliers(scan)

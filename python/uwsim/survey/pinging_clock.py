@@ -39,6 +39,7 @@ class PingingClock:
         self._sim = sim
         self._estimate = estimate
         self._chain = chain
+        self._physics, self._rays = chain.timer.measure("physics"), chain.timer.measure("rays")
         self._log = log
         self._steps_between_pings = max(1, round(ping_interval_s / sim.step_s))
         self.steps_to_ping = self._steps_between_pings
@@ -56,7 +57,7 @@ class PingingClock:
         steps = round(duration_s / self._sim.step_s)
         while steps > 0:
             steps_now = min(steps, self.steps_to_ping)
-            with self._chain.timer.measure("physics"):
+            with self._physics:
                 self._sim.step(steps_now)
             steps -= steps_now
             self.steps_to_ping -= steps_now
@@ -67,15 +68,16 @@ class PingingClock:
     def _ping(self) -> None:
         self.steps_to_ping = self._steps_between_pings
         rov = self._sim.rov
-        with self._chain.timer.measure("rays"):
+        with self._rays:
             ping = rov.sonar.ping()
-        body, panel, sonar = rov.pose.world_from_body, rov.telemetry(), ping.world_from_sonar
+        body, panel, sonar, mapped_from_m = rov.pose.world_from_body, rov.telemetry(), ping.world_from_sonar, None
         if self._estimate is not None:
             estimated = self._estimate.pose.world_from_body
             sonar, body = estimated @ np.linalg.inv(body) @ sonar, estimated
+            mapped_from_m = sonar[:3, 3]
         deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
         points = self._chain.insert(ping.ranges_m, body, sonar, self._sim.time_s, deviation_m)
-        self._log.add(ping, points, panel, sonar[:3, 3])
+        self._log.add(ping, points, panel, mapped_from_m)
         if self._on_taken is not None:
             self._on_taken(ping, panel, body)
         self._on_ping()

@@ -10,7 +10,6 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.link.table import text_table
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import score_values, write_json
@@ -100,6 +99,8 @@ def write_results(
         ashore = scoring.ashore()
     terminal.result(summary_table(record, score, free_voxels))
     if record.ashore is not None and ashore is not None:
+        from uwsim.link.table import text_table  # here, since channels take long to import
+
         terminal.result(text_table(record.ashore.table()))
         terminal.result(f"{ashore_text(record, ashore)}  {out / MAP_ASHORE}")
     terminal.result(f"ended because {record.stopped_because}")

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.camera import CameraMount, Lamps
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -21,8 +21,7 @@ CHASE_LENGTHS = np.array([2.0, 0.8])
 
 def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
     """Return the rotation from what is mounted to what carries it, (4,) as x, y, z, w."""
-    orientation: Floats = Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()
-    return orientation
+    return of_yaw_pitch_roll_deg(yaw_pitch_roll_deg)
 
 
 def intrinsic_matrix(mount: CameraMount) -> Floats:

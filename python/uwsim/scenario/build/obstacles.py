@@ -12,9 +12,9 @@ from typing import Any, NamedTuple, assert_never, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.terrain import Terrain
 from uwsim.scenario.read.array_cache import cached_arrays
@@ -55,7 +55,7 @@ def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
             return Solid(*_posed(_created("box", obstacle.size_m), obstacle), [])
         case Cylinder():
             ends = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * obstacle.length_m
-            start, end = _world_from_local(obstacle).apply(ends) + np.asarray(obstacle.position_m)
+            start, end = _in_world(obstacle, ends)
             return _bars([(start, end)], obstacle.radius_m)
         case Sphere():
             vertices, triangles = _created("icosphere", BALL_SUBDIVISIONS, obstacle.radius_m)
@@ -90,12 +90,13 @@ def _created(shape: str, *arguments: Any) -> Mesh:
     return cast(Mesh, cached_arrays(make, shape, *given))
 
 
-def _world_from_local(obstacle: Box | Cylinder | MeshObstacle) -> Rotation:
-    return Rotation.from_euler("ZYX", obstacle.yaw_pitch_roll_deg, degrees=True)
+def _in_world(obstacle: Box | Cylinder | MeshObstacle, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    turn = of_yaw_pitch_roll_deg(obstacle.yaw_pitch_roll_deg)
+    return turned(turn, points_m) + np.asarray(obstacle.position_m, np.float64)
 
 
 def _posed(mesh: Mesh, obstacle: Box | MeshObstacle) -> Mesh:
-    return _world_from_local(obstacle).apply(mesh[0]) + np.asarray(obstacle.position_m), mesh[1]
+    return _in_world(obstacle, mesh[0]), mesh[1]
 
 
 def _bars(lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], radius_m: float) -> Solid:

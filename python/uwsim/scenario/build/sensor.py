@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from scipy.spatial.transform import Rotation
-
 from uwsim import _core
+from uwsim.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
 
@@ -17,7 +16,7 @@ def sensor_spec(name: str, sensor: SensorMount) -> _core.SensorSpec:
         name,
         sensor.kind,
         sensor.position_m,
-        Rotation.from_euler("ZYX", sensor.yaw_pitch_roll_deg, degrees=True).as_quat(),
+        of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg),
         parameters={key: list(values) for key, values in sensor.parameters.items()},
         noise={
             channel: _noise_spec(sensor.channels.get(channel, overall))

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
+from uwsim.quaternions import about_z, turned
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
 from uwsim.scenario.spec.station import Station
 
 EXIT_M = 3.0  # ahead of the dock
-
-
-def world_from_station(station: Station) -> Rotation:
-    """Rotation from the station's axes to the world's."""
-    return Rotation.from_euler("z", station.yaw_deg, degrees=True)
 
 
 def dock_position(station: Station) -> NDArray[np.float64]:
@@ -28,12 +25,12 @@ def exit_position(station: Station) -> NDArray[np.float64]:
 
 
 def in_world(station: Station, point_m: ArrayLike) -> NDArray[np.float64]:
-    """(3,) a point of the station's frame, world."""
-    return np.asarray(world_from_station(station).apply(point_m) + np.asarray(station.position_m), np.float64)
+    """(3,) or (n, 3): points of the station's frame, world."""
+    return turned(about_z(math.radians(station.yaw_deg)), point_m) + np.asarray(station.position_m, np.float64)
 
 
 def station_mesh(station: Station) -> tuple[Vertices, Triangles]:
     """The station's vertices (n, 3), world frame, and triangles (m, 3); the station must have a mesh."""
     assert station.mesh is not None
     vertices, triangles = load_mesh(station.mesh)
-    return world_from_station(station).apply(vertices) + np.asarray(station.position_m), triangles
+    return in_world(station, vertices), triangles

@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
 
 FloatGrid = NDArray[np.float64]
 
@@ -25,6 +24,8 @@ def interpolated(
     values: FloatGrid, rows: FloatGrid, columns: FloatGrid, interpolation: Literal["cubic", "linear"]
 ) -> FloatGrid:
     """Interpolate values (h, w) at fractional rows and columns, linearly or by a cubic spline through the values."""
+    from scipy.ndimage import map_coordinates  # here, since it takes long to import
+
     order = 3 if interpolation == "cubic" and min(values.shape) > 3 else 1
     result: FloatGrid = map_coordinates(values, [rows, columns], order=order, mode="nearest", prefilter=order > 1)
     return result

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.quaternions import about_z
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.control import ControlSettings, built_settings
 from uwsim.scenario.build.craft import craft
@@ -45,7 +45,7 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec.friction = model.friction
     spec.restitution = model.restitution
     position_m, yaw_rad = start_pose(scenario, vehicle)
-    spec.set_start(position_m, Rotation.from_euler("z", yaw_rad).as_quat())
+    spec.set_start(position_m, about_z(yaw_rad))
     spec.docked = vehicle.start is None
     spec.sensors = [sensor_spec(name, sensor) for name, sensor in model.sensors.items()]
     if model.sonar is not None:

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
-from scipy.spatial.transform import Rotation
 
-from uwsim import _core
+from uwsim import _core, quaternions
 from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures as kind_figures
@@ -90,7 +89,7 @@ class ImagingMount(Model):
     def body_from_sonar(self) -> NDArray[np.float64]:
         """(4, 4)."""
         matrix = np.eye(4)
-        matrix[:3, :3] = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_matrix()
+        matrix[:3, :3] = quaternions.matrix(quaternions.of_yaw_pitch_roll_deg(self.yaw_pitch_roll_deg))
         matrix[:3, 3] = self.position_m
         return matrix
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
-from scipy.spatial.transform import Rotation
 
+from uwsim.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
 
@@ -31,7 +31,7 @@ class SonarMounting(Model):
     @property
     def orientation_xyzw(self) -> tuple[float, float, float, float]:
         """The orientation of the head relative to the mount."""
-        x, y, z, w = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_quat().tolist()
+        x, y, z, w = of_yaw_pitch_roll_deg(self.yaw_pitch_roll_deg).tolist()
         return x, y, z, w
 
 
