@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim import ScenarioError, Simulator
+from uwsim import Scenario, ScenarioError, Simulator
 from uwsim.scenario import build_terrain, load
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.surface_points import surface_points
@@ -71,6 +71,23 @@ def test_what_stands_on_the_bed_touches_it_and_is_not_in_it(shape: str, tmp_path
     assert clear_m.max() > 0.1
     sunk = scenario.obstacles[0].model_copy(update={"position_m": (-6.0, -16.0, -0.2)})
     assert obstacle_solid(sunk, terrain).vertices[:, 2] == pytest.approx(vertices[:, 2] - 0.2)
+
+
+FOLLOWERS = [
+    "kind: pipeline, points_m: [[-6, -16], [-3, -14]], radius_m: 0.2",
+    "kind: gate, position_m: [-6, -16], width_m: 2, height_m: 1",
+]
+
+
+@pytest.mark.parametrize("shape", FOLLOWERS)
+def test_what_always_stands_on_the_bed_may_say_so(shape: str, tmp_path: Path) -> None:
+    def scenario(on_bed: str) -> Scenario:
+        line = f"  - {{{shape}, name: thing{on_bed}}}\n"
+        return load(cove(tmp_path, ("obstacles:\n", f"obstacles:\n{line}")))
+
+    assert scenario(", on_bed: true") == scenario("")
+    with pytest.raises(ScenarioError, match="on_bed = false: must be true"):
+        scenario(", on_bed: false")
 
 
 def test_points_are_spread_evenly_over_a_surface() -> None:

@@ -131,7 +131,8 @@ def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence
         hint = did_you_mean(str(context["tag"]), [name.strip(" '") for name in known.split(",")])
         return tag, f"= '{context['tag']}'", f"must be one of {known}{hint}"
     if kind == "literal_error":
-        return (), _shown(value), f"must be {context['expected']}"
+        expected = context["expected"].replace("True", "true")  # as YAML writes it
+        return (), _shown(value), f"must be {expected}"
     if kind == "tuple_type" and isinstance(value, dict):
         return (), "", "must be a list, of items that begin with '- '"
     rule = RULES.get(kind, error["msg"][:1].lower() + error["msg"][1:]).format(**context)

@@ -39,7 +39,7 @@ def described(model: type[BaseModel], schema: JsonSchemaValue) -> None:
         part.pop("title", None)
         if part.get("default") is None or isinstance(part["default"], dict):  # said in words, or the part's own
             part.pop("default", None)
-        if text := "; ".join(filter(None, (words.get(name, "").rstrip("."), _range(part)))):
+        if text := "; ".join(filter(None, (words.get(name, "").rstrip(".;"), _range(part)))):
             part["description"] = text[:1].upper() + text[1:]
 
 

@@ -41,7 +41,16 @@ class Placed(Model):
     position_m: Point3
 
 
-class Pipeline(Model):
+class OnBed(Model):
+    """What always stands on the terrain or follows it.
+
+    on_bed: always true; it need not be said.
+    """
+
+    on_bed: Literal[True] = True
+
+
+class Pipeline(OnBed):
     """A pipe that follows the terrain under a line through points_m (x, y).
 
     points_m: its corners, x and y. radius_m: outer. buried_fraction: share of the diameter below the bed.
@@ -69,7 +78,7 @@ class Pipeline(Model):
         return self
 
 
-class Gate(Model):
+class Gate(OnBed):
     """Two posts and a crossbar that stand on the terrain; the passage is along the gate's x.
 
     position_m: x and y of its middle. yaw_deg: of the gate's x from east, counter-clockwise. width_m: between the
