@@ -8,8 +8,10 @@ import textwrap
 from pathlib import Path
 from typing import get_type_hints
 
+import nbformat
 import numpy as np
 import pytest
+from nbclient import NotebookClient
 
 import uwsim
 from uwsim import _core
@@ -105,8 +107,22 @@ def test_tracks_show_themselves() -> None:
     axes = track.plot().axes[0]
     assert axes.collections[0].get_offsets().tolist() == path[:, :2].tolist()
     assert SurveyTrack(path[:0], track.area_world_m, 50.0).plot().axes
-    samples = uwsim.fly(waiting, "pool").samples["rov"]
+    flight = uwsim.fly(waiting, "pool")
+    assert repr(flight).startswith("<FlightRecord of waiting in 'pool': 1.0 s simulated") and len(repr(flight)) < 200
+    samples = flight.samples["rov"]
     assert samples.plot().axes and " at 0x" not in repr(samples)
+
+
+def test_progress_in_a_notebook_ends_with_the_last_state(tmp_path: Path) -> None:
+    cell = nbformat.v4.new_code_cell("""
+        from uwsim.survey.terminal import Terminal
+        with Terminal().flight("pool") as show:
+            for k in range(1001):
+                show(k / 1000, 0.06 * k)
+    """)
+    notebook = nbformat.v4.new_notebook(cells=[cell])
+    NotebookClient(notebook, timeout=60).execute()
+    assert [output.data["text/plain"] for output in cell.outputs] == ["surveying pool: 100 %, 1.0 min simulated"]
 
 
 def waiting(vehicle: object) -> Steps[None]:

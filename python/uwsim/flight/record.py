@@ -51,6 +51,13 @@ class FlightRecord:
     score: MapScore | None = None
     link: list[LinkRow] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        """Which mission, where, how long and why it ended."""
+        return (
+            f"<FlightRecord of {self.mission} in '{self.scenario}': {self.simulated_s:.1f} s simulated in "
+            f"{self.wall_s:.1f} s, {len(self.events)} events; ended because {self.ended_because}>"
+        )
+
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C ended it."""

@@ -81,6 +81,14 @@ class SurveyRecord:
     position_error_m: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     ashore: Ashore | None = None
 
+    def __repr__(self) -> str:
+        """Where, how long, what was seen and why it ended."""
+        coverage = "" if self.coverage is None else f", coverage {100 * self.coverage:.1f} %"
+        return (
+            f"<SurveyRecord of '{self.scenario_name}', seed {self.seed}: {self.simulated_s:.1f} s simulated in "
+            f"{self.wall_s:.1f} s, {self.ping_count} pings{coverage}; ended because {self.stopped_because}>"
+        )
+
     @property
     def interrupted(self) -> bool:
         """Whether Ctrl-C ended the survey."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import html
 import math
 import os
 import signal
@@ -10,8 +10,8 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
-from typing import Protocol
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any, Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -27,6 +27,8 @@ class Stoppable(Protocol):
         """Whether stop was called."""
 
 
+Show = Callable[[float, float], None]
+"""Shows the share flown, 0 to 1, at a simulated time [s]."""
 REDRAW_S = 0.1  # of wall time, between two states of the progress bar
 
 
@@ -39,7 +41,7 @@ class Terminal:
 
     def status(self, activity: str) -> AbstractContextManager[object]:
         """Show an activity, such as "scoring the map", while the block runs."""
-        return self._messages.status(activity)
+        return nullcontext() if self._messages.is_jupyter else self._messages.status(activity)
 
     def message(self, text: str) -> None:
         """Print a message, unwrapped, on stderr."""
@@ -50,8 +52,12 @@ class Terminal:
         self._results.print(result, highlight=False)
 
     @contextmanager
-    def flight(self, scenario_name: str) -> Iterator[Callable[[float, float], None]]:
+    def flight(self, scenario_name: str) -> Iterator[Show]:
         """Show a progress bar while the block runs; yields a function of the share flown, 0 to 1, and the time [s]."""
+        if self._messages.is_jupyter:
+            with _at_most_each(REDRAW_S, _notebook_bar(scenario_name)) as show:
+                yield show
+            return
         bar = Progress(
             TextColumn("surveying {task.fields[scenario]}"),
             BarColumn(),
@@ -59,24 +65,56 @@ class Terminal:
             TimeElapsedColumn(),
             TextColumn("[dim]{task.fields[note]}"),
             console=self._messages,
-            disable=not _shows_progress(self._messages),
+            disable=not self._messages.is_terminal,
         )
-        with bar:
-            task = bar.add_task("", total=1.0, scenario=scenario_name, note="")
-            shown_s = -math.inf
+        task = bar.add_task("", total=1.0, scenario=scenario_name, note="")
 
-            def show(share: float, time_s: float) -> None:
-                nonlocal shown_s
-                if (now_s := time.monotonic()) - shown_s >= REDRAW_S or share >= 1.0:
-                    shown_s = now_s
-                    bar.update(task, completed=share, note=f"{time_s / 60:.1f} min simulated")
+        def draw(share: float, time_s: float) -> None:
+            bar.update(task, completed=share, note=f"{time_s / 60:.1f} min simulated")
 
+        with bar, _at_most_each(REDRAW_S, draw) as show:
             yield show
 
 
-def _shows_progress(console: Console) -> bool:
-    """Whether a bar can be drawn: on a terminal, or in a notebook with ipywidgets, which rich needs there."""
-    return console.is_terminal or (console.is_jupyter and importlib.util.find_spec("ipywidgets") is not None)
+@contextmanager
+def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
+    """Yield the function, called at most once in a period of wall time, and with the last arguments in the end."""
+    drawn_s = -math.inf
+    last: tuple[float, float] | None = None
+
+    def draw_if_due(share: float, time_s: float) -> None:
+        nonlocal drawn_s, last
+        last = share, time_s
+        if (now_s := time.monotonic()) - drawn_s >= period_s:
+            drawn_s, last = now_s, None
+            draw(share, time_s)
+
+    yield draw_if_due
+    if last:
+        draw(*last)
+
+
+def _notebook_bar(scenario_name: str) -> Show:
+    """Display a bar in a notebook; rich's bar would need ipywidgets there."""
+    from IPython.display import DisplayHandle
+
+    bar: Any = DisplayHandle()  # type: ignore[no-untyped-call]
+    show = bar.display
+
+    def draw(share: float, time_s: float) -> None:
+        nonlocal show
+        note = f"{100 * share:.0f} %, {time_s / 60:.1f} min simulated"
+        drawing = f"<progress max='1' value='{share:.3f}'></progress>"
+        show(
+            {
+                "text/plain": f"surveying {scenario_name}: {note}",
+                "text/html": f"surveying {html.escape(scenario_name)} {drawing} {note}",
+            },
+            raw=True,
+        )
+        show = bar.update
+
+    return draw
 
 
 class _ResultConsole(Console):
