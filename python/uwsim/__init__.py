@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from uwsim.batch import Batch
+    from uwsim.datasets import make_dataset
     from uwsim.docking import DockedWarning
     from uwsim.flight.fly import fly
     from uwsim.scenario import Scenario, ScenarioError
@@ -42,6 +43,7 @@ _MODULE_OF = {
     "ScenarioError": "uwsim.scenario",
     "Simulator": "uwsim.simulator",
     "fly": "uwsim.flight.fly",
+    "make_dataset": "uwsim.datasets",
     "run_survey": "uwsim.survey.run",
 }
 
@@ -53,6 +55,7 @@ __all__ = [
     "Simulator",
     "__version__",
     "fly",
+    "make_dataset",
     "run_survey",
     "scenarios",
 ]

@@ -1746,11 +1746,13 @@ class ImagingSonar:
         first_ping: typing.SupportsInt | typing.SupportsIndex,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
         angles_rad: typing.Any = (),
+        with_labels: bool = False,
     ) -> dict[str, numpy.typing.NDArray[numpy.float32]]:
         """
         The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the
         kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its
-        speckle. The same result whatever the number of threads. Raises ValueError. Releases the GIL.
+        speckle. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where none
+        is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.
         """
 
 class DepthCamera:
@@ -1906,6 +1908,10 @@ class Camera:
         vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
         wobble_rad: typing.SupportsFloat | typing.SupportsIndex | None = None,
     ) -> None: ...
+    def ray_table(self, distort: bool = True) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        (height, width, 2) float32: X/Z and Y/Z of the ray through each pixel's centre, in the optical frame.
+        """
     @property
     def name(self) -> str: ...
 
@@ -2026,6 +2032,11 @@ class CameraScene:
     def set_ground(self, bed: str, steep: str, land: str) -> None:
         """
         Sets the terrain's materials: under water, where it is steep, above water. Raises ValueError.
+        """
+    @property
+    def classes_by_label(self) -> list[int]:
+        """
+        The class of each label, an index into surface_class_names().
         """
     @property
     def label_names(self) -> list[str]:

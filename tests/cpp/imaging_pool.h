@@ -45,6 +45,7 @@ struct Pings {
   int threads = 1;
   std::uint64_t first_ping = 0;
   std::uint64_t seed = 7;
+  bool with_labels = false;
 };
 
 /// The values of one of the sonar's arrays.
@@ -52,8 +53,8 @@ inline std::vector<float> values_of(const ImagingModel& model, const World& worl
                                     std::string_view array) {
   const RayScene scene(world);
   const RandomStream random(pings.seed, "imaging");
-  const std::vector<ImagingArray> arrays =
-      model.make()->ping({scene, world.water, pings.poses, pings.angles_rad, random, pings.first_ping, pings.threads});
+  const std::vector<ImagingArray> arrays = model.make()->ping(
+      {scene, world.water, pings.poses, pings.angles_rad, random, pings.first_ping, pings.threads, pings.with_labels});
   return std::find_if(arrays.begin(), arrays.end(), [&](const ImagingArray& a) { return a.name == array; })->values;
 }
 

@@ -169,6 +169,23 @@ TEST(ForwardLooking, APictureIsRepeatableWhateverTheThreads) {
   EXPECT_NE(one, levels({.poses = {}, .seed = 8}));
 }
 
+TEST(ForwardLooking, LabelsTellWhichSurfaceACellShows) {
+  ImagingModel model = quiet_forward_looking();
+  model["noise_level_db"] = 60;
+  const World world = with_box(flat_bed(-20), {10, 0, -15}, {1, 1, 1});
+  const auto labels = testing::values_of(model, world, {.poses = {at({0, 0, -15})}, .with_labels = true}, "labels");
+  const auto label_at = [&](double range_m) {
+    return labels[static_cast<std::size_t>(range_m / model.acoustics().bin_m()) * kBeams + kMiddle];
+  };
+  EXPECT_EQ(label_at(3), kNothing);  // water alone, above the bed
+  EXPECT_EQ(label_at(7), kTerrain);
+  EXPECT_EQ(label_at(9.55), kTerrain + 1);  // the box's face
+  EXPECT_EQ(label_at(30), kTerrain);
+  model["noise_level_db"] = 250;
+  const auto none = testing::values_of(model, world, {.poses = {at({0, 0, -15})}, .with_labels = true}, "labels");
+  EXPECT_EQ(std::count(none.begin(), none.end(), kNothing), static_cast<std::ptrdiff_t>(none.size()));
+}
+
 TEST(ForwardLooking, RefusesFiguresOutOfRange) {
   const ImagingModel good = quiet_forward_looking();
   EXPECT_NO_THROW(good.make());

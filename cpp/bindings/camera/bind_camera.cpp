@@ -7,16 +7,29 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "bindings/binders.h"
 #include "bindings/camera/bands.h"
 #include "bindings/camera/binders.h"
+#include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "uwsim/camera/camera.h"
 #include "uwsim/camera/lamp.h"
 
 namespace uwsim::bindings {
 namespace {
+
+py::array_t<float> ray_table_of(const Camera& camera, bool distort) {
+  const RayTable& rays = camera.rays(distort);
+  std::vector<float> both;
+  both.reserve(2 * rays.x.size());
+  for (std::size_t k = 0; k < rays.x.size(); ++k) {
+    both.push_back(rays.x[k]);
+    both.push_back(rays.y[k]);
+  }
+  return move_out(std::move(both), {camera.lens().height, camera.lens().width, 2});
+}
 
 void bind_lens(py::module_& m) {
   py::class_<Lens>(m, "Lens", "As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.")
@@ -38,7 +51,9 @@ void bind_lens(py::module_& m) {
            py::arg("name"), py::arg("lens"), py::arg("exposure") = ImageSensor{}.exposure,
            py::arg("full_well") = ImageSensor{}.full_well, py::arg("read_noise") = ImageSensor{}.read_noise,
            py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = py::none())
-      .def_property_readonly("name", &Camera::name);
+      .def_property_readonly("name", &Camera::name)
+      .def("ray_table", &ray_table_of, py::arg("distort") = true,
+           "(height, width, 2) float32: X/Z and Y/Z of the ray through each pixel's centre, in the optical frame.");
 }
 
 void bind_lamp(py::module_& m) {

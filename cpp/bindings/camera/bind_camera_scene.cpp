@@ -121,6 +121,13 @@ void bind_camera_scene(py::module_& m) {
           py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
           py::arg("colour") = py::none(),
           "Adds a hull, vertices (n, 3) and triangles (m, 3), and returns the vehicle's index. Raises ValueError.")
+      .def_property_readonly(
+          "classes_by_label",
+          [](const CameraScene& scene) {
+            const std::vector<std::uint8_t> classes = scene.classes_by_label();
+            return std::vector<int>(classes.begin(), classes.end());
+          },
+          "The class of each label, an index into surface_class_names().")
       .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, then the vehicles.")
       .def("render", &render_picture, py::arg("camera"), py::arg("optics"), py::arg("position_m"),
            py::arg("orientation_xyzw"), py::arg("time_s"), py::arg("tick"), py::arg("effects"),

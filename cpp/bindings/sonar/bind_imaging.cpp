@@ -19,14 +19,14 @@ using Arrays = py::typing::Dict<py::str, py::array_t<float>>;
 
 Arrays ping(const ImagingSonar& sonar, const RayScene& scene, const Water& water, const py::object& positions_m,
             const py::object& orientations_xyzw, std::uint64_t seed, const std::string& stream,
-            std::uint64_t first_ping, int threads, const py::object& angles_rad) {
+            std::uint64_t first_ping, int threads, const py::object& angles_rad, bool with_labels) {
   const std::vector<Pose> poses = as_poses(positions_m, orientations_xyzw, "sonar");
   const std::vector<double> angles = as_angles(angles_rad);
   const RandomStream random(seed, stream);
   std::vector<ImagingArray> results;
   {
     const py::gil_scoped_release unlocked;
-    results = sonar.ping({scene, water, poses, angles, random, first_ping, threads});
+    results = sonar.ping({scene, water, poses, angles, random, first_ping, threads, with_labels});
   }
   Arrays arrays;
   for (ImagingArray& result : results) {
@@ -72,10 +72,12 @@ void bind_imaging(py::module_& m) {
       .def(
           "ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
           py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
-          py::arg("angles_rad") = py::tuple(),
+          py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
           "The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the\n"
           "kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its\n"
-          "speckle. The same result whatever the number of threads. Raises ValueError. Releases the GIL.");
+          "speckle. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where "
+          "none\n"
+          "is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.");
 }
 
 }  // namespace uwsim::bindings

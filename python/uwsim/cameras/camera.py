@@ -102,6 +102,7 @@ class Camera(Sealed):
             gain=picture.gain,
             label_names=tuple(self._scene.core.label_names),
             class_names=tuple(_core.surface_class_names()),
+            class_of_label=tuple(self._scene.core.classes_by_label),
             info=self.info,
             time_ns=time_ns,
             world_from_camera=world_from_camera,
@@ -138,18 +139,27 @@ class Camera(Sealed):
         self._head.aim(self._scene.time_ns, pan, tilt)
         self._scene.journal.note("aim_camera", camera=self._key, vehicle=self._owner, pan_rad=pan, tilt_rad=tilt)
 
-    def resized(self, width: int) -> Camera:
-        """Return this camera with as many pixels across, and as many down as its shape gives: for quicker pictures.
+    def resized(self, width: int, height: int | None = None) -> Camera:
+        """Return this camera with as many pixels across and down; by default down as its shape gives.
 
-        It turns with this one. Raises ValueError for a width outside the limits of a mount.
+        It turns with this one and sees as much from side to side. Raises ValueError for sizes outside the limits of a
+        mount.
         """
-        if not 1 <= width <= LARGEST_SIDE:
-            raise ValueError(f"camera '{self.name}': width = {width} pixels: must be in [1, {LARGEST_SIDE}]")
-        height = max(1, round(width * self.mount.height / self.mount.width))
+        for name, pixels in (("width", width), ("height", height or 1)):
+            if not 1 <= pixels <= LARGEST_SIDE:
+                raise ValueError(f"camera '{self.name}': {name} = {pixels} pixels: must be in [1, {LARGEST_SIDE}]")
+        height = height or max(1, round(width * self.mount.height / self.mount.width))
         mount = self.mount.model_copy(update={"width": width, "height": height})
         other = copy(self)
         other.__dict__.update(mount=mount, info=_camera_info(self.name, mount), _core=None)
         return other
+
+    def ray_table(self, *, distort: bool = True) -> NDArray[np.float32]:
+        """(H, W, 2) float32, X/Z and Y/Z of the ray through each pixel's centre in the optical frame.
+
+        distort: as pictures with the effect `distortion` have it. The bends of `wobble` are not in it.
+        """
+        return self._native().ray_table(distort)
 
     def snapshot(self) -> Snapshot:
         """Keep the present, for a `capture` later or on another thread."""
@@ -167,10 +177,8 @@ class Camera(Sealed):
         scene = self._scene
         snapshot = at or scene.snapshot(with_lamps=not geometry_only)
         position, orientation, world_from_camera = self._pose(snapshot)
-        if self._core is None:
-            self._core = core_camera(self.name, self.mount)
         picture = scene.core.render(
-            self._core,
+            self._native(),
             core_optics(snapshot.optics),
             position,
             orientation,
@@ -186,6 +194,11 @@ class Camera(Sealed):
             **options,
         )
         return picture, snapshot.time_ns, world_from_camera
+
+    def _native(self) -> _core.Camera:
+        if self._core is None:
+            self._core = core_camera(self.name, self.mount)
+        return self._core
 
     def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
         """Return the camera's position (3,), orientation x, y, z, w (4,) and both as (4, 4)."""

@@ -42,11 +42,12 @@ class Frame:
 
     rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a frame of geometry only. depth_m: (H, W) float32 along the optical axis,
     inf where nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 where
-    nothing is hit. labels: (H, W) uint16, classes: (H, W) uint8, indices into label_names and class_names. Depth,
-    normals, labels and classes describe the first solid on the straight ray through each pixel, as if the water and its
-    surface were clear; colour follows the light through the surface. radiance: (H, W, 3) float32 before exposure, if
-    requested; in units in which the sun's irradiance outside the atmosphere is 1. gain: the factor from radiance to
-    exposed signal. rays: rays cast, by kind. task_s: processor seconds by rendering task, if measured.
+    nothing is hit. labels: (H, W) uint16, classes: (H, W) uint8, indices into label_names and class_names;
+    class_of_label: of each label. Depth, normals, labels and classes describe the first solid on the straight ray
+    through each pixel, as if the water and its surface were clear; colour follows the light through the surface.
+    radiance: (H, W, 3) float32 before exposure, if requested; in units in which the sun's irradiance outside the
+    atmosphere is 1. gain: the factor from radiance to exposed signal. rays: rays cast, by kind. task_s: processor
+    seconds by rendering task, if measured.
     """
 
     rgb: NDArray[np.uint8]
@@ -58,6 +59,7 @@ class Frame:
     gain: float
     label_names: tuple[str, ...]
     class_names: tuple[str, ...]
+    class_of_label: tuple[int, ...]
     info: CameraInfo
     time_ns: int
     world_from_camera: Floats

@@ -12,14 +12,14 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 class JobProgress:
     """How many jobs are finished, on stderr. Ctrl-C stops them."""
 
-    def __init__(self, bar: Progress, task: TaskID) -> None:
-        self._bar, self._task = bar, task
+    def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
+        self._bar, self._task, self._doing = bar, task, doing
         self._stop = False
 
     def tell(self, finished: int, failed: int, count: int) -> None:
         """Show that so many of the jobs are finished, and so many of these failed."""
         note = f"[red]{failed:,} failed" if failed else ""
-        self._bar.update(self._task, completed=finished, total=count, note=note, activity="flying")
+        self._bar.update(self._task, completed=finished, total=count, note=note, activity=self._doing)
 
     @contextmanager
     def activity(self, activity: str) -> Iterator[None]:
@@ -37,8 +37,8 @@ class JobProgress:
 
 
 @contextmanager
-def job_progress(what: str) -> Iterator[JobProgress]:
-    """Show a progress bar while the block runs. what: the jobs, such as "runs"."""
+def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
+    """Show a progress bar while the block runs. what: the jobs, such as "runs"; doing: what is done with them."""
     console = Console(stderr=True)
     bar = Progress(
         TextColumn("{task.fields[activity]}"),
@@ -51,4 +51,4 @@ def job_progress(what: str) -> Iterator[JobProgress]:
         disable=not console.is_terminal,
     )
     with bar:
-        yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""))
+        yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)

@@ -17,6 +17,7 @@ from uwsim.cli.bench import bench
 from uwsim.cli.camera import camera
 from uwsim.cli.compare import compare
 from uwsim.cli.connect import connect
+from uwsim.cli.dataset import dataset
 from uwsim.cli.decompose import decompose
 from uwsim.cli.diff import diff
 from uwsim.cli.doctor import doctor
@@ -72,6 +73,7 @@ app.command()(run)
 app.command()(compare)
 app.command()(sweep)
 app.command()(fleet)
+app.command()(dataset)
 app.command()(serve)
 app.command()(station)
 app.command()(teleop)

@@ -66,32 +66,36 @@ class ImagingSonar(Sealed):
         """(4, 4), the present pose."""
         return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
 
-    def ping(self, *arguments: Any) -> Any:
-        """Ping once from here. The arguments and the result depend on the kind; look, line and profile name them."""
-        return self.later(*arguments)()
+    def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
+        """Ping once from here. The arguments and the result depend on the kind; look, line and profile name them.
 
-    def later(self, *arguments: Any) -> Callable[[], Any]:
+        with_labels: also say which surface each cell shows.
+        """
+        return self.later(*arguments, with_labels=with_labels)()
+
+    def later(self, *arguments: Any, with_labels: bool = False) -> Callable[[], Any]:
         """Keep the present; return what pings in it whenever it is called, on any thread: see `ping`."""
         around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
-        return lambda: self._kind.ping(around, pose, model, self._stream, *arguments)
+        return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
 
-    def look(self) -> SonarImage:
+    def look(self, *, with_labels: bool = False) -> SonarImage:
         """Return a forward-looking sonar's picture. Raises ValueError for another kind."""
         self._require(ForwardLooking)
-        return cast(SonarImage, self.ping())
+        return cast(SonarImage, self.ping(with_labels=with_labels))
 
-    def line(self) -> Waterfall:
+    def line(self, *, with_labels: bool = False) -> Waterfall:
         """Return one ping of a side-scan sonar, a waterfall of one row. Raises ValueError for another kind."""
         self._require(SideScan)
-        return cast(Waterfall, self.ping())
+        return cast(Waterfall, self.ping(with_labels=with_labels))
 
-    def profile(self, angles_rad: ArrayLike) -> Profiles:
+    def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
         """Return a single beam's pings at angles (n,), all from here. Raises ValueError for another kind."""
         self._require(SingleBeam)
-        return cast(Profiles, self.ping(angles_rad))
+        return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
 
     @property
-    def _stream(self) -> str:
+    def stream(self) -> str:
+        """The name of its random stream, such as rov/forward_looking."""
         return _core.stream_name(self._vehicle, self.name)
 
     def _require(self, kind: type[Acoustics]) -> None:

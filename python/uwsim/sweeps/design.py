@@ -58,7 +58,7 @@ def choices(variation: Variation) -> list[Level]:
 
 def extremes(variation: Variation) -> list[Level]:
     """Return the levels that must be allowed if all are: both ends, or all choices."""
-    return choices(variation) if variation.choices is not None else [_level(variation, u) for u in (0.0, 1.0)]
+    return choices(variation) if variation.choices is not None else [level_at(variation, u) for u in (0.0, 1.0)]
 
 
 def _is_plain(value: Any) -> bool:
@@ -89,13 +89,13 @@ def _samples(spec: SweepSpec) -> list[dict[str, Level]]:
         levels = [_grid(variation) for variation in spec.vary.values()]
         return [dict(zip(names, combination, strict=True)) for combination in product(*levels)]
     units = _unit_samples(spec)
-    return [{name: _level(spec.vary[name], float(u)) for name, u in zip(names, row, strict=True)} for row in units]
+    return [{name: level_at(spec.vary[name], float(u)) for name, u in zip(names, row, strict=True)} for row in units]
 
 
 def _grid(variation: Variation) -> list[Level]:
     if variation.choices is not None:
         return choices(variation)
-    levels = [_rounded(_level(variation, float(u))) for u in np.linspace(0.0, 1.0, variation.steps or 2)]
+    levels = [_rounded(level_at(variation, float(u))) for u in np.linspace(0.0, 1.0, variation.steps or 2)]
     return list({level.shown: level for level in levels}.values())  # whole numbers may come twice
 
 
@@ -132,8 +132,8 @@ def saltelli(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([a, b, *mixed])
 
 
-def _level(variation: Variation, u: float) -> Level:
-    """Return the level at u in [0, 1]: of choices, each has the same share."""
+def level_at(variation: Variation, u: float) -> Level:
+    """Return the level of a variation at u in [0, 1]: of choices, each has the same share."""
     if variation.choices is not None:
         levels = choices(variation)
         return levels[min(int(u * len(levels)), len(levels) - 1)]

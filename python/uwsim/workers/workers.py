@@ -91,7 +91,7 @@ def open_workers(count: int | None = None, *, scheduler: str | None = None) -> W
         raise ValueError(f"workers = {count}: is without effect with a scheduler, which has its own")
     if count == 0:
         return ThisProcess()
-    need_extra("distributed", "sweeps", "a sweep on several processes")
+    need_extra("distributed", "sweeps", "work on several processes")
     from uwsim.workers.dask_workers import ClusterWorkers, local_workers
 
     if scheduler is not None:

@@ -20,8 +20,9 @@ constexpr double kAcrossSpan = 6;       // of the beam's width, to either side: 
 constexpr double kMaxDraws = 4e9;       // random draws of a ping are numbered by 32 bits
 
 /// A forward-looking imaging sonar: one broad transmission, many narrow receiving beams side by side. Pings once, from
-/// one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain where that is on. Bearings are
-/// about the sonar's +z, positive to port; its x axis is the middle of the picture.
+/// one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain where that is on, and on
+/// request labels (bins, beams). Bearings are about the sonar's +z, positive to port; its x axis is the middle of the
+/// picture.
 ///
 /// Columns of rays sample the scene over the vertical aperture; each beam is the sum of the columns' echoes weighted by
 /// the receiving array's pattern. Left out: echoes of the surface and by several bounces, motion within a ping, and the
@@ -54,7 +55,8 @@ class ForwardLooking final : public ImagingSonar {
     require(request.world_from_sonar.size() == 1, "poses.size", request.world_from_sonar.size(), "must be 1");
     const Pose& pose = request.world_from_sonar.front();
     const double absorption = acoustics().absorption_db_m(request.water, pose.position_m.z());
-    const std::vector<double> profiles = column_profiles(request, pose, absorption);
+    std::vector<EchoesByLabel> by_label(request.with_labels ? columns() : 0, EchoesByLabel(bins_));
+    const std::vector<double> profiles = column_profiles(request, pose, absorption, by_label);
     const ImagingReceiver receiver(acoustics(), absorption, request.random);
     const std::vector<double> weights = column_weights();
     std::vector<float> levels(bins_ * beams_);
@@ -75,13 +77,20 @@ class ForwardLooking final : public ImagingSonar {
         1);
     std::vector<ImagingArray> result;
     result.push_back({"level_db", {bins_, beams_}, std::move(levels)});
+    if (request.with_labels) {
+      result.push_back(
+          {"labels", {bins_, beams_}, labels(by_label, weights, receiver.echo_at_noise(), request.threads)});
+    }
     return result;
   }
 
  private:
-  /// Mean echo power by range, one row for each column of rays.
-  std::vector<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption) const {
-    const std::size_t columns = (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_;
+  std::size_t columns() const { return (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_; }
+
+  /// Mean echo power by range, one row for each column of rays; also by label, unless that is empty.
+  std::vector<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption,
+                                      std::span<EchoesByLabel> by_label) const {
+    const std::size_t columns = this->columns();
     const SurfaceEchoes echoes(request.scene, pose.position_m, acoustics(), absorption);
     const std::vector<ArcRay> rays = column_rays();
     const Eigen::Matrix3d rotation = pose.rotation();
@@ -92,7 +101,8 @@ class ForwardLooking final : public ImagingSonar {
           for (std::size_t k = first; k < last; ++k) {
             const double bearing =
                 first_bearing_rad_ + (static_cast<double>(k) - static_cast<double>(reach_)) * spacing_rad_;
-            echoes.add(column_at(rotation, bearing), rays, {profiles.data() + k * bins_, bins_});
+            echoes.add(column_at(rotation, bearing), rays, {profiles.data() + k * bins_, bins_},
+                       by_label.empty() ? nullptr : &by_label[k]);
           }
         },
         1);
@@ -136,6 +146,25 @@ class ForwardLooking final : public ImagingSonar {
       const double* profile = profiles.data() + (beam * columns_per_beam_ + k) * bins_;
       for (std::size_t bin = 0; bin < bins_; ++bin) echo[bin] += weights[k] * profile[bin];
     }
+  }
+
+  /// The surface of each cell's strongest echo.
+  std::vector<float> labels(std::span<const EchoesByLabel> columns, const std::vector<double>& weights, double least,
+                            int threads) const {
+    std::vector<float> cells(bins_ * beams_);
+    parallel_ranges(
+        beams_, threads,
+        [&](std::size_t first, std::size_t last) {
+          for (std::size_t beam = first; beam < last; ++beam) {
+            EchoesByLabel echoes(bins_);
+            for (std::size_t k = 0; k < weights.size(); ++k) {
+              echoes.add(weights[k], columns[beam * columns_per_beam_ + k]);
+            }
+            for (std::size_t bin = 0; bin < bins_; ++bin) cells[bin * beams_ + beam] = echoes.strongest(bin, least);
+          }
+        },
+        1);
+    return cells;
   }
 
   std::size_t beams_;

@@ -55,6 +55,8 @@ class ImagingReceiver {
   /// Displayed level, with the gain at that range [dB re 1 uPa]; always finite.
   float displayed_db(double received, double range_m) const;
   double noise() const { return noise_; }
+  /// The echo whose mean power is the noise's, as a power over the source's at 1 m.
+  double echo_at_noise() const { return noise_ / source_; }
 
  private:
   ImagingAcoustics acoustics_;

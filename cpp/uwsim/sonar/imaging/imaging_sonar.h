@@ -24,6 +24,7 @@ struct ImagingRequest {
   const RandomStream& random;
   std::uint64_t first_ping = 0;  ///< number of the first ping; ping k draws its speckle as first_ping + k
   int threads = 1;
+  bool with_labels = false;  ///< also name the surface that each cell's echo comes from, see EchoesByLabel
 };
 
 /// A named array of results, row-major.

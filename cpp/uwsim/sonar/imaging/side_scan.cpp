@@ -35,7 +35,8 @@ std::vector<double> across_angles(const ImagingAcoustics& acoustics, double heig
 
 /// A side-scan sonar: to either side one beam, narrow along the track (the sonar's x axis) and wide across it. Pings
 /// once from each pose and returns port_db and starboard_db (pings, bins), dB re 1 uPa by slant range, and altitude_m
-/// (pings,): the range of the first return of both sides together, infinite without one.
+/// (pings,): the range of the first return of both sides together, infinite without one; on request port_labels and
+/// starboard_labels (pings, bins).
 ///
 /// Rays lie in planes across the track, from straight down to above the level: as dense as the bins are on a flat
 /// bottom at the depth met straight below, and never sparser than a tenth of a degree. Neither side receives the
@@ -54,7 +55,12 @@ class SideScan final : public ImagingSonar {
 
   std::vector<ImagingArray> ping(const ImagingRequest& request) const override {
     const std::size_t pings = request.world_from_sonar.size();
-    Lines lines{std::vector<float>(pings * bins_), std::vector<float>(pings * bins_), std::vector<float>(pings)};
+    Lines lines{
+        std::vector<float>(pings * bins_), std::vector<float>(pings * bins_), std::vector<float>(pings), {}, {}};
+    if (request.with_labels) {
+      lines.port_labels.resize(pings * bins_);
+      lines.starboard_labels.resize(pings * bins_);
+    }
     parallel_ranges(
         pings, request.threads,
         [&](std::size_t first, std::size_t last) {
@@ -65,12 +71,17 @@ class SideScan final : public ImagingSonar {
     result.push_back({"port_db", {pings, bins_}, std::move(lines.port_db)});
     result.push_back({"starboard_db", {pings, bins_}, std::move(lines.starboard_db)});
     result.push_back({"altitude_m", {pings}, std::move(lines.altitude_m)});
+    if (request.with_labels) {
+      result.push_back({"port_labels", {pings, bins_}, std::move(lines.port_labels)});
+      result.push_back({"starboard_labels", {pings, bins_}, std::move(lines.starboard_labels)});
+    }
     return result;
   }
 
  private:
   struct Lines {
     std::vector<float> port_db, starboard_db, altitude_m;
+    std::vector<float> port_labels, starboard_labels;  // empty unless they were requested
   };
 
   /// Fills line `row`.
@@ -85,7 +96,9 @@ class SideScan final : public ImagingSonar {
 
     std::vector<double> both(bins_, 0.0);
     for (const int side : {0, 1}) {
-      const std::vector<double> echo = side_echo(echoes, rotation, side == 0 ? 1.0 : -1.0, rays);
+      EchoesByLabel by_label(bins_);
+      const std::vector<double> echo =
+          side_echo(echoes, rotation, side == 0 ? 1.0 : -1.0, rays, request.with_labels ? &by_label : nullptr);
       float* levels = (side == 0 ? lines.port_db : lines.starboard_db).data() + row * bins_;
       for (std::size_t bin = 0; bin < bins_; ++bin) {
         const auto cell = static_cast<std::uint32_t>(static_cast<std::size_t>(side) * bins_ + bin);
@@ -93,13 +106,16 @@ class SideScan final : public ImagingSonar {
         both[bin] += received;
         levels[bin] = receiver.displayed_db(received, acoustics().bin_centre_m(static_cast<int>(bin)));
       }
+      if (!request.with_labels) continue;
+      float* labels = (side == 0 ? lines.port_labels : lines.starboard_labels).data() + row * bins_;
+      for (std::size_t bin = 0; bin < bins_; ++bin) labels[bin] = by_label.strongest(bin, receiver.echo_at_noise());
     }
     lines.altitude_m[row] = first_return_m(both, 2 * receiver.noise());
   }
 
   /// Mean echo power by range of one side; `port`: 1 for port, -1 for starboard.
   std::vector<double> side_echo(const SurfaceEchoes& echoes, const Eigen::Matrix3d& rotation, double port,
-                                std::vector<ArcRay>& rays) const {
+                                std::vector<ArcRay>& rays, EchoesByLabel* by_label) const {
     std::vector<double> echo(bins_, 0.0);
     // Planes cover twice the width: a Hamming pattern's main lobe is down by 15 dB there.
     const double step = 2 * along_width_rad_ / planes_;
@@ -111,7 +127,7 @@ class SideScan final : public ImagingSonar {
         ray.gain_sr = weight * vertical_.power(off_axis) * (ray.upper_rad - ray.lower_rad);
       }
       const RayArc arc{port * rotation.col(1), rotation.col(2), rotation.col(0), aside, step / 2};
-      echoes.add(arc, rays, echo);
+      echoes.add(arc, rays, echo, by_label);
     }
     return echo;
   }

@@ -50,7 +50,7 @@ double detect(std::span<const double> received, double threshold) {
 
 /// A profiling sonar: one pencil beam, round, that a motor steps about the head's z axis. Pings once at each of the
 /// request's angles, from its x axis, positive to port, all from one pose. Returns level_db (angles, bins), dB re 1
-/// uPa, and ranges_m (angles,), infinite without an echo.
+/// uPa, and ranges_m (angles,), infinite without an echo; on request labels (angles, bins).
 ///
 /// The range is the centroid of the power about the echo's peak, out to where a running mean over five bins has fallen
 /// to a tenth of it: near nadir that is the bottom straight below, oblique it is the beam's middle. 1 / R^2, Lambert's
@@ -77,9 +77,14 @@ class SingleBeam final : public ImagingSonar {
     const Eigen::Matrix3d rotation = pose.rotation();
     const double threshold = receiver.noise() * std::pow(10.0, detection_db_ / 10);
     const std::size_t pings = request.angles_rad.size();
-    std::vector<float> levels(pings * bins_), ranges(pings);
+    std::vector<float> levels(pings * bins_), ranges(pings), labels(request.with_labels ? pings * bins_ : 0);
     const auto ping_once = [&](std::size_t row) {
-      std::vector<double> received = beam_echo(echoes, rotation, request.angles_rad[row]);
+      EchoesByLabel by_label(bins_);
+      std::vector<double> received =
+          beam_echo(echoes, rotation, request.angles_rad[row], request.with_labels ? &by_label : nullptr);
+      for (std::size_t bin = 0; request.with_labels && bin < bins_; ++bin) {
+        labels[row * bins_ + bin] = by_label.strongest(bin, receiver.echo_at_noise());
+      }
       for (std::size_t bin = 0; bin < bins_; ++bin) {
         received[bin] = receiver.received(received[bin], request.first_ping + row, static_cast<std::uint32_t>(bin));
         levels[row * bins_ + bin] =
@@ -96,12 +101,14 @@ class SingleBeam final : public ImagingSonar {
     std::vector<ImagingArray> result;
     result.push_back({"level_db", {pings, bins_}, std::move(levels)});
     result.push_back({"ranges_m", {pings}, std::move(ranges)});
+    if (request.with_labels) result.push_back({"labels", {pings, bins_}, std::move(labels)});
     return result;
   }
 
  private:
   /// Mean echo power by range: a square grid of rays over the beam.
-  std::vector<double> beam_echo(const SurfaceEchoes& echoes, const Eigen::Matrix3d& rotation, double angle_rad) const {
+  std::vector<double> beam_echo(const SurfaceEchoes& echoes, const Eigen::Matrix3d& rotation, double angle_rad,
+                                EchoesByLabel* by_label) const {
     std::vector<double> echo(bins_, 0.0);
     std::vector<ArcRay> rays = arc_rays(offsets_rad_);
     for (const double across : offsets_rad_) {
@@ -112,7 +119,7 @@ class SingleBeam final : public ImagingSonar {
       const double c = std::cos(angle_rad + across), s = std::sin(angle_rad + across);
       echoes.add({rotation * Eigen::Vector3d(c, s, 0), rotation.col(2), rotation * Eigen::Vector3d(-s, c, 0), 0,
                   step_rad_ / 2},
-                 rays, echo);
+                 rays, echo, by_label);
     }
     return echo;
   }

@@ -51,6 +51,31 @@ std::vector<ArcRay> arc_rays(std::span<const double> angles_rad) {
   return rays;
 }
 
+std::span<double> EchoesByLabel::of(Label label) {
+  for (Surface& surface : surfaces_) {
+    if (surface.label == label) return surface.profile;
+  }
+  surfaces_.push_back({label, std::vector<double>(bins_, 0.0)});
+  return surfaces_.back().profile;
+}
+
+void EchoesByLabel::add(double weight, const EchoesByLabel& other) {
+  for (const Surface& surface : other.surfaces_) {
+    const std::span<double> profile = of(surface.label);
+    for (std::size_t bin = 0; bin < bins_; ++bin) profile[bin] += weight * surface.profile[bin];
+  }
+}
+
+Label EchoesByLabel::strongest(std::size_t bin, double least) const {
+  Label label = kNothing;
+  for (const Surface& surface : surfaces_) {
+    if (surface.profile[bin] <= least) continue;
+    label = surface.label;
+    least = surface.profile[bin];
+  }
+  return label;
+}
+
 SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m,
                              const ImagingAcoustics& acoustics, double absorption_db_m)
     : scene_(&scene),
@@ -65,7 +90,8 @@ SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_
   }
 }
 
-void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const {
+void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
+                        EchoesByLabel* by_label) const {
   if (head_world_m_.z() > 0) return;
   std::vector<Ray> cast(rays.size());
   std::vector<RayHit> hits(rays.size());
@@ -73,12 +99,12 @@ void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::sp
   // A patch hit just beyond the last bin may begin within it.
   scene_->cast(cast, range_max_m_ * kStretch, hits);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    if (hits[k].label != kNothing) add_patch(arc, rays[k], cast[k], hits[k], profile);
+    if (hits[k].label != kNothing) add_patch(arc, rays[k], cast[k], hits[k], profile, by_label);
   }
 }
 
 void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit,
-                              std::span<double> profile) const {
+                              std::span<double> profile, EchoesByLabel* by_label) const {
   const Eigen::Vector3d normal = hit.normal_world.cast<double>();
   const double along = normal.dot(ray.direction_world);
   const double z = ray.origin_world_m.z() + hit.distance_m * ray.direction_world.z();
@@ -96,7 +122,9 @@ void SurfaceEchoes::add_patch(const RayArc& arc, const ArcRay& patch, const Ray&
 
   const double strength = hit.label < strengths_.size() ? strengths_[hit.label] : solid_;
   const double loss = std::pow(10.0, -0.2 * absorption_db_m_ * range) / (range * range);
-  spread(strength * std::min(1.0, -along) * patch.gain_sr * loss, near / bin_m_, far / bin_m_, profile);
+  const double power = strength * std::min(1.0, -along) * patch.gain_sr * loss;
+  spread(power, near / bin_m_, far / bin_m_, profile);
+  if (by_label != nullptr) spread(power, near / bin_m_, far / bin_m_, by_label->of(hit.label));
 }
 
 }  // namespace uwsim

@@ -30,6 +30,27 @@ struct ArcRay {
 /// Rays at ascending angles; each represents the interval half way to its neighbours. gain_sr is 1.
 std::vector<ArcRay> arc_rays(std::span<const double> angles_rad);
 
+/// Mean echo power by range, apart for each surface: what a picture's cells show.
+class EchoesByLabel {
+ public:
+  explicit EchoesByLabel(std::size_t bins) : bins_(bins) {}
+
+  /// The profile of a surface, at first zero.
+  std::span<double> of(Label label);
+  /// Adds another's echoes, times a weight.
+  void add(double weight, const EchoesByLabel& other);
+  /// The surface whose echo is the strongest in a bin; kNothing where no surface's is above `least`.
+  Label strongest(std::size_t bin, double least) const;
+
+ private:
+  struct Surface {
+    Label label;
+    std::vector<double> profile;
+  };
+  std::size_t bins_;
+  std::vector<Surface> surfaces_;  // few: those that the rays of one arc or beam meet
+};
+
 /// Echoes of surfaces along rays from a head, as mean power by range.
 ///
 /// A ray of solid angle dO that meets a surface at range R under incidence i covers dA = R^2 dO / cos i. By Lambert's
@@ -43,12 +64,13 @@ class SurfaceEchoes {
   SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m, const ImagingAcoustics& acoustics,
                 double absorption_db_m);
 
-  /// Adds the echoes of an arc to `profile`, one power for each range bin.
-  void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile) const;
+  /// Adds the echoes of an arc to `profile`, one power for each range bin, and to `by_label`, unless that is null.
+  void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
+           EchoesByLabel* by_label = nullptr) const;
 
  private:
-  void add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit,
-                 std::span<double> profile) const;
+  void add_patch(const RayArc& arc, const ArcRay& patch, const Ray& ray, const RayHit& hit, std::span<double> profile,
+                 EchoesByLabel* by_label) const;
 
   const RayScene* scene_;
   Eigen::Vector3d head_world_m_;

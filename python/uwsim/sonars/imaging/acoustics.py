@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 
 Levels = NDArray[np.float32]
+Labels = NDArray[np.uint16]
 
 TERRAIN_LABEL = 1
 ACCEPTED: dict[str, Any] = {
@@ -132,6 +133,11 @@ def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: f
         absorption_db_m = core.absorption_db_m(sim.world.water, head_z_m)
         gain_db = model.gain_db_decade * np.log10(model.bin_centres_m) + 2.0 * absorption_db_m * model.bin_centres_m
     return (model.noise_level_db + gain_db).astype(np.float32)
+
+
+def labels_of(arrays: Mapping[str, Levels], name: str = "labels") -> Labels | None:
+    """Return the labels of each cell among a ping's arrays, if they were requested."""
+    return arrays[name].astype(np.uint16) if name in arrays else None
 
 
 def whole_number(value: int, name: str) -> int:

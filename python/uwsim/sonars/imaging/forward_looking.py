@@ -8,7 +8,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.sonars.imaging.acoustics import Acoustics, ImagingKind, Levels, Place, instrument, noise_db, whole_number
+from uwsim.sonars.imaging.acoustics import (
+    Acoustics,
+    ImagingKind,
+    Labels,
+    Levels,
+    Place,
+    instrument,
+    labels_of,
+    noise_db,
+    whole_number,
+)
 from uwsim.sonars.poses import Matrix, checked_pose, split_poses
 
 
@@ -43,7 +53,8 @@ class SonarImage:
 
     level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of noise alone.
     ranges_m (bins,), bearings_rad (beams,) float64: the centres of the cells; bearings about the sonar's z axis, rising
-    from starboard to port. world_from_sonar (4, 4).
+    from starboard to port. world_from_sonar (4, 4). labels: (bins, beams) uint16, if requested: the surface, by
+    Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
     """
 
     level_db: Levels
@@ -52,30 +63,34 @@ class SonarImage:
     bearings_rad: NDArray[np.float64]
     world_from_sonar: Matrix
     model: ForwardLooking
+    labels: Labels | None = None
 
 
 def look_ahead(
     sim: Place, world_from_sonar: ArrayLike, model: ForwardLooking | None = None, *, name: str = "forward_looking",
-    number: int | None = None,
+    number: int | None = None, with_labels: bool = False,
 ) -> SonarImage:  # fmt: skip
     """Return one picture of a forward-looking sonar. Raises ValueError.
 
     name: of its random stream. number: of the picture, which selects its speckle; by default simulated time in
-    nanoseconds.
+    nanoseconds. with_labels: say which surface each cell shows.
     """
     model = model or ForwardLooking()
     pose = checked_pose(world_from_sonar)
     core = instrument(sim, model, ForwardLooking)
     first_ping = sim.time_ns if number is None else whole_number(number, "number")
-    arrays = core.ping(sim.scene, sim.world.water, *split_poses(pose[None]), sim.seed, name, first_ping, sim.threads)
+    arrays = core.ping(sim.scene, sim.world.water, *split_poses(pose[None]), sim.seed, name, first_ping, sim.threads,
+                       with_labels=with_labels)  # fmt: skip
     half = model.field_of_view_rad / 2
     bearings = np.linspace(-half, half, model.beams) if model.beams > 1 else np.array([-half])
     noise = noise_db(model, core, sim, float(pose[2, 3]))
-    return SonarImage(arrays["level_db"], noise, model.bin_centres_m, bearings, pose, model)
+    return SonarImage(arrays["level_db"], noise, model.bin_centres_m, bearings, pose, model, labels_of(arrays))
 
 
-def _ping(sim: Place, world_from_sonar: Matrix, model: ForwardLooking, name: str) -> SonarImage:
-    return look_ahead(sim, world_from_sonar, model, name=name)
+def _ping(
+    sim: Place, world_from_sonar: Matrix, model: ForwardLooking, name: str, with_labels: bool = False
+) -> SonarImage:
+    return look_ahead(sim, world_from_sonar, model, name=name, with_labels=with_labels)
 
 
 KIND = ImagingKind(ForwardLooking, _ping)

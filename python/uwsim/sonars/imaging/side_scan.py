@@ -9,7 +9,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.sonars.imaging.acoustics import Acoustics, ImagingKind, Levels, Place, instrument, noise_db, whole_number
+from uwsim.sonars.imaging.acoustics import (
+    Acoustics,
+    ImagingKind,
+    Labels,
+    Levels,
+    Place,
+    instrument,
+    labels_of,
+    noise_db,
+    whole_number,
+)
 from uwsim.sonars.poses import Matrix, checked_pose, split_poses
 
 
@@ -44,7 +54,9 @@ class Waterfall:
 
     port_db, starboard_db: (pings, bins) float32 over slant range, dB re 1 uPa. noise_db: (bins,) float32, the mean
     level of noise alone in the water of the first ping. ranges_m (bins,) float64. altitude_m (pings,) float32: range of
-    the first bottom return, inf without one. world_from_sonar (pings, 4, 4).
+    the first bottom return, inf without one. world_from_sonar (pings, 4, 4). port_labels, starboard_labels: (pings,
+    bins) uint16, if requested: the surface, by Simulator.label_names, whose mean echo is the strongest in each cell; 0
+    where none is above the noise.
     """
 
     port_db: Levels
@@ -54,6 +66,8 @@ class Waterfall:
     altitude_m: NDArray[np.float32]
     world_from_sonar: Matrix
     model: SideScan
+    port_labels: Labels | None = None
+    starboard_labels: Labels | None = None
 
     def picture_db(self) -> Levels:
         """(pings, 2 bins) float32: port to the left, its range growing to the left, starboard to the right."""
@@ -77,26 +91,28 @@ class Waterfall:
 
 def look_aside(
     sim: Place, worlds_from_sonar: Sequence[ArrayLike] | Matrix, model: SideScan | None = None, *,
-    name: str = "side_scan", first_ping: int = 0,
+    name: str = "side_scan", first_ping: int = 0, with_labels: bool = False,
 ) -> Waterfall:  # fmt: skip
     """Ping once from each pose (pings, 4, 4), x along the track. Raises ValueError.
 
     name: of its random stream. Ping k has the number first_ping + k, so that a track gives the same result in one call
-    or in many.
+    or in many. with_labels: say which surface each cell shows.
     """
     model = model or SideScan()
     poses = np.array([checked_pose(pose, f"worlds_from_sonar[{k}]") for k, pose in enumerate(worlds_from_sonar)])
     poses = poses.reshape(-1, 4, 4)
     core = instrument(sim, model, SideScan)
     number = whole_number(first_ping, "first_ping")
-    arrays = core.ping(sim.scene, sim.world.water, *split_poses(poses), sim.seed, name, number, sim.threads)
+    arrays = core.ping(sim.scene, sim.world.water, *split_poses(poses), sim.seed, name, number, sim.threads,
+                       with_labels=with_labels)  # fmt: skip
     noise = noise_db(model, core, sim, float(poses[0, 2, 3]) if len(poses) else 0.0)
     port, starboard, altitude = arrays["port_db"], arrays["starboard_db"], arrays["altitude_m"]
-    return Waterfall(port, starboard, noise, model.bin_centres_m, altitude, poses, model)
+    labels = labels_of(arrays, "port_labels"), labels_of(arrays, "starboard_labels")
+    return Waterfall(port, starboard, noise, model.bin_centres_m, altitude, poses, model, *labels)
 
 
-def _ping(sim: Place, world_from_sonar: Matrix, model: SideScan, name: str) -> Waterfall:
-    return look_aside(sim, [world_from_sonar], model, name=name, first_ping=sim.time_ns)
+def _ping(sim: Place, world_from_sonar: Matrix, model: SideScan, name: str, with_labels: bool = False) -> Waterfall:
+    return look_aside(sim, [world_from_sonar], model, name=name, first_ping=sim.time_ns, with_labels=with_labels)
 
 
 KIND = ImagingKind(SideScan, _ping)

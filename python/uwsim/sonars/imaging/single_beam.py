@@ -8,7 +8,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.sonars.imaging.acoustics import Acoustics, ImagingKind, Levels, Place, instrument, noise_db, whole_number
+from uwsim.sonars.imaging.acoustics import (
+    Acoustics,
+    ImagingKind,
+    Labels,
+    Levels,
+    Place,
+    instrument,
+    labels_of,
+    noise_db,
+    whole_number,
+)
 from uwsim.sonars.poses import Matrix, checked_pose, split_poses
 
 
@@ -40,7 +50,8 @@ class Profiles:
 
     level_db: (angles, bins) float32, dB re 1 uPa. noise_db: (bins,) float32, the mean level of noise alone.
     ranges_m: (angles,) float32, inf = no echo. angles_rad (angles,) float64 about the sonar's z axis, positive to port.
-    bin_centres_m (bins,) float64. world_from_sonar (4, 4).
+    bin_centres_m (bins,) float64. world_from_sonar (4, 4). labels: (angles, bins) uint16, if requested: the surface, by
+    Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
     """
 
     level_db: Levels
@@ -50,6 +61,7 @@ class Profiles:
     bin_centres_m: NDArray[np.float64]
     world_from_sonar: Matrix
     model: SingleBeam
+    labels: Labels | None = None
 
     @property
     def points_world_m(self) -> NDArray[np.float64]:
@@ -61,11 +73,12 @@ class Profiles:
 
 def profile(
     sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: SingleBeam | None = None, *,
-    name: str = "single_beam", first_ping: int = 0,
+    name: str = "single_beam", first_ping: int = 0, with_labels: bool = False,
 ) -> Profiles:  # fmt: skip
     """Ping once at each angle (n,) about the sonar's z axis, from its x axis, positive to port. Raises ValueError.
 
-    name: of its random stream. Ping k has the number first_ping + k.
+    name: of its random stream. Ping k has the number first_ping + k. with_labels: say which surface each cell
+    shows.
     """
     model = model or SingleBeam()
     pose = checked_pose(world_from_sonar)
@@ -73,14 +86,17 @@ def profile(
     core = instrument(sim, model, SingleBeam)
     arrays = core.ping(
         sim.scene, sim.world.water, *split_poses(pose[None]), sim.seed, name, whole_number(first_ping, "first_ping"),
-        sim.threads, angles,
+        sim.threads, angles, with_labels,
     )  # fmt: skip
     noise = noise_db(model, core, sim, float(pose[2, 3]))
-    return Profiles(arrays["level_db"], noise, arrays["ranges_m"], angles, model.bin_centres_m, pose, model)
+    ranges, bins = arrays["ranges_m"], model.bin_centres_m
+    return Profiles(arrays["level_db"], noise, ranges, angles, bins, pose, model, labels_of(arrays))
 
 
-def _ping(sim: Place, world_from_sonar: Matrix, model: SingleBeam, name: str, angles_rad: ArrayLike) -> Profiles:
-    return profile(sim, world_from_sonar, angles_rad, model, name=name, first_ping=sim.time_ns)
+def _ping(
+    sim: Place, world_from_sonar: Matrix, model: SingleBeam, name: str, angles_rad: ArrayLike, with_labels: bool = False
+) -> Profiles:
+    return profile(sim, world_from_sonar, angles_rad, model, name=name, first_ping=sim.time_ns, with_labels=with_labels)
 
 
 KIND = ImagingKind(SingleBeam, _ping)

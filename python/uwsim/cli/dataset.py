@@ -1,0 +1,169 @@
+"""`uwsim dataset`: labelled pictures of cameras and sonars, for learning."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from uwsim.cli.exit_codes import INTERRUPTED
+from uwsim.cli.options import ScenarioName, Seed, VehicleName
+from uwsim.cli.sweep import Scheduler, Workers
+
+if TYPE_CHECKING:
+    from uwsim.datasets import Dataset
+
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="A parameter that each frame draws: NAME=LOW..HIGH, or NAME=A,B,C, as optics.jerlov=II,3C. Repeatable.",
+        metavar="NAME=VALUES",
+    ),
+]
+
+
+def dataset(
+    scenario: ScenarioName,
+    n: Annotated[int, typer.Option("--n", help="Number of frames.")] = 100,
+    out: Annotated[Path, typer.Option(help="Folder for the pictures and their tables.")] = Path("data"),
+    camera: Annotated[str, typer.Option(help="The camera: front, down, or another.")] = "front",
+    vehicle: VehicleName = None,
+    size: Annotated[str | None, typer.Option(help="Pixels, WxH. Default: the camera's own.", metavar="WxH")] = None,
+    write: Annotated[
+        str,
+        typer.Option(
+            help="What of each frame, comma-separated: rgb, depth, normals, instances, classes, boxes, arrays, sonar, "
+            "multibeam."
+        ),
+    ] = "rgb,depth,normals,instances,classes,boxes",
+    pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",
+    effects: Annotated[str, typer.Option(help="on, off, or effects joined by +.")] = "on",
+    without: Annotated[str, typer.Option(help="Effects that are off, comma-separated, such as wobble.")] = "",
+    along: Annotated[
+        Path | None,
+        typer.Option(help="Take poses from a track: track-VEHICLE.csv of a run, track.npz of a survey, or your own."),
+    ] = None,
+    mission: Annotated[Path | None, typer.Option(help="Fly this mission first, and take its poses.")] = None,
+    look_at: Annotated[
+        str | None, typer.Option(help="Names or classes, comma-separated, such as gate,pipeline. Default: everything.")
+    ] = None,
+    distance: Annotated[
+        str | None,
+        typer.Option(help="To what is looked at [m], LOW..HIGH. Default: to 0.6 of the water's visibility."),
+    ] = None,
+    clearance: Annotated[float | None, typer.Option(help="Around hull and camera [m]. Default: 0.2.")] = None,
+    pitch_max: Annotated[float | None, typer.Option(help="Of the vehicle, up and down [deg]. Default: 15.")] = None,
+    roll_max: Annotated[float | None, typer.Option(help="Of the vehicle, to either side [deg]. Default: 5.")] = None,
+    vary: Vary = None,
+    sonar: Annotated[str | None, typer.Option(help="The forward-looking sonar. Default: the first.")] = None,
+    label_range: Annotated[
+        float | None, typer.Option(help="Things farther away have no labels [m]. Default: the water's visibility.")
+    ] = None,
+    min_pixels: Annotated[int, typer.Option(help="Smaller things have no box.")] = 16,
+    val_share: Annotated[float, typer.Option(help="Share of the frames for validation.")] = 0.2,
+    seed: Seed = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Make what is missing in --out.")] = False,
+) -> None:
+    """Make a dataset of labelled pictures.
+
+    Colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, poses (transforms.json), split into
+    training and validation. Poses are drawn, in free water with something in view, or taken from a track. The same
+    bytes whatever the number of workers. Ctrl-C and kills lose only the frames under way: --resume makes the rest.
+    """
+    from uwsim.cli.job_progress import job_progress
+    from uwsim.datasets import make_dataset
+    from uwsim.survey.terminal import stop_on_ctrl_c
+
+    options: dict[str, Any] = {
+        "camera": camera,
+        "vehicle": vehicle,
+        "size": None if size is None else _size(size),
+        "write": _listed(write),
+        "pictures": pictures,
+        "effects": effects if effects in ("on", "off") else tuple(effects.split("+")),
+        "without": _listed(without),
+        "sonar": sonar,
+        "min_pixels": min_pixels,
+        "val_share": val_share,
+        "seed": seed,
+        "label_range_m": label_range,
+        "vary": dict(_variation(text) for text in vary or ()),
+    }
+    drawn = {
+        "look_at": None if look_at is None else _listed(look_at),
+        "distance_m": None if distance is None else _interval("--distance", distance),
+        "clearance_m": clearance,
+        "pitch_max_deg": pitch_max,
+        "roll_max_deg": roll_max,
+    }
+    options |= {name: value for name, value in drawn.items() if value is not None}
+    with job_progress("frames", "rendering") as progress, stop_on_ctrl_c(progress):
+        made = make_dataset(
+            scenario,
+            out,
+            n,
+            along=along,
+            mission=mission,
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            stop_requested=progress.stop_requested,
+            tell=progress.tell,
+            show=progress.activity,
+            **options,
+        )
+    _print(made)
+    if made.interrupted:
+        typer.echo(f"interrupted after {made.finished:,} of {made.spec.n:,} frames; --resume continues", err=True)
+        raise typer.Exit(INTERRUPTED)
+
+
+def _print(made: Dataset) -> None:
+    typer.echo(f"{made.made:,} frames in {made.wall_s:.1f} s, {made.frames_per_s:.1f} frames/s")
+    if made.files:
+        typer.echo("  ".join(map(str, made.files)))
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise ValueError(f"--size {text}: must be WIDTHxHEIGHT in pixels, such as 320x240")
+    return int(width), int(height)
+
+
+def _interval(option: str, text: str) -> tuple[float, float]:
+    low, dots, high = text.partition("..")
+    try:
+        if dots:
+            return float(low), float(high)
+    except ValueError:
+        pass
+    raise ValueError(f"{option} {text}: must be LOW..HIGH, such as 1..6")
+
+
+def _variation(text: str) -> tuple[str, dict[str, Any]]:
+    """Return the name and the variation of --vary NAME=LOW..HIGH or NAME=A,B,C."""
+    name, equals, values = text.partition("=")
+    if not equals or not name or not values:
+        raise ValueError(f"--vary {text}: must be NAME=LOW..HIGH or NAME=A,B,C")
+    if ".." in values:
+        low, high = _interval(f"--vary {name}", values)
+        return name, {"low": low, "high": high}
+    return name, {"choices": [_value(value) for value in values.split(",")]}
+
+
+def _value(text: str) -> Any:
+    """Return a number or boolean, or the text itself."""
+    import json
+
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text

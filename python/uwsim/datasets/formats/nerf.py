@@ -1,0 +1,46 @@
+"""transforms.json, which NeRF and Gaussian splatting programs read: nerfstudio, instant-ngp."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+OPTICAL_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
+"""OpenGL's camera has x to the right, y up, z back; the optical frame x to the right, y down, z ahead."""
+
+
+def transforms(
+    k: NDArray[np.float64], d: NDArray[np.float64], size: tuple[int, int], frames: Iterable[Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Return the file's content.
+
+    k: (3, 3), d: (5,) as in CameraInfo, of the pictures as they are. size: width, height. frames: each with
+    world_from_optical (4, 4), file, split and, if there is one, depth_file. Pixels' centres are at half pixels there
+    and at whole ones here.
+    """
+    width, height = size
+    listed = list(frames)
+    content: dict[str, Any] = {
+        "camera_model": "OPENCV",
+        "w": width,
+        "h": height,
+        "fl_x": k[0, 0],
+        "fl_y": k[1, 1],
+        "cx": k[0, 2] + 0.5,
+        "cy": k[1, 2] + 0.5,
+        "camera_angle_x": 2.0 * float(np.arctan(0.5 * width / k[0, 0])),
+        **dict(zip(("k1", "k2", "p1", "p2", "k3"), d.tolist(), strict=True)),
+        "frames": [_frame(frame) for frame in listed],
+    }
+    for split in ("train", "val"):
+        content[f"{split}_filenames"] = [frame["file"] for frame in listed if frame["split"] == split]
+    return content
+
+
+def _frame(frame: Mapping[str, Any]) -> dict[str, Any]:
+    matrix = np.asarray(frame["world_from_optical"]) @ OPTICAL_FROM_OPENGL
+    depth = {"depth_file_path": frame["depth_file"]} if "depth_file" in frame else {}
+    return {"file_path": frame["file"], "transform_matrix": matrix.tolist(), **depth}

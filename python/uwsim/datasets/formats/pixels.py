@@ -1,0 +1,46 @@
+"""Pictures of what is not colour, as PNG files that any library reads: depth, normals, labels, sonar levels."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from numpy.typing import NDArray
+
+FARTHEST_M = 65.535
+"""The greatest depth that 16 bits hold in millimetres."""
+
+
+def png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """Return a PNG file of (H, W) or (H, W, 3); the same pixels give the same bytes."""
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.fromarray(pixels).save(stream, "PNG", compress_level=3)
+    return stream.getvalue()
+
+
+def depth_pixels(depth_m: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Millimetres along the optical axis, as in ScanNet, TUM and nerfstudio; 0: nothing, or beyond 65.535 m."""
+    near = depth_m <= FARTHEST_M
+    return np.where(near, np.rint(1000.0 * np.where(near, depth_m, 0.0)), 0).astype(np.uint16)
+
+
+def normal_pixels(
+    normals_world: NDArray[np.float32], world_from_optical: NDArray[np.float64], rays: NDArray[np.float32]
+) -> NDArray[np.uint8]:
+    """Normals in the optical frame, towards the camera, as round(127.5 (n + 1)); 0, 0, 0 where nothing is hit.
+
+    rays: (H, W, 2), X/Z and Y/Z of each pixel.
+    """
+    normals = normals_world @ world_from_optical[:3, :3].astype(np.float32)
+    away = (normals[..., :2] * rays).sum(axis=-1) + normals[..., 2] > 0.0
+    normals[away] *= -1.0
+    hit = (normals_world != 0.0).any(axis=-1, keepdims=True)
+    return np.where(hit, np.rint(127.5 * (normals + 1.0)), 0).astype(np.uint8)
+
+
+def level_pixels(level_db: NDArray[np.float32], limits_db: tuple[float, float]) -> NDArray[np.uint8]:
+    """Levels from the first of the limits (black) to the second (white)."""
+    low, high = limits_db
+    return np.asarray(np.rint(255.0 * np.clip((level_db - low) / (high - low), 0.0, 1.0)), np.uint8)
