@@ -184,7 +184,9 @@ def test_a_link_that_is_down_carries_nothing_either_way():
         tell(0.5)
         live.step(200)
         assert said["telemetry"].read(live.simulator) is not None
+        assert said["link"].read(live.simulator).fault_loss == 0.0
         live.step(1)
+        assert said["link"].read(live.simulator).fault_loss == 1.0
         tell(1.0)
         assert live.rov.effort[0] == 0.5
         assert said["telemetry"].read(live.simulator) is None

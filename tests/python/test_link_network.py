@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.channels import channels
+from uwsim.link import seen_channels
 from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.spec.link import LinkSetup
 from uwsim.scenario.spec.modem import ModemModel, load_modem
@@ -87,6 +89,21 @@ def test_a_blackout_loses_everything_and_restoring_the_state_gives_the_same() ->
     assert not [got for got in first[0] if 1.05 < got.arrived_s < 2.0]
     assert [got for got in first[0] if got.arrived_s > 2.0]
     assert counts.delivered + sum(counts.lost.values()) == counts.sent
+
+
+def test_a_burst_takes_its_share_and_the_status_says_so_while_it_lasts() -> None:
+    burst = {"from_s": 1.0, "until_s": 51.0, "loss": 0.5}
+    link = LinkSetup(modem="s2cm_hs", access="aloha", faults=[burst])
+    sim = Simulator(load("lake").model_copy(update={"link": link}), threads=1)
+    (status,) = [one for one in seen_channels(sim, channels(sim)) if one.name == "link"]
+    told = []
+    for k in range(110):
+        sim.link.send("station", "rov", "t", bytes([k]) * 8)
+        sim.advance(0.5)
+        told.append((sim.time_s, status.read(sim).fault_loss))
+    assert all(loss == (0.5 if 1.0 <= time_s < 51.0 else 0.0) for time_s, loss in told)
+    (counts,) = [one for one in sim.link.counts() if one.topic == "t"]
+    assert abs(counts.lost["fault"] - 50) < 4 * 5, "of a binomial, n = 100 and p = 0.5, sigma is 5"
 
 
 def test_reset_forgets_all_messages() -> None:

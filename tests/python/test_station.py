@@ -108,9 +108,17 @@ def test_a_link_that_is_down_takes_no_commands_of_the_page_until_it_is_back():
         assert ada.call("command", **fault)["success"]  # the simulator's, which needs no link
         answer = ada.call("command", **asked)
         assert not answer["success"] and "the link to 'rov' is down" in answer["message"]
+        ada.subscribe("/link")
+        assert ada.message("/link")["fault_loss"] == 1.0
+        ada.subscribe("/station/small/front")
+        ada.subscribe("/station/small/station")
+        for _ in range(2):
+            ada.message("/station/small/station")
+        assert not [o for o in ada.heard if o.get("topic") == "/station/small/front"], "nobody sees the vehicle's"
         assert ada.call("command", name="end_fault", args={"name": "cut"})["success"]
         assert ada.call("command", **asked)["success"]
         assert station.present().live.simulator.rov.lamps["front"].on
+        assert ada.message("/station/small/front")
 
 
 def test_what_a_pilot_flew_replays_to_the_same_bytes():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from uwsim.channels.messages import default_message
-from uwsim.teleop.readout import Readout, take_telemetry
+from uwsim.teleop.readout import Readout, take_link, take_telemetry
 
 
 @pytest.mark.parametrize("is_truth", [True, False])
@@ -14,3 +14,20 @@ def test_the_place_is_the_true_one_where_it_may_be_seen(is_truth):
     readout = Readout()
     take_telemetry(readout, message)
     assert readout.position_m == ((4.0, 5.0, 6.0) if is_truth else (1.0, 2.0, 3.0))
+
+
+def test_the_pilot_reads_how_the_link_is_and_nothing_where_there_is_none():
+    message = default_message("uwsim_msgs/msg/Link")
+    readout = Readout()
+    message.modem, message.quality = "none", 1.0
+    take_link(readout, message)
+    assert readout.link == ""
+    message.fault_loss = 1.0
+    take_link(readout, message)
+    assert readout.link == "down"
+    message.modem, message.quality, message.delay, message.silence_at_station = "s2cm_hs", 0.83, 0.041, 12.4
+    take_link(readout, message)
+    assert readout.link == "s2cm_hs: blackout, 83% arrive, 41 ms, heard 12 s ago"
+    message.fault_loss = 0.0
+    take_link(readout, message)
+    assert readout.link == "s2cm_hs: 83% arrive, 41 ms, heard 12 s ago"

@@ -21,6 +21,7 @@ from uwsim.channels.map import PingMap
 from uwsim.channels.parameters import parameter_services
 from uwsim.channels.pictures import Pictures
 from uwsim.channels.pings import Pings
+from uwsim.channels.plain_link import plain_link_channels
 from uwsim.channels.published import published_channels, station_picture
 from uwsim.channels.scans import scan_channels
 from uwsim.channels.services import simulation_services, stream_service, vehicle_services
@@ -85,6 +86,7 @@ class Table:
     def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
         found = frames.vehicle_channels(source) + estimate_channels(source)
         found.append(telemetry_channel(source, truth=self.truth))
+        found += plain_link_channels(source, sim)
         found += sensor_channels(source, sim)
         found += vehicle_cameras(source, sim, self.pictures)
         found += imaging_channels(source, sim, self.pictures)

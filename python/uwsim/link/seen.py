@@ -40,9 +40,9 @@ def seen_channels(sim: Simulator, channels: Iterable[Channel], looked_for: Looke
     return seen + status_channels(sim, network)
 
 
-def is_seen(channels: Iterable[Channel]) -> bool:
-    """Whether channels are as the station has them."""
-    return any(channel.type == LINK for channel in channels)
+def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
+    """Whether channels are as the station has them through a link."""
+    return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 
 def _seen(one: Carried, network: Network, looked_for: LookedFor | None) -> Channel:

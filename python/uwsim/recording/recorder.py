@@ -97,7 +97,7 @@ class Recorder:
     ) -> list[Channel]:
         may_wait = self._may_wait
         given = channels(self._sim, may_wait=may_wait) if shared is None else list(shared)
-        self._through_link = is_seen(given)
+        self._through_link = is_seen(self._sim, given)
         said = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
             said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]

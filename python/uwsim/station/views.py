@@ -14,6 +14,7 @@ from uwsim.cameras import Camera, Frame
 from uwsim.channels.cameras import compressed_image
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.pictures import WIDTHS
+from uwsim.channels.steering import is_cut_off
 from uwsim.channels.table import Table
 from uwsim.live import LiveSimulator, NotRunningError
 from uwsim.simulator import Simulator
@@ -142,10 +143,11 @@ class Views:
     def beat(self, now_s: float) -> float:
         """Begin the pictures that are due; return how long [s] none will be, unless `stir` is called."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
-        for view in self._made:
+        passing = [view for view in self._made if not is_cut_off(self._live.simulator, view.vehicle)]
+        for view in passing:
             if view.large in wanted and self._is_due(view.large, now_s):
                 self._begin(view.large, now_s)
-        self._begin_small([view.small for view in self._made if view.small in wanted], now_s)
+        self._begin_small([view.small for view in passing if view.small in wanted], now_s)
         return min((max(stream.due_s - now_s, POLL_S) for stream in wanted if stream.is_free), default=math.inf)
 
     def _begin_small(self, wanted: list[Stream], now_s: float) -> None:

@@ -27,7 +27,8 @@ from uwsim.teleop.terminal import KeyReleased, ReleaseDriver
 
 FRAME_S = 0.1
 PAD_S, LOOK_S = 0.02, 1.0
-SILENT_S = 1.0  # without telemetry, after which the pilot is warned
+SILENT_S = 1.0  # without telemetry, after which the pilot is warned ...
+LATE = 2.5  # ... if it comes so often; over a slow modem, so many times the last interval
 QUIT_S = 3.0  # for which the terminal may take to be set right
 INTERRUPTED = 130  # exit code, as of all commands
 
@@ -182,7 +183,7 @@ class TeleopApp(App[None]):
     def _warnings(self) -> Iterable[str]:
         if self.connection.state != "connected":
             yield f"{self.connection.state.upper()}: {self.connection.url}"
-        elif self.connection.silence_s > SILENT_S:
+        elif self.connection.silence_s > max(SILENT_S, LATE * self.connection.interval_s):
             yield f"NO TELEMETRY FOR {min(self.connection.silence_s, 999.0):.0f} s"
         yield from self.connection.readout.warnings
         if self.connection.readout.released is False:

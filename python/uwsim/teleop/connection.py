@@ -6,6 +6,7 @@ are said PERIODS apart while the pilot has the helm: a vehicle knows by it that 
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from uwsim.bridges.nodes.node import Node
 from uwsim.channels.messages import default_message
 from uwsim.teleop.hands import ZERO, Hands
 from uwsim.teleop.keys import Function
-from uwsim.teleop.readout import POSE, Readout, topics_to_hear
+from uwsim.teleop.readout import PANELS, POSE, Readout, topics_to_hear
 
 PERIOD_S = 0.05  # at which the hands are asked
 REPEAT_S = 0.2  # at which unchanged efforts are said again
@@ -45,6 +46,7 @@ class Connection:
         self.readout = Readout()
         self.state = "connecting"
         self.heard_s = -float("inf")  # when telemetry came last
+        self.interval_s = 0.0  # between the last two
         self._vehicle = vehicle
         self._prefix = ""
         self._node: Node | None = None
@@ -181,7 +183,10 @@ class Connection:
                 take(self.readout, message)
             except (ValueError, AttributeError) as error:
                 self.say(str(error))
-            self.heard_s = time.monotonic()
+            if take in PANELS:
+                now_s = time.monotonic()
+                self.interval_s = now_s - self.heard_s if math.isfinite(self.heard_s) else 0.0
+                self.heard_s = now_s
 
         return taken
 

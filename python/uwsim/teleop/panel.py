@@ -31,6 +31,8 @@ def figures(readout: Readout) -> Text:
         text.append(f"{value:>9}" + ("   " if k % 2 == 0 else "\n"), "bold")
     east, north, up = readout.position_m
     text.append(f"{'at':<9}", "dim").append(f"{_figure(east, 1)}, {_figure(north, 1)}, {_figure(up, 1)} m", "bold")
+    if readout.link:
+        text.append(f"\n{'link':<9}", "dim").append(readout.link, "bold")
     return text
 
 

@@ -22,7 +22,8 @@ PUBLISHED_HFOV_DEG = 120.0  # until hFOV says another
 class Readout:
     """The newest values; nan: not told.
 
-    heading_deg: of the compass, clockwise from north. position_m: as the server has it, in its odom frame.
+    heading_deg: of the compass, clockwise from north. position_m: as the server has it, in its odom frame. link: how
+    station and vehicle hear each other, where the scenario has a link or a fault has cut the vehicle off.
     """
 
     position_m: tuple[float, float, float] = (NAN, NAN, NAN)
@@ -44,6 +45,7 @@ class Readout:
     lamps: tuple[bool, ...] = ()
     released: bool | None = None
     warnings: tuple[str, ...] = ()
+    link: str = ""
     angles_rad: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     ranges_m: NDArray[np.float32] = field(default_factory=lambda: np.empty(0, np.float32))
     model: int = MODEL
@@ -138,7 +140,22 @@ def take_proximity(readout: Readout, message: Any) -> None:
     readout.port_m = float(message.data)
 
 
+def take_link(readout: Readout, message: Any) -> None:
+    """Take this project's /link."""
+    is_down = message.fault_loss >= 1.0
+    if message.modem == "none":
+        readout.link = "down" if is_down else ""
+        return
+    fault = "blackout, " if is_down else f"fault takes {message.fault_loss:.0%}, " if message.fault_loss else ""
+    readout.link = (
+        f"{message.modem}: {fault}{message.quality:.0%} arrive, {1e3 * message.delay:.0f} ms, "
+        f"heard {message.silence_at_station:.0f} s ago"
+    )
+
+
 TEXT, POSE = "std_msgs/msg/String", "geometry_msgs/msg/Pose"
+LINK = "uwsim_msgs/msg/Link"
+PANELS = (take_telemetry, take_state_data)
 STANDARD: dict[str, tuple[str, Take]] = {
     "telemetry": ("uwsim_msgs/msg/Telemetry", take_telemetry),
     "ping": ("sensor_msgs/msg/LaserScan", take_scan),
@@ -163,6 +180,8 @@ def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]
         of_sonar = name in ("ping", "depthArray", "modelTrigger", "hFOV")
         if standard == (sonar if of_sonar else panel):
             found[prefix + name] = topic
+    if prefix + "link" in offered:
+        found[prefix + "link"] = (LINK, take_link)
     return found
 
 

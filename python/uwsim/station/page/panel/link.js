@@ -1,8 +1,10 @@
-// The link through the water, where the scenario has one: how well station and vehicle hear each other.
+// The link through the water, where the scenario has one: how well station and vehicle hear each other. Without one it is
+// seen only while a fault has cut the vehicle off.
 import { el, fixed, write } from '../dom.js';
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
+const NONE = 'none';
 const VALUES = [
   ['Quality', '%', (m) => fixed(100 * m.quality, 0)],
   ['Delay', 'ms', (m) => fixed(1000 * m.delay, 0)],
@@ -51,7 +53,7 @@ export class Link {
   begin({ link }, views) {
     this.#end?.();
     this.#end = null;
-    this.element.hidden = !link;
+    this.element.hidden = !views.some((view) => view.link);
     this.truth.hidden = !views.some((view) => view.aboard_topic);
     if (this.truth.hidden && this.aboard.checked) {
       this.aboard.checked = false;
@@ -63,12 +65,14 @@ export class Link {
   }
 
   #show(message) {
-    for (const [value, read] of this.values) write(value, read(message));
+    const isPlain = message.modem === NONE;
+    this.element.hidden = isPlain && !(message.fault_loss > 0);
+    for (const [value, read] of this.values) write(value, isPlain ? '–' : read(message));
     const isBad =
       message.fault_loss > 0 ||
       message.quality < POOR ||
       Math.max(message.silence, message.silence_at_station) > SILENT_S;
     this.element.dataset.level = isBad ? 'warn' : 'good';
-    write(this.note, message.modem + faultText(message.fault_loss));
+    write(this.note, isPlain ? 'down' : message.modem + faultText(message.fault_loss));
   }
 }
