@@ -16,6 +16,8 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
     name: what messages call the file. suffix: of TEXT_SUFFIXES. Of STL and glTF the readers find it out themselves.
     """
     head = content[:MAX_HEADER]
+    if suffix == ".off" and not re.sub(rb"#[^\n]*", b"", content).isascii():
+        raise ValueError("holds other characters than numbers")  # trimesh guesses an encoding from all of the file
     faces = _announced_faces(suffix, head)
     if triangles < faces:
         raise ValueError(f"announces {faces} faces, but only {triangles} triangles follow: is the file cut short?")
