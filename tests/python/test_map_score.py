@@ -196,3 +196,22 @@ def test_an_empty_map_has_no_seabed_and_no_precision():
     assert empty.seabed is None
     assert np.isnan(empty.precision)
     assert empty.recall == 0.0
+
+
+def test_what_exact_beams_have_hit_needs_no_ray_and_counts_as_seen():
+    """The beams of a survey prove what they hit; what they did not hit is still looked for, and scored the same."""
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    mapped = truth[truth[:, 0] < 0.0]
+    asked = score(world, mapped)
+    told = score_map(world, mapped, VOXEL_M, ABOVE, AREA, 50.0, occupied_were_seen=True)
+    np.testing.assert_array_equal(told.visible_voxels, asked.visible_voxels)
+    assert (told.coverage, told.recall, told.precision) == (asked.coverage, asked.recall, asked.precision)
+    far_from_the_path = score_map(
+        world, mapped, VOXEL_M, np.add(ABOVE, (0.0, 0.0, 500.0)), AREA, 50.0, occupied_were_seen=True
+    )
+    assert far_from_the_path.visible_truth_voxels == 0
+    beside_the_surface = np.add(mapped, (0.0, 0.0, 2.0))  # no truth voxels: seen or not, they do not count
+    wrong = score_map(world, beside_the_surface, VOXEL_M, ABOVE, AREA, 50.0, occupied_were_seen=True)
+    assert wrong.visible_truth_voxels == asked.visible_truth_voxels
+    assert wrong.precision == 0.0

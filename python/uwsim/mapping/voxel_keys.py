@@ -35,3 +35,11 @@ def unpack_keys(packed_keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the keys (n, 3) that pack_keys packed into (n,)."""
     shifts = np.array([2 * KEY_BITS, KEY_BITS, 0])
     return np.asarray(((packed_keys[:, None] >> shifts) & ((1 << KEY_BITS) - 1)) - KEY_OFFSET, np.int64)
+
+
+def are_in(keys: NDArray[np.int64], sorted_keys: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which of the packed keys (n,) are among the sorted ones: (n,) bool."""
+    if not len(sorted_keys):
+        return np.zeros(len(keys), bool)
+    at = np.minimum(np.searchsorted(sorted_keys, keys), len(sorted_keys) - 1)
+    return np.asarray(sorted_keys[at] == keys)

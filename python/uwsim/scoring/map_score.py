@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.depth_grid import depth_grid
-from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
+from uwsim.mapping.voxel_keys import are_in, pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
 from uwsim.scoring.seabed_comparison import SeabedComparison, compare_seabed
-from uwsim.scoring.visible_voxels import visible_voxels
+from uwsim.scoring.visible_voxels import NOTHING, visible_voxels
 
 TOUCH_M = 1.0e-3  # a surface this close to a voxel counts as inside: points are rounded before they are mapped
 HALVINGS = 5
@@ -69,10 +69,12 @@ def score_map(
     range_max_m: float,
     *,
     rays: _core.RayScene | None = None,
+    occupied_were_seen: bool = False,
 ) -> MapScore:
     """Score occupied voxel centres (n, 3) against the world.
 
-    rays: the world's own scene, if there is one already.
+    rays: the world's own scene, if there is one already. occupied_were_seen: whether the map is made of exact ranges
+    and true poses of this path, so that a truth voxel that is occupied has been seen: no ray has to show it again.
 
     Coverage: the truth voxels that count lie inside the polygon area_world_m (k, 2), in line of sight and within
     range_max_m of any flown position in path_world_m (n, 3). Covered are those that are occupied or have an occupied
@@ -91,17 +93,18 @@ def score_map(
     rays = rays or _core.RayScene(world)
     occupied_keys = pack_keys(_grid_keys(occupied_centres_m, resolution_m))
     occupied = sorted_unique(occupied_keys)
-    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m)
+    seen = occupied if occupied_were_seen else NOTHING
+    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, seen)
     covered = _have_occupied_neighbour(visible, occupied)
     centres = np.ascontiguousarray(occupied_centres_m, np.float64)
     any_occupied = len(centres) > 0
     distances = rays.distance_m(centres) if any_occupied else np.empty(0)
-    right = _hold_surface(rays, centres, distances, resolution_m, lambda some: _are_in(occupied_keys[some], visible))
+    right = _hold_surface(rays, centres, distances, resolution_m, lambda some: are_in(occupied_keys[some], visible))
     seabed = compare_seabed(world, rays, depth_grid(centres, resolution_m), area_world_m) if any_occupied else None
     return MapScore(
         coverage=float(covered.mean()) if len(covered) else 0.0,
         precision=float(right.mean()) if any_occupied else float("nan"),
-        recall=float(_are_in(visible, occupied).mean()) if len(visible) else 0.0,
+        recall=float(are_in(visible, occupied).mean()) if len(visible) else 0.0,
         occupied_voxels=len(centres),
         distance_mean_m=float(distances.mean()) if any_occupied else float("nan"),
         distance_p95_m=float(np.percentile(distances, 95.0)) if any_occupied else float("nan"),
@@ -161,13 +164,5 @@ def _have_occupied_neighbour(voxels: NDArray[np.int64], occupied: NDArray[np.int
     steps = np.stack(np.meshgrid(*[np.array([0, -1, 1])] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     for step in pack_keys(steps) - pack_keys(np.zeros((1, 3), np.int64)):
         missing = np.flatnonzero(~found)
-        found[missing] = _are_in(voxels[missing] + step, occupied)
+        found[missing] = are_in(voxels[missing] + step, occupied)
     return found
-
-
-def _are_in(keys: NDArray[np.int64], sorted_keys: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which of the packed keys (n,) are among the sorted ones: (n,) bool."""
-    if not len(sorted_keys):
-        return np.zeros(len(keys), bool)
-    at = np.minimum(np.searchsorted(sorted_keys, keys), len(sorted_keys) - 1)
-    return np.asarray(sorted_keys[at] == keys)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.mapping.voxel_keys import pack_keys
+from uwsim.mapping.voxel_keys import are_in, pack_keys
 from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 
 Item = TypeVar("Item")
@@ -20,6 +20,7 @@ Result = TypeVar("Result")
 
 POSE_SPACING_M = 0.25
 VISIBILITY_TOLERANCE_M = 0.01
+NOTHING: NDArray[np.int64] = np.empty(0, np.int64)
 
 
 def visible_voxels(
@@ -29,10 +30,12 @@ def visible_voxels(
     path_world_m: NDArray[np.float64],
     area_world_m: NDArray[np.float64],
     range_max_m: float,
+    seen: NDArray[np.int64] = NOTHING,
 ) -> NDArray[np.int64]:
     """Return the packed keys (v,), sorted, of the truth voxels that are visible from any pose of the path.
 
-    path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts.
+    path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts. seen: sorted keys of voxels
+    in which an exact beam from the path has ended; no other ray is cast to them.
     """
     poses = _thinned_path(path_world_m, POSE_SPACING_M)
     if not len(poses):
@@ -47,15 +50,21 @@ def visible_voxels(
         near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
         if not near.any():
             return np.empty(0, np.int64)
-        seen = rays.seen_groups(
+        keys = pack_keys(tile.voxel_keys)
+        visible = are_in(keys, seen)
+        unknown = ~visible
+        if not unknown.any():
+            return keys
+        asked = unknown[tile.voxel_of_sample]
+        visible[unknown] = rays.seen_groups(
             poses[near],
-            tile.points_world_m,
-            tile.voxel_of_sample,
-            len(tile.voxel_keys),
+            tile.points_world_m[asked],
+            (np.cumsum(unknown) - 1)[tile.voxel_of_sample[asked]],
+            np.count_nonzero(unknown),
             range_max_m,
             VISIBILITY_TOLERANCE_M,
         )
-        return pack_keys(tile.voxel_keys[seen])
+        return keys[visible]
 
     visible = list(_in_parallel(visible_in, surface_tile_jobs(world, resolution_m, area_world_m, box)))
     return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))

@@ -41,8 +41,9 @@ class Scoring:
         self, sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, ashore: OccupancyMap | None = None
     ) -> None:
         self._pool = ThreadPoolExecutor(1, "scoring")
-        self._scored = self._pool.submit(_scored, sim, occupancy, record)
-        self._ashore = None if ashore is None else self._pool.submit(_scored, sim, ashore, record)
+        is_exact = sim.rov.sonar.mode == "geometry" and record.estimate == "truth"
+        self._scored = self._pool.submit(_scored, sim, occupancy, record, is_exact)
+        self._ashore = None if ashore is None else self._pool.submit(_scored, sim, ashore, record, False)
 
     def result(self) -> tuple[MapScore, NDArray[np.float64]]:
         """Wait for the score; returns it and the centres (n, 3) of the occupied voxels. Raises what score_map does."""
@@ -61,10 +62,13 @@ class Scoring:
         self._pool.shutdown()
 
 
-def _scored(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> tuple[MapScore, NDArray[np.float64]]:
-    occupied = occupancy.occupied_voxels()
+def _scored(
+    sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, is_exact: bool
+) -> tuple[MapScore, NDArray[np.float64]]:
+    occupied, edge_m = occupancy.occupied_voxels(), occupancy.resolution_m
     path, area, range_m = record.path_world_m, record.area_world_m, record.range_max_m
-    return score_map(sim.world, occupied, occupancy.resolution_m, path, area, range_m, rays=sim.scene), occupied
+    score = score_map(sim.world, occupied, edge_m, path, area, range_m, rays=sim.scene, occupied_were_seen=is_exact)
+    return score, occupied
 
 
 def _link_values(record: SurveyRecord, ashore: MapScore | None) -> dict[str, Any]:

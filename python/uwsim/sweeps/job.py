@@ -98,7 +98,11 @@ def _survey(job: Job, sim: Simulator) -> dict[str, Any]:
     voxel_m = job.voxel_m or required_survey(sim.scenario).voxel_m
     occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=voxel_m), estimate=job.estimate)
     path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
-    score = score_map(sim.world, occupancy.occupied_voxels(), voxel_m, path_m, area_m, range_m, rays=sim.scene)
+    is_exact = sim.rov.sonar.mode == "geometry" and job.estimate == "truth"
+    score = score_map(
+        sim.world, occupancy.occupied_voxels(), voxel_m, path_m, area_m, range_m, rays=sim.scene,
+        occupied_were_seen=is_exact,
+    )  # fmt: skip
     return survey_values(record) | score_values(score, path_known=True)
 
 
