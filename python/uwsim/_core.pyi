@@ -2476,10 +2476,12 @@ class SonarSpec:
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         acoustics: AcousticSpec | None = None,
         strengths_db: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
+        on: bool = True,
     ) -> None:
         """
         acoustics: makes it a sonar in physics mode; without, it is in geometry mode. strengths_db: backscatter at
-        normal incidence by label, for geometry mode; labels beyond are rock.
+        normal incidence by label, for geometry mode; labels beyond are rock. on: one that is off tilts, but hears
+        nothing.
         """
     @property
     def model(self) -> MultibeamModel: ...

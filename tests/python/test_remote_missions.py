@@ -76,10 +76,16 @@ def test_a_remote_vehicle_reads_what_the_simulated_one_does() -> None:
             assert sim.scene.distance_m(np.asarray(points, np.float64)).max() < 0.02, "echoes lie on surfaces"
             for name in ("pressure", "temperature", "depth", "altitude", "proximity_port"):
                 far.sensors[name].read()
+            eye = far.cameras["down"]
             clock.wait(1.0)
             assert far.sensors["pressure"].read() == pytest.approx(sim.rov.sensors["pressure"].read(), rel=5e-3)
             assert far.sensors["altitude"].read() == pytest.approx(sim.rov.sensors["altitude"].read(), abs=0.1)
             assert far.telemetry().depth_m == pytest.approx(sim.rov.telemetry().depth_m, abs=0.02)
+            picture, camera = eye.capture(), sim.rov.cameras["down"]
+            scale = picture.info.width / camera.info.width
+            assert picture.rgb.shape == (picture.info.height, picture.info.width, 3)
+            assert picture.info.k[:2, :2] == pytest.approx(scale * camera.info.k[:2, :2], rel=0.02)
+            assert picture.world_from_camera == pytest.approx(camera.world_from_camera, abs=0.15), "a moment ago"
             with pytest.raises(ValueError, match=r"dock: it is .* away"):
                 far.dock()
             with pytest.raises(ValueError, match="did you mean 'altitude'"):

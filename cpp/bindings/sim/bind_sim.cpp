@@ -59,15 +59,21 @@ void bind_specs(py::module_& m) {
       .def(
           py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,
                       const py::object& orientation_xyzw, double elevation_rad,
-                      const std::optional<AcousticSpec>& acoustics, std::vector<double> strengths_db) {
-            return SonarSpec{std::move(name), model,     as_pose(position_m, orientation_xyzw, "sonar"),
-                             elevation_rad,   acoustics, std::move(strengths_db)};
+                      const std::optional<AcousticSpec>& acoustics, std::vector<double> strengths_db, bool on) {
+            return SonarSpec{std::move(name),
+                             model,
+                             as_pose(position_m, orientation_xyzw, "sonar"),
+                             elevation_rad,
+                             acoustics,
+                             std::move(strengths_db),
+                             on};
           }),
           py::arg("name"), py::arg("model"), py::arg("position_m"), py::arg("orientation_xyzw"),
           py::arg("elevation_rad") = 0.0, py::arg("acoustics") = py::none(),
-          py::arg("strengths_db") = std::vector<double>{},
+          py::arg("strengths_db") = std::vector<double>{}, py::arg("on") = true,
           "acoustics: makes it a sonar in physics mode; without, it is in geometry mode. strengths_db: backscatter at\n"
-          "normal incidence by label, for geometry mode; labels beyond are rock.")
+          "normal incidence by label, for geometry mode; labels beyond are rock. on: one that is off tilts, but hears\n"
+          "nothing.")
       .def_readonly("name", &SonarSpec::name)
       .def_readonly("model", &SonarSpec::model);
 

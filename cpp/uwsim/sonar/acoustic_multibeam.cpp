@@ -29,15 +29,15 @@ void check(const BottomMaterial& bottom, const std::string& path) {
   require(bottom.relief >= 0 && bottom.relief <= 2, path + ".relief", bottom.relief, "must be in [0, 2]");
 }
 
-AcousticPing empty_ping(std::size_t beams) {
+}  // namespace
+
+AcousticPing AcousticPing::silent(std::size_t beams) {
   return {std::vector<float>(beams, kInfinity),  std::vector<float>(3 * beams, kNone),
           std::vector<float>(beams, kNone),      std::vector<float>(beams, -kInfinity),
           std::vector<float>(beams, -kInfinity), std::vector<float>(beams, kInfinity),
           std::vector<float>(beams, kInfinity),  std::vector<Label>(beams, kNothing),
           std::vector<std::uint8_t>(beams, 0),   std::vector<std::uint8_t>(beams, 0)};
 }
-
-}  // namespace
 
 void AcousticSpec::check() const {
   figures.check();
@@ -179,7 +179,7 @@ void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const FanRays& 
 AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_from_sonar, const HeadMotion& motion,
                                      std::uint64_t tick, int threads) const {
   const auto beams = static_cast<std::size_t>(fan_.beams);
-  AcousticPing ping = empty_ping(beams);
+  AcousticPing ping = AcousticPing::silent(beams);
   const Eigen::Vector3d& head = world_from_sonar.position_m;
   if (!(head.z() <= 0) || scene.under_ground(head)) return ping;
   const double c = profile_.at(-head.z());

@@ -54,6 +54,9 @@ struct AcousticPing {
   std::vector<Label> labels;             ///< true value; kNothing, for false detections too
   std::vector<std::uint8_t> valid;       ///< 1 for a detection, false ones included
   std::vector<std::uint8_t> detections;  ///< Detection
+
+  /// One without an echo.
+  static AcousticPing silent(std::size_t beams);
 };
 
 /// A multibeam in physics mode: its maximum range, range errors and gaps follow from its acoustic figures.

@@ -109,7 +109,8 @@ PingRows PingRows::row(std::size_t ping, std::size_t beams) const {
           valid + skip};
 }
 
-Multibeam::Multibeam(const MultibeamModel& model, std::span<const double> strengths_db) : model_(model) {
+Multibeam::Multibeam(const MultibeamModel& model, std::span<const double> strengths_db, bool on)
+    : model_(model), on_(on) {
   for (std::size_t label = 0; label < strengths_db.size(); ++label) {
     const double strength_db = strengths_db[label];
     require(strength_db >= -100 && strength_db <= 30, "sonar.strengths_db[" + std::to_string(label) + "]",
@@ -144,7 +145,7 @@ MultibeamPing Multibeam::ping(const RayScene& scene, const Water& water, const P
 void Multibeam::ping(const RayScene& scene, const Water& water, const Pose& world_from_sonar,
                      const PingRows& rows) const {
   const Eigen::Vector3d& head = world_from_sonar.position_m;
-  const bool no_echoes = !(head.z() <= 0) || scene.under_ground(head);
+  const bool no_echoes = !on_ || !(head.z() <= 0) || scene.under_ground(head);
   const EchoRule rule{head.z(), no_echoes ? 0 : model_.range_max_m,
                       absorption_db_km(model_.frequency_hz, water.temperature_deg_c(head.z()),
                                        water.salinity_at_psu(head.z()), std::max(0.0, Water::depth_m(head.z()))) /

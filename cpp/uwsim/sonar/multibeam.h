@@ -45,10 +45,12 @@ class Multibeam {
   /// The bottom strength of rock (EM 2040's data sheet), for labels beyond those given.
   static constexpr double kRockStrength_db = -30;
 
-  /// `strengths_db`: backscatter at normal incidence by label. Throws InvalidValue that names the label.
-  explicit Multibeam(const MultibeamModel& model, std::span<const double> strengths_db = {});
+  /// `strengths_db`: backscatter at normal incidence by label. `on`: one that is off hears nothing. Throws InvalidValue
+  /// that names the label.
+  explicit Multibeam(const MultibeamModel& model, std::span<const double> strengths_db = {}, bool on = true);
 
   const MultibeamModel& model() const { return model_; }
+  bool is_on() const { return on_; }
   std::size_t beams() const { return angles_rad_.size(); }
   /// The angles of the beams, see BeamAngles.
   const std::vector<float>& angles_rad() const { return angles_rad_; }
@@ -62,6 +64,7 @@ class Multibeam {
 
  private:
   MultibeamModel model_;
+  bool on_;
   std::vector<float> angles_rad_;
   std::vector<float> strengths_db_;      // with the gain, by label; the last for all further labels
   std::vector<double> cosines_, sines_;  // of the beams' angles, padded to whole packets

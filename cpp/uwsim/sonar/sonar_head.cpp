@@ -9,7 +9,7 @@ namespace uwsim {
 
 SonarHead::SonarHead(const SonarSpec& spec, const Water& water, const RandomStream& stream)
     : name_(spec.name),
-      multibeam_((spec.model.check(), spec.model), spec.strengths_db),
+      multibeam_((spec.model.check(), spec.model), spec.strengths_db, spec.on),
       body_from_mount_(spec.body_from_mount) {
   aim(spec.elevation_rad);
   elevation_rad_ = aimed_rad_;
@@ -55,6 +55,7 @@ MultibeamPing SonarHead::ping(const RayScene& scene, const Water& water, const P
 AcousticPing SonarHead::acoustic_ping(const RayScene& scene, const BodyState& body, std::uint64_t tick,
                                       int threads) const {
   require(in_physics_mode(), "sonar.mode", "geometry", "must be physics");
+  if (!multibeam_.is_on()) return AcousticPing::silent(multibeam_.beams());
   const Pose mounting = body_from_sonar();
   const Eigen::Vector3d rate_body = body.angular_body_rad_s();
   const Eigen::Vector3d velocity_body = body.linear_body_m_s() + rate_body.cross(mounting.position_m);

@@ -22,6 +22,7 @@ struct SonarSpec {
   double elevation_rad = 0;               ///< of the head at the start
   std::optional<AcousticSpec> acoustics;  ///< given: physics mode; left out: geometry mode
   std::vector<double> strengths_db = {};  ///< backscatter by label in geometry mode, see Multibeam
+  bool on = true;                         ///< off, it tilts, but hears nothing
 };
 
 /// The head of a vehicle's multibeam sonar. It tilts about its y axis and pings in geometry mode (one exact ray for

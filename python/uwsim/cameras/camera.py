@@ -84,11 +84,13 @@ class Camera(Sealed):
 
         effects: "on", "off" (the plain scene, dry and under the open sky) or the names of those that are on; without:
         the names of those that are off. geometry_only: depth, normals, labels and classes only. radiance: keep it.
-        measure: fill task_s. Raises ValueError for unknown effects and for a camera below the ground; a camera inside
-        another solid sees that solid's inner side.
+        measure: fill task_s. The picture of a camera that is off is black and shows nothing. Raises ValueError for
+        unknown effects and for a camera below the ground; a camera inside another solid sees that solid's inner side.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
+        if not self.mount.on:
+            return self._dark_frame(at, with_colour=not geometry_only, with_radiance=radiance)
         picture, time_ns, world_from_camera = self._render(
             names, threads, at, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
         )
@@ -108,6 +110,26 @@ class Camera(Sealed):
             world_from_camera=world_from_camera,
             rays=dict(picture.rays),
             task_s=dict(picture.task_s),
+        )
+
+    def _dark_frame(self, at: Snapshot | None, *, with_colour: bool, with_radiance: bool) -> Frame:
+        snapshot = at or self._scene.snapshot(with_lamps=False)
+        width, height = self.info.width, self.info.height
+        return Frame(
+            rgb=np.zeros((height if with_colour else 0, width, 3), np.uint8),
+            depth_m=np.full((height, width), np.inf, np.float32),
+            normals_world=np.zeros((height, width, 3), np.float32),
+            labels=np.zeros((height, width), np.uint16),
+            classes=np.zeros((height, width), np.uint8),
+            radiance=np.zeros((height if with_radiance else 0, width, 3), np.float32),
+            gain=1.0,
+            label_names=tuple(self._scene.core.label_names),
+            class_names=tuple(_core.surface_class_names()),
+            info=self.info,
+            time_ns=snapshot.time_ns,
+            world_from_camera=self._pose(snapshot)[2],
+            rays={},
+            task_s={},
         )
 
     @property

@@ -16,7 +16,8 @@ def served_channels(
 ) -> list[Channel]:
     """Return `channels`, the pace, and /clock with any wire, for clients are told to use simulated time.
 
-    On the wall clock steps do not wait for pictures: the pace comes first. Raises ValueError.
+    On the wall clock steps do not wait for pictures: the pace comes first. Steps that are asked for while it is paused
+    do. Raises ValueError.
     """
     extra = [diagnostics_channel(live)]
     if wire == "published":
@@ -25,6 +26,6 @@ def served_channels(
 
     def may_wait() -> bool:
         live = watched()
-        return live is None or live.speed == "max"
+        return live is None or live.speed == "max" or live.paused
 
     return [*extra, *channels(live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth)]

@@ -1,4 +1,4 @@
-"""Shows an inspection: the sonar finds a pipeline and leads along it, the camera takes a picture every five metres."""
+"""Shows an inspection: sonar and camera lead along a pipeline, by either of which it would be followed, too."""
 
 import uwsim
 from uwsim.missions import OwnVehicle, Steps
@@ -16,7 +16,10 @@ def main() -> None:
     flown = uwsim.fly(mission, "cove")
     track = flown.result
     pictures = [event.values["contrast"] for event in flown.events if event.name == "picture"]
-    print(f"{track.length_m:.0f} m of pipe in {flown.simulated_s:.0f} s, {len(pictures)} pictures")
+    print(
+        f"{track.length_m:.0f} m of pipe in {flown.simulated_s:.0f} s, {len(pictures)} pictures; "
+        f"seen {track.by_sonar} times by sonar, {track.by_camera} times by camera"
+    )
 
 
 if __name__ == "__main__":

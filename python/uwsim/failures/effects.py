@@ -8,10 +8,12 @@ from uwsim.did_you_mean import did_you_mean
 from uwsim.distortion import Distortion
 from uwsim.scenario.spec.fault import (
     BatteryFault,
+    CameraFault,
     CurrentFault,
     FaultModel,
     LeakFault,
     SensorFault,
+    SonarFault,
     ThrusterFault,
 )
 from uwsim.scenario.spec.scenario import Scenario
@@ -29,6 +31,12 @@ def check(spec: FaultModel, vehicle: Vehicle, scenario: Scenario) -> None:
         _check_thruster(spec, _model(scenario, vehicle.name), vehicle)
     if isinstance(spec, SensorFault):
         _check_sensor(spec, vehicle)
+    if isinstance(spec, SonarFault) and not vehicle.sonars:
+        raise ValueError(f"kind = 'sonar': vehicle '{vehicle.name}' carries no multibeam")
+    if isinstance(spec, CameraFault) and spec.camera not in vehicle.cameras:
+        known = list(vehicle.cameras)
+        rule = f"must be one of {', '.join(known) or 'none'}{did_you_mean(spec.camera, known)}"
+        raise ValueError(f"camera = {spec.camera!r}: {rule}")
 
 
 def _check_thruster(spec: ThrusterFault, model: VehicleModel, vehicle: Vehicle) -> None:
@@ -75,6 +83,10 @@ def lay(spec: FaultModel, vehicle: str, water_kg: float, scenario: Scenario, ove
     elif isinstance(spec, SensorFault):
         if spec.mode == "off":
             over[f"{vehicle}.sensors.{spec.sensor}.on"] = False
+    elif isinstance(spec, SonarFault):
+        over[f"{vehicle}.sonar.on"] = False
+    elif isinstance(spec, CameraFault):
+        over[f"{vehicle}.cameras.{spec.camera}.on"] = False
     elif isinstance(spec, LeakFault):
         _add_water(vehicle, water_kg, spec.position_m or model.centre_of_mass_m, model, over)
     elif isinstance(spec, CurrentFault):

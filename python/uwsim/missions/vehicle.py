@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
 
 
@@ -33,10 +36,34 @@ class LampLike(Protocol):
     on: bool
 
 
+class LensLike(Protocol):
+    """The intrinsics of a picture, as in sensor_msgs/CameraInfo: d (5,), k (3, 3); pixels."""
+
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def d(self) -> NDArray[np.float64]: ...
+    @property
+    def k(self) -> NDArray[np.float64]: ...
+
+
+class PictureLike(Protocol):
+    """A picture: rgb (height, width, 3); world_from_camera (4, 4), x ahead, y left, z up."""
+
+    @property
+    def rgb(self) -> NDArray[np.uint8]: ...
+    @property
+    def info(self) -> LensLike: ...
+    @property
+    def world_from_camera(self) -> NDArray[np.float64]: ...
+
+
 class CameraLike(Protocol):
     """A camera."""
 
-    def capture(self) -> Any:
+    def capture(self) -> PictureLike:
         """Take a picture; see uwsim.cameras.Camera."""
 
 

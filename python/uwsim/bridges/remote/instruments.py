@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from uwsim.bridges.remote.connection import RemoteConnection
-from uwsim.bridges.remote.frames import quaternion, vector
+from uwsim.bridges.remote.frames import quaternion, seconds, vector
+from uwsim.bridges.remote.tree import RemoteTree
+from uwsim.cameras.frame import MOUNT_FROM_OPTICAL
+from uwsim.named import Named
+
+IMAGE = "/image_raw/compressed"
 
 
 def _imu(message: Any) -> SimpleNamespace:
@@ -57,16 +65,71 @@ class RemoteSensor:
         return self._value(self._connection.newest(self._topic))
 
 
+@dataclass(frozen=True, eq=False)
+class RemoteLens:
+    """Intrinsics of a picture, as in sensor_msgs/CameraInfo: d (5,), k (3, 3); pixels."""
+
+    width: int
+    height: int
+    d: NDArray[np.float64]
+    k: NDArray[np.float64]
+
+
+class RemotePicture:
+    """A picture as JPEG. Its intrinsics and its pose are asked for when they are first read."""
+
+    def __init__(self, message: Any, lens: Callable[[], RemoteLens], pose: Callable[[], NDArray[np.float64]]) -> None:
+        self.jpeg = bytes(message.data)
+        self._lens, self._pose = lens, pose
+
+    @cached_property
+    def rgb(self) -> NDArray[np.uint8]:
+        """The pixels, (height, width, 3)."""
+        return np.asarray(Image.open(io.BytesIO(self.jpeg)).convert("RGB"))
+
+    @cached_property
+    def info(self) -> RemoteLens:
+        """The intrinsics, by camera_info. Raises ValueError if there is no such topic, OSError."""
+        return self._lens()
+
+    @cached_property
+    def world_from_camera(self) -> NDArray[np.float64]:
+        """(4, 4), x ahead, y left, z up, by /tf at the time of the picture. Raises ValueError, OSError."""
+        return self._pose()
+
+
 class RemoteCamera:
-    """A camera behind a topic of compressed pictures."""
+    """A camera behind a topic of compressed pictures, start + IMAGE, to which it listens from `watch` on."""
 
-    def __init__(self, connection: RemoteConnection, topic: str) -> None:
-        self._connection, self._topic = connection, topic
+    def __init__(self, connection: RemoteConnection, start: str, tree: RemoteTree) -> None:
+        self._connection, self._start, self._tree = connection, start, tree
 
-    def capture(self) -> SimpleNamespace:
-        """Return the newest picture: rgb (height, width, 3) uint8, jpeg; waits for the first. Raises OSError."""
-        data = bytes(self._connection.newest(self._topic).data)
-        return SimpleNamespace(rgb=np.asarray(Image.open(io.BytesIO(data)).convert("RGB")), jpeg=data)
+    def watch(self) -> RemoteCamera:
+        """Listen to it from now on, as the first picture of a simulator comes only as its time passes."""
+        self._connection.hear(self._start + IMAGE)
+        return self
+
+    def capture(self) -> RemotePicture:
+        """Return the newest picture; waits for the first. Raises OSError."""
+        message = self._connection.newest(self._start + IMAGE)
+        return RemotePicture(message, self._lens, partial(self._world_from_camera, message.header))
+
+    def _lens(self) -> RemoteLens:
+        info = self._connection.newest(f"{self._start}/camera_info")
+        k = np.asarray(info.k, np.float64).reshape(3, 3)
+        return RemoteLens(int(info.width), int(info.height), np.asarray(info.d, np.float64), k)
+
+    def _world_from_camera(self, header: Any) -> NDArray[np.float64]:
+        world_from_camera = self._tree.world_from(str(header.frame_id), seconds(header.stamp))
+        world_from_camera[:3, :3] = world_from_camera[:3, :3] @ MOUNT_FROM_OPTICAL.T
+        return world_from_camera
+
+
+class RemoteCameras(Named[RemoteCamera]):
+    """Cameras by name. One that is looked up is listened to."""
+
+    def __getitem__(self, name: str) -> RemoteCamera:
+        return super().__getitem__(name).watch()
 
 
 class RemoteLamp:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.bridges.remote.connection import RemoteConnection
-from uwsim.bridges.remote.frames import matrix, quaternion, seconds, vector
+from uwsim.bridges.remote.frames import seconds
+from uwsim.bridges.remote.tree import apart_s, matrix_of
 from uwsim.channels import build
 
 FLOAT = "std_msgs/msg/Float64"
@@ -80,19 +81,11 @@ class RemoteSonar:
         return self._last[1]
 
     def _world_from_sonar(self, time_s: float) -> NDArray[np.float64]:
-        nearest = min(self._connection.kept("tf"), key=lambda message: _apart_s(message, time_s))
+        nearest = min(self._connection.kept("tf"), key=lambda message: apart_s(message, time_s))
         frames = {transform.child_frame_id: transform.transform for transform in nearest.transforms}
         body, head = frames.get(f"{self._prefix}base_footprint"), frames.get(f"{self._prefix}base_scan")
         if body is None or head is None:
             raise ValueError("/tf: says nothing of base_footprint and base_scan")
-        world_from_sonar = _matrix(body) @ _matrix(head)
+        world_from_sonar = matrix_of(body) @ matrix_of(head)
         world_from_sonar[:3, 3] += self._origin_m
         return world_from_sonar
-
-
-def _apart_s(message: Any, time_s: float) -> float:
-    return abs(seconds(message.transforms[0].header.stamp) - time_s) if message.transforms else math.inf
-
-
-def _matrix(transform: Any) -> NDArray[np.float64]:
-    return matrix(vector(transform.translation), quaternion(transform.rotation))

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import matrix, quaternion, vector
-from uwsim.bridges.remote.instruments import READERS, RemoteCamera, RemoteLamp, RemoteSensor
+from uwsim.bridges.remote.instruments import IMAGE, READERS, RemoteCamera, RemoteCameras, RemoteLamp, RemoteSensor
 from uwsim.bridges.remote.sonar import RemoteSonar
+from uwsim.bridges.remote.tree import RemoteTree
 from uwsim.channels import build
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
 
 POSE = "geometry_msgs/msg/Pose"
-IMAGE = "/image_raw/compressed"
 LIGHT_SERVICE = "lights/"
 
 
@@ -45,7 +45,7 @@ class RemoteVehicle:
     """
 
     def __init__(self, connection: RemoteConnection, name: str | None = None, odometry: str = "odom") -> None:
-        self._connection = connection
+        self._connection, self._tree = connection, RemoteTree(connection)
         self._prefix = _prefix(connection, name)
         self.name = name or self._prefix.rstrip("/") or "rov"
         self._odometry = self._prefix + odometry
@@ -115,7 +115,7 @@ class RemoteVehicle:
         return Named({"sonar": self.sonar} if self._sonar_topic() else {}, f"{self.name}.sonars")
 
     @cached_property
-    def cameras(self) -> Named[RemoteCamera]:
+    def cameras(self) -> RemoteCameras:
         """The cameras by name."""
         start = f"{self._prefix}camera/"
         names = [
@@ -123,8 +123,8 @@ class RemoteVehicle:
             for topic in self._connection.topics
             if topic.startswith(start) and topic.endswith(IMAGE)
         ]
-        cameras = {name: RemoteCamera(self._connection, f"{start}{name}{IMAGE}") for name in names}
-        return Named(cameras, f"{self.name}.cameras")
+        cameras = {name: RemoteCamera(self._connection, f"{start}{name}", self._tree) for name in names}
+        return RemoteCameras(cameras, f"{self.name}.cameras")
 
     @cached_property
     def lamps(self) -> Named[RemoteLamp]:

@@ -104,4 +104,5 @@ def _sonar(scenario: Scenario, vehicle: VehicleEntry, mount_m: tuple[float, floa
         elevation_rad=-np.radians(sonar.tilt_deg),
         acoustics=acoustics,
         strengths_db=[bottom.strength_db for bottom in bottoms],
+        on=sonar.on,
     )

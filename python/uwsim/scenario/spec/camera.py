@@ -46,7 +46,7 @@ class CameraMount(Model):
     full_well, read_noise: electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a
     ray by turbulence; by default as `optics.turbulence_k` gives it. follows: what carries it; `body`: fixed to the
     hull, which it does not see; `heading`: it follows the vehicle's place and heading from outside, level, and is kept
-    above the ground. pan_tilt: the motor that turns it, if it has one.
+    above the ground. pan_tilt: the motor that turns it, if it has one. on: the pictures of one that is off are black.
     """
 
     position_m: Point3
@@ -62,6 +62,7 @@ class CameraMount(Model):
     wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] | None = None
     follows: Literal["body", "heading"] = "body"
     pan_tilt: PanTilt | None = None
+    on: StrictBool = True
 
     @model_validator(mode="after")
     def _turns_on_the_hull(self) -> CameraMount:

@@ -76,6 +76,19 @@ class SensorFault(FaultModel):
         return self
 
 
+class SonarFault(FaultModel):
+    """The multibeam hears nothing: no beam has an echo."""
+
+    kind: Literal["sonar"]
+
+
+class CameraFault(FaultModel):
+    """A camera's pictures are black. camera: its name on the vehicle."""
+
+    kind: Literal["camera"]
+    camera: str
+
+
 class BatteryFault(FaultModel):
     """The battery's voltage sags: all thrusters give a share of their thrust. thrust: the share."""
 
@@ -113,5 +126,6 @@ class CurrentFault(FaultModel):
 
 
 FaultSpec = Annotated[
-    ThrusterFault | SensorFault | BatteryFault | LeakFault | LinkLoss | CurrentFault, Field(discriminator="kind")
+    ThrusterFault | SensorFault | SonarFault | CameraFault | BatteryFault | LeakFault | LinkLoss | CurrentFault,
+    Field(discriminator="kind"),
 ]

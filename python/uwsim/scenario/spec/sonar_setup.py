@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import PlainSerializer, PlainValidator, model_validator
+from pydantic import PlainSerializer, PlainValidator, StrictBool, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
@@ -53,7 +53,8 @@ class SonarSetup(Model):
     `physics`, whose ranges, errors and gaps follow from its acoustics. bending: in physics mode rays follow the water's
     sound-speed profile. rays_per_beam: in physics mode, of each footprint. tilt_rate_deg_s: of the head, instead of the
     model's. gain_db: of the receiver's display, added to every intensity. noise: figures of physics mode that differ
-    from the model's. tilt_deg: at the start, positive nose down, as scanPos on the wire.
+    from the model's. tilt_deg: at the start, positive nose down, as scanPos on the wire. on: one that is off tilts, but
+    hears nothing.
     """
 
     model: Annotated[
@@ -71,6 +72,7 @@ class SonarSetup(Model):
     gain_db: Annotated[float, InRange(-100, 100, "dB")] = 0.0
     noise: SonarNoise | None = None
     tilt_deg: NoseDown = 0.0
+    on: StrictBool = True
 
     @model_validator(mode="after")
     def _fits_its_model(self) -> SonarSetup:

@@ -1,0 +1,166 @@
+"""Finds a pipe in a picture of the bed: a straight bar of about its width that differs from the bed on both sides.
+
+The picture is laid onto the level of the pipe's axis, so that lengths are metres whatever lens, height and tilt.
+There, for each direction, values are averaged along all parallel lines (a Radon transform), and each bar of the pipe's
+width is compared with the strips on both of its sides. The bar that differs most is the pipe. What is compared are the
+logarithms of the three colours, whitened by their covariance in the picture (Mahalanobis distance): caustics, shadows
+and lamps brighten and darken all colours together, so they count little beside a difference of hue. It needs light,
+water that is clear to the bed, and both sides of the pipe in the picture.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+
+from uwsim.missions.vehicle import LensLike, PictureLike
+
+Floats = NDArray[np.float64]
+DIRECTIONS = 36
+CELLS = 8  # for the pipe's width
+HALF, GAP = CELLS // 2, 1  # cells: half of the bar, and between it and the strips of half its width to its sides
+FARTHEST = 1.2  # times the camera's height above the bed: aside of it
+SHARPEST = 1.25  # contrast in standard deviations from which a bar is a pipe
+SHORTEST = 2.0  # widths: of the bar in the picture
+LEAST_DEVIATION = 0.01  # of a colour's logarithm: less is noise of the sensor
+DARK = 2.0  # of 255: a picture whose median is darker shows nothing
+
+
+@dataclass(frozen=True, eq=False)
+class SeenPipe:
+    """point_world_m (2,): of the pipe's axis, nearest to below the camera. direction (2,): along it, either way.
+
+    reach_m: from where to where along direction, from the point, it is seen. contrast: in standard deviations.
+    """
+
+    point_world_m: Floats
+    direction: Floats
+    reach_m: tuple[float, float]
+    contrast: float
+
+
+def pipe_in_picture(frame: PictureLike, bed_z_m: float, diameter_m: float) -> SeenPipe | None:
+    """Find a pipe in a frame with rgb, info and world_from_camera; None if none is seen.
+
+    bed_z_m: height of the bed below the camera, on which the pipe lies.
+    """
+    camera_m = np.asarray(frame.world_from_camera, np.float64)[:3, 3]
+    level_m = bed_z_m + 0.5 * diameter_m
+    height_m = float(camera_m[2]) - level_m
+    if not diameter_m < height_m < math.inf or float(np.median(frame.rgb)) < DARK:
+        return None
+    edge_m = diameter_m / CELLS
+    count = math.ceil(FARTHEST * height_m / edge_m)
+    steps = edge_m * np.arange(-count, count + 1)
+    x, y = (grid.ravel() for grid in np.meshgrid(steps, steps))
+    places = np.column_stack([x + camera_m[0], y + camera_m[1], np.full(len(x), level_m)])
+    pixels, inside = pixels_of(places, frame.info, np.asarray(frame.world_from_camera, np.float64))
+    if np.count_nonzero(inside) < (SHORTEST * CELLS) ** 2:
+        return None
+    values = _qualities(frame.rgb, pixels[inside])
+    return _strongest_bar(x[inside], y[inside], values, edge_m, camera_m[:2])
+
+
+def pixels_of(points_world_m: Floats, info: LensLike, world_from_camera: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Where points (n, 3) are in a picture: (n, 2) column and row, and (n,) whether they are in it.
+
+    The lens is Brown and Conrady's (OpenCV's "plumb_bob"); world_from_camera: x ahead, y left, z up.
+    """
+    seen = (points_world_m - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]
+    ahead = np.maximum(seen[:, 0], 1e-6)
+    x, y = -seen[:, 1] / ahead, -seen[:, 2] / ahead
+    k1, k2, p1, p2, k3 = np.asarray(info.d, np.float64)
+    r2 = x * x + y * y
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    bent_x = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+    bent_y = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+    k = np.asarray(info.k, np.float64).reshape(3, 3)
+    pixels = np.column_stack([k[0, 0] * bent_x + k[0, 2], k[1, 1] * bent_y + k[1, 2]])
+    inside = (
+        (seen[:, 0] > 0.0) & (pixels >= 0.0).all(axis=1) & (pixels <= (info.width - 1, info.height - 1)).all(axis=1)
+    )
+    return pixels, inside
+
+
+def _qualities(rgb: NDArray[np.uint8], pixels: Floats) -> Floats:
+    """The logarithms of the colours, (3, n), at pixels (n, 2), whitened: without correlation and of deviation 1."""
+    at = pixels.T[::-1]
+    logs = np.array([np.log1p(map_coordinates(rgb[:, :, k].astype(np.float32), at, order=1)) for k in range(3)])
+    logs -= logs.mean(axis=1, keepdims=True)
+    variances, axes = np.linalg.eigh(np.cov(logs))
+    return np.asarray((axes.T @ logs) / np.sqrt(variances + LEAST_DEVIATION**2)[:, None])
+
+
+def _strongest_bar(x: Floats, y: Floats, values: Floats, edge_m: float, below_m: Floats) -> SeenPipe | None:
+    """The pipe by places x and y (n,), from below the camera, and their values (3, n)."""
+    best, contrast = (0, 0), 0.0
+    for k in range(DIRECTIONS):
+        line, first = _lines(x, y, k, edge_m)
+        contrasts = _bars(line, values)
+        if contrasts.max() > contrast:
+            contrast, best = float(contrasts.max()), (k, int(contrasts.argmax()) + first)
+    if contrast < SHARPEST:
+        return None
+    angle, across_m = math.pi * best[0] / DIRECTIONS, best[1] * edge_m
+    direction = np.array([math.cos(angle), math.sin(angle)])
+    aside = y * direction[0] - x * direction[1] - across_m
+    reach_m = _reach(x * direction[0] + y * direction[1], np.abs(aside) / edge_m, values, edge_m)
+    if reach_m[1] - reach_m[0] < SHORTEST * CELLS * edge_m:
+        return None
+    return SeenPipe(below_m + across_m * np.array([-direction[1], direction[0]]), direction, reach_m, contrast)
+
+
+def _lines(x: Floats, y: Floats, k: int, edge_m: float) -> tuple[NDArray[np.int64], int]:
+    """The numbers, from 0, of the lines in direction k on which places are (n,), and which line is number 0."""
+    angle = math.pi * k / DIRECTIONS
+    line = np.rint((y * math.cos(angle) - x * math.sin(angle)) / edge_m).astype(np.int64)
+    first = int(line.min())
+    return line - first, first
+
+
+def _reach(along_m: Floats, aside: Floats, values: Floats, edge_m: float) -> tuple[float, float]:
+    """From where to where along a bar its values are nearer to its own than to those of its sides.
+
+    aside: from its middle, in cells.
+    """
+    inner, outer = aside <= HALF, (aside > HALF + GAP) & (aside <= 2 * HALF + GAP)
+    sides = values[:, outer].mean(axis=1)
+    likeness = (values[:, inner].mean(axis=1) - sides) @ (values[:, inner] - sides[:, None])
+    place = np.rint(along_m[inner] / (HALF * edge_m)).astype(np.int64)
+    first = int(place.min())
+    parts = np.bincount(place - first, likeness) / np.maximum(np.bincount(place - first), 1)
+    is_pipe = np.concatenate([[False], parts > 0.5 * np.quantile(parts, 0.9), [False]])
+    edges = np.flatnonzero(np.diff(is_pipe.astype(np.int8))).reshape(-1, 2)
+    start, end = max(edges.tolist(), key=lambda run: run[1] - run[0])
+    return (start + first - 0.5) * HALF * edge_m, (end + first - 0.5) * HALF * edge_m
+
+
+def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
+    """The contrast of the bar about each line, by the lines' numbers of all places (n,) and their values (3, n)."""
+    count = np.bincount(line).astype(np.float64)
+    sums = np.array([np.bincount(line, weights=row) for row in values])
+    inner = np.arange(-HALF, HALF + 1)
+    outer = np.arange(HALF + GAP + 1, 2 * HALF + GAP + 1)
+    inside, port, starboard = (_mean(sums, count, shifts) for shifts in (inner, outer, -outer[::-1]))
+    over = np.stack([inside - port, inside - starboard])
+    same_sign = over[0] * over[1] > 0.0
+    differs = np.where(same_sign, np.abs(over).min(axis=0), 0.0)
+    return np.asarray(np.nan_to_num(np.linalg.norm(differs, axis=0)))
+
+
+def _mean(sums: Floats, count: Floats, shifts: NDArray[np.int64]) -> Floats:
+    """The means over the lines at these shifts of each line, (3, lines); NaN where too little of one is seen."""
+    total, seen = np.zeros_like(sums), np.zeros_like(count)
+    enough = np.ones(len(count), bool)
+    for shift in shifts:
+        index = np.arange(len(count)) + shift
+        valid = (index >= 0) & (index < len(count))
+        index = np.clip(index, 0, len(count) - 1)
+        enough &= valid & (count[index] >= SHORTEST * CELLS)
+        total += sums[:, index]
+        seen += count[index]
+    return np.where(enough, total / np.maximum(seen, 1.0), np.nan)
