@@ -125,6 +125,7 @@ class Camera(Sealed):
             gain=1.0,
             label_names=tuple(self._scene.core.label_names),
             class_names=tuple(_core.surface_class_names()),
+            class_of_label=tuple(self._scene.core.classes_by_label),
             info=self.info,
             time_ns=snapshot.time_ns,
             world_from_camera=self._pose(snapshot)[2],
