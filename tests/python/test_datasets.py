@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from pycocotools.coco import COCO
+from ruamel.yaml import YAML
 
 import uwsim
 from uwsim.datasets.formats.masks import bounds, run_lengths
@@ -29,7 +30,7 @@ vehicles: [{name: rov, model: small_sonar.yaml, sonar: {model: 2}}]
 """
 SONAR = "forward_looking: {kind: forward_looking, "
 FRAMES = 6
-EVERYTHING = ("rgb", "depth", "normals", "instances", "classes", "boxes", "arrays", "sonar", "multibeam")
+EVERYTHING = ("rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays", "sonar", "multibeam")
 OPTIONS = {
     "size": (96, 72),
     "without": ("wobble", "distortion"),
@@ -152,6 +153,24 @@ def test_things_are_in_coco_once_for_each_label_in_the_mask(data: SimpleNamespac
         assert {thing["instance"] for thing in things if thing["image_id"] == line["frame"]} == large
         of_label = np.array(data.about["class_of_label"])
         assert np.array_equal(pictures["classes"], of_label[pictures["instances"]])
+
+
+def test_yolo_s_boxes_are_coco_s(data: SimpleNamespace) -> None:
+    width, height = OPTIONS["size"]
+    names = YAML(typ="safe").load((data.out / "data.yaml").read_text())["names"]
+    for split in ("train", "val"):
+        coco = json.loads((data.out / f"annotations/instances_{split}.json").read_text())
+        files = [data.out / line for line in (data.out / f"{split}.txt").read_text().splitlines()]
+        assert [file.name for file in files] == [image["file_name"] for image in coco["images"]]
+        category = {each["id"]: each["name"] for each in coco["categories"]}
+        for image, file in zip(coco["images"], files, strict=True):
+            rows = Path(str(file).replace("/images/", "/labels/")).with_suffix(".txt").read_text().splitlines()
+            things = [thing for thing in coco["annotations"] if thing["image_id"] == image["id"]]
+            for row, thing in zip(rows, things, strict=True):
+                number, *shares = row.split()
+                x, y, across, down = np.array(shares, float) * (width, height, width, height)
+                assert names[int(number)] == category[thing["category_id"]]
+                assert [x - across / 2, y - down / 2, across, down] == pytest.approx(thing["bbox"], abs=1e-3)
 
 
 def test_transforms_project_the_ball_into_its_mask(data: SimpleNamespace) -> None:

@@ -33,8 +33,8 @@ def dataset(
     write: Annotated[
         str,
         typer.Option(
-            help="What of each frame, comma-separated: rgb, depth, normals, instances, classes, boxes, arrays, sonar, "
-            "multibeam."
+            help="What of each frame, comma-separated: rgb, depth, normals, instances, classes, boxes, yolo, arrays, "
+            "sonar, multibeam."
         ),
     ] = "rgb,depth,normals,instances,classes,boxes",
     pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",

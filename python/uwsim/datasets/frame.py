@@ -15,6 +15,7 @@ from uwsim.cameras import Frame
 from uwsim.cameras.image_file import encode_jpeg
 from uwsim.datasets.formats.coco import annotations_of
 from uwsim.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels, png
+from uwsim.datasets.formats.yolo import yolo_lines
 from uwsim.datasets.poses import Viewpoint
 from uwsim.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.datasets.studio import Studio, studio_of
@@ -39,6 +40,7 @@ class FrameJob:
 def folders(spec: DatasetSpec) -> dict[str, str]:
     """Return the folder of each kind of file that frames have, with the files' suffix."""
     suffixes = {"rgb": f"images/.{spec.pictures}", "arrays": "arrays/.npz", "multibeam": "multibeam/.npz"}
+    suffixes["yolo"] = "labels/.txt"  # where its loaders look: "images" in a path replaced by "labels"
     found: dict[str, str] = {
         name: suffixes.get(name, f"{name}/.png") for name in spec.write if name not in ("boxes", "sonar")
     }
@@ -111,10 +113,12 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
     record["world_from_optical"] = frame.world_from_optical.tolist()
     label_range = studio.label_range_m
     record["label_range_m"] = float(label_range) if np.isfinite(label_range) else None
-    if spec.writes("boxes"):
-        record["annotations"] = annotations_of(
-            labels, studio.class_of_label, studio.label_names, distances, spec.min_pixels
-        )
+    if spec.writes("boxes", "yolo"):
+        things = annotations_of(labels, studio.class_of_label, studio.label_names, distances, spec.min_pixels)
+        if spec.writes("boxes"):
+            record["annotations"] = things
+        if spec.writes("yolo"):
+            files["yolo"] = yolo_lines(things, frame.info.width, frame.info.height).encode()
 
 
 def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files: dict[str, bytes]) -> None:

@@ -9,13 +9,13 @@ from pydantic import Field, model_validator
 from uwsim.cameras.effects import effects_on
 from uwsim.scenario.spec.camera import LARGEST_SIDE
 from uwsim.scenario.spec.fields import InRange, Model, broken
-from uwsim.sweeps.spec import Variation
+from uwsim.variation import Variation
 
-Product = Literal["rgb", "depth", "normals", "instances", "classes", "boxes", "arrays", "sonar", "multibeam"]
+Product = Literal["rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays", "sonar", "multibeam"]
 PRODUCTS: tuple[str, ...] = get_args(Product)
 """Everything that can be written of a frame."""
 USUAL: tuple[Product, ...] = ("rgb", "depth", "normals", "instances", "classes", "boxes")
-OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "boxes", "arrays"}
+OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays"}
 MAX_FRAMES = 10_000_000
 Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
 Metres = Annotated[float, InRange(0.01, 1000, "m")]
@@ -68,6 +68,8 @@ class DatasetSpec(Model):
             raise broken("is without effect unless `write` has sonar", at=("sonar",), value=self.sonar)
         if self.pictures != "png" and "rgb" not in self.write:
             raise broken("is without effect unless `write` has rgb", at=("pictures",), value=self.pictures)
+        if "yolo" in self.write and "rgb" not in self.write:
+            raise broken("has yolo, whose files belong to pictures: needs rgb, too", at=("write",))
         for name, variation in self.vary.items():
             if variation.steps is not None:
                 raise broken("is for the grid of a sweep: here values are drawn", at=("vary", name, "steps"))

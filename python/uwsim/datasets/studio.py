@@ -20,7 +20,7 @@ from uwsim.scenario.build.optics import core_optics
 from uwsim.simulator import Simulator
 from uwsim.sonars.imaging import ForwardLooking, SonarImage, look_ahead
 from uwsim.sonars.mounted import ImagingSonar
-from uwsim.sweeps.design import extremes, level_at
+from uwsim.variation import extremes, level_at
 
 VALUES, VIEWPOINT, TIME = 0, 1, 2
 """What a frame draws for, each from a stream of its own, so that one does not disturb another."""
@@ -44,6 +44,7 @@ class Studio:
         self.camera = self._chosen_camera()
         self.effects = spec.effects_on
         self.rays = self.camera.ray_table(distort="distortion" in self.effects)
+        self._slant = np.sqrt(np.float32(1.0) + (self.rays**2).sum(axis=-1))  # distance for a depth of 1
         self.sonar = self._chosen_sonar() if spec.writes("sonar") else None
         if spec.writes("multibeam"):
             _ = self.vehicle.sonar  # raises ValueError if there is none
@@ -140,7 +141,7 @@ class Studio:
 
     def distances_m(self, frame: Frame) -> NDArray[np.float32]:
         """(H, W), from the camera along each pixel's ray; inf where nothing is hit."""
-        return np.asarray(frame.depth_m * np.sqrt(1.0 + (self.rays**2).sum(axis=-1)), np.float32)
+        return np.asarray(frame.depth_m * self._slant, np.float32)
 
     def _targets(self) -> Targets:
         classes = [self.class_names[k] for k in self.class_of_label]
@@ -163,13 +164,13 @@ class Studio:
         return np.random.default_rng([self.sim.seed, number, what])
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=4)
 def _kept(spec_json: str, threads: int | None) -> Studio:
     return Studio(DatasetSpec.model_validate_json(spec_json), threads)
 
 
 def studio_of(spec: DatasetSpec, threads: int | None) -> Studio:
-    """Return this process's studio for a dataset; the last one is kept."""
+    """Return this process's studio for a dataset; the last few are kept."""
     return _kept(spec.model_dump_json(exclude_unset=True), threads)
 
 

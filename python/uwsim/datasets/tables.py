@@ -11,6 +11,7 @@ from typing import Any
 from uwsim.atomic_file import write_atomically
 from uwsim.datasets.formats.coco import coco
 from uwsim.datasets.formats.nerf import transforms
+from uwsim.datasets.formats.yolo import yolo_yaml
 from uwsim.datasets.frame import file_name, folders
 from uwsim.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.datasets.split import SPLITS
@@ -48,7 +49,11 @@ def write_tables(
     about = _about(studio, plan, splits)
     if spec.writes("rgb"):
         write(TRANSFORMS, _dumped(_transforms(studio, lines)))
+    if spec.writes("yolo"):
+        write("data.yaml", yolo_yaml(studio.class_names))
     for split in SPLITS:
+        if spec.writes("yolo"):
+            write(f"{split}.txt", "".join(f"./{line['files']['rgb']}\n" for line in lines if line["split"] == split))
         of_split = [record for record, of in zip(records, splits, strict=True) if of == split]
         if spec.writes("boxes"):
             write(f"annotations/instances_{split}.json", _coco(studio, about, of_split, "rgb", "annotations"))

@@ -96,7 +96,7 @@ def _headings_xyzw(positions: Floats) -> Floats:
     if positions.ndim != 2 or positions.shape[1:] != (3,) or len(positions) < 2:
         raise ValueError(f"{PATH}: shape {positions.shape}: must be (n, 3), of two positions or more")
     along = np.gradient(positions, axis=0)
-    return np.asarray(Rotation.from_euler("z", np.arctan2(along[:, 1], along[:, 0])).as_quat(), np.float64)
+    return np.asarray(Rotation.from_euler("z", np.arctan2(along[:, 1:2], along[:, :1])).as_quat(), np.float64)
 
 
 def _checked(times: Any, positions: Any, orientations: Any) -> Track:

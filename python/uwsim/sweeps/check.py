@@ -12,9 +12,10 @@ from uwsim.scenario import ScenarioError
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.simulator import Simulator
 from uwsim.survey.fly import required_survey
-from uwsim.sweeps.design import Level, Run, extremes
+from uwsim.sweeps.design import Run
 from uwsim.sweeps.job import Job
 from uwsim.sweeps.spec import SweepSpec, beside
+from uwsim.variation import Level, extremes
 
 FILES = ("mission", "scenario")
 MAX_TRIED = 200

@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.sweeps.spec import MAX_RUNS, Seeds, SweepSpec, Variation
-
-
-@dataclass(frozen=True)
-class Level:
-    """A value that something takes. shown: what tables show: a number, or a choice's name."""
-
-    shown: Any
-    value: Any
+from uwsim.sweeps.spec import MAX_RUNS, Seeds, SweepSpec
+from uwsim.variation import Level, Variation, choices, level_at
 
 
 @dataclass(frozen=True)
@@ -46,23 +36,6 @@ def runs_of(spec: SweepSpec) -> list[Run]:
         for sample, levels in enumerate(samples)
         for k, seed in enumerate(_seeds(spec, sample))
     ]
-
-
-def choices(variation: Variation) -> list[Level]:
-    """Return the levels of a variation that has choices."""
-    given = variation.choices
-    if isinstance(given, Mapping):
-        return [Level(name, value) for name, value in given.items()]
-    return [Level(value if _is_plain(value) else f"choice {k}", value) for k, value in enumerate(given or ())]
-
-
-def extremes(variation: Variation) -> list[Level]:
-    """Return the levels that must be allowed if all are: both ends, or all choices."""
-    return choices(variation) if variation.choices is not None else [level_at(variation, u) for u in (0.0, 1.0)]
-
-
-def _is_plain(value: Any) -> bool:
-    return value is None or isinstance(value, bool | int | float | str)
 
 
 def _sample_count(spec: SweepSpec) -> int:
@@ -110,6 +83,8 @@ def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
     random, width, count = np.random.default_rng(spec.seed), len(spec.vary), spec.samples or 1
     if spec.method == "random":
         return random.random((count, width))
+    from scipy.stats import qmc  # here, since it takes a second to import
+
     if spec.method == "latin_hypercube":
         return np.asarray(qmc.LatinHypercube(width, rng=random).random(count))
     if spec.method == "sobol":
@@ -130,21 +105,3 @@ def saltelli(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
         one[:, column] = b[:, column]
         mixed.append(one)
     return np.concatenate([a, b, *mixed])
-
-
-def level_at(variation: Variation, u: float) -> Level:
-    """Return the level of a variation at u in [0, 1]: of choices, each has the same share."""
-    if variation.choices is not None:
-        levels = choices(variation)
-        return levels[min(int(u * len(levels)), len(levels) - 1)]
-    low, high = variation.low or 0.0, variation.high or 0.0
-    if variation.scale == "log":
-        value = low * (high / low) ** u
-    elif variation.whole:  # each number has the same share
-        value = math.floor(low + u * (high - low + 1))
-    else:
-        value = low + u * (high - low)
-    value = min(max(value, low), high)
-    if variation.whole:
-        value = round(value)
-    return Level(value, value)

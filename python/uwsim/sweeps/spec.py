@@ -14,11 +14,11 @@ from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
 from uwsim.scenario.spec.fields import AssetFile, InRange, Model, Name, broken
+from uwsim.variation import Bound, Variation
 
 Method = Literal["grid", "random", "latin_hypercube", "sobol", "saltelli"]
 MAX_RUNS = 1_000_000
 SeedNumber = Annotated[int, InRange(0, 2**63 - 1)]
-Bound = Annotated[float, InRange(-1e12, 1e12)]
 
 
 def _scenario(value: object, info: ValidationInfo) -> object:
@@ -33,41 +33,6 @@ def beside(folder: Path, value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: beside(folder, item) for key, item in value.items()}
     return [beside(folder, item) for item in value] if isinstance(value, list | tuple) else value
-
-
-class Variation(Model):
-    """The values that something takes: numbers from low to high, or choices.
-
-    low: the least number, in the unit of what is varied. high: the greatest. steps: of a grid: how many numbers, both
-    ends included. scale: log: as many between 1 and 10 as between 10 and 100. whole: whole numbers only. choices: any
-    values of the scenario's file; with a name for each, tables show the name.
-    """
-
-    low: Bound | None = None
-    high: Bound | None = None
-    steps: Annotated[int, InRange(2, 100_000)] | None = None
-    scale: Literal["linear", "log"] = "linear"
-    whole: bool = False
-    choices: Annotated[tuple[Any, ...] | dict[str, Any], Field(min_length=1, max_length=10_000)] | None = None
-
-    @model_validator(mode="after")
-    def _is_a_range_or_choices(self) -> Variation:
-        is_range = self.low is not None and self.high is not None
-        if is_range == (self.choices is not None) or (self.low is None) != (self.high is None):
-            raise broken("must have low and high, or choices")
-        if self.choices is not None:
-            for key in ("steps", "scale", "whole"):
-                if key in self.model_fields_set:
-                    raise broken("is for low and high, not for choices", at=(key,), value=getattr(self, key))
-        elif self.low is not None and self.high is not None:
-            if self.low >= self.high:
-                raise broken(f"must be greater than low ({self.low:g})", at=("high",), value=self.high)
-            for key, value in (("low", self.low), ("high", self.high)):
-                if self.whole and not value.is_integer():
-                    raise broken("must be a whole number for `whole: true`", at=(key,), value=value)
-            if self.scale == "log" and self.low <= 0.0:
-                raise broken("must be positive for `scale: log`", at=("low",), value=self.low)
-        return self
 
 
 class Seeds(Model):

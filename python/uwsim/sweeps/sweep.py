@@ -16,11 +16,12 @@ from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.sweeps.again import WORST, fly_run_again
 from uwsim.sweeps.check import FILES, Jobs, require_flyable
-from uwsim.sweeps.design import Run, choices, runs_of
+from uwsim.sweeps.design import Run, runs_of
 from uwsim.sweeps.job import Job, fly_job
 from uwsim.sweeps.rows import Rows
 from uwsim.sweeps.spec import SweepSpec, read_sweep
 from uwsim.sweeps.table import TABLE, write_table
+from uwsim.variation import choices
 from uwsim.workers import Ledger, Workers, open_workers
 
 REPORT = "report.html"

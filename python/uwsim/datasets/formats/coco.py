@@ -24,7 +24,7 @@ def annotations_of(
     fields there are the thing's name, its label and the median distance of its pixels.
     """
     found = []
-    for label in np.unique(labels).tolist():
+    for label in np.flatnonzero(np.bincount(labels.ravel())).tolist():
         if class_of_label[label] < len(STUFF):
             continue
         mask = labels == label

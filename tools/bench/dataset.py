@@ -1,0 +1,94 @@
+"""Frames of a dataset: what each part costs beside the picture itself, and frames a second on several workers.
+
+Parts are measured in turns in this process, by processor time, so that other load does not count; frames a second are
+wall time. The peer is the bare picture, `Camera.capture` with all effects, which no writer can beat.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import tempfile
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from uwsim.datasets import make_dataset
+from uwsim.datasets.frame import FrameJob, file_name, folders, make_frame
+from uwsim.datasets.spec import DatasetSpec, Product
+from uwsim.datasets.studio import studio_of
+
+console = Console()
+
+CASES: dict[str, tuple[Product, ...]] = {
+    "rgb": ("rgb",),
+    "depth, normals, masks, boxes": ("depth", "normals", "instances", "classes", "boxes"),
+    "usual: all of these": ("rgb", "depth", "normals", "instances", "classes", "boxes"),
+    "usual and sonar": ("rgb", "depth", "normals", "instances", "classes", "boxes", "sonar"),
+}
+
+
+def main(
+    scenario: Annotated[str, typer.Option(help="Where pictures are taken.")] = "lake",
+    size: Annotated[str, typer.Option(help="Pixels, WxH.")] = "640x360",
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
+    frames: Annotated[int, typer.Option(min=0, help="Of the dataset that workers make; 0: none.")] = 200,
+    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+) -> None:
+    """Measure the parts in turns, then a whole dataset."""
+    width, _, height = size.partition("x")
+    pixels = int(width), int(height)
+    figures = parts(scenario, pixels, rounds)
+    if frames:
+        with tempfile.TemporaryDirectory() as folder, console.status(f"{frames} frames on {workers} workers"):
+            made = make_dataset(scenario, folder, frames, workers=workers, size=pixels)
+            bytes_each = sum(path.stat().st_size for path in Path(folder).rglob("*.*") if path.is_file()) / frames
+        figures |= {
+            f"usual, frames/s on {workers} workers, wall": made.frames_per_s,
+            "usual, kB a frame": bytes_each / 1e3,
+        }
+    table = Table("figure", "value", title=f"datasets of {scenario}, {size} pixels")
+    for name, value in figures.items():
+        table.add_row(name, f"{value:,.2f}")
+    console.print(table)
+    if json_file is not None:
+        json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]:
+    """Processor milliseconds of the bare picture and of frames, and ratios of each round."""
+    specs = {
+        name: DatasetSpec(scenario=scenario, n=rounds + 1, size=size, write=write) for name, write in CASES.items()
+    }
+    studios = {name: studio_of(spec, 1) for name, spec in specs.items()}
+    bare = studios["rgb"]
+    cost_ms: dict[str, list[float]] = {name: [] for name in ("bare picture", "drawing a pose", *CASES)}
+    with tempfile.TemporaryDirectory() as folder:
+        for spec in specs.values():
+            for kind in folders(spec):
+                (Path(folder) / file_name(spec, kind, 0)).parent.mkdir(exist_ok=True)
+        for number in range(rounds + 1):
+            with console.status(f"round {number} of {rounds}"):
+                begun = time.process_time()
+                viewpoint = bare.viewpoint(number)
+                drawn = time.process_time()
+                bare.place(viewpoint)
+                bare.picture(bare.time_ns(number))
+                row = {"drawing a pose": drawn - begun, "bare picture": time.process_time() - drawn}
+                for name, spec in specs.items():
+                    begun = time.process_time()
+                    make_frame(FrameJob(spec, number, folder, threads=1))
+                    row[name] = time.process_time() - begun
+            if number:  # the first warms up
+                for name, seconds in row.items():
+                    cost_ms[name].append(1e3 * seconds)
+    figures = {f"{name}, ms": statistics.median(values) for name, values in cost_ms.items()}
+    for name in CASES:
+        ratios = [each / alone for each, alone in zip(cost_ms[name], cost_ms["bare picture"], strict=True)]
+        figures[f"{name}, against the bare picture"] = statistics.median(ratios)
+    return figures
