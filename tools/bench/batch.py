@@ -1,6 +1,7 @@
 """The cost of a step of a batch's member against that of a lone simulator, by size and threads; a member's memory.
 
-The cases take turns in each round; medians. Vehicles are in open water; random efforts change every 10 steps.
+The cases take turns in each round; medians. Vehicles are in open water; random efforts change every 10 steps. Members
+with faults or a failsafe, and pings, are measured against plain ones on one thread by processor time.
 """
 
 from __future__ import annotations
@@ -17,13 +18,28 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from uwsim import Batch, Simulator
+from uwsim import Batch, Scenario, Simulator
+from uwsim.scenario import load
+from uwsim.scenario.spec.failsafe import Failsafe
 
 console = Console()
 
 HELD_STEPS = 10
 START_M = (-60.0, -28.0, -10.0)  # in the middle of the lake's water
 PAGE_KB = 4
+FEW = 32  # members with programs
+PROGRAMS_S = 5.0
+NEVER_S = 1e5
+WEAK = {"kind": "thruster", "axis": "surge", "health": 0.5}
+FAULTS = {
+    "a fault to come": [{**WEAK, "at_s": NEVER_S}],
+    "a fault every 10 s for 5 s": [{**WEAK, "rate_per_h": 360, "for_s": 5}],
+    "a leak": [{"kind": "leak", "kg_per_s": 0.01, "at_s": 0}],
+}
+FAILSAFES = {
+    "a failsafe for silence": Failsafe(silence_s=5),
+    "one that watches sensors": Failsafe(silence_s=5, leak_then="hold", sensor_then="hold", battery_percent=5),
+}
 
 
 def main(
@@ -51,6 +67,7 @@ def main(
         table.add_row(name, f"{rate:,.0f}", f"{ratio:.2f}")
     figures["member_kb"] = member_kb(scenario)
     console.print(table)
+    figures |= programs(scenario, rounds) | pings(scenario, rounds)
     console.print(f"a member of 256, its sensors read once: {figures['member_kb']:.0f} kB of resident memory")
     if json_file is not None:
         json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
@@ -85,6 +102,65 @@ def batch_s(batch: Batch, steps: int) -> float:
         batch.step(HELD_STEPS, effort)
         batch.observe()
     return (time.perf_counter() - begin) / (calls * HELD_STEPS * batch.n)
+
+
+def programs(scenario: str, rounds: int) -> dict[str, float]:
+    """Processor time of a step of members in which something runs aboard, against that of plain ones."""
+    plain = load(scenario)
+    cases = {"plain": Batch(plain, n=FEW, threads=1)}
+    cases |= {name: Batch(plain, n=FEW, faults=faults, threads=1) for name, faults in FAULTS.items()}
+    cases |= {name: Batch(guarded(plain, figures), n=FEW, threads=1) for name, figures in FAILSAFES.items()}
+    per_round = [{name: cpu_s(batch) for name, batch in cases.items()} for _ in range(rounds)]
+    table = Table("aboard", "of a plain member's step", title=f"{scenario}: {FEW} members, one thread, processor time")
+    figures: dict[str, float] = {}
+    for name in cases:
+        figures[f"{name}/plain"] = statistics.median(turn[name] / turn["plain"] for turn in per_round)
+        table.add_row(name, f"{figures[f'{name}/plain']:.2f}")
+    console.print(table)
+    return figures
+
+
+def guarded(scenario: Scenario, figures: Failsafe) -> Scenario:
+    """Return the scenario with a failsafe in its first vehicle."""
+    first, *others = scenario.vehicles
+    return scenario.model_copy(update={"vehicles": (first.model_copy(update={"failsafe": figures}), *others)})
+
+
+def cpu_s(batch: Batch) -> float:
+    """Processor time of some seconds of all members, efforts every 10 steps."""
+    batch.reset()
+    batch.place(START_M)
+    efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (batch.n, 6))
+    begin = time.process_time()
+    for _ in range(round(PROGRAMS_S / batch.scenario.step_s) // HELD_STEPS):
+        batch.step(HELD_STEPS, efforts)
+        batch.observe()
+    return time.process_time() - begin
+
+
+def pings(scenario: str, rounds: int) -> dict[str, float]:
+    """Processor time of a ping of a member, in both modes, against that of the lone simulator."""
+    figures: dict[str, float] = {}
+    for mode in ("geometry", "physics"):
+        change = {f"{load(scenario).vehicles[0].name}.sonar.mode": mode}
+        batch, lone = Batch(scenario, n=FEW, parameters=change, threads=1), Simulator(scenario, threads=1)
+        lone.parameters.update(change)
+        batch.place(START_M)
+        lone.rov.place(START_M)
+        ratios, batch_us = [], []
+        for _ in range(rounds):
+            batch.step(1)
+            begin = time.process_time()
+            batch.ping()
+            each_s = (time.process_time() - begin) / FEW
+            lone.step(1)
+            begin = time.process_time()
+            lone.rov.sonar.ping()
+            ratios.append(each_s / (time.process_time() - begin))
+            batch_us.append(1e6 * each_s)
+        figures |= {f"ping_{mode}_us": statistics.median(batch_us), f"ping_{mode}/lone": statistics.median(ratios)}
+        console.print(f"a ping in {mode} mode: {statistics.median(batch_us):.0f} us a member")
+    return figures
 
 
 def member_kb(scenario: str, n: int = 256) -> float:

@@ -10,6 +10,7 @@ import json
 import statistics
 import tempfile
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,6 +24,7 @@ from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import score_map
 from uwsim.survey.fly import fly_survey
+from uwsim.survey.flyable_lanes import SurveyAreaWarning
 from uwsim.sweeps import run_sweep
 from uwsim.sweeps.job import Job, fly_job
 
@@ -42,10 +44,14 @@ def main(
     runs: Annotated[int, typer.Option(min=20, help="Of the sweep.")] = 1000,
     workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
     turns: Annotated[int, typer.Option(min=1, help="How often a run and its flight are measured here.")] = 30,
+    mission_time: Annotated[
+        float | None, typer.Option(help="Seconds after which the battery is empty, for shorter surveys.")
+    ] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
     """Measure a run against its flight, then a sweep."""
-    figures = run_against_flight(scenario, turns) | whole_sweep(scenario, runs, workers)
+    always: dict[str, Any] = {} if mission_time is None else {"mission_time_s": mission_time}
+    figures = run_against_flight(scenario, turns, always) | whole_sweep(scenario, runs, workers, always)
     table = Table("figure", "value", title=f"{runs:,} surveys of {scenario} on {workers} workers")
     for name, value in figures.items():
         table.add_row(name, ", ".join(f"{v:.0f}" for v in value) if isinstance(value, list) else f"{value:,.2f}")
@@ -54,9 +60,10 @@ def main(
         json_file.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
 
 
-def run_against_flight(scenario: str, turns: int) -> dict[str, Any]:
+def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dict[str, Any]:
     """Processor time of a run of a warm process, and of the flight and the score that are its purpose."""
-    jobs = [Job(scenario, seed, {"survey.altitude_m": 1.5 + seed / turns}, voxel_m=VOXEL_M) for seed in range(turns)]
+    altitudes = ({"survey.altitude_m": 1.5 + seed / turns, **always} for seed in range(turns))
+    jobs = [Job(scenario, seed, values, voxel_m=VOXEL_M) for seed, values in enumerate(altitudes)]
     fly_job(jobs[0])
     pairs = [(cpu_s(lambda job=job: fly_job(job)), flight_cpu_s(job)) for job in jobs]
     return {
@@ -78,17 +85,20 @@ def flight_cpu_s(job: Job) -> float:
     sim = Simulator(job.varied_scenario(), threads=1)
 
     def fly() -> None:
-        occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=VOXEL_M))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SurveyAreaWarning)
+            occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=VOXEL_M))
         path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
         score_map(sim.world, occupancy.occupied_voxels(), VOXEL_M, path_m, area_m, range_m, rays=sim.scene)
 
     return cpu_s(fly)
 
 
-def whole_sweep(scenario: str, runs: int, workers: int) -> dict[str, Any]:
+def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) -> dict[str, Any]:
     """Wall time of a sweep, what of it was no flight, and the workers' memory in MB ten times on the way."""
+    same = {name: {"choices": [value]} for name, value in always.items()}
     sweep = {
-        "scenario": scenario, "vary": VARY, "method": "latin_hypercube", "samples": runs, "voxel_m": VOXEL_M,
+        "scenario": scenario, "vary": VARY | same, "method": "latin_hypercube", "samples": runs, "voxel_m": VOXEL_M,
         "seeds": {"first": 0},
     }  # fmt: skip
     memory_mb: list[list[float]] = []

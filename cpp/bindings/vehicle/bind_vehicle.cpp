@@ -3,15 +3,30 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "bindings/vehicle/binders.h"
+#include "uwsim/core/recently_made.h"
 #include "uwsim/vehicle/hydrodynamics.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim::bindings {
+namespace {
+
+/// Shared by all crafts of the same hull, whatever their other figures: to measure and tabulate one takes 2 ms.
+std::shared_ptr<const BuoyantHull> hull_of(TriangleMesh mesh_body) {
+  static RecentlyMade<BuoyantHull> known;
+  const auto is_wanted = [&](const BuoyantHull& hull) {
+    return hull.mesh_body().triangles == mesh_body.triangles && hull.mesh_body().vertices_m == mesh_body.vertices_m;
+  };
+  return known.find_or_make(true, is_wanted, [&] { return std::make_shared<const BuoyantHull>(std::move(mesh_body)); });
+}
+
+}  // namespace
+
 void bind_vehicle(py::module_& m) {
   py::class_<CraftParameters>(
       m, "CraftParameters",
@@ -28,8 +43,8 @@ void bind_vehicle(py::module_& m) {
       m, "Craft", "A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.")
       .def(py::init(
                [](const CraftParameters& parameters, const py::object& vertices_body_m, const py::object& triangles) {
-                 return std::make_shared<Craft>(parameters, BuoyantHull({as_points(vertices_body_m, "vertices_body_m"),
-                                                                         as_triangles(triangles, "triangles")}));
+                 return std::make_shared<Craft>(parameters, hull_of({as_points(vertices_body_m, "vertices_body_m"),
+                                                                     as_triangles(triangles, "triangles")}));
                }),
            py::arg("parameters"), py::arg("vertices_body_m"), py::arg("triangles"),
            "vertices_body_m: (n, 3); triangles: (m, 3), closed and winding outward. Raises ValueError.")

@@ -90,9 +90,12 @@ void CraftParameters::check() const {
 }
 
 Craft::Craft(CraftParameters parameters, BuoyantHull hull)
+    : Craft(std::move(parameters), std::make_shared<const BuoyantHull>(std::move(hull))) {}
+
+Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull)
     : parameters_(std::move(parameters)), hull_(std::move(hull)) {
   parameters_.check();
-  require_inside_box(parameters_.centre_of_mass_body_m, hull_.mesh_body());
+  require_inside_box(parameters_.centre_of_mass_body_m, hull_->mesh_body());
   rigid_mass_ = rigid_body_mass(parameters_);
   inverse_mass_submerged_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> modes(parameters_.added_mass, rigid_mass_);
@@ -111,11 +114,11 @@ Matrix6d Craft::inverse_mass_at(double submerged) const {
 }
 
 double Craft::submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const {
-  return fraction(hull_.displacement(world_from_body, hull_.level_m(world_from_body, water, time_s)).volume_m3);
+  return fraction(hull_->displacement(world_from_body, hull_->level_m(world_from_body, water, time_s)).volume_m3);
 }
 
 double Craft::fraction(double wet_volume_m3) const {
-  return std::clamp(wet_volume_m3 / hull_.solid().volume_m3, 0.0, 1.0);
+  return std::clamp(wet_volume_m3 / hull_->solid().volume_m3, 0.0, 1.0);
 }
 
 Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
@@ -131,7 +134,7 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
                                   double time_s) const {
   const Pose& pose = state.world_from_body;
   const Eigen::Matrix3d world_from_body = pose.rotation();
-  const Buoyancy buoyancy = hull_.buoyancy(pose.position_m, world_from_body, water, time_s);
+  const Buoyancy buoyancy = hull_->buoyancy(pose.position_m, world_from_body, water, time_s);
   const double submerged = fraction(buoyancy.volume_m3);
 
   const Eigen::Vector3d weight = -parameters_.mass_kg * water.gravity() * world_from_body.row(2).transpose();
@@ -167,7 +170,7 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const WaterFlow& flow,
 }
 
 double Craft::kinetic_energy_j(const BodyState& state) const {
-  const double submerged = fraction(hull_.displacement(state.world_from_body).volume_m3);
+  const double submerged = fraction(hull_->displacement(state.world_from_body).volume_m3);
   return 0.5 * state.velocity_body.dot((rigid_mass_ + submerged * parameters_.added_mass) * state.velocity_body);
 }
 

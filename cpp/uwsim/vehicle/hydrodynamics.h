@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/water_field.h"
@@ -41,10 +42,11 @@ struct CraftParameters {
 class Craft {
  public:
   /// Throws InvalidValue when the parameters are not valid or the centre of mass is outside the hull's bounding box.
+  Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull);
   Craft(CraftParameters parameters, BuoyantHull hull);
 
   const CraftParameters& parameters() const { return parameters_; }
-  const BuoyantHull& hull() const { return hull_; }
+  const BuoyantHull& hull() const { return *hull_; }
 
   /// nu' [m/s^2, rad/s^2] under the wrench `tau_body` of the actuators (body frame, at the origin) in the water at
   /// `time_s`.
@@ -66,7 +68,7 @@ class Craft {
   Matrix6d inverse_mass_at(double submerged) const;
 
   CraftParameters parameters_;
-  BuoyantHull hull_;
+  std::shared_ptr<const BuoyantHull> hull_;
   Matrix6d rigid_mass_;              // M_RB
   Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
   // W and L with W^T M_RB W = 1 and W^T M_A W = diag(L), so that (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T for any

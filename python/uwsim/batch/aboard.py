@@ -96,6 +96,10 @@ class MemberAboard:
     def _tick(self) -> int:
         return self._core.tick
 
+    def acts_within(self, steps: int) -> bool:
+        """Whether a program is due before so many steps are made."""
+        return self._programs.due_tick < self.tick + steps
+
     def parts(self, steps: int) -> Iterator[int]:
         """Let the programs act that are due, and give the number of steps to the next; so on for so many steps."""
         tick = self.tick

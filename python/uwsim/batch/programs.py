@@ -75,7 +75,7 @@ class Programs:
         if not self._aboard:
             self._core.step(steps)
             return
-        running = {k: aboard.parts(steps) for k, aboard in self._aboard.items()}
+        running = {k: aboard.parts(steps) for k, aboard in self._aboard.items() if aboard.acts_within(steps)}
         counts = [steps if k not in running else 0 for k in range(self._n)]
         mistakes: list[str] = []
         while True:

@@ -65,9 +65,14 @@ class Aboard:
             for program in programs:
                 if program.due_tick <= tick:
                     program.act(tick)
-            part_end = min(end, max(tick + 1, min([program.due_tick for program in programs])))
+            part_end = min(end, max(tick + 1, self.due_tick))
             yield part_end - tick
             tick = part_end
+
+    @property
+    def due_tick(self) -> int:
+        """The tick at which a program acts next."""
+        return min([program.due_tick for program in self._programs.values()])
 
     @property
     def is_idle(self) -> bool:
