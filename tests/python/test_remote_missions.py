@@ -133,6 +133,9 @@ def test_a_server_that_goes_away_ends_the_mission_with_its_results(tmp_path: Pat
         (["--resume"], "the mission: cannot be given with --resume: the saved flight has its own"),
         (["--lockstep"], "--lockstep: needs --connect"),
         (["--connect", "ws://127.0.0.1:9", "--seed", "3"], "--seed: cannot be given with --connect"),
+        (["--connect", "ws://127.0.0.1:9", "--record", "a.mcap"], "--record: cannot be given with --connect"),
+        (["--connect", "ws://127.0.0.1:9", "--autosave", "5"], "a remote vehicle cannot be put back to where it was"),
+        (["--connect", "ws://127.0.0.1:9", "--report", "fulll"], "report = 'fulll': must be one of full, json, none"),
     ],
 )
 def test_wrong_ways_to_connect_are_one_line(options: list[str], words: str, tmp_path: Path) -> None:
@@ -151,3 +154,13 @@ def test_several_vehicles_are_told_apart() -> None:
         with pytest.raises(ValueError, match="must be one of rov, scout"):
             RemoteVehicle(connection, "diver")
         connection.close()
+
+
+def test_a_mission_of_vehicles_gets_all_of_a_server() -> None:
+    def mission(vehicles):
+        yield wait(0.2)
+        return sorted(vehicles)
+
+    with LiveSimulator("pair", paused=True) as live, RosbridgeServer(live) as server:
+        flown = fly_remote(mission, server.url, lockstep=True)
+    assert flown.result == ["rov", "scout"] == sorted(flown.samples)

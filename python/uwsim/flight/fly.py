@@ -19,7 +19,7 @@ from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, miss
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
-from uwsim.flight.results import REPORTS, RESULT_FILES, write_results
+from uwsim.flight.results import RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import Sampler
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
@@ -83,8 +83,9 @@ def fly(
     assert callable(fly_it)
     fly_it = with_arguments(fly_it, arguments or {})
     takes = first_parameter(fly_it)
-    _require_known("estimate", estimate, ESTIMATES)
-    _require_known("report", report, REPORTS)
+    if estimate not in ESTIMATES:
+        raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
+    require_report(report)
     if voxel_m is not None and not map:
         raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
@@ -163,7 +164,7 @@ def resume(
     Raises ValueError if there is none, if the mission's file has changed, or if it does not fly as it did; OSError.
     """
     folder = Path(out)
-    _require_known("report", report, REPORTS)
+    require_report(report)
     saved = FlightCheckpoint(folder).read()
     saved.request.require_same_file()
     request, file = saved.request, Path(saved.request.mission)
@@ -369,8 +370,3 @@ class _Flight:
             return
         now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
         maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(now)))
-
-
-def _require_known(name: str, value: str, known: Iterable[str]) -> None:
-    if value not in known:
-        raise ValueError(f"{name} = {value!r}: must be one of {', '.join(known)}")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle
+from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle, vehicle_names
 from uwsim.control.protocols import Clock
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.clock import FlightOverError
@@ -21,7 +21,7 @@ from uwsim.flight.folder import made_folder
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
-from uwsim.flight.results import RESULT_FILES, write_results
+from uwsim.flight.results import RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
@@ -54,16 +54,18 @@ def fly_remote(
 ) -> FlightRecord:
     """Fly a mission with vehicles at a rosbridge server; return its record. Results are as those of `fly`.
 
-    url: such as "ws://127.0.0.1:9090". odometry: the topic of the pose, of which map and samples are made: the truth is
-    not known here. truth: the scenario that the server flies, if it is one of ours and odometry its truth: the map is
-    scored against it, and the report draws its bed. lockstep: the simulator stands still while the mission thinks; for
-    a simulator alone. map: of what the sonar sees. Raises ValueError, OSError, and what the mission raises.
+    url: such as "ws://127.0.0.1:9090". vehicles: by default all if the mission takes `vehicles`, else the first.
+    odometry: the topic of the pose, of which map and samples are made: the truth is not known here. truth: the scenario
+    that the server flies, if it is one of ours and odometry its truth: the map is scored against it, and the report
+    draws its bed. lockstep: the simulator stands still while the mission thinks; for a simulator alone. map: of what
+    the sonar sees. Raises ValueError, OSError, and what the mission raises.
     """
     file = Path(mission) if isinstance(mission, str | Path) else None
     fly_it = load_mission(file, function) if file is not None else mission
     assert callable(fly_it)
     fly_it = with_arguments(fly_it, arguments or {})
-    first_parameter(fly_it)
+    takes = first_parameter(fly_it)
+    require_report(report)
     if voxel_m is not None and not map:
         raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
@@ -73,7 +75,10 @@ def fly_remote(
     world = None if truth is None else Simulator(truth)
     with ExitStack() as stack:
         connection = stack.enter_context(RemoteConnection(url))
-        hulls = [RemoteVehicle(connection, name, odometry) for name in tuple(vehicles) or (None,)]
+        names: tuple[str | None, ...] = tuple(vehicles) or (None,)
+        if takes == "vehicles" and not tuple(vehicles):
+            names = tuple(vehicle_names(connection)) or names
+        hulls = [RemoteVehicle(connection, name, odometry) for name in names]
         inner: RemoteClock | LockstepClock
         if lockstep:
             inner = LockstepClock(connection, hulls[0].beacon)

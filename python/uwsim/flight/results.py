@@ -27,6 +27,12 @@ AREA_MARGIN_M = 5.0
 """The map is scored within this distance of the convex hull of the pings' positions."""
 
 
+def require_report(report: str) -> None:
+    """Raise ValueError for a report that is not known."""
+    if report not in REPORTS:
+        raise ValueError(f"report = {report!r}: must be one of {', '.join(REPORTS)}")
+
+
 def write_results(
     flown: FlightRecord,
     sim: Simulator | None,

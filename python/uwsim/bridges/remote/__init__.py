@@ -2,6 +2,6 @@
 
 from uwsim.bridges.remote.clock import LockstepClock, RemoteClock
 from uwsim.bridges.remote.connection import RemoteConnection
-from uwsim.bridges.remote.vehicle import RemoteVehicle
+from uwsim.bridges.remote.vehicle import RemoteVehicle, vehicle_names
 
-__all__ = ["LockstepClock", "RemoteClock", "RemoteConnection", "RemoteVehicle"]
+__all__ = ["LockstepClock", "RemoteClock", "RemoteConnection", "RemoteVehicle", "vehicle_names"]

@@ -195,9 +195,14 @@ def pose_of(message: Any, origin_m: NDArray[np.float64]) -> Pose:
     return Pose(position_m, turn, matrix(position_m, turn))
 
 
+def vehicle_names(connection: RemoteConnection) -> list[str]:
+    """Return the names of a server's vehicles; none if it has one whose topics have no prefix."""
+    return sorted(topic.removesuffix("/key") for topic in connection.topics if topic.endswith("/key"))
+
+
 def _prefix(connection: RemoteConnection, name: str | None) -> str:
     """Return what a vehicle's topics begin with. Raises ValueError."""
-    vehicles = sorted(topic.removesuffix("/key") for topic in connection.topics if topic.endswith("/key"))
+    vehicles = vehicle_names(connection)
     if name is None:
         if "key" in connection.topics:
             return ""
