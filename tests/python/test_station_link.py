@@ -54,6 +54,7 @@ def test_over_the_ideal_link_pictures_come_whole_and_late_and_small_ones_less_of
         said = ada.call("describe")
         views = {view["name"]: view for view in said["views"]}
         assert not views["front"]["link"]["large_only"] and "aboard_topic" not in views["front"]
+        assert ada.call("command", name="release", vehicle="rov")["message"] == "Sent over ideal_acoustic"
         live = station.present().live
         camera = live.simulator.rov.cameras["front"].mount
         for topic in ("/station/view/front", "/station/small/down"):

@@ -19,15 +19,13 @@ def test_the_place_is_the_true_one_where_it_may_be_seen(is_truth):
 def test_the_pilot_reads_how_the_link_is_and_nothing_where_there_is_none():
     message = default_message("uwsim_msgs/msg/Link")
     readout = Readout()
-    message.modem, message.quality = "none", 1.0
+    message.modem, message.fault_loss = "none", 1.0
     take_link(readout, message)
-    assert readout.link == ""
-    message.fault_loss = 1.0
-    take_link(readout, message)
-    assert readout.link == "down"
+    assert (readout.link, readout.link_fault) == ("", "LINK DOWN")
     message.modem, message.quality, message.delay, message.silence_at_station = "s2cm_hs", 0.83, 0.041, 12.4
+    message.fault_loss = 0.5
     take_link(readout, message)
-    assert readout.link == "s2cm_hs: blackout, 83% arrive, 41 ms, heard 12 s ago"
-    message.fault_loss = 0.0
+    assert (readout.link, readout.link_fault) == ("s2cm_hs 83% 41 ms, 12 s ago", "LINK LOSES 50%")
+    message.fault_loss, message.delay = 0.0, float("nan")
     take_link(readout, message)
-    assert readout.link == "s2cm_hs: 83% arrive, 41 ms, heard 12 s ago"
+    assert (readout.link, readout.link_fault) == ("s2cm_hs 83%, 12 s ago", "")

@@ -52,8 +52,8 @@ uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block
 std_msgs/Header header         # docs/link.md; of both directions together unless it says otherwise
 string modem
 float32 quality                # share of the packets so far that arrived
-float32 delay                  # s, of the newest packet's first arrival
-float32 snr                    # dB, of that packet
+float32 delay                  # s, of the newest packet's first arrival; nan before that
+float32 snr                    # dB, of that packet; nan over a cable and the ideal link
 float32 closing_speed          # m/s, of the ends towards each other then: Doppler
 float32 silence                # s since the vehicle heard the station
 float32 silence_at_station     # s since the station heard the vehicle

@@ -104,12 +104,17 @@ class Carrier:
         self.close()
 
     def over(self, services: Iterable[Service]) -> list[Service]:
-        """Return services whose commands to vehicles go over the link: they answer when the command is queued."""
+        """Return services whose commands go over the link: when one is queued they answer that it is sent."""
         return [replace(service, call=self._called(service)) for service in services]
 
     def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
-        far = self.remote()
-        return lambda live, request: service.call(far, request)
+        def call(live: LiveSimulator, request: dict[str, Any]) -> dict[str, Any]:
+            far = remote.RemoteSimulator(self._live, self.command)
+            answer = service.call(far, request)  # type: ignore[arg-type]
+            is_sent = far.has_sent and answer.get("success") and not answer.get("message")
+            return {**answer, "message": f"sent over {self.modem}"} if is_sent else answer
+
+        return call
 
     def remote(self) -> LiveSimulator:
         """Return the simulator as it is from the station: commands to vehicles go over the link."""

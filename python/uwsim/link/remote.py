@@ -35,12 +35,13 @@ REPLACED = frozenset(("set_effort", "set_wrench", "set_thrusters", "set_fins", "
 class RemoteSimulator:
     """A LiveSimulator whose commands to vehicles are sent.
 
-    They resolve when they are queued: nobody knows whether they arrive.
+    They resolve when they are queued: nobody knows whether they arrive. has_sent: whether one has gone over the link.
     """
 
     def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
         self._live = live
         self._send = send
+        self.has_sent = False
 
     def __getattr__(self, name: str) -> Any:
         """Return anything else of the simulator itself."""
@@ -54,6 +55,7 @@ class RemoteSimulator:
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         bound_command(name, kept)
         del kept["vehicle"]
+        self.has_sent = True
         return self._send(name, vehicle, kept)
 
 

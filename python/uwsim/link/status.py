@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -36,8 +37,8 @@ def _reader(network: Network, vehicle: str) -> Callable[[Simulator], Any]:
             header=build.header(sim.time_ns, ""),
             modem=network.modem.name,
             quality=1.0 - (up.packets_lost + down.packets_lost) / packets if packets else 1.0,
-            delay=latest.delay_s,
-            snr=latest.snr_db,
+            delay=latest.delay_s if latest.packets else math.nan,
+            snr=latest.snr_db if latest.packets and network.modem.kind == "modem" else math.nan,
             closing_speed=latest.closing_m_s,
             silence=network.silence_s(vehicle),
             silence_at_station=network.silence_s(STATION, vehicle),

@@ -112,13 +112,13 @@ class Helm:
         return answered(self._live, future, answer)
 
 
-def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None) -> Future[Values]:
-    """Return what a service answers when a command has taken effect: success, message and the tick."""
+def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None, text: str = "") -> Future[Values]:
+    """Return what a service answers when a command has taken effect: success, message (an error, or text), the tick."""
     said: Future[Values] = Future()
 
     def say(done: Future[Any]) -> None:  # on the simulator's thread: the tick is that of the command
         error = None if done.cancelled() else done.exception()
-        found = {"success": error is None, "message": str(error or ""), "tick": live.tick}
+        found = {"success": error is None, "message": text if error is None else str(error), "tick": live.tick}
         said.set_result({**found, **(answer or {})})
 
     future.add_done_callback(say)

@@ -86,11 +86,13 @@ class Services:
         name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
         if not isinstance(name, str) or name not in PILOTED or not isinstance(arguments, dict):
             raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(PILOTED)}")
-        live = self._station.present().far
+        running = self._station.present()
+        live, text = running.far, ""
         given = {str(key): value for key, value in arguments.items()}
         if name in CARRIED:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
-        return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given))
+            text = f"Sent over {running.carrier.modem}" if running.carrier is not None else ""
+        return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given), text=text)
 
     def _set_view(self, caller: str, request: Values) -> Values:
         self._station.present().views.set_size(request)

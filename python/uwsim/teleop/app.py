@@ -185,6 +185,8 @@ class TeleopApp(App[None]):
             yield f"{self.connection.state.upper()}: {self.connection.url}"
         elif self.connection.silence_s > max(SILENT_S, LATE * self.connection.interval_s):
             yield f"NO TELEMETRY FOR {min(self.connection.silence_s, 999.0):.0f} s"
+        if self.connection.readout.link_fault:
+            yield self.connection.readout.link_fault
         yield from self.connection.readout.warnings
         if self.connection.readout.released is False:
             yield "DOCKED"

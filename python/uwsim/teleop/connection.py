@@ -103,7 +103,7 @@ class Connection:
         def tell(response: dict[str, Any]) -> None:
             values = response.get("values")
             if response.get("result") and isinstance(values, dict) and values.get("success", True):
-                self.say(f"{service}: done")
+                self.say(f"{service}: {values.get('message') or 'done'}")
             else:
                 self.say(f"{service}: {values.get('message') if isinstance(values, dict) else values}")
 

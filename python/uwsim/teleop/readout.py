@@ -22,8 +22,8 @@ PUBLISHED_HFOV_DEG = 120.0  # until hFOV says another
 class Readout:
     """The newest values; nan: not told.
 
-    heading_deg: of the compass, clockwise from north. position_m: as the server has it, in its odom frame. link: how
-    station and vehicle hear each other, where the scenario has a link or a fault has cut the vehicle off.
+    heading_deg: of the compass, clockwise from north. position_m: as the server has it, in its odom frame. link: modem,
+    share that arrives, delay, and when the station heard the vehicle last; "" where the scenario has no link.
     """
 
     position_m: tuple[float, float, float] = (NAN, NAN, NAN)
@@ -46,6 +46,7 @@ class Readout:
     released: bool | None = None
     warnings: tuple[str, ...] = ()
     link: str = ""
+    link_fault: str = ""
     angles_rad: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
     ranges_m: NDArray[np.float32] = field(default_factory=lambda: np.empty(0, np.float32))
     model: int = MODEL
@@ -143,18 +144,17 @@ def take_proximity(readout: Readout, message: Any) -> None:
 def take_link(readout: Readout, message: Any) -> None:
     """Take this project's /link."""
     is_down = message.fault_loss >= 1.0
-    if message.modem == "none":
-        readout.link = "down" if is_down else ""
+    readout.link_fault = "LINK DOWN" if is_down else f"LINK LOSES {message.fault_loss:.0%}"
+    if not message.fault_loss:
+        readout.link_fault = ""
+    if message.modem == NO_LINK:
         return
-    fault = "blackout, " if is_down else f"fault takes {message.fault_loss:.0%}, " if message.fault_loss else ""
-    readout.link = (
-        f"{message.modem}: {fault}{message.quality:.0%} arrive, {1e3 * message.delay:.0f} ms, "
-        f"heard {message.silence_at_station:.0f} s ago"
-    )
+    delay = f" {1e3 * message.delay:.0f} ms" if math.isfinite(message.delay) else ""
+    readout.link = f"{message.modem} {message.quality:.0%}{delay}, {message.silence_at_station:.0f} s ago"
 
 
 TEXT, POSE = "std_msgs/msg/String", "geometry_msgs/msg/Pose"
-LINK = "uwsim_msgs/msg/Link"
+LINK, NO_LINK = "uwsim_msgs/msg/Link", "none"
 PANELS = (take_telemetry, take_state_data)
 STANDARD: dict[str, tuple[str, Take]] = {
     "telemetry": ("uwsim_msgs/msg/Telemetry", take_telemetry),

@@ -30,7 +30,8 @@ export function toast(text, kind = 'info') {
   toastTimer = setTimeout(() => box.classList.remove('is-shown'), kind === 'error' ? 6000 : 3000);
 }
 
-// Do what a button asks the server for; say it when the server refuses. Return its answer, or null.
+// Do what a button asks the server for; say it when the server refuses. done: what is said else, unless the server says
+// more. Return its answer, or null.
 export async function attempt(promise, done = '') {
   try {
     const answer = await promise;
@@ -38,7 +39,7 @@ export async function attempt(promise, done = '') {
       toast(answer.message || 'The simulator refused.', 'error');
       return null;
     }
-    if (done) toast(done);
+    if (done) toast(answer?.message || done);
     return answer ?? {};
   } catch (error) {
     toast(error.message, 'error');

@@ -4,6 +4,7 @@ import { el, fixed, write } from '../dom.js';
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
+const LATE = 2.5; // of the time between the last two things that came, over a slow modem
 const NONE = 'none';
 const VALUES = [
   ['Quality', '%', (m) => fixed(100 * m.quality, 0)],
@@ -21,6 +22,8 @@ function faultText(loss) {
 
 export class Link {
   #end = null;
+  #silence = 0; // as told last
+  #interval = 0;
 
   constructor(station) {
     this.station = station;
@@ -60,6 +63,7 @@ export class Link {
       this.onAboard?.(false);
     }
     for (const [value] of this.values) write(value, '–');
+    this.#silence = this.#interval = 0;
     write(this.note, '');
     if (link) this.#end = this.station.bridge.subscribe(link, 'uwsim_msgs/Link', (message) => this.#show(message));
   }
@@ -68,10 +72,10 @@ export class Link {
     const isPlain = message.modem === NONE;
     this.element.hidden = isPlain && !(message.fault_loss > 0);
     for (const [value, read] of this.values) write(value, isPlain ? '–' : read(message));
+    if (message.silence_at_station < this.#silence) this.#interval = this.#silence;
+    this.#silence = message.silence_at_station;
     const isBad =
-      message.fault_loss > 0 ||
-      message.quality < POOR ||
-      Math.max(message.silence, message.silence_at_station) > SILENT_S;
+      message.fault_loss > 0 || message.quality < POOR || this.#silence > Math.max(SILENT_S, LATE * this.#interval);
     this.element.dataset.level = isBad ? 'warn' : 'good';
     write(this.note, isPlain ? 'down' : message.modem + faultText(message.fault_loss));
   }

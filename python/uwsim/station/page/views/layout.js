@@ -79,7 +79,8 @@ export class Views extends EventTarget {
     const count = Math.max(this.#views.size - 1, 1);
     this.container.style.setProperty('--small-count', count);
     this.container.style.setProperty('--small-half', count > ROW ? Math.ceil(count / 2) : count);
-    this.enlarge(this.#views.has(this.#large) ? this.#large : this.names[0]);
+    const shown = [...this.#views.values()].find(({ view }) => view.link?.period_s !== null);
+    this.enlarge(this.#views.has(this.#large) ? this.#large : (shown?.view.name ?? this.names[0]));
   }
 
   enlarge(name) {
