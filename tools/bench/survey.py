@@ -71,7 +71,7 @@ def summarise(records: list[SurveyRecord]) -> dict[str, float]:
     }
     for stage in (*STAGES, WAITING):
         figures[f"{stage}_s"] = median([r.stage_wall_s[stage] for r in records])
-    figures["mission_s"] = median([r.mission_wall_s for r in records])
+    figures["rest_s"] = median([r.rest_wall_s for r in records])
     return figures
 
 
@@ -85,7 +85,7 @@ def _table(engine: str, figures: dict[str, float], record: SurveyRecord) -> Tabl
     table.add_column("stage")
     for column in ("wall s", "share of wall", "us per ping"):
         table.add_column(column, justify="right")
-    for stage in (*STAGES, WAITING, "mission"):
+    for stage in (*STAGES, WAITING, "rest"):
         seconds = figures[f"{stage}_s"]
         name = f"{stage} (in parallel)" if stage in MAP_THREAD_STAGES and record.threads > 1 else stage
         share, ping_us = seconds / figures["wall_s"], 1e6 * seconds / max(figures["pings"], 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -12,6 +13,7 @@ from uwsim.control.protocols import EstimateLike
 from uwsim.simulator import Simulator
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.ping_to_map import PingToMap
+from uwsim.survey.wall_time import MISSION
 
 TakePing = Callable[[_core.Ping, _core.Telemetry, NDArray[np.float64]], object]
 
@@ -38,6 +40,7 @@ class PingingClock:
     ) -> None:
         self._sim = sim
         self._estimate = estimate
+        self._woken_s: float | None = None  # wall time at which the mission went on
         self._chain = chain
         self._physics, self._rays = chain.timer.measure("physics"), chain.timer.measure("rays")
         self._log = log
@@ -54,6 +57,8 @@ class PingingClock:
 
     def wait(self, duration_s: float) -> None:
         """Let simulated time pass, and ping whenever a ping is due."""
+        if self._woken_s is not None:
+            self._chain.timer.add(MISSION, time.perf_counter() - self._woken_s)
         steps = round(duration_s / self._sim.step_s)
         while steps > 0:
             steps_now = min(steps, self.steps_to_ping)
@@ -64,6 +69,7 @@ class PingingClock:
             if self.steps_to_ping == 0:  # ping now, so that the mission, if it pings at this time, gets the same sample
                 self._ping()
         self._on_pause()
+        self._woken_s = time.perf_counter()
 
     def _ping(self) -> None:
         self.steps_to_ping = self._steps_between_pings

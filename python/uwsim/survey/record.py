@@ -100,7 +100,7 @@ class SurveyRecord:
         return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
 
     @property
-    def mission_wall_s(self) -> float:
+    def rest_wall_s(self) -> float:
         """Wall time of the flying thread that belongs to no stage. With several threads the map has its own."""
         flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD_STAGES or self.threads == 1]
         return max(self.wall_s - sum(flying), 0.0)

@@ -92,8 +92,8 @@ def _setup(record: SurveyRecord) -> list[tuple[str, str]]:
 
 
 def _stages(record: SurveyRecord) -> list[tuple[str, str, float]]:
-    """Return rows of (stage, wall time, per cent of the survey's wall time), the mission last."""
-    stages = {**record.stage_wall_s, "mission and the rest": record.mission_wall_s}
+    """Return rows of (stage, wall time, per cent of the survey's wall time)."""
+    stages = {**record.stage_wall_s, "the rest": record.rest_wall_s}
     if record.threads > 1 and "map" in stages:
         stages = {("map (in parallel)" if name == "map" else name): wall_s for name, wall_s in stages.items()}
     return [(name, duration_text(wall_s), 100.0 * wall_s / max(record.wall_s, 1e-9)) for name, wall_s in stages.items()]

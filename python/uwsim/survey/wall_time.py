@@ -1,11 +1,12 @@
-"""Wall time by stage of a survey: physics, rays, codec, conversion, map and others."""
+"""Wall time by stage of a survey: physics, rays, codec, conversion, mission, map and others."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping
 
-STAGES = ("physics", "rays", "codec", "conversion", "map")
+MISSION = "mission"  # its own code, from the end of a wait to the next one
+STAGES = ("physics", "rays", "codec", "conversion", MISSION, "map")
 WAITING = "waiting for the map"  # time of the flying thread, where the map has a thread of its own
 AUTOSAVE, VERIFICATION = "autosave", "verification"  # present only when used
 MAP_THREAD_STAGES = ("map", VERIFICATION, AUTOSAVE)  # run on the map's thread, where it has one
@@ -24,6 +25,10 @@ class WallTimer:
         if measurement is None:
             measurement = self._measurements[stage] = Measurement(self.wall_s, stage)
         return measurement
+
+    def add(self, stage: str, elapsed_s: float) -> None:
+        """Add seconds to a stage."""
+        self.wall_s[stage] += elapsed_s
 
 
 class Measurement:
