@@ -19,7 +19,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.control.autopilot import Autopilot, wrap_angle
+from uwsim.control.autopilot import wrap_angle
 from uwsim.control.protocols import Clock, PingLike, SurveyVehicle, Watch
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
@@ -29,6 +29,7 @@ from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.shoal_chart import ShoalChart
 from uwsim.missions.steps import Steps, Wait, drive, wait
 from uwsim.missions.stopped import StoppedError
+from uwsim.missions.survey_pilot import Pilot, memory_of, remember, survey_pilot
 from uwsim.sealed import Sealed
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
@@ -57,7 +58,7 @@ class AdaptiveLawnMower(Sealed):
     clock: Watch
     plan: LawnMowerPlan
     period_s: float
-    autopilot: Autopilot
+    autopilot: Pilot
     obstacles_ahead: ObstacleMemory
     shoals: ShoalChart
     _fixed_when = "the mission is made"
@@ -72,7 +73,7 @@ class AdaptiveLawnMower(Sealed):
         self.plan = plan
         self.period_s = period_s
         self._pause = wait(period_s)
-        self.autopilot = Autopilot(vehicle, period_s)
+        self.autopilot = survey_pilot(vehicle, period_s)
         self.obstacles_ahead = ObstacleMemory(ahead_m=max(20.0, 1.3 * plan.transit_view_m))
         self.shoals = ShoalChart(PASSABLE_Z_M)
         east_m, north_m, _ = self._position().tolist()
@@ -97,14 +98,14 @@ class AdaptiveLawnMower(Sealed):
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock."""
         peaks = [(x, y, z) for x, y, z in self.obstacles_ahead.peaks_world_m.tolist()]
-        return asdict(SavedMission(self.state, self.autopilot.integrals, peaks, self.shoals.cells))
+        return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, self.shoals.cells))
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state that `save` returned; `run` then goes on from there. Raises ValueError."""
         saved = checked_state(SavedMission, state)
+        remember(self.autopilot, saved.autopilot)
         self._state = saved.mower
         self._plan_lanes()
-        self.autopilot.integrals = saved.autopilot
         self.obstacles_ahead.restore(saved.lookout)
         self.shoals.restore(saved.shoals)
 

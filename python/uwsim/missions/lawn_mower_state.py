@@ -40,9 +40,9 @@ class MowerState:
 
 @dataclass
 class SavedMission:
-    """A saved lawn-mower: its state, the autopilot's integrals, the obstacle memory's echoes, the shoals' cells."""
+    """A saved lawn-mower: its state, what its pilot remembers, the obstacle memory's echoes, the shoals' cells."""
 
     mower: MowerState
-    autopilot: tuple[float, float, float]
+    autopilot: tuple[float, ...]
     lookout: list[tuple[float, float, float]]
     shoals: list[tuple[int, int]] = field(default_factory=list)

@@ -19,10 +19,14 @@ AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True, eq=False)
 class ControlSettings:
-    """A vehicle's model and gains, as its file gives them."""
+    """A vehicle's model and gains, as its file gives them.
+
+    thrusters: how many drive it; 0 if it is driven by forces along its axes.
+    """
 
     model: _core.ControlModel
     gains: _core.ControlGains
+    thrusters: int = 0
 
     @property
     def net_buoyancy_n(self) -> float:
@@ -69,7 +73,7 @@ def built_settings(
         acceleration_max_m_s2=control.acceleration_max_m_s2,
         turn_acceleration_max_rad_s2=control.turn_acceleration_max_rad_s2,
     )
-    return ControlSettings(plant, gains)
+    return ControlSettings(plant, gains, len(model.thrusters))
 
 
 def _loop(loop: Loop) -> _core.LoopGains:

@@ -1,0 +1,42 @@
+"""What steers a survey: a Controller where thrusters drive the vehicle, an Autopilot where forces along its axes do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from uwsim.control.autopilot import Autopilot
+from uwsim.control.controller import Controller
+from uwsim.control.protocols import SteeredVehicle
+
+Pilot = Autopilot | Controller
+
+
+def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
+    """Return the pilot of a vehicle, to be called once in each period.
+
+    Thrusters that push below the centre of mass pitch the vehicle, and saturate together. An Autopilot, which knows
+    nothing of that, nosed a BlueROV2 Heavy over 15 s into the lake's survey at 1.4 m/s; a Controller has its model.
+    Without thrusters the vehicle gets just the wrench that is asked for: there the Autopilot, which does not plan its
+    accelerations, is faster by 2 % and covers as much more.
+    """
+    settings = getattr(vehicle, "control", None)
+    if settings is not None and getattr(settings, "thrusters", 0) > 0:
+        return Controller(vehicle, period_s, settings=settings)
+    return Autopilot(vehicle, period_s)
+
+
+def memory_of(pilot: Pilot) -> tuple[float, ...]:
+    """Return what one period leaves to the next: 3 numbers of an Autopilot, 25 of a Controller."""
+    return tuple(pilot.memory.tolist()) if isinstance(pilot, Controller) else pilot.integrals
+
+
+def remember(pilot: Pilot, memory: Sequence[float]) -> None:
+    """Go on with what memory_of returned. Raises ValueError if it is another kind of pilot's."""
+    expected = len(memory_of(pilot))
+    if len(memory) != expected:
+        raise ValueError(f"autopilot: {len(memory)} numbers: this vehicle's pilot has {expected}")
+    if isinstance(pilot, Controller):
+        pilot.memory = memory
+    else:
+        surge, sway, height = memory
+        pilot.integrals = (surge, sway, height)
