@@ -1,12 +1,16 @@
 """Loop closure: a drifted track is bent until its submaps fit each other, as far as the ground tells."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import uwsim
 from uwsim.closure import ClosedTrack, PingTrack, close_loops
+from uwsim.flight.record import FlightRecord
+from uwsim.missions import OwnVehicle, Steps, goto
 from uwsim.survey.run import run_survey
 
 LANE_M, SPACING_M, LANES, SPEED_M_S, HEIGHT_M = 80.0, 15.0, 5, 1.0, 12.0
@@ -79,6 +83,32 @@ def test_a_survey_closes_its_loops_and_still_covers_the_pool(tmp_path: Path) -> 
     assert record.coverage is not None and record.coverage > 0.9
     assert len(record.position_error_m) == record.ping_count
     assert (tmp_path / "map.bt").stat().st_size > 0
+
+
+def out_and_back(vehicle: OwnVehicle) -> Steps[None]:
+    vehicle.undock()
+    yield from goto(vehicle, (-2.0, 0.0, -2.0), speed_m_s=0.5)
+
+
+def test_a_mission_closes_its_loops(tmp_path: Path) -> None:
+    def flown(close: bool) -> FlightRecord:
+        out, by = tmp_path / str(close), {"map": True, "estimate": "filter", "report": "json"}
+        return uwsim.fly(out_and_back, "pool", out, close_loops=close, **by)
+
+    plain, bent = flown(False), flown(True)
+    closed = bent.closed["rov"]
+    assert plain.closed == {} and closed.path_world_m.shape == bent.pings_world_m["rov"].shape
+    assert 0.0 < closed.errors_m.max() < 0.5
+    told = json.loads((tmp_path / "True" / "summary.json").read_text())["closed"]["rov"]
+    assert told["overlaps"] == closed.tried == 0 and told["error_max_m"] == closed.errors_m.max()
+    maps = [(tmp_path / str(close) / "map.bt").read_bytes() for close in (False, True)]
+    assert maps[0] == maps[1], "nothing was seen twice, so nothing is bent"
+
+
+def test_a_mission_s_loops_need_map_and_filter(tmp_path: Path) -> None:
+    for wrong in ({"map": True}, {"estimate": "filter"}):
+        with pytest.raises(ValueError, match="close_loops: needs map=True and estimate='filter'"):
+            uwsim.fly(out_and_back, "pool", tmp_path, close_loops=True, **wrong)
 
 
 def test_closing_loops_needs_an_estimated_track(tmp_path: Path) -> None:

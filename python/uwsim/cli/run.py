@@ -38,6 +38,14 @@ def run(
         str | None,
         typer.Option(help="What vehicles know of their pose, and maps are made with: truth (default), or filter."),
     ] = None,
+    close_loops: Annotated[
+        bool,
+        typer.Option(
+            "--close-loops",
+            help="With --map --estimate filter: bend the track after the flight until what was seen twice fits, and "
+            "make the map again.",
+        ),
+    ] = False,
     time_limit: Annotated[
         float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")
     ] = None,
@@ -88,7 +96,7 @@ def run(
     simulated = {
         "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
         "--mission-time": mission_time, "--link": link, "--threads": threads,
-        "--record": record, "--autosave": autosave,
+        "--record": record, "--autosave": autosave, "--close-loops": close_loops or None,
     }  # fmt: skip
     ours = {
         "the mission": mission, "--connect": connect, "--map": make_map or None, "--voxel": voxel, "--vehicle": vehicle,
@@ -106,7 +114,10 @@ def run(
         _refuse({"--autosave": simulated.pop("--autosave")}, "--connect", UNSAVED)
         _refuse(simulated, "--connect", "the server has its own, or there is none")
     if not make_map and not resume:
-        need("--map", voxel=voxel)
+        need("--map", voxel=voxel, close_loops=close_loops)
+    if close_loops:
+        need("--estimate filter", close_loops=estimate != "filter")
+        _refuse({"--autosave": autosave or None}, "--close-loops", "such a flight is not saved as it flies")
     if record is None:
         need("--record", record_topic=record_topic)
     estimate, odometry, function = estimate or "truth", odometry or "odom", function or "mission"
@@ -148,6 +159,7 @@ def run(
                 estimate=estimate,  # type: ignore[arg-type]  # checked there
                 map=make_map,
                 voxel_m=voxel,
+                close_loops=close_loops,
                 seed=seed,
                 sonar_model=parsed_sonar_model(sonar_model),
                 mission_time_s=mission_time,

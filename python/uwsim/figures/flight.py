@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,18 +20,23 @@ from uwsim.figures.style import save_figure as save
 WIDTH_IN = 4.4  # narrow, so that text is legible on a phone
 TRACKS = (ACCENT, "#00b4d8", "#d00070", "#f4a300", "#80ed99")
 GROUND, GROUND_LINE, WATER, ALARM = "#b9ab98", "#6d6150", "#e6f0f6", "#d62828"
+CLOSED = "#ffd166"
 CELLS = 220
 Paths = Mapping[str, NDArray[np.float64]]
 
 
 def draw_track(
-    path: Path, world: _core.FixedWorld | _core.World | None, tracks_world_m: Paths, estimates_world_m: Paths
+    path: Path,
+    world: _core.FixedWorld | _core.World | None,
+    tracks_world_m: Paths,
+    estimates_world_m: Paths,
+    closed_world_m: Paths,
 ) -> None:
-    """Draw tracks (n, 3) by vehicle over the true bed, and dashed the estimated ones. Raises OSError.
+    """Draw tracks (n, 3) by vehicle over the true bed, dashed the estimated and dotted the closed ones. Raises OSError.
 
     world: None if it is not known.
     """
-    every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values()])[:, :2]
+    every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values(), *closed_world_m.values()])[:, :2]
     low, high = every.min(axis=0), every.max(axis=0)
     size = max(float((high - low).max()), 10.0)
     middle, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 0.3 * size) + 0.12 * size
@@ -43,13 +49,17 @@ def draw_track(
     if world is not None:
         _draw_bed(figure, axes, world, (west, east), (south, north))
     outline = [withStroke(linewidth=3.2, foreground="white")]
+    thin: dict[str, Any] = {"linewidth": 1.2, "path_effects": [withStroke(linewidth=2.4, foreground=INK)]}
     for colour, (name, track) in zip(_colours(len(tracks_world_m)), tracks_world_m.items(), strict=True):
         axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.8, label=name, path_effects=outline)
         axes.plot(*track[0, :2], "o", color=colour, markersize=6, markeredgecolor="white")
         axes.plot(*track[-1, :2], "s", color=colour, markersize=6, markeredgecolor="white")
         if name in estimates_world_m:
             estimate = estimates_world_m[name]
-            axes.plot(estimate[:, 0], estimate[:, 1], "--", color="white", linewidth=1.0, label=f"{name}, estimated")
+            axes.plot(estimate[:, 0], estimate[:, 1], "--", color="white", label=f"{name}, estimated", **thin)
+        if name in closed_world_m:
+            closed = closed_world_m[name]
+            axes.plot(closed[:, 0], closed[:, 1], ":", color=CLOSED, label=f"{name}, loops closed", **thin)
     axes.set_xlim(west, east)
     axes.set_ylim(south, north)
     add_legend(axes, 2)
@@ -124,11 +134,11 @@ def draw_power(
     save(figure, path)
 
 
-def draw_estimate(path: Path, time_s: NDArray[np.float64], errors_m: Mapping[str, NDArray[np.float64]]) -> None:
-    """Draw the distance between estimated and true position over time, (n,) by vehicle. Raises OSError."""
-    figure, axes = _over_time("Estimate against truth", "distance [m]", time_s, 2.2)
-    for colour, (name, error_m) in zip(_colours(len(errors_m)), errors_m.items(), strict=True):
-        axes.plot(time_s[: len(error_m)] / 60.0, error_m, color=colour, linewidth=1.4, label=name)
+def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
+    """Draw distances from the true position over time, (n,) [s] and (n,) [m] by name. Raises OSError."""
+    figure, axes = _over_time("Estimate against truth", "distance [m]", next(iter(errors.values()))[0], 2.2)
+    for colour, (name, (time_s, error_m)) in zip(_colours(len(errors)), errors.items(), strict=True):
+        axes.plot(time_s / 60.0, error_m, color=colour, linewidth=1.4, label=name)
     axes.set_ylim(bottom=0.0)
     add_legend(axes, 3)
     save(figure, path)

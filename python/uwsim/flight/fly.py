@@ -48,6 +48,7 @@ def fly(
     estimate: EstimateKind = "truth",
     map: bool = False,  # noqa: A002  # as the option is called
     voxel_m: float | None = None,
+    close_loops: bool = False,
     seed: int | None = None,
     sonar_model: int | str | None = None,
     mission_time_s: float | None = None,
@@ -70,10 +71,10 @@ def fly(
     track-VEHICLE.csv, map.bt and, by report, report.html ("full"), summary.json ("json") or neither ("none").
     arguments: for the mission's other parameters. vehicles: names; by default all if the mission takes `vehicles`, else
     the first. estimate: what vehicles know of their pose, and what the map is made with: the "truth", or that of their
-    "filter" (Vehicle.estimate). link: a modem, by name or file, that replaces the scenario's. time_limit_s: simulated;
-    by default the scenario's mission time. record: a new recording (.mcap), of record_topics; by default all but
-    pictures.
-    show: shows an activity while a block runs.
+    "filter" (Vehicle.estimate). close_loops: bend the filter's track after the flight until what it saw twice fits, and
+    make the map again; such a flight is not saved as it flies. link: a modem, by name or file, that replaces the
+    scenario's. time_limit_s: simulated; by default the scenario's mission time. record: a new recording (.mcap), of
+    record_topics; by default all but pictures. show: shows an activity while a block runs.
 
     Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and what the mission
     raises, for a file as MissionError, after the results of the flight until then have been written.
@@ -90,6 +91,8 @@ def fly(
         raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
+    if close_loops and not (map and estimate == "filter"):
+        raise ValueError("close_loops: needs map=True and estimate='filter': what is true or not mapped has no loops")
     saving = autosave or FlightAutosave(autosave_s)
     if isinstance(scenario, Simulator):
         given = {
@@ -117,7 +120,7 @@ def fly(
         if estimate == "filter":
             _ = vehicle.estimate  # raises ValueError for a vehicle without an IMU
     request = None
-    if file is not None and isinstance(scenario, str | Path):
+    if file is not None and isinstance(scenario, str | Path) and not close_loops:
         request = FlightRequest(
             mission=str(file.resolve()),
             function=function,
@@ -137,7 +140,7 @@ def fly(
     folder = None if out is None else made_folder(Path(out))
     flight = _Flight(
         sim=sim, mission=fly_it, file=file, names=names, estimate=estimate, out=folder, request=request, report=report,
-        autosave=saving, time_limit_s=time_limit_s, show=show,
+        autosave=saving, time_limit_s=time_limit_s, show=show, close_loops=close_loops,
     )  # fmt: skip
     if folder is not None:
         FlightCheckpoint(folder).remove()
@@ -199,11 +202,12 @@ class _Flight:
         autosave: FlightAutosave,
         time_limit_s: float | None,
         show: Show,
+        close_loops: bool = False,
     ) -> None:
         self._sim, self._mission, self._file, self._names = sim, mission, file, names
         self._title = mission_name(mission, file)
         self._estimate, self._out, self._request, self._report = estimate, out, request, report
-        self._autosave, self._show = autosave, show
+        self._autosave, self._show, self._close_loops = autosave, show, close_loops
         self._limited = time_limit_s is not None
         self._limit_s = sim.scenario.mission_time_s if time_limit_s is None else time_limit_s
         self.occupancy: OccupancyMap | None = None
@@ -230,6 +234,11 @@ class _Flight:
                 carrier.close()
             if recorder is not None:
                 recorder.close()
+        if self._close_loops and self._maker is not None:
+            from uwsim.flight.closed_flight import closed_flight  # here, since scipy takes long to import
+
+            with self._show("closing loops"):
+                flown = closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_paths_m)
         if self._out is not None:
             flown = write_results(flown, self._sim, self._out, self._report, self._show)
             if not flown.interrupted:
@@ -333,6 +342,7 @@ class _Flight:
             first_tick=-1 if saved is None else saved.tick,
             flown_before={} if saved is None else saved.paths_world_m or {},
             echoes_before=0 if saved is None else saved.echo_count,
+            keep=self._close_loops,
         )
 
     def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,12 @@ from uwsim import _core
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scenario import vehicle_hull
-from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator import Simulator
 from uwsim.survey.ping_to_map import HullBox, PingToMap
+
+if TYPE_CHECKING:
+    from uwsim.closure import PingTrack
+    from uwsim.survey.closed_map import PingKeeper
 
 HULL_MARGIN_M = 0.05
 PING_RATE_HZ, VOXEL_M = 10.0, 0.2  # of scenarios without a survey
@@ -25,17 +28,22 @@ class Mapper:
     """One vehicle's pings: an Observer of the simulator's journal.
 
     vehicle: as the mission sees it; the map is made with its estimated poses. path_world_m: the sonar's estimated
-    position at each ping.
+    position at each ping. keeper: keeps the pings, too, so that the map can be made again; then true_path_m has the
+    vehicle's true positions.
     """
 
-    def __init__(self, sim: Simulator, vehicle: OwnVehicle, chain: PingToMap, first_tick: int) -> None:
+    def __init__(
+        self, sim: Simulator, vehicle: OwnVehicle, chain: PingToMap, first_tick: int, keeper: PingKeeper | None
+    ) -> None:
         self._sim, self._vehicle, self._chain = sim, vehicle, chain
         self._hull = sim.vehicles[vehicle.name]
         self._steps = max(1, round(ping_interval_s(sim, vehicle.name) / sim.step_s))
         self.due_tick = sim.tick + self._steps
         while self.due_tick <= first_tick:
             self.due_tick += self._steps
+        self.keeper = keeper
         self.path_world_m: list[NDArray[np.float64]] = []
+        self.true_path_m: list[NDArray[np.float64]] = []
         self.echo_count = 0
 
     def observe(self) -> None:
@@ -50,6 +58,9 @@ class Mapper:
         points = self._chain.insert(ping.ranges_m, body, sonar, self._sim.time_s, deviation_m)
         self.path_world_m.append(sonar[:3, 3].copy())
         self.echo_count += len(points)
+        if self.keeper is not None:
+            self.keeper.keep(ping, body)
+            self.true_path_m.append(true_body[:3, 3])
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
         """Nothing depends on commands."""
@@ -58,8 +69,8 @@ class Mapper:
 class MapMaker:
     """The map of a flight, made by one vehicle or by several together. A context manager.
 
-    first_tick: pings at this tick and before are in the map already. With one vehicle the map is filled on a thread of
-    its own; several take turns, so that the map's bytes do not depend on threads.
+    first_tick: pings at this tick and before are in the map already. keep: keep all pings (`tracks`). With one vehicle
+    the map is filled on a thread of its own; several take turns, so that the map's bytes do not depend on threads.
     """
 
     def __init__(
@@ -71,15 +82,15 @@ class MapMaker:
         first_tick: int,
         flown_before: Mapping[str, NDArray[np.float64]],
         echoes_before: int,
+        keep: bool = False,
     ) -> None:
         self.occupancy = occupancy
         self._sim, self._stack = sim, ExitStack()
         self._before, self._echoes_before = dict(flown_before), echoes_before
-        entries = {entry.name: entry for entry in sim.scenario.vehicles}
         threads = sim.threads if len(vehicles) == 1 else 1
-        self._chains = [_chain(sim, entries[name], occupancy, threads) for name in vehicles]
+        self._chains = [chain_of(sim, name, occupancy, threads) for name in vehicles]
         self._mappers = {
-            name: Mapper(sim, vehicle, chain, first_tick)
+            name: Mapper(sim, vehicle, chain, first_tick, _keeper(sim, name) if keep else None)
             for (name, vehicle), chain in zip(vehicles.items(), self._chains, strict=True)
         }
 
@@ -94,6 +105,16 @@ class MapMaker:
         """Each vehicle's sonar's estimated position at each ping, (n, 3)."""
         now = {name: np.array(mapper.path_world_m).reshape(-1, 3) for name, mapper in self._mappers.items()}
         return {name: np.concatenate([self._before.get(name, np.empty((0, 3))), path]) for name, path in now.items()}
+
+    @property
+    def tracks(self) -> dict[str, PingTrack]:
+        """The pings that were kept, by vehicle."""
+        return {name: mapper.keeper.track for name, mapper in self._mappers.items() if mapper.keeper is not None}
+
+    @property
+    def true_paths_m(self) -> dict[str, NDArray[np.float64]]:
+        """Each vehicle's true positions at the pings that were kept, (n, 3)."""
+        return {name: np.array(mapper.true_path_m).reshape(-1, 3) for name, mapper in self._mappers.items()}
 
     @property
     def echo_count(self) -> int:
@@ -117,8 +138,16 @@ class MapMaker:
         self._stack.__exit__(*error)
 
 
-def _chain(sim: Simulator, entry: VehicleEntry, occupancy: OccupancyMap, threads: int) -> PingToMap:
-    sonar, survey = sim.vehicles[entry.name].sonar, sim.scenario.survey
+def _keeper(sim: Simulator, vehicle: str) -> PingKeeper:
+    from uwsim.survey.closed_map import PingKeeper  # here, since scipy takes long to import
+
+    return PingKeeper(sim, sim.vehicles[vehicle])
+
+
+def chain_of(sim: Simulator, vehicle: str, occupancy: OccupancyMap, threads: int) -> PingToMap:
+    """Return the chain from a vehicle's pings to a map."""
+    (entry,) = (entry for entry in sim.scenario.vehicles if entry.name == vehicle)
+    sonar, survey = sim.vehicles[vehicle].sonar, sim.scenario.survey
     in_physics = sonar.mode == "physics"
     filters = in_physics if survey is None or survey.outlier_filter is None else survey.outlier_filter
     limit_m = None if survey is None else survey.max_uncertainty_m

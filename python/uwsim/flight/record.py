@@ -14,6 +14,7 @@ from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
 
 if TYPE_CHECKING:
+    from uwsim.flight.closed_flight import ClosedPath
     from uwsim.link.table import LinkRow
 
 INTERRUPTED = "interrupted (Ctrl-C)"
@@ -28,7 +29,7 @@ class FlightRecord:
     result: what the mission returned; None if it did not end by itself. ended_because: a sentence. ended_early: whether
     something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. occupancy: the
     map; pings_world_m: the sonars' estimated positions at each ping, by vehicle; score: of the map, None without one.
-    link: what it carried, by topic.
+    link: what it carried, by topic. closed: by vehicle, the tracks with loops closed, which the map is made of then.
     """
 
     mission: str
@@ -50,6 +51,7 @@ class FlightRecord:
     range_max_m: float = 0.0
     score: MapScore | None = None
     link: list[LinkRow] = field(default_factory=list)
+    closed: dict[str, ClosedPath] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Which mission, where, how long and why it ended."""

@@ -87,7 +87,8 @@ def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator | None) -> li
     errors = {name: error for name, error in errors.items() if error.max(initial=0.0) > MOVED_M}
     estimates = {name: flown.samples[name].estimated_path_world_m for name in errors}
     figures = [Figure(out / "track.png", "Where it went", "From the circle to the square.")]
-    draw_track(figures[0].path, None if sim is None else sim.world, tracks, estimates)
+    closed = {name: path.path_world_m for name, path in flown.closed.items()}
+    draw_track(figures[0].path, None if sim is None else sim.world, tracks, estimates, closed)
     for name, samples in flown.samples.items():
         of = f" of {name}" if len(flown.samples) > 1 else ""
         tag = f"_{name}" if len(flown.samples) > 1 else ""
@@ -104,12 +105,13 @@ def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator | None) -> li
         draw_power(power.path, samples["time_s"], samples.commands, samples.command_names, samples["battery_percent"])
         figures += [depth, power]
     if errors:
-        figures.append(
-            Figure(
-                out / "estimate.png", "Estimate against truth", "How far the vehicle was from where it thought it was."
-            )
-        )
-        draw_estimate(figures[-1].path, next(iter(flown.samples.values()))["time_s"], errors)
+        text = "How far the vehicle was from where it thought it was"
+        text += ", and from where it is taken to have been once loops were closed." if flown.closed else "."
+        figures.append(Figure(out / "estimate.png", "Estimate against truth", text))
+        curves = {name: (flown.samples[name]["time_s"], error) for name, error in errors.items()}
+        for name, path in flown.closed.items():
+            curves[f"{name}, loops closed"] = (path.times_s, path.errors_m)
+        draw_estimate(figures[-1].path, curves)
     return figures
 
 

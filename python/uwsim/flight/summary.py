@@ -27,6 +27,13 @@ def key_figures(flown: FlightRecord) -> list[tuple[str, str]]:
         rows += [("pings in the map", f"{len(flown.all_pings_world_m):,}"), ("echoes", f"{flown.echo_count:,}")]
     if flown.score is not None:
         rows += score_rows(flown.score)
+    for name, closed in flown.closed.items():
+        values, of = _closed_values(flown, name), f" of {name}" if len(flown.closed) > 1 else ""
+        rows += [
+            (f"loops closed{of}", f"{closed.matched} of {closed.tried} overlaps, {closed.submaps} submaps"),
+            (f"closed track{of}, RMS error", f"{values['error_rms_m']:.2f} m"),
+            (f"closed track{of}, largest error", f"{values['error_max_m']:.2f} m"),
+        ]
     return rows
 
 
@@ -89,7 +96,20 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
         "pings": len(flown.all_pings_world_m),
         "echoes": flown.echo_count,
         "link": [row._asdict() for row in flown.link],
+        "closed": {name: _closed_values(flown, name) for name in flown.closed},
         "vehicles": {name: vehicle_values(samples) for name, samples in flown.samples.items()},
+    }
+
+
+def _closed_values(flown: FlightRecord, name: str) -> dict[str, Any]:
+    closed = flown.closed[name]
+    errors = closed.errors_m
+    return {
+        "submaps": closed.submaps,
+        "overlaps": closed.tried,
+        "matched": closed.matched,
+        "error_rms_m": float(np.sqrt(np.mean(errors**2))) if len(errors) else 0.0,
+        "error_max_m": float(errors.max(initial=0.0)),
     }
 
 
