@@ -11,6 +11,7 @@ from command_line import error_line, uwsim
 from uwsim import make_dataset
 from uwsim.cli import dataset as cli
 from uwsim.datasets.track import read_track
+from uwsim.scenario.read.assets import assets_folder
 
 SMALL = {"size": (32, 24), "write": ("depth",), "workers": 0}
 MISSION = """
@@ -104,6 +105,9 @@ def test_any_camera_can_follow_a_track_but_only_a_fixed_one_is_drawn(tmp_path: P
         ({"effects": "nois"}, "effects"),
         ({"sonar": "forward_looking"}, "sonar.*without effect"),
         ({"pictures": "jpg"}, "pictures.*without effect"),
+        ({"label_range_m": 3.0}, "label_range_m = 3 m: is without effect"),
+        ({"min_pixels": 3}, "min_pixels = 3.*is without effect"),
+        ({"write": ("yolo",)}, "needs rgb"),
         ({"write": ("multibeam",)}, "size: are without effect"),
         ({"vehicle": "scout"}, "scout"),
         ({"vary": {"optics.jerlow": {"choices": ["I"]}}}, "jerlow"),
@@ -119,6 +123,20 @@ def test_options_are_met_at_the_door(tmp_path: Path, options: dict, told: str) -
     with pytest.raises(ValueError, match=told):
         make_dataset("pool", tmp_path / "data", given.pop("n"), **given)
     assert not (tmp_path / "data").exists()
+
+
+def test_a_scenario_that_changed_meanwhile_is_another(tmp_path: Path) -> None:
+    file = tmp_path / "pond.yaml"
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    for width_m in (1.0, 2.0):
+        file.write_text(text.replace("size_m: [1, 1, 1]", f"size_m: [1, {width_m}, 1]"))
+        out = tmp_path / f"{width_m}"
+        make_dataset(file, out, 1, **SMALL)
+    digests = [json.loads((tmp_path / f"{w}" / "dataset.json").read_text())["scenario_digest"] for w in (1.0, 2.0)]
+    assert digests[0] != digests[1]
+    (out / "ledger.jsonl").unlink()
+    with pytest.raises(ValueError, match="holds pictures already"):
+        make_dataset(file, out, 1, **SMALL)
 
 
 def test_the_command_makes_a_dataset(tmp_path: Path) -> None:

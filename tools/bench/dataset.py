@@ -20,7 +20,7 @@ from rich.table import Table
 from uwsim.datasets import make_dataset
 from uwsim.datasets.frame import FrameJob, file_name, folders, make_frame
 from uwsim.datasets.spec import DatasetSpec, Product
-from uwsim.datasets.studio import studio_of
+from uwsim.datasets.studio import digest_of, studio_of
 
 console = Console()
 
@@ -65,8 +65,8 @@ def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]
     specs = {
         name: DatasetSpec(scenario=scenario, n=rounds + 1, size=size, write=write) for name, write in CASES.items()
     }
-    studios = {name: studio_of(spec, 1) for name, spec in specs.items()}
-    bare = studios["rgb"]
+    digest = digest_of(specs["rgb"])
+    bare = studio_of(specs["rgb"], 1, digest)
     cost_ms: dict[str, list[float]] = {name: [] for name in ("bare picture", "drawing a pose", *CASES)}
     with tempfile.TemporaryDirectory() as folder:
         for spec in specs.values():
@@ -82,7 +82,7 @@ def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]
                 row = {"drawing a pose": drawn - begun, "bare picture": time.process_time() - drawn}
                 for name, spec in specs.items():
                     begun = time.process_time()
-                    make_frame(FrameJob(spec, number, folder, threads=1))
+                    make_frame(FrameJob(spec, digest, number, folder, threads=1))
                     row[name] = time.process_time() - begun
             if number:  # the first warms up
                 for name, seconds in row.items():

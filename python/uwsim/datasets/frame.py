@@ -28,9 +28,13 @@ JPEG_QUALITY = 95
 
 @dataclass(frozen=True)
 class FrameJob:
-    """A frame to make. pose: time [s], position [m], orientation x, y, z, w on a track; None: drawn."""
+    """A frame to make. pose: time [s], position [m], orientation x, y, z, w on a track; None: drawn.
+
+    digest: of the scenario (studio.digest_of).
+    """
 
     spec: DatasetSpec
+    digest: str
     number: int
     out: str
     pose: tuple[float, ...] | None = None
@@ -59,7 +63,7 @@ def file_name(spec: DatasetSpec, kind: str, number: int) -> str:
 
 def make_frame(job: FrameJob) -> dict[str, Any]:
     """Make a frame and write its files; return its record. Raises ValueError if there is no pose for it, OSError."""
-    studio, spec, number = studio_of(job.spec, job.threads), job.spec, job.number
+    studio, spec, number = studio_of(job.spec, job.threads, job.digest), job.spec, job.number
     values = studio.vary(number)
     if job.pose is None:
         viewpoint, time_ns = studio.viewpoint(number), studio.time_ns(number)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +14,13 @@ from typing import Any
 from uwsim.datasets.frame import FrameJob, folders, make_frame
 from uwsim.datasets.spec import DatasetSpec
 from uwsim.datasets.split import split_of_frames
-from uwsim.datasets.studio import Studio, require_effects, studio_of
+from uwsim.datasets.studio import Studio, digest_of, require_effects, studio_of
 from uwsim.datasets.tables import write_tables
 from uwsim.datasets.track import Track, read_track, track_of
 from uwsim.flight.folder import made_folder
-from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.read.validated import validated
-from uwsim.workers import Ledger, open_workers
+from uwsim.workers import Ledger, Workers, open_workers
 
 RETRIES = 2
 Show = Callable[[str], AbstractContextManager[object]]
@@ -87,21 +87,22 @@ def make_dataset(
     require_effects(spec)
     threads = None if workers == 0 else 1
     with show("checking"):
-        studio = studio_of(spec, threads)
+        digest = digest_of(spec)
+        studio = studio_of(spec, threads, digest)
         track = _track(spec, studio, along, mission)
         if track is None:
             studio.vary(0)
             studio.viewpoint(0)  # raises ValueError where there is none
     into = made_folder(Path(out))
     ledger = Ledger(into)
-    _require_fresh(ledger, into, resume)
-    plan = _plan(spec, studio, track)
-    begun_s, made = time.perf_counter(), 0
+    _require_fresh(ledger, into, spec, resume)
+    plan = _plan(spec, digest, track)
+    made, wall_s = 0, 0.0
     try:
         ledger.resume(plan) if resume else ledger.begin(plan)
         _make_folders(into, spec)
         missing = {
-            number: FrameJob(spec, number, str(into.resolve()), _pose(track, number), threads)
+            number: FrameJob(spec, digest, number, str(into.resolve()), _pose(track, number), threads)
             for number in range(spec.n)
             if number not in ledger.results
         }
@@ -109,17 +110,10 @@ def make_dataset(
         if missing:
             with show("starting workers"):
                 crew = open_workers(workers, scheduler=scheduler)
-            begun_s = time.perf_counter()
             with crew:
-                for each in crew.finished(make_frame, missing, retries=RETRIES, stop_requested=stop_requested):
-                    if each.result is None:
-                        raise OSError(f"frame {each.job}: {each.why}; --resume continues")
-                    ledger.add(each.job, each.result)
-                    made += 1
-                    tell(len(ledger.results), 0, spec.n)
+                made, wall_s = _make(crew, missing, ledger, stop_requested, lambda finished: tell(finished, 0, spec.n))
     finally:
         ledger.close()
-    wall_s = time.perf_counter() - begun_s
     files: tuple[Path, ...] = ()
     if len(ledger.results) == spec.n:
         with show("writing tables"):
@@ -127,6 +121,21 @@ def make_dataset(
             records = [ledger.results[number] for number in range(spec.n)]
             files = tuple(write_tables(into, studio, plan, records, splits))
     return Dataset(spec, into, len(ledger.results), files, made, wall_s)
+
+
+def _make(
+    crew: Workers, missing: Mapping[int, FrameJob], ledger: Ledger, stop_requested: Callable[[], bool],
+    tell_finished: Callable[[int], None],
+) -> tuple[int, float]:  # fmt: skip
+    """Make what is missing, and note each frame in the ledger; return how many were made, and the wall time [s]."""
+    begun_s, made = time.perf_counter(), 0
+    for each in crew.finished(make_frame, missing, retries=RETRIES, stop_requested=stop_requested):
+        if each.result is None:
+            raise OSError(f"frame {each.job}: {each.why}; --resume continues")
+        ledger.add(each.job, each.result)
+        made += 1
+        tell_finished(len(ledger.results))
+    return made, time.perf_counter() - begun_s
 
 
 def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:
@@ -155,25 +164,30 @@ def _pose(track: Track | None, number: int) -> tuple[float, ...] | None:
     return (float(track.times_s[number]), *position.tolist(), *orientation.tolist())
 
 
-def _require_fresh(ledger: Ledger, into: Path, resume: bool) -> None:
+def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) -> None:
     if not resume and ledger.exists:
         ledger.read()
         rule = f"holds a dataset already, {len(ledger.results):,} frames of it finished: --resume, or another --out"
         raise ValueError(f"--out {into}: {rule}")
+    if not resume and any(any((into / folder).glob("*")) for folder in _folder_names(spec)):
+        raise ValueError(f"--out {into}: holds pictures already, of no dataset that is known: choose another")
     if resume and not ledger.exists:
         raise ValueError(f"--resume: no dataset was begun in '{into}'")
 
 
 def _make_folders(into: Path, spec: DatasetSpec) -> None:
     """Make the folders of files; remove what a killed process has left half written."""
-    for where in folders(spec).values():
-        folder = into / where.split("/")[0]
-        folder.mkdir(exist_ok=True)
-        for left_over in folder.glob(".*"):
+    for name in _folder_names(spec):
+        (into / name).mkdir(exist_ok=True)
+        for left_over in (into / name).glob(".[0-9]*"):
             left_over.unlink()
 
 
-def _plan(spec: DatasetSpec, studio: Studio, track: Track | None) -> dict[str, Any]:
+def _folder_names(spec: DatasetSpec) -> list[str]:
+    return [where.split("/")[0] for where in folders(spec).values()]
+
+
+def _plan(spec: DatasetSpec, digest: str, track: Track | None) -> dict[str, Any]:
     """Return what all files follow from."""
     poses = None
     if track is not None:
@@ -182,6 +196,6 @@ def _plan(spec: DatasetSpec, studio: Studio, track: Track | None) -> dict[str, A
     return {
         "options": json.loads(spec.model_dump_json(exclude={"scenario"})),
         "track": poses,
-        "scenario_digest": scenario_fingerprint(studio.sim.scenario),
+        "scenario_digest": digest,
         "build": build_fingerprint(),
     }

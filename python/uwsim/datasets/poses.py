@@ -100,7 +100,7 @@ def draw_viewpoint(
         body_from_ray = _rays(eye, random) @ eye.rotation.T
         eyes = points - distances[:, None] * turns.apply(body_from_ray)
         bodies = eyes - turns.apply(eye.position_m)
-        for k in np.flatnonzero(water.under_water(bodies, eyes)):
+        for k in np.flatnonzero(water.under_water(bodies, eyes) & (points[:, 2] < 0.0)):
             under_water += 1
             if water.clear(bodies[k], eyes[k]):
                 clear += 1

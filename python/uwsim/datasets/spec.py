@@ -16,7 +16,8 @@ PRODUCTS: tuple[str, ...] = get_args(Product)
 """Everything that can be written of a frame."""
 USUAL: tuple[Product, ...] = ("rgb", "depth", "normals", "instances", "classes", "boxes")
 OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays"}
-MAX_FRAMES = 10_000_000
+MAX_FRAMES = 1_000_000
+MIN_PIXELS = 16
 Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
 Metres = Annotated[float, InRange(0.01, 1000, "m")]
 
@@ -52,7 +53,7 @@ class DatasetSpec(Model):
     pitch_max_deg: Annotated[float, InRange(0, 90, "deg")] = 15.0
     roll_max_deg: Annotated[float, InRange(0, 180, "deg")] = 5.0
     label_range_m: Annotated[float, InRange(0.01, 1e6, "m")] | None = None
-    min_pixels: Annotated[int, InRange(1, LARGEST_SIDE**2, "pixels")] = 16
+    min_pixels: Annotated[int, InRange(1, LARGEST_SIDE**2, "pixels")] = MIN_PIXELS
     val_share: Annotated[float, InRange(0, 1)] = 0.2
     vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
 
@@ -68,6 +69,12 @@ class DatasetSpec(Model):
             raise broken("is without effect unless `write` has sonar", at=("sonar",), value=self.sonar)
         if self.pictures != "png" and "rgb" not in self.write:
             raise broken("is without effect unless `write` has rgb", at=("pictures",), value=self.pictures)
+        if self.label_range_m is not None and not self.writes("instances", "classes", "boxes", "yolo"):
+            rule = "is without effect unless `write` has instances, classes, boxes or yolo"
+            raise broken(rule, at=("label_range_m",), value=self.label_range_m, unit="m")
+        if self.min_pixels != MIN_PIXELS and not self.writes("boxes", "yolo", "sonar"):
+            rule = "is without effect unless `write` has boxes, yolo or sonar"
+            raise broken(rule, at=("min_pixels",), value=self.min_pixels)
         if "yolo" in self.write and "rgb" not in self.write:
             raise broken("has yolo, whose files belong to pictures: needs rgb, too", at=("write",))
         for name, variation in self.vary.items():

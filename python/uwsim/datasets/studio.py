@@ -15,8 +15,10 @@ from uwsim.cameras.effects import effects_on
 from uwsim.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint, visibility_m
 from uwsim.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.datasets.targets import Targets
+from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.simulator import Simulator
 from uwsim.sonars.imaging import ForwardLooking, SonarImage, look_ahead
 from uwsim.sonars.mounted import ImagingSonar
@@ -165,13 +167,21 @@ class Studio:
 
 
 @lru_cache(maxsize=4)
-def _kept(spec_json: str, threads: int | None) -> Studio:
-    return Studio(DatasetSpec.model_validate_json(spec_json), threads)
+def _kept(spec_json: str, threads: int | None, digest: str) -> Studio:
+    studio = Studio(DatasetSpec.model_validate_json(spec_json), threads)
+    if scenario_fingerprint(studio.sim.scenario) != digest:
+        raise ValueError(f"scenario '{studio.spec.scenario}': is not here what it was when the dataset was begun")
+    return studio
 
 
-def studio_of(spec: DatasetSpec, threads: int | None) -> Studio:
-    """Return this process's studio for a dataset; the last few are kept."""
-    return _kept(spec.model_dump_json(exclude_unset=True), threads)
+def studio_of(spec: DatasetSpec, threads: int | None, digest: str) -> Studio:
+    """Return this process's studio for a dataset and a scenario of this fingerprint; the last few are kept."""
+    return _kept(spec.model_dump_json(exclude_unset=True), threads, digest)
+
+
+def digest_of(spec: DatasetSpec) -> str:
+    """Return the fingerprint of the scenario as it is now. Raises ScenarioError."""
+    return scenario_fingerprint(load(spec.scenario).with_changes(seed=spec.seed))
 
 
 def require_effects(spec: DatasetSpec) -> None:
