@@ -240,4 +240,5 @@ def test_resolution_out_of_range_is_refused(resolution_m):
 
 
 def test_repr_gives_resolution_and_origin():
-    assert repr(OccupancyMap(0.5, [1, 2, 3])) == "OccupancyMap(resolution_m=0.5, origin_world_m=(1, 2, 3))"
+    shown = "OccupancyMap(resolution_m=0.5, origin_world_m=(1, 2, 3): 0 occupied and 0 free voxels)"
+    assert repr(OccupancyMap(0.5, [1, 2, 3])) == shown

@@ -284,7 +284,11 @@ class OccupancyMap(Sealed):
 
     def __repr__(self) -> str:
         origin = ", ".join(f"{x:g}" for x in self.origin_world_m)
-        return f"OccupancyMap(resolution_m={self.resolution_m:g}, origin_world_m=({origin}))"
+        held = self.statistics()
+        return (
+            f"OccupancyMap(resolution_m={self.resolution_m:g}, origin_world_m=({origin}): "
+            f"{held.occupied_voxels:,} occupied and {held.free_voxels:,} free voxels)"
+        )
 
 
 def _origin(origin_world_m: ArrayLike | None) -> ArrayLike:
