@@ -1,12 +1,17 @@
 """The Python programs of the documentation's pages run as printed: all of a page, one after the other."""
 
+import inspect
 import json
+import pydoc
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from tools.reference.python_names import PUBLIC
+
+import uwsim
 
 DOCS = Path(__file__).parents[2] / "docs"
 PROGRAM = re.compile(r"^```python\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
@@ -38,12 +43,32 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-m", "tools.reference", str(tmp_path)], cwd=DOCS.parent, check=True)
     scenario = (tmp_path / "scenario.md").read_text()
     assert "| `step_s` | number in 0.0005 ... 0.02 s | `0.005` |" in scenario
-    assert "## imu" in (tmp_path / "sensors.md").read_text()
+    assert "rov | `usbl` | 1 | 0 | 0.05 |" in (tmp_path / "sensors.md").read_text()
     assert "## uwsim survey" in (tmp_path / "commands.md").read_text()
     assert "`scan`" in (tmp_path / "channels.md").read_text()
     assert "| 0 to 2 | `place_body` | m | -10 ... 10 |" in (tmp_path / "environments.md").read_text()
     assert "| `retries` | whole number in 0 ... 100 | `2` |" in (tmp_path / "sweep.md").read_text()
     assert "Francois and Garrison 1982" in (tmp_path / "sources.md").read_text()
+
+
+def test_what_the_programs_import_is_public() -> None:
+    """The Python reference lists it: whoever copies a program relies on nothing that may change unsaid."""
+    listed = [name.removesuffix("()") for names in PUBLIC.values() for name in names]
+    texts = ["\n".join(PROGRAM.findall((DOCS / f"{page}.md").read_text())) for page in PAGES]
+    texts += [path.read_text().replace("\\n", "\n").replace('"', " ") for path in (DOCS / "notebooks").glob("*.ipynb")]
+    imports = {
+        (module, name.strip())
+        for text in texts
+        for module, names in re.findall(r"^ *from (uwsim[\w.]*) import ([\w, ]+)", text, flags=re.MULTILINE)
+        for name in names.split(",")
+    }
+    assert len(imports) > 10
+    things = [pydoc.locate(name) for name in listed] + [getattr(uwsim, name) for name in uwsim.__all__]
+    for module, name in sorted(imports):
+        thing = pydoc.locate(f"{module}.{name}")
+        inside = any(inspect.ismodule(each) and getattr(each, name, None) is thing for each in things)
+        holds = inspect.ismodule(thing) and any(each.startswith(thing.__name__) for each in listed)
+        assert inside or holds or any(thing is each for each in things), f"{module}.{name}"
 
 
 def test_notebooks_are_kept_without_what_they_gave() -> None:

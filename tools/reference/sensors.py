@@ -1,9 +1,13 @@
-"""The sensor reference: kinds, what they read, what noise acts on, their own keys."""
+"""The sensor reference: kinds, what they read, what noise acts on, their own keys, and the packaged ones."""
 
 from tools.reference.markdown import code, plain, table
 
 from uwsim import _core
 from uwsim.readings import READINGS
+from uwsim.scenario.read.assets import packaged_names
+from uwsim.scenario.read.spec_file import read_spec
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.vehicle import VehicleModel
 
 HEAD = """# Sensors
 
@@ -21,7 +25,8 @@ def sensors_page() -> str:
 
 def _section(kind: _core.SensorKind) -> str:
     reads = f"`{READINGS[kind.name].__name__}`" if kind.name in READINGS else "a number"
-    text = f"## {kind.name}\n\n{plain(kind.meaning)}. It reads {reads}.\n\n"
+    meaning = plain(kind.meaning)
+    text = f"## {kind.name}\n\n{meaning[:1].upper()}{meaning[1:]}. It reads {reads}.\n\n"
     rows = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.fields.items()]
     text += table(("quantity", "shape", "unit"), rows)
     channels = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.channels.items()]
@@ -30,7 +35,37 @@ def _section(kind: _core.SensorKind) -> str:
         (code(name), plain(parameter.unit), f"{parameter.low:g} ... {parameter.high:g}", f"{parameter.by_default:g}")
         for name, parameter in kind.parameters.items()
     ]
-    return text + ("\nKeys of its own:\n\n" + table(("key", "unit", "range", "default"), keys) if keys else "")
+    text += "\nKeys of its own:\n\n" + table(("key", "unit", "range", "default"), keys) if keys else ""
+    return text + _packaged(kind.name)
+
+
+def _packaged(kind: str) -> str:
+    """Return the table of the packaged vehicles' sensors of a kind; vehicles with equal ones share a line."""
+    vehicles: dict[tuple[str, ...], list[str]] = {}
+    for vehicle in packaged_names("vehicles"):
+        for name, mount in read_spec(VehicleModel, vehicle, "vehicles").sensors.items():
+            if mount.kind == kind:
+                vehicles.setdefault((code(name), *_figures(mount)), []).append(vehicle)
+    rows = [(", ".join(who), *line) for line, who in vehicles.items()]
+    head = ("vehicles", "name", "rate [Hz]", "latency [s]", "drop-outs", "noise")
+    return "\nIn the packaged vehicles, whose files name the sources:\n\n" + table(head, rows) if rows else ""
+
+
+def _figures(mount: SensorMount) -> tuple[str, ...]:
+    rate = "each step" if mount.rate_hz is None else f"{mount.rate_hz:g}"
+    shared = mount.noise or (Noise(std=mount.noise_std) if mount.noise_std else None)
+    noises = {**({"": shared} if shared else {}), **mount.channels}
+    noise = "<br>".join(f"{code(channel)} {_said(each)}".strip() for channel, each in noises.items())
+    return rate, f"{mount.latency_s:g}", f"{mount.drop_out:g}", noise or "none"
+
+
+def _said(noise: Noise) -> str:
+    """Return the keys that are given, with their values."""
+    return ", ".join(f"{key} {_value(value)}" for key, value in noise.model_dump(exclude_defaults=True).items())
+
+
+def _value(value: float | tuple[float, float]) -> str:
+    return " ... ".join(f"{each:g}" for each in value) if isinstance(value, tuple) else f"{value:g}"
 
 
 def _shape(width: int) -> str:
