@@ -20,6 +20,7 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 300  # [s] of a cell, on a busy machine
 myst_links_external_new_tab = True
 
+suppress_warnings = ["ref.python"]  # a type's name in a signature that two modules have, such as Vehicle
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_default_options = {"members": True, "undoc-members": False}
