@@ -200,6 +200,7 @@ def test_a_resumed_flight_gives_the_same_map_track_and_log(mission: Path, tmp_pa
     again = resume(tmp_path / "half", threads=threads, report="none")
     assert again.result == whole.result
     assert again.echo_count == whole.echo_count
+    assert again.map_growth == whole.map_growth and len(whole.map_growth) > 3
     for name in ("map.bt", "log.jsonl", "track-rov.csv", "track.npz"):
         assert (tmp_path / "half" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
     assert not (tmp_path / "half" / "checkpoint").exists()
@@ -247,6 +248,7 @@ def test_two_vehicles_make_one_map_and_it_does_not_depend_on_threads() -> None:
     flights = [fly(mission, "pair", map=True, threads=threads) for threads in (1, 2)]
     maps = [flown.occupancy.to_bytes("ot") for flown in flights]
     assert maps[0] == maps[1]
+    assert flights[0].map_growth == flights[1].map_growth
     assert set(flights[0].pings_world_m) == {"rov", "scout"}
     alone = fly(lambda_goto, "pair", map=True, vehicles=["rov"])
     assert len(alone.occupancy.occupied_voxels()) < len(flights[0].occupancy.occupied_voxels())

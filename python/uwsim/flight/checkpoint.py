@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from uwsim.atomic_file import write_atomically
+from uwsim.flight.map_growth import GrowthRow
 from uwsim.flight.request import FlightRequest
 from uwsim.mapping import OccupancyMap
 
@@ -37,6 +38,7 @@ class _StateFile(BaseModel):
     state_digest: str
     echo_count: int
     files: dict[str, str]
+    growth: tuple[GrowthRow, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class SavedFlight:
     occupancy: OccupancyMap | None = None
     paths_world_m: dict[str, NDArray[np.float64]] | None = None
     echo_count: int = 0
+    growth: tuple[GrowthRow, ...] = ()
 
 
 def state_digest(state: bytes) -> str:
@@ -85,6 +88,7 @@ class FlightCheckpoint:
             state_digest=saved.state_digest,
             echo_count=saved.echo_count,
             files=files,
+            growth=saved.growth,
         )
         write_atomically(self.folder / STATE, state.model_dump_json().encode())
         for path in self.folder.iterdir():
@@ -110,7 +114,9 @@ class FlightCheckpoint:
             else:
                 with np.load(file, allow_pickle=False) as arrays:
                     paths = {name: np.asarray(arrays[name], np.float64) for name in arrays.files}
-        return SavedFlight(state.request, state.tick, state.state_digest, occupancy, paths, state.echo_count)
+        return SavedFlight(
+            state.request, state.tick, state.state_digest, occupancy, paths, state.echo_count, state.growth
+        )
 
     def remove(self) -> None:
         """Remove the saved flight, because it has ended."""

@@ -324,6 +324,7 @@ class _Flight:
             pings_world_m={} if maker is None else maker.paths_world_m,
             echo_count=0 if maker is None else maker.echo_count,
             range_max_m=0.0 if maker is None else maker.range_max_m,
+            map_growth=() if maker is None else maker.growth,
             link=link_rows(sim),
         )
 
@@ -343,6 +344,7 @@ class _Flight:
             flown_before={} if saved is None else saved.paths_world_m or {},
             echoes_before=0 if saved is None else saved.echo_count,
             keep=self._close_loops,
+            growth_before=() if saved is None else saved.growth,
         )
 
     def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
@@ -379,4 +381,4 @@ class _Flight:
             self._autosave.save(lambda: checkpoint.write(now))
             return
         now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
-        maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(now)))
+        maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(replace(now, growth=maker.growth))))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.flight.map_growth import GrowthRow, GrowthWatch
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scenario import vehicle_hull
@@ -83,6 +84,7 @@ class MapMaker:
         flown_before: Mapping[str, NDArray[np.float64]],
         echoes_before: int,
         keep: bool = False,
+        growth_before: tuple[GrowthRow, ...] = (),
     ) -> None:
         self.occupancy = occupancy
         self._sim, self._stack = sim, ExitStack()
@@ -93,6 +95,12 @@ class MapMaker:
             name: Mapper(sim, vehicle, chain, first_tick, _keeper(sim, name) if keep else None)
             for (name, vehicle), chain in zip(vehicles.items(), self._chains, strict=True)
         }
+        self._growth = GrowthWatch(sim, occupancy, self.when_mapped, first_tick=first_tick, rows=growth_before)
+
+    @property
+    def growth(self) -> tuple[GrowthRow, ...]:
+        """How the map has grown, as far as it is measured."""
+        return tuple(self._growth.rows)
 
     def when_mapped(self, job: Callable[[], None]) -> None:
         """Run a job when the map holds all pings so far and none later."""
@@ -131,6 +139,8 @@ class MapMaker:
             self._stack.enter_context(chain)
             self._sim.journal.attach(mapper)
             self._stack.callback(self._sim.journal.detach, mapper)
+        self._sim.journal.attach(self._growth)  # after the pings of its tick
+        self._stack.callback(self._sim.journal.detach, self._growth)
         return self
 
     def __exit__(self, *error: Any) -> None:

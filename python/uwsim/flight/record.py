@@ -15,6 +15,7 @@ from uwsim.scoring.map_score import MapScore
 
 if TYPE_CHECKING:
     from uwsim.flight.closed_flight import ClosedPath
+    from uwsim.flight.map_growth import GrowthRow
     from uwsim.link.table import LinkRow
 
 INTERRUPTED = "interrupted (Ctrl-C)"
@@ -30,6 +31,7 @@ class FlightRecord:
     something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. occupancy: the
     map; pings_world_m: the sonars' estimated positions at each ping, by vehicle; score: of the map, None without one.
     link: what it carried, by topic. closed: by vehicle, the tracks with loops closed, which the map is made of then.
+    map_growth: the map against the true surface while it was made.
     """
 
     mission: str
@@ -52,6 +54,7 @@ class FlightRecord:
     score: MapScore | None = None
     link: list[LinkRow] = field(default_factory=list)
     closed: dict[str, ClosedPath] = field(default_factory=dict)
+    map_growth: tuple[GrowthRow, ...] = ()
 
     def __repr__(self) -> str:
         """Which mission, where, how long and why it ended."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim.atomic_file import write_atomically
 from uwsim.figures.flight import draw_depth, draw_estimate, draw_power, draw_track
+from uwsim.figures.growth import draw_growth
 from uwsim.figures.map_errors import draw_map_errors
 from uwsim.figures.map_from_above import draw_map_from_above
 from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
@@ -136,6 +137,14 @@ def _map_figures(
             "The depth of each cell's voxels compared with the true terrain.", wide=True,
         ),
     ]  # fmt: skip
+    if flown.map_growth:
+        figures.append(
+            Figure(
+                out / "map_growth.png", "The map as it grew",
+                "The area in which it holds something, and how far its voxels are from the true surface.",
+            )
+        )  # fmt: skip
+        draw_growth(figures[-1].path, [row._asdict() for row in flown.map_growth])
     rendered = render_truth_and_map(sim.world, sim.scene, area_m, occupied_m, score.resolution_m)
     draw_truth_and_map(figures[0].path, rendered, path_m)
     draw_map_from_above(figures[1].path, area_m, path_m, score, occupied_m, "area flown over")

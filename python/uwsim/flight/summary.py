@@ -95,6 +95,7 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
         "events": len(flown.events),
         "pings": len(flown.all_pings_world_m),
         "echoes": flown.echo_count,
+        "map_growth": [row._asdict() for row in flown.map_growth],
         "link": [row._asdict() for row in flown.link],
         "closed": {name: _closed_values(flown, name) for name in flown.closed},
         "vehicles": {name: vehicle_values(samples) for name, samples in flown.samples.items()},

@@ -1,0 +1,85 @@
+"""How a flight's map grows: its size, and its distance from the true surface, at times that lie ever farther apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uwsim.mapping import OccupancyMap
+from uwsim.simulator import Simulator
+
+FIRST_S, FACTOR = 5.0, 1.25  # the times: FIRST_S x FACTOR^k, some 30 in an hour
+MOST_VOXELS = 20_000  # whose distances are measured, evenly picked among all
+
+
+class GrowthRow(NamedTuple):
+    """The map at a time of the flight.
+
+    area_m2: of the columns in which something is occupied. distance_mean_m, distance_p95_m: of occupied voxels from the
+    true surface.
+    """
+
+    time_s: float
+    voxels: int
+    area_m2: float
+    distance_mean_m: float
+    distance_p95_m: float
+
+
+def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> GrowthRow | None:
+    """Measure a map; None for an empty one."""
+    voxels = occupancy.occupied_voxels()
+    if not len(voxels):
+        return None
+    edge_m = occupancy.resolution_m
+    east, north = np.floor(voxels[:, :2] / edge_m).astype(np.int64).T
+    columns = len(np.unique((east << 32) + north))
+    distances_m = sim.scene.distance_m(voxels[:: -(-len(voxels) // MOST_VOXELS)])
+    p95_m = float(np.quantile(distances_m, 0.95))
+    return GrowthRow(time_s, len(voxels), columns * edge_m**2, float(distances_m.mean()), p95_m)
+
+
+class GrowthWatch:
+    """Measures the map when it is time: an Observer of the simulator's journal.
+
+    when_mapped: runs a job when the map holds all pings so far. first_tick: rows until then are there already.
+    """
+
+    def __init__(
+        self,
+        sim: Simulator,
+        occupancy: OccupancyMap,
+        when_mapped: Callable[[Callable[[], None]], None],
+        *,
+        first_tick: int,
+        rows: tuple[GrowthRow, ...],
+    ) -> None:
+        self._sim, self._occupancy, self._when_mapped = sim, occupancy, when_mapped
+        self._begun_tick, self._next_s = sim.tick, FIRST_S
+        self.rows = list(rows)
+        self.due_tick = self._tick_of_next()
+        while self.due_tick <= first_tick:
+            self._go_on()
+
+    def observe(self) -> None:
+        """Measure the map as it is now, once it is made."""
+        time_s = (self._sim.tick - self._begun_tick) * self._sim.step_s
+        self._go_on()
+        self._when_mapped(lambda: self._measure(time_s))
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Nothing depends on commands."""
+
+    def _measure(self, time_s: float) -> None:
+        row = growth_row(self._occupancy, self._sim, time_s)
+        if row is not None:
+            self.rows.append(row)
+
+    def _go_on(self) -> None:
+        self._next_s *= FACTOR
+        self.due_tick = self._tick_of_next()
+
+    def _tick_of_next(self) -> int:
+        return self._begun_tick + round(self._next_s / self._sim.step_s)
