@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Workers = Annotated[
     int | None,
-    typer.Option(help="Processes on this machine; 0: fly in this one. Default: one per core."),
+    typer.Option(help="Processes on this machine; 0: none, this one works. Default: one per core."),
 ]
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a Dask cluster that works instead, such as tcp://10.0.0.1:8786.")
