@@ -25,7 +25,7 @@ class OccupiedChanges {
   std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 
  private:
-  /// Of a chunk: the words of 64 voxels, in Morton order, that are not zero.
+  /// The words of a chunk: those of 64 voxels, in Morton order, that are not zero.
   using Words = std::vector<std::pair<std::uint16_t, std::uint64_t>>;
 
   ChangedChunks pending_{true, {}};

@@ -66,7 +66,7 @@ PacketNetwork& Simulation::link() {
   return link_->network;
 }
 
-/// Of a vehicle it is at the body's origin.
+/// A vehicle's is at the origin of its body.
 Transducer Simulation::transducer(std::size_t node) const {
   if (node == 0) return {link_->spec.station_transducer_world_m, Eigen::Vector3d::Zero()};
   const BodyState& body = state(node - 1);

@@ -43,7 +43,7 @@ class Actuators {
   /// [N, N m].
   const std::array<Vector6d, 2>& full_wrench_body() const { return full_; }
 
-  /// Of wrenches to thrusters.
+  /// How wrenches are shared out to thrusters.
   const Allocation& allocation() const { return allocation_; }
   /// Torques of the fins at full effort about each axis alone, for 1 N/m^2 of dynamic pressure in flow from ahead; 0
   /// for axes about which they do not turn the vehicle [m^3].
