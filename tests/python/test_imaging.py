@@ -205,3 +205,22 @@ def test_bad_angles_and_numbers_are_refused() -> None:
         imaging.profile(basin(), HEAD, [0.0], SingleBeam(detection_db=-1.0))
     with pytest.raises(ValueError, match=r"sonar\.depression_rad"):
         imaging.look_aside(basin(), [HEAD], SideScan(depression_rad=2.0))
+
+
+def test_labels_tell_which_surface_a_cell_shows() -> None:
+    """A box of 2 m stands 10 m to port on the bed, 5 m under the head."""
+    sim = basin(((0.0, 10.0, BED_M + 1.0), (2.0, 2.0, 2.0)))
+    nothing, terrain, box = (sim.world.label_names.index(name) for name in ("nothing", "terrain", "box0"))
+    head = imaging.pose_matrix((0.0, 0.0, BED_M + 5.0))
+    lines = imaging.look_aside(sim, [head], SideScan(range_max_m=30.0, range_bins=300), with_labels=True)
+    assert lines.port_labels is not None and lines.starboard_labels is not None
+    face_m = np.hypot(9.0, 4.0)
+    assert lines.port_labels[0, int(face_m / 0.1)] == box
+    assert set(np.unique(lines.starboard_labels)) == {nothing, terrain}
+    assert (lines.port_labels[0, lines.ranges_m < 4.5] == nothing).all()  # the water column
+    beams = imaging.profile(sim, head, [np.pi / 2], SingleBeam(range_bins=200), with_labels=True)
+    assert beams.labels is not None and not (beams.labels == box).any()  # level: it passes over the box
+    down = imaging.pose_matrix((0.0, 10.0, BED_M + 5.0), pitch_rad=np.pi / 2)
+    beams = imaging.profile(sim, down, [0.0], SingleBeam(range_bins=200), with_labels=True)
+    assert beams.labels is not None and beams.labels[0, int(3.0 / 0.1)] == box
+    assert imaging.look_aside(sim, [head]).port_labels is None
