@@ -143,5 +143,5 @@ def crossings(echoes_world_m: Floats, diameter_m: float) -> Floats:
 
 def _direction(points: Floats, before: Floats) -> Floats:
     """The direction of the line through points (n, 2), the way that `before` points."""
-    _, _, axes = np.linalg.svd(points - points.mean(axis=0))
+    _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     return np.asarray(axes[0] if float(axes[0] @ before) >= 0.0 else -axes[0])

@@ -144,6 +144,6 @@ def wall_ahead(vehicle: OwnVehicle, farthest_m: float) -> tuple[float, float] | 
     if len(points) < FEWEST_ECHOES:
         return None
     middle = points.mean(axis=0)
-    _, _, axes = np.linalg.svd(points - middle)
+    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
     normal = axes[1] if float(axes[1] @ middle) > 0.0 else -axes[1]
     return float(normal @ middle), math.atan2(normal[1], normal[0])
