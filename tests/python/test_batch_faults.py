@@ -25,6 +25,8 @@ BY_CHANCE: list[dict[str, Any]] = [
     {"kind": "leak", "kg_per_s": 1.0, "rate_per_h": 20000.0, "for_s": 0.3},
     {"kind": "battery", "thrust": 0.5, "rate_per_h": 20000.0, "for_s": 0.1},
     {"kind": "sensor", "sensor": "dvl", "at_s": 0.1},
+    {"kind": "sonar", "at_s": 0.3},
+    {"kind": "camera", "camera": "front", "at_s": 0.5},
 ]
 FAULTS = (SCHEDULED, BY_CHANCE, [])
 CHANGES: tuple[dict[str, Any], ...] = ({}, {"rov.mass_kg": 290.0, "rov.max_force_n.x": 60.0}, {"rov.ballast_kg": 1.0})
@@ -69,8 +71,10 @@ def test_a_member_fails_as_the_lone_simulator_does(scenario: Scenario, threads: 
                 values = [np.ravel(getattr(sample.value, field, sample.value)) for field in told.fields]
                 np.testing.assert_array_equal(told.values[k], np.concatenate(values), err_msg=name)
                 assert told.valid[k] == sample.valid
+        assert batch.ping().ranges_m[k].tobytes() == sim.rov.sonar.ping().ranges_m.tobytes()
         assert batch.simulator(k).save_state() == sim.save_state()
-    kinds = ("leak", "battery", "sensor", "current")
+    assert batch.ping().valid.any(axis=1).tolist() == [True, False, True]
+    kinds = ("leak", "battery", "sensor", "sonar", "camera", "current")
     assert {("fault", kind) for kind in kinds} | {("failsafe", "silence"), ("failsafe", "leak")} <= happened
 
 

@@ -10,7 +10,7 @@ from uwsim import Simulator
 from uwsim.fleet import run_fleet
 from uwsim.fleet.fleet import shares
 from uwsim.fleet.score import by_tile
-from uwsim.fleet.tile_job import TileJob
+from uwsim.fleet.tile_job import TileJob, fly_tile
 from uwsim.fleet.tiles import Grid, grid_over, tiles_of
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import ScenarioError, build_terrain, load
@@ -124,6 +124,23 @@ def test_a_fleets_map_is_scored_as_one_and_survives_a_stop(pool: Path, tmp_path:
     assert figures["coverage"] == pytest.approx(score.coverage, abs=0.01)
     assert figures["distance_mean_m"] == pytest.approx(score.distance_mean_m, rel=1e-6)
     assert figures["fleet_out_s"] < figures["simulated_s"]
+
+
+def test_a_tile_that_failed_is_flown_again_if_asked(
+    pool: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = {"tile_m": 10.0, "workers": 0, "score": False}
+    run_fleet(pool, tmp_path / "whole", **options)
+    failing = {"error": "ValueError: no", "dry": None}
+    with monkeypatch.context() as patched:
+        patched.setattr("uwsim.fleet.fleet.fly_tile", lambda job: failing if job.tile.number else fly_tile(job))
+        flown = run_fleet(pool, tmp_path / "part", **options)
+    assert flown.failed == {1: "ValueError: no"} and flown.figures["tiles_failed"] == 1
+    assert run_fleet(pool, tmp_path / "part", resume=True, **options).failed
+    assert not run_fleet(pool, tmp_path / "part", resume=True, retry_failed=True, **options).failed
+    assert (tmp_path / "part" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
+    with pytest.raises(ValueError, match="retry_failed: needs resume"):
+        run_fleet(pool, tmp_path / "new", retry_failed=True, **options)
 
 
 def test_what_makes_no_sense_is_refused_before_anything_is_written(pool: Path, tmp_path: Path) -> None:

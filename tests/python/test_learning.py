@@ -140,6 +140,20 @@ def test_episodes_with_faults_and_a_sonar_in_physics_mode_follow_from_the_seed()
     assert begun[0] != begun[1]
 
 
+def test_a_camera_that_fails_shows_black_and_a_sonar_nothing() -> None:
+    blind = [{"kind": "camera", "camera": "front", "at_s": 0.1}, {"kind": "sonar", "at_s": 0.1}]
+    vector = gymnasium.make_vec(
+        "uwsim/PipelineFollowing-v0", num_envs=2, camera="front", camera_size=(12, 12), faults=blind
+    )
+    seen, _ = vector.reset(seed=4)
+    assert seen["camera"].any() and (seen["state"][:, :64] < 20.0).any()
+    for _ in range(2):
+        seen = vector.step(np.zeros((2, 4), np.float32))[0]
+    assert not seen["camera"].any() and (seen["state"][:, :64] == 20.0).all()
+    with pytest.raises(ValueError, match="camera 'front': is not observed"):
+        gymnasium.make("uwsim/PipelineFollowing-v0", faults=blind)
+
+
 def test_render_gives_a_picture_of_each_member() -> None:
     vector = gymnasium.make_vec(STATION, num_envs=2, render_mode="rgb_array")
     vector.reset(seed=1)
@@ -162,6 +176,8 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"num_envs": 0}, "num_envs = 0"),
         ({"sonar_mode": "physics"}, "sonar_mode = 'physics': is without effect: StationKeeping does not look"),
         ({"faults": [{"kind": "sensor", "sensor": "imu", "at_s": 1}]}, "'imu': StationKeeping reads none"),
+        ({"faults": [{"kind": "sonar", "at_s": 1}]}, "StationKeeping does not look through a sonar"),
+        ({"faults": [{"kind": "camera", "camera": "front", "at_s": 1}]}, "camera = 'front': must be one of none"),
         ({"faults": [{"kind": "link", "at_s": 1}]}, "the scenario has no link"),
         ({"faults": [{"kind": "thruster", "thruster": "frnt", "at_s": 1}]}, "thruster = 'frnt': must be one of"),
         ({"camera": "front", "randomize": {"optics.wind_m_s": (0, 1)}}, "optics would be without effect"),

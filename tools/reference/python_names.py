@@ -40,7 +40,14 @@ PUBLIC = {
     "Parameters": ["uwsim.parameters.Parameters"],
     "Faults": ["uwsim.failures.faults.Faults", "uwsim.failures.events.EventLog"],
     "Link": ["uwsim.network.Network"],
-    "Many at once": ["uwsim.batch.Batch"],
+    "Many at once": [
+        "uwsim.batch.Batch",
+        "uwsim.batch.BatchMotion",
+        "uwsim.batch.BatchSamples",
+        "uwsim.batch.BatchPings",
+        "uwsim.batch.BatchPhysicsPings",
+        "uwsim.batch.MemberAboard",
+    ],
     "Learning": [
         "uwsim.learning.lone_env.LoneEnv",
         "uwsim.learning.vector_env.BatchEnv",

@@ -125,6 +125,11 @@ class MemberAboard:
             fields = _core.sensor_kind(instrument.kind).fields
             values[...] = instrument.distortion.of_rows(values[None], fields)[0]
 
+    def camera_is_on(self, vehicle: str, camera: str) -> bool:
+        """Whether a camera of the vehicle's file gives pictures that are not black."""
+        entry = next(entry for entry in self._parameters.scenario.vehicles if entry.name == vehicle)
+        return camera not in entry.model.cameras or entry.model.cameras[camera].on
+
     def save(self) -> dict[str, Any]:
         """Return what a saved state notes of it."""
         return {"programs": self._programs.save(), "events": self.events.save()}

@@ -242,7 +242,7 @@ class Batch(Sealed):
     def aboard(self, member: int) -> MemberAboard:
         """Return what runs aboard a member, until it is reset: its faults, failsafes and events. Raises ValueError."""
         k = whole(member, "member", 0, self.n - 1)
-        return self._programs.aboard(k, self._member(k))
+        return self._programs.aboard(k, lambda: self._member(k))
 
     def _member(self, k: int) -> Member:
         return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])

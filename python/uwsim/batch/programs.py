@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,10 +53,10 @@ class Programs:
         """Whether a member has any."""
         return k in self._aboard
 
-    def aboard(self, k: int, member: Member) -> MemberAboard:
+    def aboard(self, k: int, made: Callable[[], Member]) -> MemberAboard:
         """Return what runs aboard a member; from now on it has it, if nothing has run there so far."""
         if k not in self._aboard:
-            self._aboard[k] = self._new(k, member)
+            self._aboard[k] = self._new(k, made())
         return self._aboard[k]
 
     def _new(self, k: int, member: Member) -> MemberAboard:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
-from uwsim.cli.options import ScenarioName, Seed
+from uwsim.cli.options import ScenarioName, Seed, need
 from uwsim.cli.sweep import Scheduler, Workers
 
 if TYPE_CHECKING:
@@ -30,6 +30,9 @@ def fleet(
     workers: Workers = None,
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Fly the tiles that are missing in --out.")] = False,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="With --resume: also those that failed.")
+    ] = False,
 ) -> None:
     """Survey an area in tiles, on many workers, and merge the maps.
 
@@ -42,6 +45,8 @@ def fleet(
     from uwsim.fleet import run_fleet
     from uwsim.survey.terminal import stop_on_ctrl_c
 
+    if not resume:
+        need("--resume", retry_failed=retry_failed)
     with job_progress("tiles") as progress, stop_on_ctrl_c(progress):
         flown = run_fleet(
             scenario,
@@ -54,6 +59,7 @@ def fleet(
             workers=workers,
             scheduler=scheduler,
             resume=resume,
+            retry_failed=retry_failed,
             stop_requested=progress.stop_requested,
             tell=progress.tell,
             show=progress.activity,

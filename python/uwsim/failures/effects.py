@@ -33,8 +33,7 @@ def check(spec: FaultModel, vehicle: Vehicle, scenario: Scenario) -> None:
         _check_sensor(spec, vehicle)
     if isinstance(spec, SonarFault) and not vehicle.sonars:
         raise ValueError(f"kind = 'sonar': vehicle '{vehicle.name}' carries no multibeam")
-    if isinstance(spec, CameraFault) and spec.camera not in vehicle.cameras:
-        known = list(vehicle.cameras)
+    if isinstance(spec, CameraFault) and spec.camera not in (known := list(_model(scenario, vehicle.name).cameras)):
         rule = f"must be one of {', '.join(known) or 'none'}{did_you_mean(spec.camera, known)}"
         raise ValueError(f"camera = {spec.camera!r}: {rule}")
 

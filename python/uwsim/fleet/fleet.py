@@ -63,6 +63,7 @@ def run_fleet(
     workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
+    retry_failed: bool = False,
     stop_requested: Callable[[], bool] = lambda: False,
     tell: Tell = lambda finished, failed, count: None,
     show: Show = lambda activity: nullcontext(),
@@ -71,7 +72,7 @@ def run_fleet(
 
     Each tile is flown from a start of its own, by the scenario's first vehicle, in its part of the terrain. voxel_m,
     seed: instead of the scenario's. vehicles: among how many the tiles are shared out, which decides how long the fleet
-    is out, and no byte of the map. workers, scheduler, resume: see uwsim.sweeps.run_sweep.
+    is out, and no byte of the map. workers, scheduler, resume, retry_failed: see uwsim.sweeps.run_sweep.
     Raises ScenarioError, ValueError, OSError.
     """
     base = load(scenario)
@@ -97,6 +98,8 @@ def run_fleet(
         "scenario": scenario_fingerprint(base), "tile_m": tile_m, "voxel_m": edge_m,
         "seed": base.seed if seed is None else seed, "build": build_fingerprint(),
     }  # fmt: skip
+    if retry_failed and not resume:
+        raise ValueError("retry_failed: needs resume")
     into = made_folder(Path(out))
     (into / TILES).mkdir(exist_ok=True)
     ledger = _ledger(into, plan, resume)
@@ -104,7 +107,9 @@ def run_fleet(
         with show("starting workers"):
             crew = open_workers(workers, scheduler=scheduler)
         with crew:
-            _fly(crew, jobs, ledger, into, stop_requested, tell)
+            done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
+            missing = {number: job for number, job in jobs.items() if number not in done}
+            _fly(crew, missing, len(jobs), ledger, into, stop_requested, tell)
             if len(ledger.results) < len(tiles):
                 return Fleet(into, tiles, ledger.results, {}, interrupted=True)
             figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
@@ -149,23 +154,24 @@ def _ledger(into: Path, plan: dict[str, Any], resume: bool) -> Ledger:
 
 def _fly(
     crew: Workers,
-    jobs: Mapping[int, TileJob],
+    missing: Mapping[int, TileJob],
+    count: int,
     ledger: Ledger,
     into: Path,
     stop_requested: Callable[[], bool],
     tell: Tell,
 ) -> None:
-    missing = {number: job for number, job in jobs.items() if number not in ledger.results}
-    failed = sum(bool(result["error"]) for result in ledger.results.values())
-    tell(len(ledger.results), failed, len(jobs))
+    finished = count - len(missing)
+    failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
+    tell(finished, failed, count)
     for each in crew.finished(fly_tile, missing, retries=RETRIES, stop_requested=stop_requested):
         result = dict(each.result or {"error": f"{each.why} ({each.trials} trials)", "dry": None})
         for key, file in (("map", map_file), ("path", path_file)):
             if key in result:
                 write_atomically(file(into, each.job), result.pop(key))
         ledger.add(each.job, result)
-        failed += bool(result["error"])
-        tell(len(ledger.results), failed, len(jobs))
+        finished, failed = finished + 1, failed + bool(result["error"])
+        tell(finished, failed, count)
 
 
 def _flown_figures(

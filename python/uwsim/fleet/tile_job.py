@@ -24,6 +24,7 @@ from uwsim.simulator import Simulator
 from uwsim.survey.fly import fly_survey, required_survey
 from uwsim.survey.flyable_lanes import SurveyAreaWarning
 from uwsim.survey.summary import flight_values
+from uwsim.workers.tidy import tidy
 
 MARGIN_M = 30.0
 """Beyond the sonar's range, for lanes that begin outside the tile."""
@@ -119,6 +120,7 @@ def fly_tile(job: TileJob) -> dict[str, Any]:
         result["dry"] = str(dry)
     except Exception as error:
         result["error"] = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    tidy()
     return {**result, "wall_s": time.perf_counter() - begun_s, "cpu_s": time.process_time() - begun_cpu_s}
 
 
@@ -148,7 +150,10 @@ def score_tile(job: ScoreJob) -> dict[str, Any]:
         sim.world, job.occupied_m.astype(np.float64), job.job.voxel_m, job.path_m.astype(np.float64),
         np.array(tile.area_m), job.range_m, rays=sim.scene,
     )  # fmt: skip
-    return {"error": None, **_counts(score, tile, job.grid), "cpu_s": time.process_time() - begun_cpu_s}
+    counts = _counts(score, tile, job.grid)
+    del sim, score
+    tidy()
+    return {"error": None, **counts, "cpu_s": time.process_time() - begun_cpu_s}
 
 
 def _counts(score: MapScore, tile: Tile, grid: Grid) -> dict[str, Any]:

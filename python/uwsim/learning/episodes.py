@@ -45,7 +45,7 @@ class Episodes:
         if options.sonar_mode is not None:
             scenario = in_sonar_mode(scenario, kind, options.sonar_mode)
         self.batch = Batch(scenario, n=n, faults=options.faults, threads=options.threads)
-        require_effect(self.batch.faults[0], kind, scenario)
+        require_effect(self.batch.faults[0], kind, scenario, options.camera)
         self.task = kind(self.batch)
         if options.scenario is not None:
             require_driven(self.task)

@@ -14,6 +14,7 @@ from uwsim.cameras.shared_scene import Snapshot
 from uwsim.did_you_mean import did_you_mean
 from uwsim.learning.options import EpisodeOptions
 from uwsim.scenario import Scenario
+from uwsim.scenario.spec.fault import CameraFault
 from uwsim.simulator import Simulator
 
 EFFECTS = ("attenuation", "backscatter", "sunlight", "lamps", "distortion", "exposure", "noise")
@@ -31,7 +32,7 @@ class Eye:
         if options.camera is None or options.camera not in cameras:
             known = f"must be one of {', '.join(cameras)}{did_you_mean(str(options.camera), list(cameras))}"
             raise ValueError(f"camera = {options.camera!r}: {known}")
-        self._camera = cameras[options.camera]
+        self._camera, self._name = cameras[options.camera], options.camera
         self.height, self.width = options.camera_size
         self._camera.change(self._camera.mount.model_copy(update={"width": self.width, "height": self.height}))
         self._first = self._camera.snapshot()
@@ -64,7 +65,14 @@ class Eye:
                 take(k)
         else:
             list(self._pool.map(take, range(batch.n)))
+        self._blacken(pictures, batch)
         return pictures
+
+    def _blacken(self, pictures: NDArray[np.uint8], batch: Batch) -> None:
+        """Make the pictures black of the members whose camera has failed."""
+        for k, faults in enumerate(batch.faults):
+            if any(isinstance(fault, CameraFault) for fault in faults):
+                pictures[k] *= batch.aboard(k).camera_is_on(self._names[0], self._name)
 
     def _lights(self, positions: Any, orientations: Any) -> list[Any]:
         return [

@@ -13,7 +13,7 @@ from uwsim.did_you_mean import did_you_mean
 from uwsim.learning.task import Task
 from uwsim.parameters import Parameters
 from uwsim.scenario import Scenario
-from uwsim.scenario.spec.fault import FaultModel, LinkLoss, SensorFault
+from uwsim.scenario.spec.fault import CameraFault, FaultModel, LinkLoss, SensorFault, SonarFault
 
 Ranges = Mapping[str, tuple[float, float]]
 PICTURE_MAX = 1024
@@ -62,14 +62,18 @@ def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:
     return parameters.scenario
 
 
-def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Scenario) -> None:
-    """Raise ValueError for faults that neither a task nor a failsafe would notice."""
+def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Scenario, camera: str | None) -> None:
+    """Raise ValueError for faults that neither a task nor a failsafe would notice. camera: whose pictures are seen."""
     failsafes = [entry.failsafe or entry.model.failsafe for entry in scenario.vehicles]
     watches_sensors = any(failsafe and failsafe.sensor_then for failsafe in failsafes)
     for index, fault in enumerate(faults):
         place = f"faults[{index}]: would be without effect"
         if isinstance(fault, LinkLoss) and scenario.link is None:
             raise ValueError(f"{place}: the scenario has no link")
+        if isinstance(fault, SonarFault) and not kind.pings:
+            raise ValueError(f"{place}: {kind.__name__} does not look through a sonar")
+        if isinstance(fault, CameraFault) and fault.camera != camera:
+            raise ValueError(f"{place}: camera '{fault.camera}': is not observed")
         if isinstance(fault, SensorFault) and fault.sensor not in kind.sensors and not watches_sensors:
             read = ", ".join(kind.sensors) or "none"
             raise ValueError(f"{place}: sensor '{fault.sensor}': {kind.__name__} reads {read}")
