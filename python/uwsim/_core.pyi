@@ -1349,6 +1349,10 @@ class NoiseSpec:
     @property
     def density(self) -> float: ...
     @property
+    def limit_high(self) -> float: ...
+    @property
+    def limit_low(self) -> float: ...
+    @property
     def quantum(self) -> float: ...
     @property
     def std(self) -> float: ...
@@ -2301,9 +2305,12 @@ class NavigationFilter:
         force_std: typing.SupportsFloat | typing.SupportsIndex,
         rate_bias: BiasModel,
         force_bias: BiasModel,
+        rate_limit: typing.SupportsFloat | typing.SupportsIndex = ...,
+        force_limit: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> None:
         """
-        period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2].
+        period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,
+        force_limit: the most that an axis can tell.
         """
     def add_acoustic_fix(
         self,

@@ -63,6 +63,19 @@ def test_hills_take_out_most_of_the_drift() -> None:
     assert misfit_m(closed.world_from_body, truth) < misfit_m(track.world_from_body, truth) / 3.0
 
 
+def test_what_the_estimate_corrects_in_a_jump_is_corrected_before_it_too() -> None:
+    track, truth = lawn_mower(hills)
+    half = len(track) // 2
+    for k, true in enumerate(truth):  # it drifts by 3 m, jumps back, and is right from then on
+        off_m = np.array([0.0, 3.0 * k / half]) if k < half else np.zeros(2)
+        track.world_from_body[k][:2, 3] = true + off_m
+        track.std_m[k] = 0.1 + float(off_m[1]) / 2.0
+    closed = close_loops(track)
+    error_m = [np.linalg.norm(pose[:2, 3] - true) for pose, true in zip(closed.world_from_body, truth, strict=True)]
+    assert max(error_m) < 1.0, "of 3 m"
+    assert max(error_m[half:]) < 0.4
+
+
 def test_a_plain_tells_nothing() -> None:
     track, _ = lawn_mower(plain)
     assert np.abs(bent_by(close_loops(track), track)).max() < 0.05

@@ -4,6 +4,7 @@ import numpy as np
 
 from uwsim import Simulator
 from uwsim.validate import estimation
+from uwsim.validate.after_contact import contact_checks
 
 
 def test_the_filter_is_as_sure_of_itself_as_it_may_be(monkeypatch) -> None:
@@ -26,3 +27,7 @@ def test_the_closed_form_grows_with_the_cube_of_time_at_last() -> None:
     navigator, _ = estimation.start_navigation(sim, 0)
     early, late = (np.trace(estimation.closed_form(sim, navigator, t)) for t in (500.0, 1000.0))
     assert 2.0**6 < late / early < 2.0**7  # a gyroscope's bias: t^3; its drift: t^3.5
+
+
+def test_after_contacts_the_filter_errs_by_no_more_than_it_says() -> None:
+    assert [check for check in contact_checks(Simulator("lake"), seeds=4) if not check.passed] == []

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -123,13 +124,17 @@ void bind_estimation(py::module_& m) {
       "result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.");
   filter
       .def(py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
-                       double force_std, const BiasModel& rate_bias, const BiasModel& force_bias) {
-             return std::make_unique<NavigationFilter>(ImuErrors{rate_std, force_std, period_s, rate_bias, force_bias},
-                                                       imu_body_m, gravity_m_s2);
+                       double force_std, const BiasModel& rate_bias, const BiasModel& force_bias, double rate_limit,
+                       double force_limit) {
+             const ImuErrors imu{rate_std, force_std, period_s, rate_bias, force_bias, rate_limit, force_limit};
+             return std::make_unique<NavigationFilter>(imu, imu_body_m, gravity_m_s2);
            }),
            py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
            py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
-           "period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2].")
+           py::arg("rate_limit") = std::numeric_limits<double>::infinity(),
+           py::arg("force_limit") = std::numeric_limits<double>::infinity(),
+           "period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,\n"
+           "force_limit: the most that an axis can tell.")
       .def(
           "start",
           [](NavigationFilter& f, std::uint64_t time_ns, const py::object& position_world_m,

@@ -62,6 +62,8 @@ void bind_noise(py::module_& m) {
       .def_readonly("std", &NoiseSpec::std)
       .def_readonly("density", &NoiseSpec::density)
       .def_readonly("turn_on_std", &NoiseSpec::turn_on_std)
+      .def_readonly("limit_low", &NoiseSpec::limit_low)
+      .def_readonly("limit_high", &NoiseSpec::limit_high)
       .def_readonly("bias_std", &NoiseSpec::bias_std)
       .def_readonly("bias_time_s", &NoiseSpec::bias_time_s)
       .def_readonly("walk", &NoiseSpec::walk)

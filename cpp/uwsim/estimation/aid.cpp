@@ -9,14 +9,14 @@ bool Aid::correct(FilterState& state, double residual, const ErrorVector& h, dou
   double expected = h.dot(seen_by) + variance;
   if (residual * residual > kGate * kGate * expected) {
     ++counts.rejected;
-    if (++counts.in_a_row < static_cast<std::uint64_t>(kReadingsBeforeDoubt * width())) return false;
+    if (counts.in_a_row + 1 < kReadingsBeforeDoubt) return false;
     for (int k = seen(); k < seen() + 3; ++k) p(k, k) += residual * residual;
+    ++state.doubts;
     seen_by = p * h;
     expected = h.dot(seen_by) + variance;
   } else {
     ++counts.accepted;
   }
-  counts.in_a_row = 0;
   const ErrorVector gain = seen_by / expected;
   state.add(gain * residual);
   // (I - K h) P (I - K h)^T + K R K^T, as two updates of rank one.

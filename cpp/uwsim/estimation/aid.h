@@ -12,9 +12,10 @@ namespace uwsim {
 /// An outlier is farther than this many standard deviations from what the filter expects (Mahalanobis distance of one
 /// scalar; a good reading is taken for one in 1.7 million).
 inline constexpr double kGate = 5;
-/// After this many readings in a row that are outliers the filter doubts itself instead: it takes its own error to be
-/// as large.
-inline constexpr int kReadingsBeforeDoubt = 5;
+/// At the last of this many readings in a row with outliers the filter doubts itself instead: it takes its own error to
+/// be as large. A reading counts if at least a third of its scalars are outliers: two of a DVL's four beams, which is
+/// what an error between them looks like, but not one, which may be a bad one.
+inline constexpr std::uint64_t kReadingsBeforeDoubt = 5;
 inline constexpr int kMaxReading = 8;
 
 /// An instrument that corrects the filter. Lever arms are from the IMU, body axes.

@@ -31,7 +31,7 @@ struct BiasModel {
   double growth(double dt_s) const;
 };
 
-/// The outcome of an aid's readings, and how many of the last ones in a row were outliers.
+/// The outcome of an aid's scalars, and how many of its last readings in a row had outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };
@@ -49,6 +49,8 @@ struct FilterState {
   ErrorMatrix covariance;
   Eigen::Vector3d measured_rate_rad_s = Eigen::Vector3d::Zero();  ///< the newest of the gyroscope, body axes
   std::array<AidCounts, kMaxAids> counts;
+  std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and when last
+  std::uint64_t restarted_ns = 0;            ///< when it began anew last
 
   int errors() const { return static_cast<int>(covariance.rows()); }
   Eigen::Vector3d rate_rad_s() const { return measured_rate_rad_s - rate_bias_rad_s; }

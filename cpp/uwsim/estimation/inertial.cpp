@@ -1,6 +1,7 @@
 #include "uwsim/estimation/inertial.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace uwsim {
 namespace {
@@ -8,6 +9,9 @@ namespace {
 // The error of integration by steps, so that even a filter of perfect instruments stays open to fixes.
 constexpr double kLeastRateDensity = 2e-6;   // rad/sqrt(s)
 constexpr double kLeastForceDensity = 2e-4;  // (m/s)/sqrt(s)
+// A collision that exceeds the IMU's limits: what it may hide, assumed, as of an ROV that is stopped or thrown back.
+constexpr double kShockVelocity_m_s = 1;
+constexpr double kShockTurn_rad = 0.05;
 // A vehicle without an IMU: assumed, of the order of an ROV's manoeuvres.
 constexpr double kCoastForceDensity = 0.3;                 // (m/s)/sqrt(s)
 const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are righted
@@ -42,6 +46,17 @@ void grow(ErrorMatrix& p, int first, double variance) {
 
 }  // namespace
 
+/// Within a shock the samples say little: the velocity that is left is not known, and the angular velocity changed at
+/// some time between two samples, which as a step at a random time errs by its change times dt / sqrt(12).
+void Inertial::grow_by_shock(FilterState& state, double dt, const ImuSample& sample) const {
+  constexpr double kReached = 1 - 1e-9;
+  const bool spins = sample.rate_rad_s.norm() >= kReached * imu_.rate_limit;
+  if (!spins && sample.force_m_s2.norm() < kReached * imu_.force_limit) return;
+  const double step = (sample.rate_rad_s - state.measured_rate_rad_s).norm() * dt / std::sqrt(12.0);
+  grow(state.covariance, kVelocity, kShockVelocity_m_s * kShockVelocity_m_s);
+  grow(state.covariance, kAttitude, step * step + (spins ? kShockTurn_rad * kShockTurn_rad : 0));
+}
+
 void Inertial::age_biases(FilterState& state, double dt, const std::vector<BiasModel>& aid_biases) const {
   ErrorMatrix& p = state.covariance;
   const auto age = [&](int k, const BiasModel& bias, double& value) {
@@ -72,6 +87,7 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   state.position_m += dt * (state.velocity_m_s + 0.5 * gain);
   state.velocity_m_s += gain;
   state.orientation = (state.orientation * rotation_by(turn)).normalized();
+  grow_by_shock(state, dt, sample);
   state.measured_rate_rad_s = sample.rate_rad_s;
   state.time_ns = time_ns;
   ErrorMatrix& p = state.covariance;

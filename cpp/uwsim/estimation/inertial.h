@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "uwsim/estimation/filter_state.h"
@@ -12,6 +13,9 @@ struct ImuErrors {
   double force_std = 0;  ///< [m/s2]
   double period_s = 0.005;
   BiasModel rate_bias, force_bias;
+  /// The most that an axis can tell [rad/s], [m/s2]: a sample whose length reaches it hides a shock.
+  double rate_limit = std::numeric_limits<double>::infinity();
+  double force_limit = std::numeric_limits<double>::infinity();
 };
 
 /// An IMU's sample, body axes.
@@ -36,6 +40,7 @@ class Inertial {
   double gravity_m_s2() const { return gravity_m_s2_; }
 
  private:
+  void grow_by_shock(FilterState& state, double dt_s, const ImuSample& sample) const;
   void age_biases(FilterState& state, double dt_s, const std::vector<BiasModel>& aid_biases) const;
 
   ImuErrors imu_;

@@ -1,6 +1,7 @@
 #include "uwsim/estimation/navigation_filter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "uwsim/core/check.h"
@@ -10,6 +11,14 @@ namespace {
 
 constexpr std::uint64_t kHorizon_ns = static_cast<std::uint64_t>(NavigationFilter::kHorizon_s * 1e9);
 constexpr std::uint64_t kCheckpoint_ns = 100'000'000;
+// A filter that doubts itself again within this time errs in more than what the aid sees, such as after a collision:
+// then it begins anew where it is, with these standard deviations, assumed, as of an ROV that is thrown about.
+constexpr std::uint64_t kDoubtAgain_ns = 5'000'000'000;
+// For some time after a doubt it begins anew, too, if the IMU's biases come out as what they are hardly ever, which is
+// what an error of the attitude looks like; but not at once again.
+constexpr std::uint64_t kProbation_ns = 30'000'000'000, kSettling_ns = 3'000'000'000;
+constexpr double kImplausible = 4;  // standard deviations
+constexpr double kLostPosition_m = 2, kLostVelocity_m_s = 1, kLostAttitude_rad = 0.15;
 constexpr std::size_t kForgetFrom = 2048;  // events; they are moved down together
 
 }  // namespace
@@ -40,24 +49,66 @@ void NavigationFilter::start(const FilterStart& start) {
   state.velocity_m_s = start.velocity_world_m_s;
   state.orientation = start.world_from_body.orientation.normalized();
   const int n = kAidBias + static_cast<int>(aid_biases_.size());
-  state.aid_bias = ErrorVector::Zero(n - kAidBias);
   state.covariance = ErrorMatrix::Zero(n, n);
-  const auto set = [&](int first, const Eigen::Vector3d& variance) {
-    state.covariance.diagonal().segment<3>(first) = variance;
-  };
-  set(kPosition, start.position_std_m.cwiseAbs2());
-  set(kVelocity, Eigen::Vector3d::Constant(start.velocity_std_m_s * start.velocity_std_m_s));
-  set(kAttitude, start.attitude_std_rad.cwiseAbs2());
-  set(kRateBias, Eigen::Vector3d::Constant(inertial_.errors().rate_bias.variance()));
-  set(kForceBias, Eigen::Vector3d::Constant(inertial_.errors().force_bias.variance()));
-  for (int k = kAidBias; k < n; ++k) {
-    state.covariance(k, k) = aid_biases_[static_cast<std::size_t>(k - kAidBias)].variance();
-  }
+  state.covariance.diagonal().segment<3>(kPosition) = start.position_std_m.cwiseAbs2();
+  state.covariance.diagonal().segment<3>(kVelocity).setConstant(start.velocity_std_m_s * start.velocity_std_m_s);
+  state.covariance.diagonal().segment<3>(kAttitude) = start.attitude_std_rad.cwiseAbs2();
+  set_biases();
   events_.clear();
   checkpoints_.clear();
   next_ = changed_ = 0;
   too_late_ = 0;
   checkpoint();
+}
+
+/// All biases as they are before anything is known of them. The rest of the covariance is left.
+void NavigationFilter::set_biases() {
+  const int n = present_.errors();
+  present_.rate_bias_rad_s.setZero();
+  present_.force_bias_m_s2.setZero();
+  present_.aid_bias = ErrorVector::Zero(n - kAidBias);
+  present_.covariance.diagonal().segment<3>(kRateBias).setConstant(inertial_.errors().rate_bias.variance());
+  present_.covariance.diagonal().segment<3>(kForceBias).setConstant(inertial_.errors().force_bias.variance());
+  for (int k = kAidBias; k < n; ++k) {
+    present_.covariance(k, k) = aid_biases_[static_cast<std::size_t>(k - kAidBias)].variance();
+  }
+}
+
+bool NavigationFilter::biases_are_plausible() const {
+  const auto are = [](const Eigen::Vector3d& bias, const BiasModel& model) {
+    return bias.cwiseAbs().maxCoeff() <= kImplausible * std::sqrt(model.variance());
+  };
+  return are(present_.rate_bias_rad_s, inertial_.errors().rate_bias) &&
+         are(present_.force_bias_m_s2, inertial_.errors().force_bias);
+}
+
+/// Corrects the present state, and begins anew where the filter turns out to be lost.
+void NavigationFilter::correct(const Event& reading) {
+  const auto aid = static_cast<std::size_t>(reading.source);
+  AidCounts& counts = present_.counts[aid];
+  const std::uint64_t doubts = present_.doubts, accepted = counts.accepted, rejected = counts.rejected;
+  aids_[aid]->correct(present_, reading.values);
+  const std::uint64_t outliers = counts.rejected - rejected, good = counts.accepted - accepted;
+  const bool doubted = present_.doubts != doubts;
+  const std::uint64_t now_ns = present_.time_ns;
+  if (outliers + good > 0) counts.in_a_row = 2 * outliers >= good && !doubted ? counts.in_a_row + 1 : 0;
+  if (present_.doubts == 0) return;
+  const bool again = doubted && doubts > 0 && now_ns < present_.doubted_ns + kDoubtAgain_ns;
+  if (doubted) present_.doubted_ns = now_ns;
+  const bool on_probation =
+      now_ns < present_.doubted_ns + kProbation_ns && now_ns >= present_.restarted_ns + kSettling_ns;
+  if (again || (on_probation && !biases_are_plausible())) restart();
+}
+
+/// Begins anew where it is: all that was learnt is forgotten but the means of position, velocity and attitude.
+void NavigationFilter::restart() {
+  present_.restarted_ns = present_.time_ns;
+  const Eigen::Vector3d position = present_.covariance.diagonal().segment<3>(kPosition);
+  present_.covariance.setZero();
+  present_.covariance.diagonal().segment<3>(kPosition) = position.array() + kLostPosition_m * kLostPosition_m;
+  present_.covariance.diagonal().segment<3>(kVelocity).setConstant(kLostVelocity_m_s * kLostVelocity_m_s);
+  present_.covariance.diagonal().segment<3>(kAttitude).setConstant(kLostAttitude_rad * kLostAttitude_rad);
+  set_biases();
 }
 
 void NavigationFilter::add_imu(std::uint64_t time_ns, const double* rate_and_force) {
@@ -125,7 +176,7 @@ bool NavigationFilter::apply(std::size_t index) {
     if (inertial == nullptr) return false;
     advance(*inertial, event.time_ns);
   }
-  if (event.source >= 0) aids_[static_cast<std::size_t>(event.source)]->correct(present_, event.values);
+  if (event.source >= 0) correct(event);
   return true;
 }
 

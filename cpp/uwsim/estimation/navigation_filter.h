@@ -76,6 +76,10 @@ class NavigationFilter {
   void insert(const Event& event);
   void rewind_to(std::size_t event);
   bool apply(std::size_t event);
+  void correct(const Event& reading);
+  bool biases_are_plausible() const;
+  void restart();
+  void set_biases();
   const Event* next_inertial(std::size_t from) const;
   void advance(const Event& inertial, std::uint64_t time_ns);
   void checkpoint();

@@ -27,6 +27,9 @@ void exchange_state(StateArchive& archive, FilterState& state) {
     archive(counts.rejected);
     archive(counts.in_a_row);
   }
+  archive(state.doubts);
+  archive(state.doubted_ns);
+  archive(state.restarted_ns);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ def _is_likely(maps: list[Submap], m: Match) -> bool:
 
 
 def _corrected(track: PingTrack, maps: list[Submap], corrections: Array) -> list[Array]:
-    """Return the corrected poses: between the middles of two submaps, a mean of what both say."""
+    """Return the corrected poses: between the middles of two submaps, a mean of what both say, but not over a jump."""
     if not maps:
         return list(track.world_from_body)
     middles = np.array([submap.time_s for submap in maps])
@@ -76,6 +76,8 @@ def _corrected(track: PingTrack, maps: list[Submap], corrections: Array) -> list
         share = 0.0
         if after > before:
             share = float(np.clip((time_s - middles[before]) / (middles[after] - middles[before]), 0.0, 1.0))
+            if maps[after].jump_m.any():
+                share = float(time_s >= track.times_s[maps[after].first])
         turn = (1.0 - share) * corrections[before, 2] + share * corrections[after, 2]
         fixed = np.eye(4)
         fixed[:2, :2] = turned(np.eye(2), turn).T

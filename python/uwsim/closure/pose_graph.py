@@ -31,7 +31,8 @@ def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
     """
     n = len(maps)
     anchors = np.array([submap.anchor_m for submap in maps])
-    steps = np.diff(anchors, axis=0)
+    jumps = np.array([submap.jump_m for submap in maps])[1:].reshape(-1, 2)
+    steps = np.diff(anchors, axis=0) - jumps  # as the vehicle went, without what the estimate corrected
     walked_s = np.diff([submap.time_s for submap in maps])
     step_std = np.array([drift_std_m(maps, k, k + 1) for k in range(n - 1)])
     # The errors of neighbours are one and the same, so each counts the less.
@@ -43,7 +44,7 @@ def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
 
     def residuals(flat: Array) -> Array:
         shift, turn = flat.reshape(n, 3)[:, :2], flat.reshape(n, 3)[:, 2]
-        walked = shift[1:] - shift[:-1] - (turned(steps, turn[:-1]) - steps)
+        walked = shift[1:] - shift[:-1] + jumps - (turned(steps, turn[:-1]) - steps)
         at_first = anchors[firsts] + shift[firsts] + turned(here - anchors[firsts], turn[firsts])
         at_second = anchors[seconds] + shift[seconds] + turned(there - anchors[seconds], turn[seconds])
         off = np.column_stack([at_first - at_second, turn[seconds] - turn[firsts] - turns])

@@ -18,16 +18,22 @@ CELL_M = 2.0  # of the plan in which overlaps are looked for
 FINE_M = 0.6  # voxels of the clouds that are matched
 NEIGHBOURS = 12  # that a plane goes through
 TURN_RAD = 1.0  # a submap ends where the vehicle has turned by so much
+JUMP_M = 0.3  # and where the estimate corrects itself by more than this from one ping to the next
+AROUND = 3  # pings before and after, whose median step is taken for the vehicle's own
 
 
 @dataclass(frozen=True, eq=False)
 class Submap:
-    """Pings from `first` until before `end`. anchor_m: (2,), where the vehicle was halfway; points by the estimate."""
+    """Pings from `first` until before `end`. anchor_m: (2,), where the vehicle was halfway; points by the estimate.
+
+    jump_m: (2,), by which the estimate corrected itself where the submap begins; mostly zero.
+    """
 
     first: int
     end: int
     time_s: float
     anchor_m: Array
+    jump_m: Array
     std_m: float
     points_world_m: NDArray[np.float32]
     cells: frozenset[tuple[int, int]]
@@ -54,17 +60,32 @@ def submaps(track: PingTrack) -> list[Submap]:
     """Cut a track into submaps."""
     if not len(track):
         return []
-    starts = [0]
+    starts, jumps_m = [0], _jumps_m(track)
     for k in range(1, len(track)):
         first = starts[-1]
         is_long = track.times_s[k] - track.times_s[first] >= LENGTH_S
-        if is_long or abs(_turn_rad(track, first, k)) > TURN_RAD:
+        if is_long or jumps_m[k].any() or abs(_turn_rad(track, first, k)) > TURN_RAD:
             starts.append(k)
-    made = (_submap(track, first, end) for first, end in zip(starts, [*starts[1:], len(track)], strict=True))
-    return [submap for submap in made if len(submap.points_world_m)]
+    made = (
+        _submap(track, first, end, jumps_m[first]) for first, end in zip(starts, [*starts[1:], len(track)], strict=True)
+    )
+    return [submap for submap in made if len(submap.points_world_m) or submap.jump_m.any()]
 
 
-def _submap(track: PingTrack, first: int, end: int) -> Submap:
+def _jumps_m(track: PingTrack) -> Array:
+    """Return by how much the estimate corrected itself just before each ping, (n, 2); zero where it went on."""
+    steps = np.diff(
+        [pose[:2, 3] for pose in track.world_from_body], axis=0, prepend=track.world_from_body[0][None, :2, 3]
+    )
+    jumps = np.zeros_like(steps)
+    for k in range(1, len(steps)):
+        usual = np.median(steps[max(1, k - AROUND) : k + AROUND + 1], axis=0)
+        if np.linalg.norm(steps[k] - usual) > JUMP_M:
+            jumps[k] = steps[k] - usual
+    return jumps
+
+
+def _submap(track: PingTrack, first: int, end: int, jump_m: Array) -> Submap:
     middle = (first + end) // 2
     points = voxel_grid(np.concatenate([track.points_world_m(k) for k in range(first, end)]).astype(np.float32), FINE_M)
     cells = np.unique(np.floor(points[:, :2] / CELL_M).astype(np.int64), axis=0)
@@ -73,6 +94,7 @@ def _submap(track: PingTrack, first: int, end: int) -> Submap:
         end,
         track.times_s[middle],
         track.world_from_body[middle][:2, 3],
+        jump_m,
         track.std_m[middle],
         points,
         frozenset(map(tuple, cells.tolist())),

@@ -23,6 +23,12 @@ def white_std(sensor: InstrumentLike, channel: str) -> float:
     return max(math.hypot(*parts), LEAST_STD.get(channel, 0.0))
 
 
+def limit(sensor: InstrumentLike, channel: str) -> float:
+    """Return the largest magnitude that a channel can tell [u]; inf if nothing limits it."""
+    noise = noise_of(sensor, channel)
+    return min(abs(noise.limit_low), abs(noise.limit_high))
+
+
 def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core.BiasModel:
     """Return how the bias of a channel behaves, times `unit`."""
     noise = noise_of(sensor, channel)

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.estimation.aids import AIDS, Surroundings, body_from_sensor, chosen_aids, magnetic_north_rad
-from uwsim.estimation.errors import bias_model, white_std, whole_std
+from uwsim.estimation.errors import bias_model, limit, white_std, whole_std
 from uwsim.estimation.protocols import Instrumented, InstrumentLike, StreamLike
 from uwsim.estimation.start import Start
 from uwsim.motion import Pose, Velocity
@@ -72,6 +72,8 @@ class Navigator(Sealed):
             force_std=white_std(self._imu, "linear_acceleration"),
             rate_bias=bias_model(self._imu, "angular_velocity"),
             force_bias=bias_model(self._imu, "linear_acceleration"),
+            rate_limit=limit(self._imu, "angular_velocity"),
+            force_limit=limit(self._imu, "linear_acceleration"),
         )
         self._indices = {
             name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()

@@ -37,20 +37,27 @@ LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
 def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
     """Return all checks; draw the curves into the folder `out`. seeds: how many flights; by default SEEDS."""
     sim, seeds = Simulator("lake"), seeds or SEEDS
-    nees = np.array([list(flown_nees(sim, seed)) for seed in range(seeds)])
+    nees = np.array([list(flownnees_of(sim, seed)) for seed in range(seeds)])
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
     if out is not None:
         _draw(nees, drifts, out / "estimation.png")
-    return [*consistency_checks(nees), *drop_out_checks(drifts)]
+    from uwsim.validate.after_contact import contact_checks  # here, since that builds on this
+
+    return [*consistency_checks(nees), *drop_out_checks(drifts), *contact_checks(sim, seeds)]
 
 
-def start_navigation(sim: Simulator, seed: int) -> tuple[Navigator, np.random.Generator]:
-    """Begin a flight whose navigation starts with errors that are drawn as it expects them."""
+def start_navigation(
+    sim: Simulator,
+    seed: int,
+    start_world_m: tuple[float, float, float] = START_WORLD_M,
+    velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> tuple[Navigator, np.random.Generator]:
+    """Begin a flight, heading east, whose navigation starts with errors that are drawn as it expects them."""
     sim.reset(seed=seed)
-    sim.rov.place(START_WORLD_M)
+    sim.rov.place(start_world_m, velocity_body=np.array([*velocity_m_s, 0.0, 0.0, 0.0]))
     draws = np.random.default_rng(seed)
-    position = np.asarray(START_WORLD_M) + POSITION_STD_M * draws.standard_normal(3)
-    velocity = VELOCITY_STD_M_S * draws.standard_normal(3)
+    position = np.asarray(start_world_m) + POSITION_STD_M * draws.standard_normal(3)
+    velocity = np.asarray(velocity_m_s) + VELOCITY_STD_M_S * draws.standard_normal(3)
     start = Start(tuple(position.tolist()), POSITION_STD_M, tuple(velocity.tolist()), VELOCITY_STD_M_S)
     station, gravity = sim.scenario.station.position_m, sim.world.water.gravity_m_s2
     return Navigator(sim.rov, start, station_world_m=station, gravity_m_s2=gravity), draws
@@ -65,7 +72,7 @@ def errors(sim: Simulator, navigator: Navigator) -> Array:
     return np.concatenate([true.position_world_m - pose.position_world_m, velocity, attitude])
 
 
-def flown_nees(sim: Simulator, seed: int) -> Iterator[list[float]]:
+def flownnees_of(sim: Simulator, seed: int) -> Iterator[list[float]]:
     """Fly about; yield the NEES of all errors, and of each of PARTS, at intervals."""
     navigator, draws = start_navigation(sim, seed)
     for leg in range(LEGS):
@@ -73,10 +80,11 @@ def flown_nees(sim: Simulator, seed: int) -> Iterator[list[float]]:
         sim.advance(LEG_S)
         if leg % LEGS_PER_LOOK == LEGS_PER_LOOK - 1:
             error, covariance = errors(sim, navigator), navigator.covariance
-            yield [_nees(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
+            yield [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
 
 
-def _nees(error: Array, covariance: Array, part: slice) -> float:
+def nees_of(error: Array, covariance: Array, part: slice) -> float:
+    """Return the normalised estimation error squared of some errors."""
     return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
 
 
