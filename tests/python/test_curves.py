@@ -60,6 +60,17 @@ def test_a_vehicle_flies_through_the_waypoints(curve: str) -> None:
     assert np.sqrt(np.mean(off_m**2)) < 0.5
 
 
+def test_a_vehicle_stops_before_what_is_in_the_way_of_its_curve() -> None:
+    def mission(vehicle):
+        vehicle.undock()
+        waypoints = [(-8.0, -16.0), (2.0, -14.0), (2.0, -4.0), (-10.0, -4.0)]  # the spline swings out to a gate's post
+        yield from fly_through(vehicle, waypoints, curve="spline", altitude_m=3.0)
+
+    flown = uwsim.fly(mission, "cove")
+    assert flown.ended_because.endswith("in the way of the curve")
+    assert flown.collisions == 0
+
+
 @pytest.mark.parametrize(
     ("points", "radius_m", "match"),
     [

@@ -19,10 +19,14 @@ from scipy.interpolate import make_interp_spline
 from uwsim.extras import need_extra
 from uwsim.missions.moves import follow, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps
+from uwsim.missions.planners.lookout import Lookout
+from uwsim.missions.steps import Steps, race, wait
+from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
+LOOK_PERIOD_S = 0.2
+UNDER_WAY_M_S = 0.1  # slower, it turns on the spot, and what is ahead is in no way
 
 
 def fly_through(
@@ -37,7 +41,8 @@ def fly_through(
     """Fly from where the vehicle is through points (n, 3), or (n, 2) with altitude_m above the bed, on a curve.
 
     radius_m: of the Dubins path's turns; the first leg begins with the vehicle's heading. Return the path that was
-    flown along, (m, 3) or (m, 2). It keeps off nothing. Raises ValueError, StoppedError.
+    flown along, (m, 3) or (m, 2). It goes round nothing. A vehicle with a sonar and a sensor 'altitude' looks out, if
+    altitude_m is given, and stops before what it sees at its height. Raises ValueError, StoppedError.
     """
     width = 3 if altitude_m is None else 2
     points = np.asarray(points_world_m, np.float64)
@@ -51,8 +56,23 @@ def fly_through(
     path = dubins_path(whole, radius_m, vehicle.pose.yaw_rad) if curve == "dubins" else spline_path(whole)
     ahead = path[1] - path[0]
     yield from turn_to(vehicle, math.atan2(ahead[1], ahead[0]))
-    yield from follow(vehicle, path, altitude_m=altitude_m, speed_m_s=speed_m_s)
+    flight = follow(vehicle, path, altitude_m=altitude_m, speed_m_s=speed_m_s)
+    if altitude_m is None or not vehicle.sonars or "altitude" not in vehicle.sensors:
+        yield from flight
+        return path
+    lookout = Lookout(vehicle, altitude_m, speed_m_s)
+    yield from lookout.tilt()
+    yield from race(flight, _stop_before_things(lookout))
     return path
+
+
+def _stop_before_things(lookout: Lookout) -> Steps[None]:
+    """Look ahead for ever. Raises StoppedError when something is in the way of a vehicle under way."""
+    while True:
+        lookout.look()
+        if lookout.must_stop and float(lookout.vehicle.velocity.linear_body_m_s[0]) > UNDER_WAY_M_S:
+            raise StoppedError(f"something is {lookout.ahead_m:.1f} m ahead, in the way of the curve")
+        yield wait(LOOK_PERIOD_S)
 
 
 def dubins_path(

@@ -132,7 +132,7 @@ class Lookout(Sealed):
 
     def steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Steps[None]:
         """Fly one control period at a heading and a velocity (2,), slower while a climb is still to be made."""
-        self._look()
+        self.look()
         pose = self.vehicle.pose
         z_m = float(pose.position_world_m[2])
         bed_m = z_m - float(self.vehicle.sensors["altitude"].read())
@@ -142,7 +142,8 @@ class Lookout(Sealed):
         east, north = velocity_world_m_s
         yield from steer(self.vehicle, heading_rad, (share * east, share * north), target_m)
 
-    def _look(self) -> None:
+    def look(self) -> None:
+        """Ping, and note what is ahead. `steer` does so by itself."""
         ping, pose = self.vehicle.sonar.ping(), self.vehicle.pose
         position = np.asarray(pose.position_world_m, np.float64)
         self._memory.add(ping, position, pose.yaw_rad)
