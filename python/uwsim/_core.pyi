@@ -791,6 +791,17 @@ class CraftParameters:
     @added_mass.setter
     def added_mass(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"]) -> None: ...
     @property
+    def buoyancy_share(self) -> list[float]:
+        """
+        Buoyancy as a share of rho(z) g V, at depths from 0 in equal steps; empty: 1.
+        """
+    @buoyancy_share.setter
+    def buoyancy_share(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+    @property
+    def buoyancy_share_step_m(self) -> float: ...
+    @buoyancy_share_step_m.setter
+    def buoyancy_share_step_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
     def centre_of_mass_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) [m]

@@ -37,7 +37,10 @@ void bind_vehicle(py::module_& m) {
       .def_readwrite("inertia_kg_m2", &CraftParameters::inertia_kg_m2, "(3, 3), about the centre of mass")
       .def_readwrite("added_mass", &CraftParameters::added_mass, "(6, 6) M_A [kg, kg m, kg m^2]")
       .def_readwrite("linear_damping", &CraftParameters::linear_damping, "(6, 6) [N s/m, N m s/rad]")
-      .def_readwrite("quadratic_damping", &CraftParameters::quadratic_damping, "(6, 6) [N s^2/m^2, N m s^2/rad^2]");
+      .def_readwrite("quadratic_damping", &CraftParameters::quadratic_damping, "(6, 6) [N s^2/m^2, N m s^2/rad^2]")
+      .def_readwrite("buoyancy_share", &CraftParameters::buoyancy_share,
+                     "Buoyancy as a share of rho(z) g V, at depths from 0 in equal steps; empty: 1.")
+      .def_readwrite("buoyancy_share_step_m", &CraftParameters::buoyancy_share_step_m);
 
   py::class_<Craft, std::shared_ptr<Craft>>(
       m, "Craft", "A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.")

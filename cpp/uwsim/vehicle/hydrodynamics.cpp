@@ -87,6 +87,19 @@ void CraftParameters::check() const {
   }
   require(added_mass.isApprox(added_mass.transpose(), 1e-9) || added_mass.isZero(), "vehicle.added_mass", "asymmetric",
           "must be symmetric");
+  require(buoyancy_share.empty() || (std::isfinite(buoyancy_share_step_m) && buoyancy_share_step_m > 0),
+          "vehicle.buoyancy_share_step_m", buoyancy_share_step_m, "must be positive");
+  for (const double share : buoyancy_share) {
+    require(share >= 0 && share <= 2, "vehicle.buoyancy_share", share, "must be in [0, 2]");
+  }
+}
+
+double CraftParameters::buoyancy_share_at(double depth_m) const {
+  if (buoyancy_share.empty()) return 1;
+  const std::size_t last = buoyancy_share.size() - 1;
+  const double at = std::clamp(depth_m / buoyancy_share_step_m, 0.0, static_cast<double>(last));
+  const auto above = static_cast<std::size_t>(at);
+  return std::lerp(buoyancy_share[above], buoyancy_share[std::min(above + 1, last)], at - static_cast<double>(above));
 }
 
 Craft::Craft(CraftParameters parameters, BuoyantHull hull)
@@ -134,8 +147,14 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
                                   double time_s) const {
   const Pose& pose = state.world_from_body;
   const Eigen::Matrix3d world_from_body = pose.rotation();
-  const Buoyancy buoyancy = hull_->buoyancy(pose.position_m, world_from_body, water, time_s);
+  Buoyancy buoyancy = hull_->buoyancy(pose.position_m, world_from_body, water, time_s);
   const double submerged = fraction(buoyancy.volume_m3);
+  if (!parameters_.buoyancy_share.empty()) {
+    const double centre_z_m = pose.position_m.z() + world_from_body.row(2).dot(buoyancy.centre_body_m);
+    const double share = parameters_.buoyancy_share_at(-centre_z_m);
+    buoyancy.force_body_n *= share;
+    buoyancy.moment_body_nm *= share;
+  }
 
   const Eigen::Vector3d weight = -parameters_.mass_kg * water.gravity() * world_from_body.row(2).transpose();
   Vector6d tau = tau_body;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/water_field.h"
@@ -19,6 +20,13 @@ struct CraftParameters {
   Matrix6d linear_damping = Matrix6d::Zero();               ///< D_l [N s/m, ...]
   Matrix6d quadratic_damping = Matrix6d::Zero();            ///< D_q, force = -D_q (|nu| nu) [N s^2/m^2, ...]
 
+  /// Buoyancy as a share of rho(z) g V, with the density at atmospheric pressure and the volume at the surface: at
+  /// depth 0, `buoyancy_share_step_m`, twice that, and so on; linear in between, and as at the last one below. Empty: 1
+  /// at all depths, for a hull that shrinks with the water around it.
+  std::vector<double> buoyancy_share;
+  double buoyancy_share_step_m = 0;  ///< [m]
+
+  double buoyancy_share_at(double depth_m) const;
   /// Throws InvalidValue that names the field: masses positive, M_RB + M_A positive definite, damping dissipative.
   void check() const;
 };

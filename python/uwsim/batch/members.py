@@ -102,8 +102,11 @@ class Members:
         return parameters.scenario
 
     def _vehicle(self, scenario: Scenario, index: int) -> _core.VehicleSpec:
-        same_trim = surface_density_kg_m3(scenario.water) == surface_density_kg_m3(self._scenario.water)
         entry, first = scenario.vehicles[index], self._scenario.vehicles[index]
+        same_trim = scenario.water == self._scenario.water or (
+            entry.model.compressibility_1_pa is None
+            and surface_density_kg_m3(scenario.water) == surface_density_kg_m3(self._scenario.water)
+        )
         if same_trim and (entry is first or entry == first):
             return self.vehicles[index]
         return self._made(scenario, index)

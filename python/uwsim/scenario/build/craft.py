@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim import _core
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
+from uwsim.scenario.build.compressibility import STEP_M
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 
-def craft(model: VehicleModel, water_density_kg_m3: float, trim: Trim | None = None) -> _core.Craft:
+def craft(
+    model: VehicleModel,
+    water_density_kg_m3: float,
+    trim: Trim | None = None,
+    buoyancy_share: NDArray[np.float64] | None = None,
+) -> _core.Craft:
     """Return the vehicle's equations of motion in water of this surface density.
 
-    trim: of the vehicle; the published figures are without. Raises ScenarioError.
+    trim: of the vehicle; the published figures are without. buoyancy_share: of compressibility.buoyancy_share; by
+    default the hull shrinks with the water around it. Raises ScenarioError.
     """
     body = rigid_body(model, water_density_kg_m3)
     weights = trim_weights(model, body, trim, water_density_kg_m3)
@@ -21,4 +31,6 @@ def craft(model: VehicleModel, water_density_kg_m3: float, trim: Trim | None = N
     parameters.added_mass = model.matrix("added_mass")
     parameters.linear_damping = model.matrix("linear_damping")
     parameters.quadratic_damping = model.matrix("quadratic_damping")
+    if buoyancy_share is not None:
+        parameters.buoyancy_share, parameters.buoyancy_share_step_m = buoyancy_share.tolist(), STEP_M
     return _core.Craft(parameters, *vehicle_hull(model))

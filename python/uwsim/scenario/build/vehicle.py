@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.quaternions import about_z
 from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings
 from uwsim.scenario.build.craft import craft
 from uwsim.scenario.build.labels import backscatter_by_label
@@ -32,7 +33,8 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     model = vehicle.model
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
-    spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim or model.trim)
+    squeeze = None if model.compressibility_1_pa is None else buoyancy_share(scenario, model.compressibility_1_pa)
+    spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim or model.trim, squeeze)
     spec.actuators = actuators_spec(model)
     if model.collision_pieces is not None:
         from uwsim.scenario.build.collision_pieces import (

@@ -67,16 +67,18 @@ class VehicleModel(Model):
     buoyancy. density_kg_m3: instead, of the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the
     whole hull displaces in the scenario's water. centre_of_mass_m: without ballast, in the box round the hull.
     ballast_kg, ballast_position_m: a point mass beside all this: it adds to mass and inertia and moves the centre of
-    mass, but displaces no water. trim: for the scenario's water; by default it floats or sinks as its mass and the
-    water have it. volume_m3, centre_of_buoyancy_m: published figures, to which the mesh is scaled and moved; it must be
-    near them. collision: as the convex hull, as the bounding box, or as convex pieces. collision_pieces: the file of
-    the pieces, which `uwsim decompose` makes from the mesh. linear_damping, quadratic_damping: force or torque that
-    opposes v and v|v|. added_mass: of the water that moves with the hull; zero by default. inertia_kg_m2: principal
-    moments about the centre of mass along the body's axes. max_force_n, max_torque_nm: at full effort along and about
-    x, y, z, for a vehicle without thrusters. control: gains and limits of the loops of uwsim.control.Controller.
-    thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one.
-    friction: Coulomb's coefficient; two bodies in contact combine by the geometric mean. restitution: the share of the
-    approach speed that is kept; of two bodies in contact the larger one counts. material: of the hull, for cameras.
+    mass, but displaces no water. compressibility_1_pa: the share of its volume that the hull loses for each pascal, 0
+    for a rigid one; by default it shrinks with the water around it (assumed). trim: for the scenario's water; by
+    default it floats or sinks as its mass and the water have it. volume_m3, centre_of_buoyancy_m: published figures, to
+    which the mesh is scaled and moved; it must be near them. collision: as the convex hull, as the bounding box, or as
+    convex pieces. collision_pieces: the file of the pieces, which `uwsim decompose` makes from the mesh.
+    linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: of the water that moves with
+    the hull; zero by default. inertia_kg_m2: principal moments about the centre of mass along the body's axes.
+    max_force_n, max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters. control: gains
+    and limits of the loops of uwsim.control.Controller. thrusters, fins, sensors, cameras, lamps, imaging_sonars: by
+    name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; two bodies in contact combine by
+    the geometric mean. restitution: the share of the approach speed that is kept; of two bodies in contact the larger
+    one counts. material: of the hull, for cameras.
     failsafe: what it does when nobody speaks to it, or something fails.
     """
 
@@ -96,6 +98,7 @@ class VehicleModel(Model):
     centre_of_mass_m: Point3
     inertia_kg_m2: tuple[Inertia, Inertia, Inertia] | None = None
     trim: Trim | None = None
+    compressibility_1_pa: Annotated[float, InRange(0, 1e-7, "1/Pa")] | None = None
     ballast_kg: Annotated[float, InRange(0, 1e6, "kg")] = 0.0
     ballast_position_m: Point3 = (0.0, 0.0, 0.0)
 

@@ -1,0 +1,34 @@
+"""What a hull of its own compressibility displaces at depth, beside the water's own compression."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.scenario.build.terrain import build_terrain
+from uwsim.scenario.build.water import build_water
+from uwsim.scenario.spec.scenario import Scenario
+
+STEP_M = 25.0  # the share is linear in between, within 1e-8 of itself
+
+
+def buoyancy_share(scenario: Scenario, compressibility_1_pa: float) -> NDArray[np.float64]:
+    """Return the buoyancy of a submerged hull as a share of that at the surface's pressure, every STEP_M, to the bed.
+
+    (n,): rho(z) V(z) over rho_0(z) V_0. The water's density grows by EOS-80 (sea_water.h) where it is compressible; the
+    volume follows dV / V = -compressibility dp, which makes V = V_0 exp(-compressibility p) of the gauge pressure p.
+    """
+    terrain = build_terrain(scenario.terrain).window(scenario.terrain.window_m)
+    water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
+    depths_m = STEP_M * np.arange(int(np.ceil(-terrain.lowest_m / STEP_M)) + 1)
+    return np.array([_share(water, -depth, compressibility_1_pa) for depth in depths_m.tolist()])
+
+
+def _share(water: _core.Water, z_m: float, compressibility_1_pa: float) -> float:
+    gauge_pa = water.pressure_pa(z_m) - water.atmospheric_pressure_pa
+    squeezed = 1.0
+    if water.compressible:
+        state = water.temperature_deg_c(z_m), water.salinity_at_psu(z_m)
+        squeezed = _core.sea_water_density_kg_m3(*state, gauge_pa) / _core.sea_water_density_kg_m3(*state)
+    return squeezed * float(np.exp(-compressibility_1_pa * gauge_pa))
