@@ -8,6 +8,7 @@
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "uwsim/acoustics/absorption.h"
 #include "uwsim/acoustics/detection_theory.h"
 #include "uwsim/acoustics/sonar_equation.h"
@@ -41,7 +42,7 @@ py::array_t<double> soundings(const py::object& directions_world, const py::obje
   std::vector<double> points(3 * n, std::nan(""));
   {
     const double *direction = directions.data(), *time = times.data();
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     for (std::size_t k = 0; k < n; ++k, direction += 3) {
       const double level = std::hypot(direction[0], direction[1]);
       if (!std::isfinite(time[k]) || !(std::hypot(level, direction[2]) > 0)) continue;

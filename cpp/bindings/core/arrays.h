@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "bindings/core/gil.h"
 #include "uwsim/core/check.h"
 
 /// Arrays between NumPy and C++: inputs of the right type pass without a copy, results move out in a capsule.
@@ -111,7 +112,7 @@ inline Eigen::Vector3d as_vector3(const py::object& object, const char* name) {
 /// Returns work(), called without the GIL.
 template <typename Work>
 auto without_gil(const Work& work) {
-  const py::gil_scoped_release release;
+  const GilReleased released;
   return work();
 }
 

@@ -7,6 +7,7 @@
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/rays/visibility.h"
@@ -110,7 +111,7 @@ py::array_t<bool> visible(const RayScene& scene, const py::object& origin_m, con
   py::array_t<bool> seen(static_cast<py::ssize_t>(points.size()));
   bool* out = seen.mutable_data();
   {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     std::vector<Ray> rays(points.size());
     std::vector<RayHit> hits(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -137,7 +138,7 @@ py::array_t<bool> seen(const RayScene& scene, const py::object& viewpoints_m, co
   const std::int64_t* group = group_of.data();
   std::vector<std::uint8_t> out;
   {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     std::vector<std::size_t> first(group_count + 1, 0);
     for (std::size_t k = 0; k < points.size(); ++k) {
       require(group[k] >= 0 && group[k] < static_cast<std::int64_t>(group_count), "group_of_point", group[k],
@@ -155,7 +156,7 @@ py::array_t<double> distance(const RayScene& scene, const py::object& points_m) 
   const auto points = as_points(points_m, "points_m");
   std::vector<double> distances(points.size());
   {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     scene.distance(points, distances, usable_threads());
   }
   return move_out(std::move(distances));
@@ -174,7 +175,7 @@ void bind_rays(py::module_& m) {
       "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it; vehicles are "
       "only in that of Simulation.scene_around.")
       .def(py::init([](World world) {  // a copy: other threads may add to the original meanwhile
-             const py::gil_scoped_release unlocked;
+             const GilReleased unlocked;
              return std::make_shared<RayScene>(world);
            }),
            py::arg("world"))

@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "bindings/core/arrays.h"
+#include "bindings/core/gil.h"
 #include "bindings/sim/binders.h"
+#include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/sim/batch.h"
 
 namespace uwsim::bindings {
@@ -42,7 +44,7 @@ class OwnedBatch {
   /// call(batch), with the GIL released.
   template <typename Call>
   auto with(Call&& call) {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     const std::lock_guard owned(mutex_);
     return call(batch_);
   }
@@ -77,14 +79,14 @@ class OwnedBatch {
           if (!error) error = std::current_exception();
         }
         done += now;
-        const py::gil_scoped_acquire locked;
+        const GilTaken locked;
         if (done < count && PyErr_CheckSignals() != 0) throw py::error_already_set();
       }
       if (error) std::rethrow_exception(error);
     });
   }
 
-  std::recursive_mutex mutex_;  // recursive: a signal handler that runs between slices may call, too
+  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call, too
   Batch batch_;
 };
 

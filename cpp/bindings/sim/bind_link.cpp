@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bindings/core/arrays.h"
+#include "bindings/core/gil.h"
 #include "bindings/sim/binders.h"
 #include "uwsim/acoustics/modem/network_trial.h"
 #include "uwsim/sim/link.h"
@@ -119,7 +120,7 @@ void bind_link_physics(py::module_& m) {
       [](const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds, std::uint64_t bytes,
          double delay_s, std::uint64_t seed) {
         NetworkTrial trial{modem, nodes, rate_1_s, seconds, bytes, {true, delay_s, 130, 76, 0, 0}, seed, 0.005};
-        const py::gil_scoped_release unlocked;
+        const GilReleased unlocked;
         return run_trial(trial);
       },
       py::arg("modem"), py::arg("nodes"), py::arg("rate_1_s"), py::arg("seconds"), py::arg("bytes"),

@@ -8,6 +8,7 @@
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "bindings/core/record.h"
 #include "bindings/sim/binders.h"
 #include "bindings/sim/owned_simulation.h"
@@ -162,7 +163,7 @@ PingBatch ping_batch(OwnedSimulation& owned, std::size_t vehicle, std::size_t in
           heads[k] = (poses[k] * head.body_from_sonar()).matrix();
         }
       });
-      const py::gil_scoped_acquire locked;
+      const GilTaken locked;
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
   });

@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "bindings/core/gil.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/sim/simulation.h"
 
 namespace uwsim::bindings {
@@ -30,7 +32,7 @@ class OwnedSimulation {
   /// call(simulation), with the GIL released.
   template <typename Call>
   auto with(Call&& call) {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     const std::lock_guard owned(mutex_);
     return call(*simulation_);
   }
@@ -95,14 +97,14 @@ class OwnedSimulation {
         const std::uint64_t slice = std::min(count, kStepsBetweenSignals);
         sim.step(slice);
         count -= slice;
-        const py::gil_scoped_acquire locked;
+        const GilTaken locked;
         if (count > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
       }
     });
   }
 
  private:
-  std::recursive_mutex mutex_;  // recursive: a signal handler that runs between slices may call, too
+  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call, too
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
   std::optional<LinkSpec> link_;

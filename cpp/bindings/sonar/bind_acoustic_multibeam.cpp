@@ -11,6 +11,7 @@
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "bindings/core/record.h"
 #include "bindings/sonar/binders.h"
 #include "bindings/sonar/physics_ping.h"
@@ -101,7 +102,7 @@ void bind_instrument(py::module_& m) {
                     motion.rate_world_rad_s.transpose(), "must be at most 100 rad/s");
             AcousticPing raw;
             {
-              const py::gil_scoped_release unlocked;
+              const GilReleased unlocked;
               raw = sonar.ping(scene, pose, motion, tick, threads);
             }
             return physics_ping(std::move(raw), sonar.fan(), pose, 0);

@@ -2,6 +2,7 @@
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "bindings/sonar/angles.h"
 #include "bindings/sonar/binders.h"
 #include "uwsim/sonar/depth_image.h"
@@ -16,7 +17,7 @@ Depths render(const DepthCamera& camera, const RayScene& scene, const py::object
   const Pose pose = as_pose(position_m, orientation_xyzw, "camera");
   DepthImage image;
   {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     image = depth_image(camera, scene, pose, threads);
   }
   return move_out(std::move(image.depth_m), {camera.height, camera.width});

@@ -7,6 +7,7 @@
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "bindings/core/parameters.h"
 #include "bindings/sonar/angles.h"
 #include "bindings/sonar/binders.h"
@@ -25,7 +26,7 @@ Arrays ping(const ImagingSonar& sonar, const RayScene& scene, const Water& water
   const RandomStream random(seed, stream);
   std::vector<ImagingArray> results;
   {
-    const py::gil_scoped_release unlocked;
+    const GilReleased unlocked;
     results = sonar.ping({scene, water, poses, angles, random, first_ping, threads, with_labels});
   }
   Arrays arrays;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bindings/core/convert.h"
+#include "bindings/core/gil.h"
 #include "bindings/core/points.h"
 #include "bindings/world/binders.h"
 #include "uwsim/core/check.h"
@@ -26,7 +27,7 @@ SurfaceSampler make_sampler(const World& world, double resolution_m, const py::o
   const Eigen::Vector3d low = as_vector3(low_m, "low_m"), high = as_vector3(high_m, "high_m");
   require(!low.hasNaN(), "low_m", low.transpose(), "must not be NaN");
   require(!high.hasNaN(), "high_m", high.transpose(), "must not be NaN");
-  const py::gil_scoped_release unlocked;
+  const GilReleased unlocked;
   return SurfaceSampler(world, resolution_m, std::move(area), Eigen::AlignedBox3d(low, high));
 }
 

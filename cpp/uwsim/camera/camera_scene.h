@@ -14,6 +14,7 @@
 #include "uwsim/camera/material.h"
 #include "uwsim/camera/ripples.h"
 #include "uwsim/camera/texture.h"
+#include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/core/pose.h"
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/world/world.h"
@@ -77,7 +78,7 @@ class CameraScene {
   bool has_textures_ = false;
   std::vector<std::string> vehicle_names_;
   MovingBodies hulls_;
-  mutable std::mutex mutex_;
+  mutable ForkSafeMutex<std::mutex> mutex_;
   mutable std::optional<CachedRipples> cached_ripples_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <mutex>
 
+#include "uwsim/core/fork_safe_mutex.h"
+
 namespace uwsim {
 namespace {
 
@@ -10,7 +12,7 @@ constexpr std::size_t kMostKept_bytes = 32 << 20;
 constexpr std::size_t kLeastKept_bytes = 64 << 10;  // smaller blocks are kept by malloc itself
 
 struct KeptBlocks {
-  std::mutex mutex;
+  ForkSafeMutex<std::mutex> mutex;
   std::vector<std::pair<void*, std::size_t>> blocks;  // most recent last
   std::size_t bytes = 0;
 };
@@ -26,7 +28,8 @@ KeptBlocks& kept() {
 void* acquire_buffer(std::size_t bytes) {
   if (bytes >= kLeastKept_bytes) {
     KeptBlocks& from = kept();
-    const std::lock_guard lock(from.mutex);
+    if (!from.mutex.lock_unless_forked()) return ::operator new (bytes, std::align_val_t{64});
+    const std::scoped_lock lock(std::adopt_lock, from.mutex);
     const auto found = std::find_if(from.blocks.rbegin(), from.blocks.rend(),
                                     [&](const auto& block) { return block.second == bytes; });
     if (found != from.blocks.rend()) {
@@ -52,7 +55,7 @@ void release_buffer(void* memory, std::size_t bytes) noexcept {
         to.blocks.erase(to.blocks.begin());
       }
       return;
-    } catch (const std::bad_alloc&) {  // no memory for the list: free the block itself
+    } catch (const std::exception&) {  // no memory for the list, or in use at a fork: free the block itself
     }
   }
   ::operator delete (memory, std::align_val_t{64});

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <vector>
 
+#include "uwsim/core/fork_safe_mutex.h"
+
 namespace uwsim {
 
 /// Remembers costly objects that never change, so that they are made once for all who need the same. Knows those that
@@ -15,7 +17,8 @@ class RecentlyMade {
   /// need the same wait for one to be made.
   template <typename IsWanted, typename Make>
   std::shared_ptr<const Object> find_or_make(bool is_worth_keeping, const IsWanted& is_wanted, const Make& make) {
-    const std::scoped_lock lock(mutex_);
+    if (!mutex_.lock_unless_forked()) return make();  // what is known here was being changed at the fork
+    const std::scoped_lock lock(std::adopt_lock, mutex_);
     std::shared_ptr<const Object> object = find(is_wanted);
     if (!object) {
       if (is_worth_keeping) last_ = nullptr;  // its memory may be needed
@@ -36,7 +39,7 @@ class RecentlyMade {
     return nullptr;
   }
 
-  std::mutex mutex_;
+  ForkSafeMutex<std::mutex> mutex_;
   std::vector<std::weak_ptr<const Object>> in_use_;
   std::shared_ptr<const Object> last_;
 };

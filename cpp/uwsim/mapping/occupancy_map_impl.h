@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/mapping/map_changes.h"
 #include "uwsim/mapping/map_engine.h"
 #include "uwsim/mapping/occupancy_map.h"
@@ -77,7 +78,7 @@ struct OccupancyMap::Impl {
   MapChanges changes;
   OccupiedChanges occupied_changes;
   std::uint64_t outside_points = 0;  ///< discarded so far
-  mutable std::mutex mutex;
+  mutable ForkSafeMutex<std::mutex> mutex;
 };
 
 }  // namespace uwsim

@@ -5,6 +5,8 @@
 #include <new>
 #include <utility>
 
+#include "uwsim/core/fork_safe_mutex.h"
+
 namespace uwsim::bricks {
 namespace {
 
@@ -17,7 +19,7 @@ constexpr std::size_t kKeptBytes = 64 << 20;
 struct KeptSegments {
   KeptSegments() { segments.reserve(kKeptBytes / kHugePage); }
 
-  std::mutex mutex;
+  ForkSafeMutex<std::mutex> mutex;
   std::vector<MappedMemory> segments;
   std::size_t bytes = 0;
 };
@@ -30,7 +32,8 @@ KeptSegments& kept_segments() {
 
 MappedMemory kept_segment(std::size_t bytes) {
   KeptSegments& kept = kept_segments();
-  const std::scoped_lock lock(kept.mutex);
+  if (!kept.mutex.lock_unless_forked()) return {};
+  const std::scoped_lock lock(std::adopt_lock, kept.mutex);
   for (MappedMemory& segment : kept.segments) {
     if (segment.size() != bytes) continue;
     MappedMemory found = std::move(segment);
@@ -51,7 +54,8 @@ Arena::Arena(std::size_t element_bytes, int segment_bits)
 
 Arena::~Arena() {
   KeptSegments& kept = kept_segments();
-  const std::scoped_lock lock(kept.mutex);
+  if (!kept.mutex.lock_unless_forked()) return;
+  const std::scoped_lock lock(std::adopt_lock, kept.mutex);
   for (MappedMemory& segment : segments_) {
     if (kept.bytes + segment.size() > kKeptBytes) continue;
     kept.bytes += segment.size();

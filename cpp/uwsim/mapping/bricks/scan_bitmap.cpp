@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "uwsim/core/fork_safe_mutex.h"
+
 namespace uwsim::bricks {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr std::size_t kKeptBytes = std::size_t{32} << 20;
 struct KeptBitmaps {
   KeptBitmaps() { bitmaps.reserve(kKeptBitmaps); }
 
-  std::mutex mutex;
+  ForkSafeMutex<std::mutex> mutex;
   std::vector<ScanBitmap> bitmaps;
 };
 
@@ -34,7 +36,8 @@ ScanBitmap::ScanBitmap(int address_bits)
 ScanBitmap::~ScanBitmap() {
   if (is_in_use_ || missed_.size() == 0 || missed_.size() > kKeptBytes) return;
   KeptBitmaps& kept = kept_bitmaps();
-  const std::scoped_lock lock(kept.mutex);
+  if (!kept.mutex.lock_unless_forked()) return;
+  const std::scoped_lock lock(std::adopt_lock, kept.mutex);
   if (kept.bitmaps.size() < kKeptBitmaps) kept.bitmaps.push_back(std::move(*this));
 }
 
@@ -53,8 +56,8 @@ void ScanBitmap::begin(int address_bits) {
   if (missed_.size() < bytes || is_in_use_) {
     ScanBitmap found;
     KeptBitmaps& kept = kept_bitmaps();
-    {
-      const std::scoped_lock lock(kept.mutex);
+    if (kept.mutex.lock_unless_forked()) {
+      const std::scoped_lock lock(std::adopt_lock, kept.mutex);
       if (!kept.bitmaps.empty() && kept.bitmaps.back().missed_.size() >= bytes) {
         found = std::move(kept.bitmaps.back());
         kept.bitmaps.pop_back();

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <utility>
+
+/// The interpreter's lock around work in C++. When the interpreter ends, CPython ends a thread that asks for its lock
+/// by pthread_exit, which unwinds the stack: pybind11's guards, whose destructors are noexcept, would end the process
+/// by std::terminate instead.
+namespace uwsim::bindings {
+
+/// Releases the GIL of this thread while it lives.
+class GilReleased {
+ public:
+  GilReleased() : outer_(std::exchange(innermost_, this)), state_(PyEval_SaveThread()) {}
+  ~GilReleased() noexcept(false) {
+    innermost_ = outer_;
+    take();
+  }
+  GilReleased(const GilReleased&) = delete;
+  GilReleased& operator=(const GilReleased&) = delete;
+
+ private:
+  friend class GilTaken;
+
+  /// Does nothing while the thread is being ended, since then it has asked before.
+  void take() {
+    if (PyThreadState* const state = std::exchange(state_, nullptr)) PyEval_RestoreThread(state);
+  }
+
+  static inline thread_local GilReleased* innermost_ = nullptr;
+
+  GilReleased* outer_;
+  PyThreadState* state_;
+};
+
+/// Takes the GIL back, while it lives, within work for which a GilReleased of this thread has released it.
+class GilTaken {
+ public:
+  GilTaken() : from_(GilReleased::innermost_) { from_->take(); }
+  ~GilTaken() { from_->state_ = PyEval_SaveThread(); }
+  GilTaken(const GilTaken&) = delete;
+  GilTaken& operator=(const GilTaken&) = delete;
+
+ private:
+  GilReleased* from_;
+};
+
+}  // namespace uwsim::bindings

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+
+namespace uwsim {
+
+/// The number of forks between this process and the first that used the library.
+int fork_generation();
+
+[[noreturn]] void throw_in_use_at_fork();
+void pause_between_looks();
+
+/// A mutex that a forked child does not wait for in vain: a child has none of its parent's other threads, so that what
+/// one of them held at the fork stays locked, and what it guards is half changed. Mutex: std::mutex or a recursive one.
+template <typename Mutex>
+class ForkSafeMutex {
+ public:
+  /// Throws std::runtime_error if another thread of the parent process held it at the fork.
+  void lock() {
+    if (!lock_unless_forked()) throw_in_use_at_fork();
+  }
+
+  /// Returns false, without it, if another thread of the parent process held it at the fork.
+  bool lock_unless_forked() {
+    if (try_lock()) return true;
+    for (int look = 0; generation_ != fork_generation(); ++look) {  // a thread that has just locked it notes so at once
+      if (look == kLooks) return false;
+      pause_between_looks();
+      if (try_lock()) return true;
+    }
+    mutex_.lock();
+    generation_ = fork_generation();
+    return true;
+  }
+
+  bool try_lock() {
+    if (!mutex_.try_lock()) return false;
+    generation_ = fork_generation();
+    return true;
+  }
+
+  void unlock() { mutex_.unlock(); }
+
+ private:
+  static constexpr int kLooks = 100;
+
+  Mutex mutex_;
+  std::atomic<int> generation_ = fork_generation();  ///< of the process that has locked it last
+};
+
+}  // namespace uwsim

@@ -1,0 +1,179 @@
+"""Forks, threads, Ctrl-C and the end of the interpreter, at any moment."""
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from uwsim import Batch, Simulator
+from uwsim.mapping import OccupancyMap
+
+ORIGIN_M = np.zeros(3)
+
+
+def points(count: int) -> np.ndarray:
+    return np.random.default_rng(0).uniform(-10.0, 10.0, (count, 3)).astype(np.float32)
+
+
+@contextmanager
+def threads_that_repeat(*calls: Callable[[], object]) -> Iterator[list[BaseException]]:
+    """Run each call again and again on a thread of its own; gives what they raise."""
+    ended, raised = threading.Event(), []
+
+    def repeat(call: Callable[[], object]) -> None:
+        try:
+            while not ended.is_set():
+                call()
+        except BaseException as error:
+            raised.append(error)
+
+    threads = [threading.Thread(target=repeat, args=(call,)) for call in calls]
+    for thread in threads:
+        thread.start()
+    try:
+        yield raised
+    finally:
+        ended.set()
+        for thread in threads:
+            thread.join()
+
+
+def in_a_fork(call: Callable[[], object], limit_s: int = 60) -> str:
+    """Return what became of a call in a forked child: "done", or the error's text; "hangs" after limit_s."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(limit_s)
+        try:
+            call()
+            os.write(writer, b"done")
+        except BaseException as error:
+            os.write(writer, str(error).encode())
+        os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as told:
+        text = told.read()
+    os.waitpid(child, 0)
+    return text or "hangs"
+
+
+def test_a_child_forked_while_threads_work_has_an_error_or_works() -> None:
+    occupancy, sim = OccupancyMap(0.1), Simulator("pool", threads=2)
+    many, few = points(20_000), points(100)
+
+    def fresh() -> None:
+        OccupancyMap(0.1).insert_scan(few, ORIGIN_M)
+        Simulator("pool").step(3)
+
+    with threads_that_repeat(lambda: occupancy.insert_scan(many, ORIGIN_M), lambda: sim.step(2000)) as raised:
+        time.sleep(0.1)
+        told = [
+            in_a_fork(call)
+            for call in (lambda: occupancy.insert_scan(few, ORIGIN_M), lambda: sim.step(3), fresh)
+            for _ in range(2)
+        ]
+    assert raised == []
+    assert all(text == "done" or "begin child processes by multiprocessing's 'spawn'" in text for text in told[:4]), (
+        told
+    )
+    assert told[4:] == ["done", "done"]
+
+
+def test_eight_threads_share_a_simulator_and_a_map() -> None:
+    sim, occupancy = Simulator("pool", threads=2), OccupancyMap(0.1)
+    sim.rov.undock()
+    few, steps = points(200), [0, 0]
+
+    def step(which: int) -> None:
+        sim.step(7)
+        steps[which] += 7
+
+    calls = (
+        lambda: step(0),
+        lambda: step(1),
+        lambda: sim.rov.sonar.ping().ranges_m.sum(),
+        lambda: sim.rov.set_effort(surge=0.3),
+        lambda: sim.rov.telemetry(),
+        lambda: sim.rov.sensors["depth"].read(),
+        lambda: occupancy.insert_scan(few, ORIGIN_M),
+        lambda: occupancy.to_bytes("bt"),
+    )
+    with threads_that_repeat(*calls) as raised:
+        time.sleep(1.0)
+    assert raised == []
+    assert sim.tick == sum(steps) > 0
+
+
+def test_parts_outlive_their_simulator() -> None:
+    sim = Simulator("pool")
+    rov, ping, camera = sim.rov, sim.rov.sonar.ping(), next(iter(sim.rov.cameras.values()))
+    batch = Batch("pool", n=2)
+    member, aboard = batch.simulator(1), batch.aboard(1)
+    del sim, batch
+    gc.collect()
+    assert np.isfinite(rov.pose.position_world_m).all()
+    assert ping.ranges_m.size > 0
+    assert camera.capture().rgb.size > 0
+    assert member.rov.sonar.ping().ranges_m.size > 0
+    assert aboard.save()
+
+
+LONG = {
+    "advance": "sim.advance(1e7)",
+    "batch": "batch.step(10**9)",
+    "survey": "uwsim.run_survey('lake', folder, report='none')",
+    "sweep of pings": "[sim.rov.sonar.ping() for _ in range(10**9)]",
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_ctrl_c_ends_a_long_call_and_leaves_the_simulator_usable(name: str) -> None:
+    program = f"""
+import signal, tempfile, uwsim
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever started this may ignore it
+sim, batch, folder = uwsim.Simulator("pool"), uwsim.Batch("pool", n=4), tempfile.mkdtemp()
+print("begun", flush=True)
+try:
+    {LONG[name]}
+except KeyboardInterrupt:
+    pass
+sim.step(3); batch.step(3); sim.rov.sonar.ping()
+print("usable", flush=True)
+"""
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=60)
+    assert (process.returncode, out.splitlines()[-1]) == (0, b"usable"), errors.decode()
+
+
+@pytest.mark.parametrize("after_s", [0.0, 0.3])
+def test_the_interpreter_ends_while_threads_work(after_s: float) -> None:
+    program = f"""
+import threading, time
+import numpy as np
+from uwsim import Simulator
+from uwsim.live import LiveSimulator
+from uwsim.mapping import OccupancyMap
+points = np.random.default_rng(0).uniform(-10, 10, (20000, 3)).astype(np.float32)
+sim, occupancy, live = Simulator("pool"), OccupancyMap(0.1), LiveSimulator("pool")
+live.start()
+def forever(call):
+    while True: call()
+for call in (lambda: sim.step(2000), lambda: occupancy.insert_scan(points, np.zeros(3)), sim.rov.sonar.ping):
+    threading.Thread(target=forever, args=(call,), daemon=True).start()
+time.sleep({after_s})
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
