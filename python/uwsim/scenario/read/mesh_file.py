@@ -125,7 +125,8 @@ def _sound_stl(data: bytes) -> bytes:
     if data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
         size = f", its {len(data)} bytes are not the {84 + 50 * announced} of the {announced} triangles it announces"
         raise ValueError(f"neither text that starts with 'solid' nor binary{size if len(data) >= 84 else ''}")
-    if b"endsolid" not in data.lower():
+    _, end, after = data.lower().rpartition(b"endsolid")  # there may be several solids
+    if not end or b"facet" in after:
         raise ValueError("breaks off before its endsolid")
     return data.decode("utf-8", errors="replace").encode()
 
