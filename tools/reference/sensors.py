@@ -1,5 +1,7 @@
 """The sensor reference: kinds, what they read, what noise acts on, their own keys, and the packaged ones."""
 
+import math
+
 from tools.reference.markdown import code, plain, table
 
 from uwsim import _core
@@ -32,7 +34,7 @@ def _section(kind: _core.SensorKind) -> str:
     channels = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.channels.items()]
     text += "\nNoise acts on:\n\n" + table(("channel", "shape", "unit"), channels)
     keys = [
-        (code(name), plain(parameter.unit), f"{parameter.low:g} ... {parameter.high:g}", f"{parameter.by_default:g}")
+        (code(name), plain(parameter.unit), f"{parameter.low:g} ... {parameter.high:g}", _default(parameter.by_default))
         for name, parameter in kind.parameters.items()
     ]
     text += "\nKeys of its own:\n\n" + table(("key", "unit", "range", "default"), keys) if keys else ""
@@ -66,6 +68,10 @@ def _said(noise: Noise) -> str:
 
 def _value(value: float | tuple[float, float]) -> str:
     return " ... ".join(f"{each:g}" for each in value) if isinstance(value, tuple) else f"{value:g}"
+
+
+def _default(value: float) -> str:
+    return "must be given" if math.isnan(value) else f"{value:g}"
 
 
 def _shape(width: int) -> str:
