@@ -159,5 +159,63 @@ TEST(NavigationFilter, AnOutlierIsLeftOutUntilItRepeats) {
   EXPECT_NEAR(filter.state().position_m.z(), -3, 0.1);
 }
 
+/// A collision that the accelerometer cannot follow hides what is left of the velocity: the next ping of the DVL must
+/// not be an outlier, and the biases must not learn from it.
+TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
+  ImuErrors errors;
+  errors.rate_std = 1e-3;
+  errors.force_std = 1e-2;
+  errors.force_bias.turn_on_std = 0.02;
+  errors.force_limit = 40;
+  NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
+  const int dvl = filter.add_aid(doppler_aid(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), 0.01, {}));
+  filter.start(known(0.01, 0.01, 0.01));
+  std::array<double, 6> stopped = kAtRest;
+  stopped[3] = -40;  // in truth -200: 1 m/s are lost, of which 0.8 are not seen
+  const std::array<double, 3> still = {-1, 0, 0};
+  for (std::uint64_t k = 1; k <= 100; ++k) {
+    const std::uint64_t now = k * kStep_ns;
+    filter.add_imu(now, k == 10 ? stopped.data() : kAtRest.data());
+    if (k % 20 == 0) filter.add_reading(dvl, now, now, still.data());
+  }
+  filter.catch_up();
+  EXPECT_EQ(filter.state().counts[static_cast<std::size_t>(dvl)].rejected, 0U);
+  EXPECT_NEAR(filter.state().velocity_m_s.x(), -1, 0.02);
+  EXPECT_LT(filter.state().force_bias_m_s2.norm(), 0.06);
+}
+
+/// The error of the velocity lies between the beams, so that of four only two see it.
+TEST(NavigationFilter, AnErrorThatHalfTheBeamsSeeMakesItDoubt) {
+  Eigen::MatrixX3d beams(4, 3);
+  beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
+  NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
+  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), 0.01, {}));
+  filter.start(known(0.01, 0.01, 0));
+  const std::array<double, 4> ahead = {0.5 * 2, 0, -0.5 * 2, 0};  // at 2 m/s, where the filter takes itself to rest
+  for (std::uint64_t k = 1; k <= 120; ++k) {
+    filter.add_imu(k * kStep_ns, kAtRest.data());
+    if (k % 20 == 0) filter.add_reading(dvl, k * kStep_ns, k * kStep_ns, ahead.data());
+  }
+  filter.catch_up();
+  EXPECT_NEAR(filter.state().velocity_m_s.x(), 2, 0.05);
+}
+
+/// One bad beam of four is left out for ever.
+TEST(NavigationFilter, OneBadBeamMakesItNotDoubt) {
+  Eigen::MatrixX3d beams(4, 3);
+  beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
+  NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
+  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), 0.01, {}));
+  filter.start(known(0.01, 0.01, 0));
+  const std::array<double, 4> bad = {1, 0, 0, 0};
+  for (std::uint64_t k = 1; k <= 400; ++k) {
+    filter.add_imu(k * kStep_ns, kAtRest.data());
+    if (k % 20 == 0) filter.add_reading(dvl, k * kStep_ns, k * kStep_ns, bad.data());
+  }
+  filter.catch_up();
+  EXPECT_LT(filter.state().velocity_m_s.norm(), 0.01);
+  EXPECT_EQ(filter.state().doubts, 0U);
+}
+
 }  // namespace
 }  // namespace uwsim
