@@ -123,6 +123,7 @@ __all__: list[str] = [
     "relative_transform",
     "remove_box",
     "remove_outliers",
+    "saved_build",
     "saved_notes",
     "scan_to_points",
     "sea_water_density_kg_m3",
@@ -3803,9 +3804,14 @@ def remove_outliers(
     GIL.
     """
 
+def saved_build(state: bytes) -> str:
+    """
+    The fingerprint of the build that saved a state. Raises ValueError for a damaged one.
+    """
+
 def saved_notes(state: bytes, scenario: str, build: str) -> str:
     """
-    The notes in a saved state. Raises ValueError for a damaged state or other fingerprints.
+    The notes in a saved state. Raises ValueError for a damaged state or another scenario.
     """
 
 def scan_to_points(

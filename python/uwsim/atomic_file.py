@@ -13,6 +13,8 @@ def write_atomically(path: Path, content: bytes) -> None:
 
     Raises OSError, which names the target, when that fails; no temporary file is left behind.
     """
+    if path.exists() and not path.is_file():  # a rename would replace a device
+        raise OSError(f"'{path}': cannot be written: it is not a regular file")
     try:
         _write_and_rename(path, content)
     except OSError as error:

@@ -28,7 +28,7 @@ from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import fill_with_water, scenario_water
-from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.sealed import Sealed
@@ -307,13 +307,12 @@ class Simulator(Sealed):
     def restore_state(self, state: bytes) -> None:
         """Continue from a state that `save_state` returned.
 
-        Raises ValueError, changing nothing, if the state is damaged or from another scenario, seed or build.
+        Raises ValueError, changing nothing, if the state is damaged or of another scenario; warns if of another build.
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
-        origin = scenario_fingerprint(self.scenario), build_fingerprint()
+        origin, faults = (scenario_fingerprint(self.scenario), build_fingerprint()), self.faults.save()
         notes, before = json.loads(_core.saved_notes(state, *origin)), self.parameters.changes
-        faults = self.faults.save()
         self.faults.restore(notes["programs"]["faults"])
         try:
             self.parameters.replace(notes["parameters"])
@@ -331,6 +330,7 @@ class Simulator(Sealed):
             self._shared_scene.heads[name].restore(aim)
         self._restore_navigation(notes["estimates"])
         self.journal.note("restore_state", state=state)
+        warn_of_other_build("the saved state", _core.saved_build(state))
 
     def _restore_navigation(self, estimates: dict[str, str]) -> None:
         for name, rov in self.vehicles.items():

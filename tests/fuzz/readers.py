@@ -96,9 +96,9 @@ def _scenario(data: bytes, folder: Path) -> str:
 
 def _checkpoint(data: bytes, _: Path) -> str:
     """A survey's state with a checksum that is right, so that mutations reach what is inside."""
-    from uwsim.survey.flight_state import TITLE, from_bytes
+    from uwsim.survey.flight_state import NAME, VERSION, from_bytes
 
-    return repr(from_bytes(f"{TITLE} {hashlib.blake2b(data).hexdigest()}\n".encode() + data))
+    return repr(from_bytes(f"{NAME} {VERSION} {hashlib.blake2b(data).hexdigest()}\n".encode() + data))
 
 
 def _flight(data: bytes, folder: Path) -> str:

@@ -154,7 +154,10 @@ void bind_sim(py::module_& m) {
         return saved_notes(state, {scenario, build});
       },
       py::arg("state"), py::arg("scenario"), py::arg("build"),
-      "The notes in a saved state. Raises ValueError for a damaged state or other fingerprints.");
+      "The notes in a saved state. Raises ValueError for a damaged state or another scenario.");
+  m.def(
+      "saved_build", [](const py::bytes& state) { return saved_build(state); }, py::arg("state"),
+      "The fingerprint of the build that saved a state. Raises ValueError for a damaged one.");
   py::class_<OwnedSimulation> simulation(m, "Simulation",
                                          "A world with vehicles, which are given by index, advanced by fixed steps.");
   bind_commands(simulation);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <string>
 
 #include "uwsim/core/check.h"
 
@@ -9,6 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr std::string_view kMagic = "uwsim state\n";
+/// Of the bytes of a state, in this file and in each `exchange_state`. To raise it makes the states that users have
+/// unreadable: do so only where what they hold cannot be read as what it is now.
 constexpr std::uint64_t kVersion = 1;
 
 /// FNV-1a, 64 bits: detects damage, not forgery.
@@ -40,6 +43,25 @@ std::uint64_t read_number(std::string_view& from) {
 
 std::string_view read_text(std::string_view& from) { return read_bytes(from, read_number(from)); }
 
+struct Content {
+  std::string_view scenario, build, state;
+};
+
+/// The parts of a saved state that is complete, undamaged and of a version that this build reads.
+Content content_of(std::string_view bytes) {
+  require(bytes.substr(0, kMagic.size()) == kMagic, "state", "foreign", "must be bytes that save_state returned");
+  bytes.remove_prefix(kMagic.size());
+  const std::uint64_t size = read_number(bytes), sum = read_number(bytes);
+  require(size == bytes.size(), "state", size < bytes.size() ? "too long" : "truncated",
+          "must be as long as it was saved");
+  require(sum == checksum(bytes), "state", "damaged", "its checksum must match its content");
+  const std::uint64_t version = read_number(bytes);
+  require(version == kVersion, "state.version", version,
+          "must be " + std::to_string(kVersion) + ": another version of uwsim saved it, in a format that this one lacks");
+  const std::string_view scenario = read_text(bytes), build = read_text(bytes);
+  return {scenario, build, bytes};
+}
+
 }  // namespace
 
 std::string wrapped_state(std::string_view state, const StateOrigin& origin) {
@@ -55,20 +77,12 @@ std::string wrapped_state(std::string_view state, const StateOrigin& origin) {
 }
 
 std::string_view unwrapped_state(std::string_view bytes, const StateOrigin& origin) {
-  require(bytes.substr(0, kMagic.size()) == kMagic, "state", "foreign", "must be bytes that save_state returned");
-  bytes.remove_prefix(kMagic.size());
-  const std::uint64_t size = read_number(bytes), sum = read_number(bytes);
-  require(size == bytes.size(), "state", size < bytes.size() ? "too long" : "truncated",
-          "must be as long as it was saved");
-  require(sum == checksum(bytes), "state", "damaged", "its checksum must match its content");
-  const std::uint64_t version = read_number(bytes);
-  require(version == kVersion, "state.version", version, "must be 1: another version of uwsim saved it");
-  const std::string_view scenario = read_text(bytes), build = read_text(bytes);
-  require(scenario == origin.scenario, "state.scenario", scenario,
+  const Content content = content_of(bytes);
+  require(content.scenario == origin.scenario, "state.scenario", content.scenario,
           "must be " + origin.scenario + ": it was saved by another scenario, seed or vehicle");
-  require(build == origin.build, "state.build", build,
-          "must be " + origin.build + ": another build of uwsim saved it, whose steps may differ");
-  return bytes;
+  return content.state;
 }
+
+std::string saved_build(std::string_view bytes) { return std::string(content_of(bytes).build); }
 
 }  // namespace uwsim

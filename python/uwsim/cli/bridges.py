@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.options import need
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ RosDistro = Annotated[
     str | None, typer.Option(help="ROS 2: humble or jazzy. Default: the environment's ROS_DISTRO, else jazzy.")
 ]
 RosDomain = Annotated[
-    int | None, typer.Option(help="ROS 2: the domain. Default: the environment's ROS_DOMAIN_ID, else 0.")
+    int | None,
+    typer.Option(help="ROS 2: the domain. Default: the environment's ROS_DOMAIN_ID, else 0.", callback=within(0, 232)),
 ]
 RosReach = Annotated[
     str | None, typer.Option(help="ROS 2: localhost (this machine alone) or subnet. Default: localhost.")
@@ -32,7 +34,9 @@ RosPeers = Annotated[
     list[str] | None, typer.Option(help="ROS 2: a further host, which multicast does not reach; may be repeated.")
 ]
 Foxglove = Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")]
-FoxglovePort = Annotated[int | None, typer.Option(help="Where Foxglove connects. Default: 8765.")]
+FoxglovePort = Annotated[
+    int | None, typer.Option(help="Where Foxglove connects. Default: 8765.", callback=within(0, 65535))
+]
 
 
 def need_subnet(ros_reach: str | None, ros_peer: Sequence[str] | None) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
 
 
@@ -22,9 +23,13 @@ def camera(
     vehicle: VehicleName = None,
     pose: Pose = None,
     jerlov: Annotated[str | None, typer.Option(help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.")] = None,
-    sun: Annotated[float | None, typer.Option(help="Elevation of the sun [deg].")] = None,
+    sun: Annotated[
+        float | None, typer.Option(help="Elevation of the sun [deg].", callback=within(-6, 90, "deg"))
+    ] = None,
     lamps: Annotated[str, typer.Option(help="Lamps to switch on, comma-separated: front, down.")] = "",
-    at: Annotated[float, typer.Option(help="Simulated time at which to capture [s].")] = 0.0,
+    at: Annotated[
+        float, typer.Option(help="Simulated time at which to capture [s].", callback=within(0, 36_000, "s"))
+    ] = 0.0,
     seed: Seed = None,
     threads: Threads = None,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.options import Threads
 
 if TYPE_CHECKING:
@@ -32,7 +33,10 @@ def compare(
         "compare"
     ),
     seeds: Annotated[str, typer.Option(help="Seeds, such as 0,1,2.")] = "0,1,2",
-    voxel: Annotated[float | None, typer.Option(help="Edge of the maps' voxels [m]; replaces the scenario's.")] = None,
+    voxel: Annotated[
+        float | None,
+        typer.Option(help="Edge of the maps' voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
+    ] = None,
     by: Annotated[
         str, typer.Option(help="What the missions fly by: truth, or estimate, which is that of the vehicle's filter.")
     ] = "truth",
@@ -40,7 +44,10 @@ def compare(
         list[str] | None,
         typer.Option(help="What fails in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."),
     ] = None,
-    time_limit: Annotated[float | None, typer.Option(help="End each flight after this simulated time [s].")] = None,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(help="End each flight after this simulated time [s].", callback=within(0.001, 1e9, "s")),
+    ] = None,
     argument: Annotated[
         list[str] | None, typer.Option("--set", help="NAME=VALUE for a parameter of every mission.")
     ] = None,

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.serve import Origin, Paused, Speed, Wire, parsed_speed
@@ -19,7 +20,7 @@ def connect(
     sonar_model: SonarModel = None,
     wire: Wire = "published",
     origin: Origin = "world",
-    ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.")] = 1,
+    ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.", callback=within(1, 2))] = 1,
     paused: Paused = False,
     link: Link = None,
     threads: Threads = None,

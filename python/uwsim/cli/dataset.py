@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INTERRUPTED
 from uwsim.cli.options import ScenarioName, Seed, VehicleName
 from uwsim.cli.sweep import Scheduler, Workers
@@ -25,7 +26,7 @@ Vary = Annotated[
 
 def dataset(
     scenario: ScenarioName,
-    n: Annotated[int, typer.Option("--n", help="Number of frames.")] = 100,
+    n: Annotated[int, typer.Option("--n", help="Number of frames.", callback=within(1, 1e9))] = 100,
     out: Annotated[Path, typer.Option(help="Folder for the pictures and their tables.")] = Path("data"),
     camera: Annotated[str, typer.Option(help="The camera: front, down, or another.")] = "front",
     vehicle: VehicleName = None,
@@ -42,9 +43,14 @@ def dataset(
     without: Annotated[str, typer.Option(help="Effects that are off, comma-separated, such as wobble.")] = "",
     along: Annotated[
         Path | None,
-        typer.Option(help="Take poses from a track: track-VEHICLE.csv of a run, track.npz of a survey, or your own."),
+        typer.Option(
+            help="Take poses from a track: track-VEHICLE.csv of a run, track.npz of a survey, or your own.",
+            callback=readable,
+        ),
     ] = None,
-    mission: Annotated[Path | None, typer.Option(help="Fly this mission first, and take its poses.")] = None,
+    mission: Annotated[
+        Path | None, typer.Option(help="Fly this mission first, and take its poses.", callback=readable)
+    ] = None,
     look_at: Annotated[
         str | None, typer.Option(help="Names or classes, comma-separated, such as gate,pipeline. Default: everything.")
     ] = None,
@@ -52,16 +58,28 @@ def dataset(
         str | None,
         typer.Option(help="To what is looked at [m], LOW..HIGH. Default: to 0.6 of the water's visibility."),
     ] = None,
-    clearance: Annotated[float | None, typer.Option(help="Around hull and camera [m]. Default: 0.2.")] = None,
-    pitch_max: Annotated[float | None, typer.Option(help="Of the vehicle, up and down [deg]. Default: 15.")] = None,
-    roll_max: Annotated[float | None, typer.Option(help="Of the vehicle, to either side [deg]. Default: 5.")] = None,
+    clearance: Annotated[
+        float | None, typer.Option(help="Around hull and camera [m]. Default: 0.2.", callback=within(0, 100, "m"))
+    ] = None,
+    pitch_max: Annotated[
+        float | None,
+        typer.Option(help="Of the vehicle, up and down [deg]. Default: 15.", callback=within(0, 90, "deg")),
+    ] = None,
+    roll_max: Annotated[
+        float | None,
+        typer.Option(help="Of the vehicle, to either side [deg]. Default: 5.", callback=within(0, 180, "deg")),
+    ] = None,
     vary: Vary = None,
     sonar: Annotated[str | None, typer.Option(help="The forward-looking sonar. Default: the first.")] = None,
     label_range: Annotated[
-        float | None, typer.Option(help="Things farther away have no labels [m]. Default: the water's visibility.")
+        float | None,
+        typer.Option(
+            help="Things farther away have no labels [m]. Default: the water's visibility.",
+            callback=within(0.01, 1e6, "m"),
+        ),
     ] = None,
-    min_pixels: Annotated[int, typer.Option(help="Smaller things have no box.")] = 16,
-    val_share: Annotated[float, typer.Option(help="Share of the frames for validation.")] = 0.2,
+    min_pixels: Annotated[int, typer.Option(help="Smaller things have no box.", callback=within(1, 1e9))] = 16,
+    val_share: Annotated[float, typer.Option(help="Share of the frames for validation.", callback=within(0, 1))] = 0.2,
     seed: Seed = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
@@ -73,9 +91,9 @@ def dataset(
     training and validation. Poses are drawn, in free water with something in view, or taken from a track. The same
     bytes whatever the number of workers. Ctrl-C and kills lose only the frames under way: --resume makes the rest.
     """
-    from uwsim.cli.job_progress import job_progress
     from uwsim.datasets import make_dataset
-    from uwsim.survey.terminal import stop_on_ctrl_c
+    from uwsim.stoppable import stop_on_signals
+    from uwsim.workers.job_progress import job_progress
 
     options: dict[str, Any] = {
         "camera": camera,
@@ -100,7 +118,7 @@ def dataset(
         "roll_max_deg": roll_max,
     }
     options |= {name: value for name, value in drawn.items() if value is not None}
-    with job_progress("frames", "rendering") as progress, stop_on_ctrl_c(progress):
+    with job_progress("frames", "rendering") as progress, stop_on_signals(progress):
         made = make_dataset(
             scenario,
             out,

@@ -7,16 +7,21 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable, within
+
 
 def decompose(
-    mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.")],
+    mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.", callback=readable)],
     out: Annotated[
         Path | None, typer.Option(help="The file to write. Default: MESH.pieces.obj beside the mesh.")
     ] = None,
     threshold: Annotated[
-        float, typer.Option(help="Depth of the hollows that may remain, relative to the mesh's size.")
+        float,
+        typer.Option(
+            help="Depth of the hollows that may remain, relative to the mesh's size.", callback=within(0.01, 1)
+        ),
     ] = 0.1,
-    max_pieces: Annotated[int, typer.Option(min=1, help="Maximum number of pieces.")] = 24,
+    max_pieces: Annotated[int, typer.Option(help="Maximum number of pieces.", callback=within(1, 256))] = 24,
 ) -> None:
     """Cut a hull into convex pieces for collisions.
 

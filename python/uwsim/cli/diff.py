@@ -7,14 +7,15 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable
 from uwsim.cli.exit_codes import FAILED
 
 SHOWN = 10
 
 
 def diff(
-    first: Annotated[Path, typer.Argument(help="A recording.", metavar="A.mcap")],
-    second: Annotated[Path, typer.Argument(help="Another.", metavar="B.mcap")],
+    first: Annotated[Path, typer.Argument(help="A recording.", metavar="A.mcap", callback=readable)],
+    second: Annotated[Path, typer.Argument(help="Another.", metavar="B.mcap", callback=readable)],
     out: Annotated[Path, typer.Option(help="The figure to write if they differ, a PNG.")] = Path("divergence.png"),
 ) -> None:
     """Compare two recordings and say where they part.

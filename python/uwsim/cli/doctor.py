@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.bridges import RosDistro, RosDomain, RosPeers, RosReach, need_subnet
 
 MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
@@ -17,9 +18,11 @@ def doctor(
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
-    port: Annotated[int, typer.Option(min=1, max=65535, help="Where the rosbridge is, or shall be.")] = 9090,
-    foxglove_port: Annotated[int, typer.Option(min=1, max=65535, help="Where Foxglove connects.")] = 8765,
-    listen: Annotated[float, typer.Option(min=0.1, max=60.0, help="How long to listen for ROS 2 nodes [s].")] = 3.0,
+    port: Annotated[int, typer.Option(help="Where the rosbridge is, or shall be.", callback=within(1, 65535))] = 9090,
+    foxglove_port: Annotated[int, typer.Option(help="Where Foxglove connects.", callback=within(1, 65535))] = 8765,
+    listen: Annotated[
+        float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
+    ] = 3.0,
 ) -> int:
     """Look for what keeps ROS and the simulator apart.
 

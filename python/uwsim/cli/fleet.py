@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
-from uwsim.cli.options import ScenarioName, Seed, need
+from uwsim.cli.options import ScenarioName, Seed, Voxel, need
 from uwsim.cli.sweep import Scheduler, Workers
 
 if TYPE_CHECKING:
@@ -17,14 +18,20 @@ if TYPE_CHECKING:
 
 def fleet(
     scenario: ScenarioName,
-    tile: Annotated[float, typer.Option(help="Edge of the tiles [m]; they are at most as long.")],
+    tile: Annotated[
+        float, typer.Option(help="Edge of the tiles [m]; they are at most as long.", callback=within(1, 1e5, "m"))
+    ],
     out: Annotated[Path, typer.Option(help="Folder for map.bt, summary.json, tiles.png and the tiles' maps.")] = Path(
         "fleet"
     ),
-    voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
+    voxel: Voxel = None,
     seed: Seed = None,
     vehicles: Annotated[
-        int, typer.Option(help="Vehicles that share the tiles, for the time that the fleet is out; not for the map.")
+        int,
+        typer.Option(
+            help="Vehicles that share the tiles, for the time that the fleet is out; not for the map.",
+            callback=within(1, 100_000),
+        ),
     ] = 1,
     score: Annotated[bool, typer.Option("--score/--no-score", help="Compare the map with the true world.")] = True,
     workers: Workers = None,
@@ -41,13 +48,13 @@ def fleet(
     number of workers and the order in which tiles are finished. Ctrl-C and kills lose only the tiles under way:
     --resume flies the rest. Ends with 1 if a tile failed.
     """
-    from uwsim.cli.job_progress import job_progress
     from uwsim.fleet import run_fleet
-    from uwsim.survey.terminal import stop_on_ctrl_c
+    from uwsim.stoppable import stop_on_signals
+    from uwsim.workers.job_progress import job_progress
 
     if not resume:
         need("--resume", retry_failed=retry_failed)
-    with job_progress("tiles") as progress, stop_on_ctrl_c(progress):
+    with job_progress("tiles") as progress, stop_on_signals(progress):
         flown = run_fleet(
             scenario,
             out,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.options import ScenarioName, Seed
 
 
@@ -17,7 +18,9 @@ def link(
         str | None,
         typer.Option(help="Name of a packaged modem, or a YAML file. Default: the scenario's link, else s2cm_hs."),
     ] = None,
-    depth: Annotated[float, typer.Option(help="At which the vehicle goes [m].")] = 10.0,
+    depth: Annotated[
+        float, typer.Option(help="At which the vehicle goes [m].", callback=within(0.5, 10_000, "m"))
+    ] = 10.0,
     seed: Seed = None,
 ) -> None:
     """Try a link: a vehicle goes away from the station and back.

@@ -128,7 +128,9 @@ def main() -> NoReturn:
     warnings.showwarning = _show_warning
     try:
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
-    except (ValueError, OSError, MemoryError) as error:
+    except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C
+        _exit_on_signal(signal.SIGINT, None)
+    except (ValueError, OSError, MemoryError, ImportError) as error:  # the last: a library that memory has no room for
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
         for mistake in getattr(error, "mistakes", None) or [str(error) or type(error).__name__]:  # of a scenario's file

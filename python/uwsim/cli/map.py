@@ -7,16 +7,19 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import SETTINGS
 
 app = typer.Typer(name="uwsim map", help="Inspect, convert, score, draw and compare OctoMaps (.bt, .ot).", **SETTINGS)
 
-MapFile = Annotated[Path, typer.Argument(help="A map, .bt or .ot.")]
+MapFile = Annotated[Path, typer.Argument(help="A map, .bt or .ot.", callback=readable)]
 FigureFile = Annotated[Path | None, typer.Option(help="The figure to write, a PNG.")]
 MapOrigin = Annotated[
     tuple[float, float, float],
-    typer.Option(help="World coordinates of the file's zero: x y z [m].", metavar="X Y Z"),
+    typer.Option(
+        help="World coordinates of the file's zero: x y z [m].", metavar="X Y Z", callback=within(-1e7, 1e7, "m")
+    ),
 ]
 ZERO = (0.0, 0.0, 0.0)
 
@@ -34,11 +37,18 @@ def info(source: MapFile, origin: MapOrigin = ZERO) -> None:
 
 @app.command()
 def convert(
-    source: Annotated[Path, typer.Argument(help="A map (.bt, .ot) or a cloud (.ply, .pcd, .las, .xyz).")],
+    source: Annotated[
+        Path, typer.Argument(help="A map (.bt, .ot) or a cloud (.ply, .pcd, .las, .xyz).", callback=readable)
+    ],
     target: Annotated[
         Path, typer.Argument(help="The file to write: .bt .ot .ply .pcd .las .xyz, or .tif for a depth grid.")
     ],
-    cell: Annotated[float | None, typer.Option(help="Width of a .tif's cells [m]. Default: the map's voxels.")] = None,
+    cell: Annotated[
+        float | None,
+        typer.Option(
+            help="Width of a .tif's cells [m]. Default: the map's voxels.", callback=within(0.001, 10_000, "m")
+        ),
+    ] = None,
     scenario: Annotated[str | None, typer.Option(help="The scenario whose terrain places a .tif on Earth.")] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
@@ -55,7 +65,9 @@ def convert(
 
 @app.command("from")
 def from_recording(
-    source: Annotated[Path, typer.Argument(help="A recording, FILE.mcap, of a survey or a live run.")],
+    source: Annotated[
+        Path, typer.Argument(help="A recording, FILE.mcap, of a survey or a live run.", callback=readable)
+    ],
     out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")] = Path("map.bt"),
     report: Annotated[
         Path | None, typer.Option(help="Also write the survey's report into this folder (of a survey only).")
@@ -88,7 +100,9 @@ def from_recording(
 
 @app.command()
 def merge(
-    sources: Annotated[list[Path], typer.Argument(help="Two or more maps with the same resolution.")],
+    sources: Annotated[
+        list[Path], typer.Argument(help="Two or more maps with the same resolution.", callback=readable)
+    ],
     out: Annotated[Path, typer.Option(help="The map to write, .bt or .ot.")],
 ) -> None:
     """Merge maps of one area, or of its parts.
@@ -107,7 +121,10 @@ def score(
     scenario: Annotated[str, typer.Option(help="The map's scenario: name of a packaged one, or path of a YAML file.")],
     track: Annotated[
         Path | None,
-        typer.Option(help="The survey's track.npz, or a cloud of the sonar's positions. Default: beside the map."),
+        typer.Option(
+            help="The survey's track.npz, or a cloud of the sonar's positions. Default: beside the map.",
+            callback=readable,
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="The figure of the errors to write. Default: beside the map.")
@@ -139,9 +156,18 @@ def score(
 def render(
     source: MapFile,
     out: FigureFile = None,
-    azimuth: Annotated[float, typer.Option(help="Direction to the eye, counter-clockwise from east [deg].")] = -118.0,
-    elevation: Annotated[float, typer.Option(help="Elevation of the eye above the horizon [deg].")] = 38.0,
-    width: Annotated[int, typer.Option(help="Width of the figure [pixels].")] = 1600,
+    azimuth: Annotated[
+        float,
+        typer.Option(
+            help="Direction to the eye, counter-clockwise from east [deg].", callback=within(-360, 360, "deg")
+        ),
+    ] = -118.0,
+    elevation: Annotated[
+        float, typer.Option(help="Elevation of the eye above the horizon [deg].", callback=within(-89, 89, "deg"))
+    ] = 38.0,
+    width: Annotated[
+        int, typer.Option(help="Width of the figure [pixels].", callback=within(200, 8000, "pixels"))
+    ] = 1600,
     origin: MapOrigin = ZERO,
 ) -> None:
     """Draw a map in 3D, without a display.
@@ -188,9 +214,15 @@ def diff(
 @app.command(name="slice")
 def slice_(
     source: MapFile,
-    x: Annotated[float | None, typer.Option(help="Cut upright at this x (east) [m].")] = None,
-    y: Annotated[float | None, typer.Option(help="Cut upright at this y (north) [m].")] = None,
-    z: Annotated[float | None, typer.Option(help="Cut level at this height [m].")] = None,
+    x: Annotated[
+        float | None, typer.Option(help="Cut upright at this x (east) [m].", callback=within(-1e7, 1e7, "m"))
+    ] = None,
+    y: Annotated[
+        float | None, typer.Option(help="Cut upright at this y (north) [m].", callback=within(-1e7, 1e7, "m"))
+    ] = None,
+    z: Annotated[
+        float | None, typer.Option(help="Cut level at this height [m].", callback=within(-1e7, 1e7, "m"))
+    ] = None,
     out: FigureFile = None,
     origin: MapOrigin = ZERO,
 ) -> None:

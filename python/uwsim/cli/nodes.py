@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import need
 
@@ -22,7 +23,9 @@ def nodes(
         "ws://127.0.0.1:9090"
     ),
     out: Annotated[Path | None, typer.Option(help="Where the octomap node writes its map. Default: nodes.bt.")] = None,
-    patience: Annotated[float, typer.Option(help="How long to wait for the rosbridge [s].")] = 10.0,
+    patience: Annotated[
+        float, typer.Option(help="How long to wait for the rosbridge [s].", callback=within(0, 86_400, "s"))
+    ] = 10.0,
 ) -> None:
     """Run the paper's chain as ROS nodes over rosbridge.
 

@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+from uwsim.cli.bounds import UsageError, within
+
 SETTINGS: dict[str, Any] = {
     "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -16,7 +18,11 @@ SETTINGS: dict[str, Any] = {
 """Settings of every typer program."""
 
 ScenarioName = Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")]
-Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.")]
+Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.", callback=within(0, 2**63 - 1))]
+Voxel = Annotated[
+    float | None,
+    typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
+]
 SonarModel = Annotated[
     str | None,
     typer.Option(
@@ -25,7 +31,10 @@ SonarModel = Annotated[
 ]
 Frequency = Annotated[
     float | None,
-    typer.Option(help="Replaces the scenario's sonar frequency [kHz], for a sonar with several."),
+    typer.Option(
+        help="Replaces the scenario's sonar frequency [kHz], for a sonar with several.",
+        callback=within(0.1, 1e5, "kHz"),
+    ),
 ]
 Pose = Annotated[
     str | None,
@@ -35,7 +44,9 @@ Pose = Annotated[
     ),
 ]
 VehicleName = Annotated[str | None, typer.Option("--vehicle", help="Name of the vehicle. Default: the first.")]
-MissionTime = Annotated[float | None, typer.Option(help="Replaces the scenario's battery time [s].")]
+MissionTime = Annotated[
+    float | None, typer.Option(help="Replaces the scenario's battery time [s].", callback=within(1, 1e6, "s"))
+]
 Link = Annotated[
     str | None,
     typer.Option(
@@ -59,16 +70,15 @@ SurveyTopics = Annotated[
     ),
 ]
 Threads = Annotated[
-    int | None, typer.Option(help="Number of threads; the result does not depend on it. Default: one per core.")
+    int | None,
+    typer.Option(
+        help="Number of threads; the result does not depend on it. Default: one per core.", callback=within(1, 1024)
+    ),
 ]
 
 
-class WithoutEffectError(typer.BadParameter):
-    """An option that would be without effect; typer ends the command with the exit code of an unknown one."""
-
-    def format_message(self) -> str:
-        """Return the message as it is."""
-        return str(self.message)
+class WithoutEffectError(UsageError):
+    """An option that would be without effect."""
 
 
 def need(needed: str, **options: object) -> None:

@@ -8,9 +8,11 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable
+
 
 def recording(
-    source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap")],
+    source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap", callback=readable)],
 ) -> None:
     """List what a recording holds: run, commands, channels."""
     from uwsim.recording.commands import COMMANDS

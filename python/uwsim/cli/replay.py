@@ -8,15 +8,20 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import Threads, need
 
 
 def replay(
-    recording: Annotated[Path, typer.Argument(help="A recording, FILE.mcap.", metavar="FILE.mcap")],
-    from_s: Annotated[float, typer.Option("--from", help="Simulated time to begin at [s].")] = 0.0,
-    until_s: Annotated[float | None, typer.Option("--until", help="Simulated time to end at [s].")] = None,
+    recording: Annotated[Path, typer.Argument(help="A recording, FILE.mcap.", metavar="FILE.mcap", callback=readable)],
+    from_s: Annotated[
+        float, typer.Option("--from", help="Simulated time to begin at [s].", callback=within(0, 1e9, "s"))
+    ] = 0.0,
+    until_s: Annotated[
+        float | None, typer.Option("--until", help="Simulated time to end at [s].", callback=within(0, 1e9, "s"))
+    ] = None,
     speed: Annotated[
         str | None,
         typer.Option(help="Simulated seconds per wall second, or max. Default: max; 1 with --as-topics."),
@@ -26,7 +31,9 @@ def replay(
     ] = False,
     port: Annotated[
         int | None,
-        typer.Option(help="With --as-topics: where to listen; 0 chooses a free port. Default: 9090."),
+        typer.Option(
+            help="With --as-topics: where to listen; 0 chooses a free port. Default: 9090.", callback=within(0, 65535)
+        ),
     ] = None,
     host: Annotated[
         str | None, typer.Option(help="With --as-topics: address to listen on. Default: 127.0.0.1.")

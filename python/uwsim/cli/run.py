@@ -7,8 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, WithoutEffectError, need
+from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, Voxel, WithoutEffectError, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
@@ -16,7 +17,10 @@ UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is
 
 def run(
     mission: Annotated[
-        Path | None, typer.Argument(help="A Python file with `def mission(vehicle): yield ...`.", show_default=False)
+        Path | None,
+        typer.Argument(
+            help="A Python file with `def mission(vehicle): yield ...`.", show_default=False, callback=readable
+        ),
     ] = None,
     scenario: Annotated[
         str | None,
@@ -29,7 +33,7 @@ def run(
         "out"
     ),
     make_map: Annotated[bool, typer.Option("--map", help="Make an OctoMap of what the sonar sees.")] = False,
-    voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
+    voxel: Voxel = None,
     vehicle: Annotated[
         list[str] | None,
         typer.Option(help="Vehicle that flies; may be given several times. Default: the first, or all for `vehicles`."),
@@ -47,7 +51,11 @@ def run(
         ),
     ] = False,
     time_limit: Annotated[
-        float | None, typer.Option(help="End the flight after this simulated time [s]. Default: the battery's.")
+        float | None,
+        typer.Option(
+            help="End the flight after this simulated time [s]. Default: the battery's.",
+            callback=within(0.001, 1e9, "s"),
+        ),
     ] = None,
     connect: Annotated[
         str | None,
@@ -78,7 +86,8 @@ def run(
         typer.Option(help="full: report.html, figures and summary.json; json: summary.json alone; none: neither."),
     ] = "full",
     autosave: Annotated[
-        float | None, typer.Option(help="Wall time between saves [s]; 0 for none. Default: 30.")
+        float | None,
+        typer.Option(help="Wall time between saves [s]; 0 for none. Default: 30.", callback=within(0, 1e6, "s")),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")] = False,
 ) -> None:
@@ -91,7 +100,7 @@ def run(
     from uwsim.flight.fly import fly
     from uwsim.flight.fly import resume as resume_flight
     from uwsim.flight.terminal import print_flight
-    from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+    from uwsim.survey.terminal import Terminal
 
     simulated = {
         "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
@@ -122,58 +131,59 @@ def run(
         need("--record", record_topic=record_topic)
     estimate, odometry, function = estimate or "truth", odometry or "odom", function or "mission"
     screen = Terminal()
-    saving = FlightAutosave(30.0 if autosave is None else autosave, screen.message)
-    with stop_on_ctrl_c(saving):
-        if resume:
-            flown = resume_flight(out, threads=threads, report=report, autosave=saving, show=screen.status)
-        elif connect is not None:
-            from uwsim.flight.remote import fly_remote
+    saving = FlightAutosave(30.0 if autosave is None else autosave, screen.message, hears_signals=True)
+    if resume:
+        flown = resume_flight(out, threads=threads, report=report, autosave=saving, show=screen.status)
+    elif connect is not None:
+        from uwsim.flight.remote import fly_remote
 
-            assert mission is not None
-            flown = fly_remote(
-                mission,
-                connect,
-                out,
-                function=function,
-                arguments=_arguments(argument or []),
-                vehicles=vehicle or (),
-                odometry=odometry,
-                lockstep=lockstep,
-                map=make_map,
-                voxel_m=voxel,
-                time_limit_s=time_limit,
-                truth=scenario,
-                report=report,
-                autosave=saving,
-                show=screen.status,
-            )
-        else:
-            assert mission is not None
-            flown = fly(
-                mission,
-                scenario or "lake",
-                out,
-                function=function,
-                arguments=_arguments(argument or []),
-                vehicles=vehicle or (),
-                estimate=estimate,  # type: ignore[arg-type]  # checked there
-                map=make_map,
-                voxel_m=voxel,
-                close_loops=close_loops,
-                seed=seed,
-                sonar_model=parsed_sonar_model(sonar_model),
-                mission_time_s=mission_time,
-                link=link,
-                time_limit_s=time_limit,
-                threads=threads,
-                record=record,
-                record_topics=tuple(record_topic) if record_topic else None,
-                report=report,
-                autosave=saving,
-                show=screen.status,
-            )
+        assert mission is not None
+        flown = fly_remote(
+            mission,
+            connect,
+            out,
+            function=function,
+            arguments=_arguments(argument or []),
+            vehicles=vehicle or (),
+            odometry=odometry,
+            lockstep=lockstep,
+            map=make_map,
+            voxel_m=voxel,
+            time_limit_s=time_limit,
+            truth=scenario,
+            report=report,
+            autosave=saving,
+            show=screen.status,
+        )
+    else:
+        assert mission is not None
+        flown = fly(
+            mission,
+            scenario or "lake",
+            out,
+            function=function,
+            arguments=_arguments(argument or []),
+            vehicles=vehicle or (),
+            estimate=estimate,  # type: ignore[arg-type]  # checked there
+            map=make_map,
+            voxel_m=voxel,
+            close_loops=close_loops,
+            seed=seed,
+            sonar_model=parsed_sonar_model(sonar_model),
+            mission_time_s=mission_time,
+            link=link,
+            time_limit_s=time_limit,
+            threads=threads,
+            record=record,
+            record_topics=tuple(record_topic) if record_topic else None,
+            report=report,
+            autosave=saving,
+            show=screen.status,
+        )
     print_flight(flown, out, screen)
     if flown.interrupted:
+        if connect is None:
+            screen.message(f"interrupted; uwsim run --resume --out {out} continues")
         raise typer.Exit(INTERRUPTED)
     if flown.ended_because.startswith(("stuck", "capsized")):
         raise typer.Exit(STUCK)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.options import Link, Record, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
@@ -27,7 +28,9 @@ Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the servic
 
 def serve(
     scenario: Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")] = "lake",
-    port: Annotated[int, typer.Option(help="Where to listen; 0 chooses a free port.")] = 9090,
+    port: Annotated[
+        int, typer.Option(help="Where to listen; 0 chooses a free port.", callback=within(0, 65535))
+    ] = 9090,
     host: Annotated[str, typer.Option(help="Address to listen on. Others than this machine's own are warned of.")] = (
         "127.0.0.1"
     ),
@@ -37,11 +40,15 @@ def serve(
     wire: Wire = "both",
     origin: Origin = "world",
     ros: Annotated[
-        int, typer.Option(help="Whose times and headers clients get that name types like std_msgs/String: 1 or 2.")
+        int,
+        typer.Option(
+            help="Whose times and headers clients get that name types like std_msgs/String: 1 or 2.",
+            callback=within(1, 2),
+        ),
     ] = 1,
     token: Annotated[str | None, typer.Option(help="Clients must know it: ws://HOST:PORT/?token=TOKEN.")] = None,
-    certfile: Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.")] = None,
-    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.")] = None,
+    certfile: Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.", callback=readable)] = None,
+    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)] = None,
     page: Annotated[
         list[str] | None,
         typer.Option(help="Web page that may connect besides this machine's own, such as https://station.example."),

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
@@ -22,9 +23,15 @@ def sonar(
     sonar_model: SonarModel = None,
     tilt: Annotated[
         float | None,
-        typer.Option(help="Tilt of the head, nose down [deg]. Default: the scenario's for the fan, 12 for the image."),
+        typer.Option(
+            help="Tilt of the head, nose down [deg]. Default: the scenario's for the fan, 12 for the image.",
+            callback=within(-90, 90, "deg"),
+        ),
     ] = None,
-    track: Annotated[float, typer.Option(help="Length of the side-scan's track straight ahead [m].")] = 60.0,
+    track: Annotated[
+        float,
+        typer.Option(help="Length of the side-scan's track straight ahead [m].", callback=within(0.01, 1000, "m")),
+    ] = 60.0,
     seed: Seed = None,
     frequency: Frequency = None,
 ) -> None:

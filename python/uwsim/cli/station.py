@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.options import Threads, need
 from uwsim.cli.serve import Origin, Wire, page_url
 
@@ -20,7 +21,9 @@ Truth = Annotated[
 
 def station(
     scenario: Annotated[str, typer.Argument(help="What the start screen begins with: a name or a YAML file.")] = "lake",
-    port: Annotated[int, typer.Option(help="Where to listen; 0 chooses a free port.")] = 9090,
+    port: Annotated[
+        int, typer.Option(help="Where to listen; 0 chooses a free port.", callback=within(0, 65535))
+    ] = 9090,
     host: Annotated[str, typer.Option(help="Address to listen on. Others than this machine's own are warned of.")] = (
         "127.0.0.1"
     ),
@@ -32,8 +35,10 @@ def station(
     wire: Wire = "both",
     origin: Origin = "world",
     token: Annotated[str | None, typer.Option(help="Pages must know it: http://HOST:PORT/?token=TOKEN.")] = None,
-    certfile: Annotated[Path | None, typer.Option(help="Certificate in PEM, for https and wss.")] = None,
-    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.")] = None,
+    certfile: Annotated[
+        Path | None, typer.Option(help="Certificate in PEM, for https and wss.", callback=readable)
+    ] = None,
+    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)] = None,
     page: Annotated[
         list[str] | None,
         typer.Option(help="Web page that may connect besides this one, such as https://station.example."),

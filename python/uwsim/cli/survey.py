@@ -7,8 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, need
+from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -25,7 +26,7 @@ def survey(
     sonar_model: SonarModel = None,
     frequency: Frequency = None,
     mission_time: MissionTime = None,
-    voxel: Annotated[float | None, typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.")] = None,
+    voxel: Voxel = None,
     threads: Threads = None,
     engine: Annotated[
         str | None, typer.Option(help="Engine of the map: bricks (default), or octomap, the stock library.")
@@ -33,10 +34,15 @@ def survey(
     verify_map: Annotated[
         bool, typer.Option("--verify-map", help="Also build a stock OctoMap map; exit with 1 if a byte differs.")
     ] = False,
-    autosave: Annotated[float, typer.Option(help="Wall time between saves [s]; 0 for none.")] = 30.0,
+    autosave: Annotated[
+        float, typer.Option(help="Wall time between saves [s]; 0 for none.", callback=within(0, 1e6, "s"))
+    ] = 30.0,
     map_memory: Annotated[
         float | None,
-        typer.Option(help="Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit."),
+        typer.Option(
+            help="Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit.",
+            callback=within(0.001, 1e9, "MB"),
+        ),
     ] = None,
     outlier_filter: Annotated[
         bool | None,
@@ -67,7 +73,8 @@ def survey(
         float | None,
         typer.Option(
             help="Exit with 4 if the coverage is below this [%]. "
-            "Default: 95 for a survey that ended early, 0 for one that flew all its lanes."
+            "Default: 95 for a survey that ended early, 0 for one that flew all its lanes.",
+            callback=within(0, 100, "%"),
         ),
     ] = None,
     record: Record = None,

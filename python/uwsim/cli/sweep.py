@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.options import WithoutEffectError, need
 
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 
 Workers = Annotated[
     int | None,
-    typer.Option(help="Processes on this machine; 0: none, this one works. Default: one per core."),
+    typer.Option(
+        help="Processes on this machine; 0: none, this one works. Default: one per core.", callback=within(0, 4096)
+    ),
 ]
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a Dask cluster that works instead, such as tcp://10.0.0.1:8786.")
@@ -23,7 +26,10 @@ Scheduler = Annotated[
 
 
 def sweep(
-    source: Annotated[Path, typer.Argument(help="The sweep: what is flown, and what is varied.", metavar="SWEEP.yaml")],
+    source: Annotated[
+        Path,
+        typer.Argument(help="The sweep: what is flown, and what is varied.", metavar="SWEEP.yaml", callback=readable),
+    ],
     out: Annotated[Path, typer.Option(help="Folder for runs.parquet, report.html and the worst runs.")] = Path("runs"),
     workers: Workers = None,
     scheduler: Scheduler = None,
@@ -31,7 +37,11 @@ def sweep(
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="With --resume: also what failed.")] = False,
     again: Annotated[
         int | None,
-        typer.Option(help="Only fly this run again, with recording, map and full report in --out.", metavar="RUN"),
+        typer.Option(
+            help="Only fly this run again, with recording, map and full report in --out.",
+            metavar="RUN",
+            callback=within(0, 1e9),
+        ),
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write the table alone.")] = False,
 ) -> None:
@@ -41,9 +51,10 @@ def sweep(
     worst runs with their recordings. Ctrl-C and kills lose only the runs under way: --resume flies the rest. A run
     that fails is a row with its error. Ends with 1 if one failed, or is outside what the sweep requires.
     """
-    from uwsim.cli.job_progress import job_progress
-    from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+    from uwsim.stoppable import stop_on_signals
+    from uwsim.survey.terminal import Terminal
     from uwsim.sweeps import fly_again, run_sweep
+    from uwsim.workers.job_progress import job_progress
 
     screen = Terminal()
     if again is not None:
@@ -57,7 +68,7 @@ def sweep(
         return
     if not resume:
         need("--resume", retry_failed=retry_failed)
-    with job_progress("runs") as progress, stop_on_ctrl_c(progress):
+    with job_progress("runs") as progress, stop_on_signals(progress):
         flown = run_sweep(
             source,
             out,

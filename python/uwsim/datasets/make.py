@@ -18,6 +18,7 @@ from uwsim.datasets.studio import Studio, digest_of, require_effects, studio_of
 from uwsim.datasets.tables import write_tables
 from uwsim.datasets.track import Track, read_track, track_of
 from uwsim.flight.folder import made_folder
+from uwsim.folder_lock import alone_in
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.read.validated import validated
 from uwsim.workers import Ledger, Workers, open_workers
@@ -94,33 +95,36 @@ def make_dataset(
             studio.vary(0)
             studio.viewpoint(0)  # raises ValueError where there is none
     into = made_folder(Path(out))
-    ledger = Ledger(into)
-    _require_fresh(ledger, into, spec, resume)
-    plan = _plan(spec, digest, track)
-    made, wall_s = 0, 0.0
-    try:
-        ledger.resume(plan) if resume else ledger.begin(plan)
-        _make_folders(into, spec)
-        missing = {
-            number: FrameJob(spec, digest, number, str(into.resolve()), _pose(track, number), threads)
-            for number in range(spec.n)
-            if number not in ledger.results
-        }
-        tell(len(ledger.results), 0, spec.n)
-        if missing:
-            with show("starting workers"):
-                crew = open_workers(workers, scheduler=scheduler)
-            with crew:
-                made, wall_s = _make(crew, missing, ledger, stop_requested, lambda finished: tell(finished, 0, spec.n))
-    finally:
-        ledger.close()
-    files: tuple[Path, ...] = ()
-    if len(ledger.results) == spec.n:
-        with show("writing tables"):
-            splits = split_of_frames(spec.n, spec.val_share, studio.sim.seed, in_sequence=track is not None)
-            records = [ledger.results[number] for number in range(spec.n)]
-            files = tuple(write_tables(into, studio, plan, records, splits))
-    return Dataset(spec, into, len(ledger.results), files, made, wall_s)
+    with alone_in(into):
+        ledger = Ledger(into)
+        _require_fresh(ledger, into, spec, resume)
+        plan = _plan(spec, digest, track)
+        made, wall_s = 0, 0.0
+        try:
+            ledger.resume(plan) if resume else ledger.begin(plan)
+            _make_folders(into, spec)
+            missing = {
+                number: FrameJob(spec, digest, number, str(into.resolve()), _pose(track, number), threads)
+                for number in range(spec.n)
+                if number not in ledger.results
+            }
+            tell(len(ledger.results), 0, spec.n)
+            if missing:
+                with show("starting workers"):
+                    crew = open_workers(workers, scheduler=scheduler)
+                with crew:
+                    made, wall_s = _make(
+                        crew, missing, ledger, stop_requested, lambda finished: tell(finished, 0, spec.n)
+                    )
+        finally:
+            ledger.close()
+        files: tuple[Path, ...] = ()
+        if len(ledger.results) == spec.n:
+            with show("writing tables"):
+                splits = split_of_frames(spec.n, spec.val_share, studio.sim.seed, in_sequence=track is not None)
+                records = [ledger.results[number] for number in range(spec.n)]
+                files = tuple(write_tables(into, studio, plan, records, splits))
+        return Dataset(spec, into, len(ledger.results), files, made, wall_s)
 
 
 def _make(

@@ -16,6 +16,7 @@ from uwsim.fleet.store import MAP, TILES, map_file, path_file
 from uwsim.fleet.tile_job import DryTileError, TileJob, fly_tile
 from uwsim.fleet.tiles import Grid, Tile, grid_over, tiles_of
 from uwsim.flight.folder import made_folder
+from uwsim.folder_lock import alone_in
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.merge import merge_files
 from uwsim.scenario import Scenario, ScenarioError, load
@@ -101,33 +102,34 @@ def run_fleet(
     if retry_failed and not resume:
         raise ValueError("retry_failed: needs resume")
     into = made_folder(Path(out))
-    (into / TILES).mkdir(exist_ok=True)
-    ledger = _ledger(into, plan, resume)
-    try:
-        with show("starting workers"):
-            crew = open_workers(workers, scheduler=scheduler)
-        with crew:
-            done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
-            missing = {number: job for number, job in jobs.items() if number not in done}
-            _fly(crew, missing, len(jobs), ledger, into, stop_requested, tell)
-            if len(ledger.results) < len(tiles):
-                return Fleet(into, tiles, ledger.results, {}, interrupted=True)
-            figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
-            figures |= _merged(into, ledger.results, show)
-            if score:
-                with show("scoring the map"):
-                    scores = scored(crew, jobs, grid, ledger.results, into, stop_requested)
-                if scores is None:
-                    return Fleet(into, tiles, ledger.results, figures, interrupted=True)
-                figures |= scores
-    finally:
-        ledger.close()
-    write_json(into / SUMMARY, figures)
-    with show("drawing the tiles"):
-        from uwsim.fleet.figure import draw_fleet  # here, since matplotlib takes a second to import
+    with alone_in(into):
+        (into / TILES).mkdir(exist_ok=True)
+        ledger = _ledger(into, plan, resume)
+        try:
+            with show("starting workers"):
+                crew = open_workers(workers, scheduler=scheduler)
+            with crew:
+                done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
+                missing = {number: job for number, job in jobs.items() if number not in done}
+                _fly(crew, missing, len(jobs), ledger, into, stop_requested, tell)
+                if len(ledger.results) < len(tiles):
+                    return Fleet(into, tiles, ledger.results, {}, interrupted=True)
+                figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
+                figures |= _merged(into, ledger.results, show)
+                if score:
+                    with show("scoring the map"):
+                        scores = scored(crew, jobs, grid, ledger.results, into, stop_requested)
+                    if scores is None:
+                        return Fleet(into, tiles, ledger.results, figures, interrupted=True)
+                    figures |= scores
+        finally:
+            ledger.close()
+        write_json(into / SUMMARY, figures)
+        with show("drawing the tiles"):
+            from uwsim.fleet.figure import draw_fleet  # here, since matplotlib takes a second to import
 
-        draw_fleet(into / FIGURE, into / MAP, tiles, ledger.results, figures)
-    return Fleet(into, tiles, ledger.results, figures)
+            draw_fleet(into / FIGURE, into / MAP, tiles, ledger.results, figures)
+        return Fleet(into, tiles, ledger.results, figures)
 
 
 def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:

@@ -129,6 +129,8 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
     sim = Simulator(scenario, threads=1)
     occupancy = OccupancyMap(resolution_m=job.voxel_m)
     _, record = fly_survey(sim, occupancy, least_share=0.0)
+    if record.interrupted:
+        raise KeyboardInterrupt  # which the survey has swallowed: half a tile is no result
     path = io.BytesIO()
     np.save(path, record.path_world_m.astype(np.float32))
     result |= {

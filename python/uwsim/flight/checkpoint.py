@@ -5,8 +5,8 @@ OUT/checkpoint/flight.json    what was asked for, how far it is, and which files
 OUT/checkpoint/map-N.ot       the map at tick N with its log-odds; path-N.npz: where the sonars pinged
 
 A mission is a running Python function, which cannot be saved. So a resumed mission is flown again from its start,
-without the map, as far as it was; there the simulator's state must be what it was to the last bit. From there on the
-saved map grows. This takes the time of the physics alone, and gives the same map.
+without the map, as far as it was; there the simulator's state must be what it was to the last bit, unless another
+build saved it. From there on the saved map grows. This takes the time of the physics alone, and gives the same map.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +25,21 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from uwsim.atomic_file import write_atomically
 from uwsim.flight.map_growth import GrowthRow
+from uwsim.flight.mission_file import MissionError
 from uwsim.flight.request import FlightRequest
 from uwsim.mapping import OccupancyMap
+from uwsim.scenario.fingerprint import build_fingerprint
 
 MAP, FOLDER, STATE = "map.bt", "checkpoint", "flight.json"
+VERSION: Final = 1
 
 
 class _StateFile(BaseModel):
+    """To raise the version makes the flights that users have saved unreadable: give new fields defaults instead."""
+
     model_config = ConfigDict(extra="forbid")
+    version: Literal[1] = VERSION
+    build: str = ""
     request: FlightRequest
     tick: Annotated[int, Field(ge=0)]
     state_digest: str
@@ -52,6 +59,21 @@ class SavedFlight:
     paths_world_m: dict[str, NDArray[np.float64]] | None = None
     echo_count: int = 0
     growth: tuple[GrowthRow, ...] = ()
+    build: str = ""
+
+    def is_state(self, state: bytes) -> bool:
+        """Whether it was saved in this state of the simulator; that of another build cannot be compared."""
+        return self.build != build_fingerprint() or state_digest(state) == self.state_digest
+
+    def another_flight(self, step_s: float) -> MissionError:
+        """Return what is wrong with a flight that does not come by the saved state."""
+        at = f"at {self.tick * step_s:g} s it is in another state"
+        if self.build != build_fingerprint():
+            return MissionError(f"--resume: another build of uwsim saved this flight, and {at}")
+        return MissionError(
+            f"--resume: the mission does not fly as it did: {at}; "
+            "a mission must not depend on random numbers of its own, on files or on the wall clock"
+        )
 
 
 def state_digest(state: bytes) -> str:
@@ -83,6 +105,7 @@ class FlightCheckpoint:
             write_atomically(self.folder / path_name, buffer.getvalue())
             files = {name: _digest(self.folder / name) for name in (map_name, path_name)}
         state = _StateFile(
+            build=build_fingerprint(),
             request=saved.request,
             tick=saved.tick,
             state_digest=saved.state_digest,
@@ -95,15 +118,26 @@ class FlightCheckpoint:
             if path.name not in {STATE, *files}:
                 path.unlink(missing_ok=True)
 
-    def read(self) -> SavedFlight:
-        """Return the saved flight. Raises ValueError if there is none or it is damaged, OSError."""
+    def require_one(self) -> None:
+        """Raise ValueError if there is no flight to resume."""
         if not self.exists:
             raise ValueError(f"--resume: no unfinished flight is saved in '{self.out}'")
+
+    def read(self) -> SavedFlight:
+        """Return the saved flight. Raises ValueError if there is none or it is damaged, OSError."""
+        self.require_one()
         path = self.folder / STATE
         try:
             state = _StateFile.model_validate(json.loads(path.read_bytes()))
-        except (ValidationError, json.JSONDecodeError) as error:
-            raise ValueError(f"--resume: '{path}': is damaged: {str(error).splitlines()[0]}") from None
+        except json.JSONDecodeError as error:
+            raise ValueError(f"--resume: '{path}': is damaged: {error}") from None
+        except ValidationError as error:
+            first = error.errors()[0]
+            if first["loc"] == ("version",):
+                rule = f"is of version {first['input']!s:.20}: this uwsim reads {VERSION}"
+                raise ValueError(f"--resume: '{path}': {rule}") from None
+            where = ".".join(str(part) for part in first["loc"])
+            raise ValueError(f"--resume: '{path}': is damaged: {where}: {first['msg']}") from None
         occupancy, paths = None, None
         for name, digest in state.files.items():
             file = self.folder / Path(name).name
@@ -115,7 +149,7 @@ class FlightCheckpoint:
                 with np.load(file, allow_pickle=False) as arrays:
                     paths = {name: np.asarray(arrays[name], np.float64) for name in arrays.files}
         return SavedFlight(
-            state.request, state.tick, state.state_digest, occupancy, paths, state.echo_count, state.growth
+            state.request, state.tick, state.state_digest, occupancy, paths, state.echo_count, state.growth, state.build
         )
 
     def remove(self) -> None:

@@ -15,18 +15,20 @@ from uwsim.flight.checkpoint import FlightCheckpoint, SavedFlight, state_digest
 from uwsim.flight.clock import FlightClock, FlightOverError
 from uwsim.flight.folder import made_folder
 from uwsim.flight.map_maker import MapMaker, default_voxel_m, require_sonar
-from uwsim.flight.mission_file import FUNCTION, MissionError, load_mission, mission_error, mission_name, with_arguments
+from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
 from uwsim.flight.results import RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import Sampler
+from uwsim.folder_lock import alone_in, require_free
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import MissionFunction, begin, first_parameter
 from uwsim.missions.steps import drive
 from uwsim.missions.stopped import StoppedError
 from uwsim.scenario import Scenario
+from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -94,6 +96,8 @@ def fly(
     if close_loops and not (map and estimate == "filter"):
         raise ValueError("close_loops: needs map=True and estimate='filter': what is true or not mapped has no loops")
     saving = autosave or FlightAutosave(autosave_s)
+    if out is not None:
+        require_free(Path(out))
     if isinstance(scenario, Simulator):
         given = {
             "seed": seed, "sonar_model": sonar_model, "mission_time_s": mission_time_s, "link": link,
@@ -142,11 +146,13 @@ def fly(
         sim=sim, mission=fly_it, file=file, names=names, estimate=estimate, out=folder, request=request, report=report,
         autosave=saving, time_limit_s=time_limit_s, show=show, close_loops=close_loops,
     )  # fmt: skip
-    if folder is not None:
-        FlightCheckpoint(folder).remove()
     if map:
         flight.occupancy = OccupancyMap(resolution_m=voxel_m or default_voxel_m(sim))
-    return flight.run(record, record_topics)
+    if folder is None:
+        return flight.run(record, record_topics)
+    with alone_in(folder):
+        FlightCheckpoint(folder).remove()
+        return flight.run(record, record_topics)
 
 
 def _name_or_file(given: str | Path) -> str:
@@ -168,21 +174,30 @@ def resume(
     """
     folder = Path(out)
     require_report(report)
-    saved = FlightCheckpoint(folder).read()
-    saved.request.require_same_file()
+    FlightCheckpoint(folder).require_one()
+    with alone_in(folder):
+        saved = FlightCheckpoint(folder).read()
+        saved.request.require_same_file()
+        return _resumed(saved, folder, threads, report, autosave or FlightAutosave(autosave_s), show).run()
+
+
+def _resumed(
+    saved: SavedFlight, folder: Path, threads: int | None, report: str, autosave: FlightAutosave, show: Show
+) -> _Flight:
     request, file = saved.request, Path(saved.request.mission)
-    with show(f"resuming {out}"):
+    warn_of_other_build("the saved flight", saved.build)
+    with show(f"resuming {folder}"):
         sim = request.new_simulator(threads)
     mission = with_arguments(load_mission(file, request.function), request.arguments)
     flight = _Flight(
         sim=sim, mission=mission, file=file, names=request.vehicles, estimate=request.estimate, out=folder,
-        request=request, report=report, autosave=autosave or FlightAutosave(autosave_s),
+        request=request, report=report, autosave=autosave,
         time_limit_s=request.time_limit_s, show=show,
     )  # fmt: skip
     if request.map:
         flight.occupancy = saved.occupancy or OccupancyMap(resolution_m=request.voxel_m or default_voxel_m(sim))
     flight.saved = saved
-    return flight.run()
+    return flight
 
 
 class _Flight:
@@ -226,7 +241,7 @@ class _Flight:
         recorder = self._recorder(record, topics)
         carrier = self._carrier()
         try:
-            with self._show(f"flying {self._title}"):
+            with self._show(f"flying {self._title}"), self._autosave.flying():
                 flown = self._flown(began_s)
         finally:
             self._log.close()
@@ -240,7 +255,8 @@ class _Flight:
             with self._show("closing loops"):
                 flown = closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_paths_m)
         if self._out is not None:
-            flown = write_results(flown, self._sim, self._out, self._report, self._show)
+            report = "none" if self._autosave.in_haste else self._report
+            flown = write_results(flown, self._sim, self._out, report, self._show)
             if not flown.interrupted:
                 FlightCheckpoint(self._out).remove()
         if flown.error is not None:
@@ -298,8 +314,8 @@ class _Flight:
             except Exception as raised:
                 error = raised if self._file is None else mission_error(raised, self._file)
                 because = f"the mission raised {type(raised).__name__}: {error}"
-            if self._repeating and error is None:
-                raise self._another_flight()
+            if self._repeating and error is None and self.saved is not None:
+                raise self.saved.another_flight(sim.step_s)
             for name in self._names:
                 sim.vehicles[name].set_effort()
         self._hear("", "ended", {"because": because})
@@ -355,8 +371,8 @@ class _Flight:
         saved = self.saved
         if self._repeating and saved is not None:
             if self._sim.tick >= saved.tick:
-                if self._sim.tick > saved.tick or state_digest(self._sim.save_state()) != saved.state_digest:
-                    raise self._another_flight()
+                if self._sim.tick > saved.tick or not saved.is_state(self._sim.save_state()):
+                    raise saved.another_flight(self._sim.step_s)
                 self._repeating = False
             elif self._autosave.stop_requested():
                 raise FlightOverError(INTERRUPTED)
@@ -366,14 +382,6 @@ class _Flight:
             self._save(self._request, FlightCheckpoint(self._out))
         if stop:
             raise FlightOverError(INTERRUPTED)
-
-    def _another_flight(self) -> MissionError:
-        assert self.saved is not None
-        saved_s = self.saved.tick * self._sim.step_s
-        return MissionError(
-            f"--resume: the mission does not fly as it did: at {saved_s:g} s it is in another state; "
-            "a mission must not depend on random numbers of its own, on files or on the wall clock"
-        )
 
     def _save(self, request: FlightRequest, checkpoint: FlightCheckpoint) -> None:
         now = SavedFlight(request, self._sim.tick, state_digest(self._sim.save_state()))

@@ -23,6 +23,7 @@ from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.results import RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
+from uwsim.folder_lock import alone_in
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import MissionFunction, begin, first_parameter
@@ -73,34 +74,37 @@ def fly_remote(
     if truth is not None and out is None:
         raise ValueError(f"truth = '{truth}': is without effect without out, where report and score go")
     world = None if truth is None else Simulator(truth)
-    with ExitStack() as stack:
-        connection = stack.enter_context(RemoteConnection(url))
-        names: tuple[str | None, ...] = tuple(vehicles) or (None,)
-        if takes == "vehicles" and not tuple(vehicles):
-            names = tuple(vehicle_names(connection)) or names
-        hulls = [RemoteVehicle(connection, name, odometry) for name in names]
-        inner: RemoteClock | LockstepClock
-        if lockstep:
-            inner = LockstepClock(connection, hulls[0].beacon)
-            stack.callback(inner.close)
-        else:
-            inner = RemoteClock(connection)
-        folder = None if out is None else made_folder(Path(out))
+    with ExitStack() as locked:
+        with ExitStack() as stack:
+            connection = stack.enter_context(RemoteConnection(url))
+            names: tuple[str | None, ...] = tuple(vehicles) or (None,)
+            if takes == "vehicles" and not tuple(vehicles):
+                names = tuple(vehicle_names(connection)) or names
+            hulls = [RemoteVehicle(connection, name, odometry) for name in names]
+            inner: RemoteClock | LockstepClock
+            if lockstep:
+                inner = LockstepClock(connection, hulls[0].beacon)
+                stack.callback(inner.close)
+            else:
+                inner = RemoteClock(connection)
+            folder = None if out is None else made_folder(Path(out))
+            if folder is not None:
+                locked.enter_context(alone_in(folder))
+                for stale in RESULT_FILES:
+                    (folder / stale).unlink(missing_ok=True)
+            log = MissionLog(folder)
+            stack.callback(log.close)
+            occupancy = OccupancyMap(resolution_m=voxel_m or VOXEL_M) if map else None
+            own = {hull.name: OwnVehicle(hull, inner, hear=log.add) for hull in hulls}
+            saving = autosave or FlightAutosave(0.0)
+            flight = _RemoteFlight(inner, log, occupancy, time_limit_s, saving)
+            with show(f"flying {mission_name(fly_it, file)} at {url}"), saving.flying():
+                flown = flight.fly(fly_it, own, file, url)
         if folder is not None:
-            for stale in RESULT_FILES:
-                (folder / stale).unlink(missing_ok=True)
-        log = MissionLog(folder)
-        stack.callback(log.close)
-        occupancy = OccupancyMap(resolution_m=voxel_m or VOXEL_M) if map else None
-        flight = _RemoteFlight(inner, log, occupancy, time_limit_s, autosave or FlightAutosave(0.0))
-        own = {hull.name: OwnVehicle(hull, inner, hear=log.add) for hull in hulls}
-        with show(f"flying {mission_name(fly_it, file)} at {url}"):
-            flown = flight.fly(fly_it, own, file, url)
-    if folder is not None:
-        if world is not None:
-            sonars = [sonar for hull in world.vehicles.values() for sonar in hull.sonars.values()]
-            flown = replace(flown, range_max_m=max((float(s.model.range_limit_m) for s in sonars), default=0.0))
-        flown = write_results(flown, world, folder, report, show)
+            if world is not None:
+                sonars = [sonar for hull in world.vehicles.values() for sonar in hull.sonars.values()]
+                flown = replace(flown, range_max_m=max((float(s.model.range_limit_m) for s in sonars), default=0.0))
+            flown = write_results(flown, world, folder, "none" if saving.in_haste else report, show)
     if flown.error is not None:
         raise flown.error
     return flown

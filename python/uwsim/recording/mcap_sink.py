@@ -25,6 +25,8 @@ from uwsim.channels.feed import Reading
 CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
 """Names of metadata records: what the recording begins with, what it ends with, and rosbag2's own."""
+VERSION = "1"
+"""Of the metadata and attachments. To raise it makes the recordings that users have unreadable."""
 LIVE, SURVEY = "live", "survey"
 """Kinds of runs: the pings of a survey tell all that its sonar said."""
 ROSBAG2_VERSION = 9

@@ -19,7 +19,7 @@ from uwsim.channels.messages import from_bytes
 from uwsim.channels.own_types import OWN_TYPES
 from uwsim.recording import tables
 from uwsim.recording.commands import COMMANDS, Command, command_of
-from uwsim.recording.mcap_sink import END, START, SURVEY, metadata_of
+from uwsim.recording.mcap_sink import END, START, SURVEY, VERSION, metadata_of
 from uwsim.recording.ping_channel import NAME as PINGS
 from uwsim.recording.pings import taken_ping
 
@@ -81,6 +81,7 @@ class Recording:
             self._read_frame(file)
         if not self.start:
             raise ValueError(f"recording '{path}': was not written by uwsim, or holds nothing yet")
+        self._require_our_version()
         self._require_our_types()
 
     @cached_property
@@ -208,6 +209,11 @@ class Recording:
     def _numbers(self, names: Iterable[str]) -> set[int]:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
         return {numbers[name] for name in names}
+
+    def _require_our_version(self) -> None:
+        version = self.start.get("version", VERSION)
+        if version != VERSION:
+            raise ValueError(f"recording '{self.path}': is of version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
         """Raise ValueError if a type of our own had other fields when the file was written."""

@@ -25,7 +25,7 @@ from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
 from uwsim.recording.commands import COMMANDS, Command, command_message
 from uwsim.recording.derived import FROM_PINGS
-from uwsim.recording.mcap_sink import LIVE, McapSink
+from uwsim.recording.mcap_sink import LIVE, VERSION, McapSink
 from uwsim.recording.ping_channel import ping_channel
 from uwsim.recording.queue import WAITING_BYTES, WritingQueue
 from uwsim.recording.sink import Sink
@@ -221,6 +221,7 @@ class Recorder:
 
     def _start_metadata(self, sim: Simulator) -> dict[str, str]:
         return {
+            "version": VERSION,
             "kind": self._kind,
             "scenario": sim.scenario.name,
             "seed": str(sim.seed),

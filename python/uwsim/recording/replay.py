@@ -6,6 +6,7 @@ import hashlib
 import json
 import tempfile
 import warnings
+import weakref
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -28,17 +29,13 @@ from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Recorded, Recording
 from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
 from uwsim.recording.watch import JUMPS, Watch
-from uwsim.scenario.fingerprint import build_fingerprint
+from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
 from uwsim.simulator import Simulator
 
 LATE_KEPT = 256  # pictures of a channel that are remembered for comparison
 
 OnTime = Callable[[int], None]
 """Called with the simulated time before each recorded message is compared: may wait, to keep a pace."""
-
-
-class BuildWarning(UserWarning):
-    """The recording was made by another build: bytes may differ."""
 
 
 @dataclass
@@ -65,23 +62,13 @@ def new_simulator(recording: Recording, threads: int | None = None) -> Simulator
 
     Raises ValueError if that is not possible with this build.
     """
-    with tempfile.TemporaryDirectory(prefix="uwsim-replay-") as folder:
-        sim = Simulator(unpack(recording.attachments, Path(folder)), threads=threads)
-        same_build = recording.start["build"] == build_fingerprint()
-        if same_build:
-            sim.restore_state(recording.attachments[STATE])
-    if not same_build:
-        if int(recording.start["tick"]):
-            raise ValueError(
-                f"recording '{recording.path}': began at tick {recording.start['tick']} of a run of another build "
-                f"({recording.start['build']}, this is {build_fingerprint()}): its state cannot be restored"
-            )
-        warnings.warn(
-            f"recording '{recording.path}' is of another build ({recording.start['build']}, this is "
-            f"{build_fingerprint()}): bytes may differ",
-            BuildWarning,
-            stacklevel=2,
-        )
+    folder = tempfile.TemporaryDirectory(prefix="uwsim-replay-")
+    sim = Simulator(unpack(recording.attachments, Path(folder.name)), threads=threads)
+    weakref.finalize(sim, folder.cleanup)  # meshes are read again, such as for the hull that is cut out of pings
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", BuildWarning)  # the recording's own is enough
+        sim.restore_state(recording.attachments[STATE])
+    warn_of_other_build(f"recording '{recording.path}'", recording.start["build"])
     return sim
 
 

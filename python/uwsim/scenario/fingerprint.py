@@ -5,11 +5,14 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_origin
 
 import numpy as np
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from uwsim import _core
 from uwsim.scenario.spec.scenario import Scenario
@@ -18,10 +21,15 @@ from uwsim.scenario.spec.scenario import Scenario
 def scenario_fingerprint(scenario: Scenario) -> str:
     """Digest all of the scenario, its seed and the content of its files included, to 16 hexadecimal digits.
 
+    A field that has its default is left out, so that a field that is new in this version changes no fingerprint.
     Raises OSError if a file that the scenario names is gone.
     """
-    plain = _plain(scenario.model_dump())
+    plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
+
+
+class BuildWarning(UserWarning):
+    """A file was written by another build: results may differ in the last bits."""
 
 
 @functools.cache
@@ -30,7 +38,21 @@ def build_fingerprint() -> str:
     return _digest(Path(_core.__file__).read_bytes())
 
 
+def warn_of_other_build(what: str, build: str) -> None:
+    """Warn if a file was saved by another build."""
+    if build != build_fingerprint():
+        warnings.warn(
+            f"{what} is of another build of uwsim ({build}, this is {build_fingerprint()}): it goes on, but not "
+            "necessarily to the same bits",
+            BuildWarning,
+            stacklevel=3,
+        )
+
+
 def _plain(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        kept = [name for name, field in type(value).model_fields.items() if _counts(field, getattr(value, name))]
+        return {name: _plain(getattr(value, name)) for name in kept}
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
@@ -42,6 +64,14 @@ def _plain(value: Any) -> Any:
     if value is None or isinstance(value, str | int | float):
         return value
     raise TypeError(f"a scenario's field is a {type(value).__name__}: convert it to plain values here")
+
+
+def _counts(field: FieldInfo, value: Any) -> bool:
+    """Whether a field's value says more than the lack of it: it has no default, is not it, or is a variant's name."""
+    if field.is_required() or get_origin(field.annotation) is Literal:
+        return True
+    default = field.get_default(call_default_factory=True, validated_data={})
+    return type(value) is not type(default) or not bool(np.all(value == default))
 
 
 def _digest(content: bytes) -> str:

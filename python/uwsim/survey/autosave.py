@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 
 from uwsim.mapping import OccupancyMap
+from uwsim.stoppable import Stoppable
 from uwsim.survey.checkpoint import Checkpoint
 from uwsim.survey.flight_state import FlightState
 from uwsim.survey.request import SurveyRequest
@@ -14,7 +15,7 @@ from uwsim.survey.request import SurveyRequest
 MAX_SHARE_OF_TIME = 0.5  # largest share of the wall time for saving, where a save takes longer than the interval
 
 
-class Autosave:
+class Autosave(Stoppable):
     """Supervises a flight: saves it every interval_s of wall time, 0 for never, and ends it after `stop` was called.
 
     The first save is at the start, so that there is always a map. A save that fails is reported once, through
@@ -32,17 +33,8 @@ class Autosave:
         self._next_s = self._started_s
         self._saves = 0
         self._reported = False
-        self._stop_requested = False
         self.failure: str | None = None
         """Why the last save failed; None if it succeeded."""
-
-    def stop(self) -> None:
-        """End the flight at its next pause. May be called by a signal handler."""
-        self._stop_requested = True
-
-    def stop_requested(self) -> bool:
-        """Whether stop was called."""
-        return self._stop_requested
 
     def save_due(self) -> bool:
         """Whether a save is due; after True, False until that save is done."""

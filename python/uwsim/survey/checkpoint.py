@@ -75,10 +75,7 @@ class Checkpoint:
 
         Raises ValueError when there is none or it is damaged, OSError when it cannot be read.
         """
-        if not self.exists:
-            ended = (self.out / MAP).exists()
-            why = f"its {MAP} belongs to a survey that has ended" if ended else "the folder holds no survey"
-            raise ValueError(f"--resume: no unfinished survey is saved in '{self.out}': {why}")
+        self.require_one()
         path = self.folder / STATE
         try:
             state, more = from_bytes(path.read_bytes())
@@ -98,6 +95,13 @@ class Checkpoint:
             expected = "map and reference" if request.verify_map else "map"
             raise ValueError(f"--resume: '{path}': maps = {sorted(maps)}: expected {expected}")
         return SavedSurvey(request, state, maps["map"], maps.get("reference"))
+
+    def require_one(self) -> None:
+        """Raise ValueError when there is no survey to resume."""
+        if not self.exists:
+            ended = (self.out / MAP).exists()
+            why = f"its {MAP} belongs to a survey that has ended" if ended else "the folder holds no survey"
+            raise ValueError(f"--resume: no unfinished survey is saved in '{self.out}': {why}")
 
     def remove_leftovers(self) -> None:
         """Remove the temporary files of a survey that was killed while it wrote."""

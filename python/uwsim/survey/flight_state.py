@@ -6,6 +6,7 @@ import base64
 import hashlib
 import io
 import json
+import re
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -16,7 +17,9 @@ from pydantic import Base64Bytes, BaseModel, ConfigDict, Field, ValidationError
 from uwsim.survey.ping_log import PingLog
 from uwsim.survey.record import PingSample
 
-TITLE = "uwsim survey 2"
+NAME, VERSION = "uwsim survey", 2
+"""What a file begins with. To raise the version makes the surveys that users have saved unreadable: give new fields
+defaults instead."""
 EncodedArray = str
 """An array as NumPy's .npy format in base64."""
 
@@ -89,14 +92,16 @@ def to_bytes(state: FlightState, more: dict[str, Any]) -> bytes:
         "more": more,
     }
     text = json.dumps(content).encode()
-    return f"{TITLE} {hashlib.blake2b(text).hexdigest()}\n".encode() + text
+    return f"{NAME} {VERSION} {hashlib.blake2b(text).hexdigest()}\n".encode() + text
 
 
 def from_bytes(data: bytes) -> tuple[FlightState, dict[str, Any]]:
     """Return the arguments of to_bytes. Raises ValueError when the bytes are damaged or of another version."""
     title, _, text = data.partition(b"\n")
-    if not title.startswith(TITLE.encode() + b" "):
-        raise ValueError(f"does not begin with '{TITLE}': written by another program or version")
+    if not (found := re.match(rb"%b (\d{1,9}) " % NAME.encode(), title)):
+        raise ValueError(f"does not begin with '{NAME} {VERSION}': written by another program")
+    if int(found[1]) != VERSION:
+        raise ValueError(f"is of version {int(found[1])}: this uwsim reads {VERSION}")
     if title.split(b" ")[-1] != hashlib.blake2b(text).hexdigest().encode():
         raise ValueError("is damaged or truncated: its checksum does not match its content")
     try:

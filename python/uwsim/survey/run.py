@@ -10,21 +10,23 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uwsim.folder_lock import alone_in, require_free
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
+from uwsim.stoppable import stop_on_signals
 from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import MAP, Checkpoint, SavedSurvey
 from uwsim.survey.fly import filters_outliers, fly_survey, required_survey, survey_plan
 from uwsim.survey.flyable_lanes import flyable_plan
 from uwsim.survey.own_mission import OwnMission, maker, name_of
 from uwsim.survey.pinging_clock import TakePing
-from uwsim.survey.record import ESTIMATES, EstimateKind, SurveyRecord
+from uwsim.survey.record import ESTIMATES, INTERRUPTED, EstimateKind, SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
 from uwsim.survey.results import MAP_ASHORE, REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
-from uwsim.survey.terminal import Terminal, stop_on_ctrl_c
+from uwsim.survey.terminal import Terminal
 
 if TYPE_CHECKING:
     from uwsim.closure import PingTrack
@@ -88,6 +90,7 @@ def run_survey(
     if close_loops and (verify_map or map_memory_mb is not None):
         raise ValueError("close_loops: cannot be combined with verify_map or map_memory_mb")
     autosave_s = 0.0 if close_loops else autosave_s
+    require_free(out)
     terminal = Terminal()
     with terminal.status(f"building {scenario}"):
         _require_surveyable(load(scenario))  # before the world is built
@@ -120,18 +123,19 @@ def run_survey(
         )
         occupancy, reference = request.new_map(map_memory_mb), request.new_reference()
     _require_writable(out)
-    checkpoint = Checkpoint(out)
-    checkpoint.remove_leftovers()
-    if (earlier := checkpoint.set_aside()) is not None:
-        terminal.message(f"an unfinished survey was in {out}; it is kept in {earlier}")
-    recorder = None
-    if record is not None:
-        from uwsim.survey.from_recording import survey_recorder  # here, since recording formats take long to import
+    with alone_in(out):
+        checkpoint = Checkpoint(out)
+        checkpoint.remove_leftovers()
+        if (earlier := checkpoint.set_aside()) is not None:
+            terminal.message(f"an unfinished survey was in {out}; it is kept in {earlier}")
+        recorder = None
+        if record is not None:
+            from uwsim.survey.from_recording import survey_recorder  # here, since recording formats take long to import
 
-        recorder = survey_recorder(sim, record, request, record_topics).start()
-    return _SurveyRun(
-        sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder, mission, close_loops
-    ).run()
+            recorder = survey_recorder(sim, record, request, record_topics).start()
+        return _SurveyRun(
+            sim, occupancy, reference, request, checkpoint, autosave_s, terminal, kind, recorder, mission, close_loops
+        ).run()
 
 
 def resume_survey(
@@ -152,17 +156,19 @@ def resume_survey(
     kind = _checked_report(report)
     terminal = Terminal()
     checkpoint = Checkpoint(out)
-    with terminal.status(f"resuming {out}"):
-        saved = checkpoint.read(map_memory_mb)
-        saved.request.require_same(arguments)
-        sim = saved.request.new_simulator(threads)
-    _require_writable(out)
-    checkpoint.remove_leftovers()
-    run = _SurveyRun(
-        sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal, kind,
-        mission=saved.request.mission,
-    )  # fmt: skip
-    return run.run(saved)
+    checkpoint.require_one()
+    with alone_in(out):
+        with terminal.status(f"resuming {out}"):
+            saved = checkpoint.read(map_memory_mb)
+            saved.request.require_same(arguments)
+            sim = saved.request.new_simulator(threads)
+        _require_writable(out)
+        checkpoint.remove_leftovers()
+        run = _SurveyRun(
+            sim, saved.occupancy, saved.reference, saved.request, checkpoint, autosave_s, terminal, kind,
+            mission=saved.request.mission,
+        )  # fmt: skip
+        return run.run(saved)
 
 
 def _require_surveyable(scenario: Scenario) -> None:
@@ -228,11 +234,25 @@ class _SurveyRun:
             except OSError as second:
                 raise OSError(f"{error}; and {second}") from error
             raise
+        if autosave.in_haste:
+            return self._leave(record, autosave)
         ashore = self._map_ashore(record)
         scored = nullcontext() if self.report == "none" else Scoring(self.sim, self.occupancy, record, ashore)
         with scored as scoring:
             self._write_map()
             return self._finish(record, autosave, scoring)
+
+    def _leave(self, record: SurveyRecord, autosave: Autosave) -> SurveyRecord:
+        """Write the map alone: whoever sends SIGTERM does not wait for a report."""
+        self._write_map()
+        self._close_recording(record)
+        self.terminal.message(f"terminated; {self._what_is_left(autosave)}")
+        return replace(record, stopped_because=INTERRUPTED)
+
+    def _what_is_left(self, autosave: Autosave) -> str:
+        resumable = self.checkpoint.exists and autosave.failure is None
+        hint = "; uwsim survey --resume continues" if resumable else ""
+        return f"{self.checkpoint.out / MAP} holds everything seen so far{hint}"
 
     def _map_ashore(self, record: SurveyRecord) -> OccupancyMap | None:
         """Make the station's map, and write it. Raises OSError."""
@@ -246,10 +266,7 @@ class _SurveyRun:
         """Once the map is written, verify it and write the results."""
         out, terminal = self.checkpoint.out, self.terminal
         if record.interrupted:
-            resumable = self.checkpoint.exists and autosave.failure is None
-            hint = "; uwsim survey --resume continues" if resumable else ""
-            seen = f"{out / MAP} holds everything seen so far"
-            terminal.message(f"interrupted; {seen}{hint} (Ctrl-C again skips the report)")
+            terminal.message(f"interrupted; {self._what_is_left(autosave)} (Ctrl-C again skips the report)")
         if self.reference is not None:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         self._close_recording(record)
@@ -277,7 +294,7 @@ class _SurveyRun:
             from uwsim.survey.from_recording import record_ping
 
             on_ping_taken = partial(record_ping, self.recorder)
-        with self.terminal.flight(sim.scenario.name) as show, stop_on_ctrl_c(autosave):
+        with self.terminal.flight(sim.scenario.name) as show, stop_on_signals(autosave):
             record = fly_survey(
                 sim,
                 self.occupancy,
@@ -290,7 +307,7 @@ class _SurveyRun:
                 on_ping_taken=on_ping_taken,
                 estimate=self.request.estimate,
             )[1]
-        return self._closed(keeper.track, record) if self.close_loops else record
+        return self._closed(keeper.track, record) if self.close_loops and not autosave.in_haste else record
 
     def _closed(self, track: PingTrack, record: SurveyRecord) -> SurveyRecord:
         """Make the map again from the closed track; say what was closed."""

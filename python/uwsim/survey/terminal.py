@@ -1,31 +1,18 @@
-"""The terminal output of a survey: progress and messages on stderr, results on stdout; and Ctrl-C during the flight."""
+"""The terminal output of a survey: progress and messages on stderr, results on stdout."""
 
 from __future__ import annotations
 
 import html
 import math
 import os
-import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import Any, Protocol
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-
-class Stoppable(Protocol):
-    """What Ctrl-C ends."""
-
-    def stop(self) -> None:
-        """End at the next pause."""
-
-    def stop_requested(self) -> bool:
-        """Whether stop was called."""
-
 
 Show = Callable[[float, float], None]
 """Shows the share flown, 0 to 1, at a simulated time [s]."""
@@ -124,26 +111,3 @@ class _ResultConsole(Console):
         """Redirect stdout to nowhere; rich would end the program."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
-
-
-@contextmanager
-def stop_on_ctrl_c(flight: Stoppable) -> Iterator[None]:
-    """During the block, let the first Ctrl-C or SIGTERM end the flight at its next pause, and the second end it now.
-
-    Only the main thread hears them: in another one, nothing is changed.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def stop(number: int, frame: object) -> None:
-        if flight.stop_requested():
-            raise KeyboardInterrupt
-        flight.stop()
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -11,6 +11,7 @@ from ruamel.yaml import YAML
 from uwsim.atomic_file import write_atomically
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
+from uwsim.folder_lock import require_free
 from uwsim.scenario import Scenario
 from uwsim.survey.run import run_survey
 from uwsim.sweeps.job import Job
@@ -25,6 +26,7 @@ def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
     report: see run_survey.
     """
     made_folder(folder)
+    require_free(folder)
     (folder / RECORDING).unlink(missing_ok=True)
     scenario = folder / SCENARIO
     write_scenario(scenario, job.varied_scenario())

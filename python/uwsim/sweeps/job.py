@@ -97,6 +97,8 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
 def _survey(job: Job, sim: Simulator) -> dict[str, Any]:
     voxel_m = job.voxel_m or required_survey(sim.scenario).voxel_m
     occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=voxel_m), estimate=job.estimate)
+    if record.interrupted:
+        raise KeyboardInterrupt  # which the survey has swallowed: half a run is no result
     path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
     is_exact = sim.rov.sonar.mode == "geometry" and job.estimate == "truth"
     score = score_map(
@@ -114,6 +116,8 @@ def _mission(job: Job, sim: Simulator) -> dict[str, Any]:
         path, sim, arguments=job.arguments, map=job.map, voxel_m=job.voxel_m, estimate=job.estimate,
         time_limit_s=job.time_limit_s, autosave_s=0.0,
     )  # fmt: skip
+    if flown.interrupted:
+        raise KeyboardInterrupt  # which the flight has swallowed: half a run is no result
     flown = scored(flown, sim)
     values = mission_values(flown) | {"collisions": flown.collisions, "result": flown.result}
     if flown.score is not None:

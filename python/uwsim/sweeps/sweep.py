@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.flight.folder import made_folder
+from uwsim.folder_lock import alone_in
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.sweeps.again import WORST, fly_run_again
@@ -88,31 +89,32 @@ def run_sweep(
     if retry_failed and not resume:
         raise ValueError("retry_failed: needs resume")
     into = made_folder(Path(out))
-    ledger = Ledger(into)
-    if not resume and ledger.exists:
-        ledger.read()
-        rule = f"holds a sweep already, {len(ledger.results):,} runs of it finished: --resume, or another --out"
-        raise ValueError(f"--out {into}: {rule}")
-    if resume and not ledger.exists:
-        raise ValueError(f"--resume: no sweep was begun in '{into}'")
-    name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
-    try:
-        ledger.resume(plan) if resume else ledger.begin(plan)
-        done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
-        missing = {run.number: jobs.of(run) for run in runs if run.number not in done}
-        if missing:
-            with show("starting workers"):
-                crew = open_workers(workers, scheduler=scheduler)
-            with crew:
-                _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell)
-    finally:
-        ledger.close()
-    sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
-    with show("writing the table"):
-        write_table(into / TABLE, sweep.rows, {"uwsim sweep": json.dumps(plan), "uwsim": version("uwsim")})
-    if report:
-        _report(sweep, name, jobs, show)
-    return sweep
+    with alone_in(into):
+        ledger = Ledger(into)
+        if not resume and ledger.exists:
+            ledger.read()
+            rule = f"holds a sweep already, {len(ledger.results):,} runs of it finished: --resume, or another --out"
+            raise ValueError(f"--out {into}: {rule}")
+        if resume and not ledger.exists:
+            raise ValueError(f"--resume: no sweep was begun in '{into}'")
+        name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
+        try:
+            ledger.resume(plan) if resume else ledger.begin(plan)
+            done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
+            missing = {run.number: jobs.of(run) for run in runs if run.number not in done}
+            if missing:
+                with show("starting workers"):
+                    crew = open_workers(workers, scheduler=scheduler)
+                with crew:
+                    _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell)
+        finally:
+            ledger.close()
+        sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
+        with show("writing the table"):
+            write_table(into / TABLE, sweep.rows, {"uwsim sweep": json.dumps(plan), "uwsim": version("uwsim")})
+        if report:
+            _report(sweep, name, jobs, show)
+        return sweep
 
 
 def _fly(

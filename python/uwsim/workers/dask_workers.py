@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import os
 import queue
+import signal
 import tempfile
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
@@ -31,8 +33,13 @@ SETTINGS = {
 class ClusterWorkers:
     """Workers of a Dask cluster. Each must have the same build of uwsim, and see the files that jobs name."""
 
-    def __init__(self, client: distributed.Client, closers: contextlib.ExitStack) -> None:
-        self._client, self._closers = client, closers
+    def __init__(
+        self,
+        client: distributed.Client,
+        closers: contextlib.ExitStack,
+        own: distributed.LocalCluster | None = None,
+    ) -> None:
+        self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())
         if not self.count:
             raise ValueError("the scheduler has no workers")
@@ -86,8 +93,21 @@ class ClusterWorkers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Let go of the cluster; end it if it was made here."""
-        self._closers.close()
+        """Let go of the cluster; end it if it was made here, at once if this process is told to end."""
+        if kind is None or issubclass(kind, Exception):
+            self._closers.close()
+            return
+        self._kill()
+        with contextlib.suppress(Exception):  # Dask's, about workers that are gone
+            self._closers.close()
+
+    def _kill(self) -> None:
+        """Kill this machine's workers: closing would wait for the jobs that they have at hand."""
+        for nanny in self._own.workers.values() if self._own is not None else ():
+            nanny.auto_restart = False
+            if nanny.pid:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(nanny.pid, signal.SIGKILL)
 
     def _require_scheduler(self) -> None:
         if self._client.status not in ("running", "connecting"):
@@ -156,7 +176,7 @@ def local_workers(count: int) -> ClusterWorkers:
         )
         closers.callback(cluster.close, timeout=CONNECT_S)
         client = closers.enter_context(distributed.Client(cluster, set_as_default=False))
-        return ClusterWorkers(client, closers)
+        return ClusterWorkers(client, closers, cluster)
     except BaseException:
         closers.close()
         raise

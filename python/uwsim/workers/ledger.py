@@ -69,14 +69,16 @@ class Ledger:
 
     def _open(self, mode: str) -> None:
         try:
-            self._file = self.path.open(mode)
+            self._file = self.path.open(mode, buffering=0)  # else closing would try again, and fail in its own words
         except OSError as error:
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}") from error
 
     def _write(self, line: Mapping[str, Any]) -> None:
+        left, before = json.dumps(line).encode() + b"\n", os.fstat(self._file.fileno()).st_size
         try:
-            self._file.write(json.dumps(line).encode() + b"\n")
-            self._file.flush()
+            while left:
+                left = left[self._file.write(left) :]
             os.fsync(self._file.fileno())
         except OSError as error:
+            os.ftruncate(self._file.fileno(), before)  # half a line is none
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}; --resume continues") from error

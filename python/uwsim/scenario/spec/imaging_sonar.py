@@ -25,6 +25,7 @@ from uwsim.scenario.spec.parameter import checked_values
 RADIANS, DEGREES = "_rad", "_deg"
 STRENGTHS = "strengths_db"
 """The one figure that is a mapping, from a surface's name to its strength; the core takes it by label."""
+LOUDEST_DB = 300.0
 
 
 class ImagingMount(Model):
@@ -53,7 +54,7 @@ class ImagingMount(Model):
                     own["type"] = [own["type"], "null"]
             kinds[name]["properties"][STRENGTHS] = {
                 "type": "object",
-                "additionalProperties": {"type": "number"},
+                "additionalProperties": {"type": "number", "minimum": -LOUDEST_DB, "maximum": LOUDEST_DB},
                 "description": "Backscatter strength of each surface by name, instead of its material's, dB",
             }
         one_of_kinds(handler.resolve_ref_schema(schema), kinds, without={"figures"})
@@ -109,6 +110,11 @@ def _check(kind: str, name: str, value: Any, *, key: str) -> None:
     if name == STRENGTHS:
         if not isinstance(value, Mapping):
             raise broken("must be a strength in dB for each surface, by name", at=(key,), value=value)
+        for surface, strength_db in value.items():
+            is_number = isinstance(strength_db, int | float) and not isinstance(strength_db, bool)
+            if not (is_number and abs(strength_db) <= LOUDEST_DB):  # false for nan, too
+                rule = f"must be a number in [{-LOUDEST_DB:g}, {LOUDEST_DB:g}] dB"
+                raise broken(rule, at=(key, str(surface)), value=strength_db, unit="dB")
         return
     parameter = _core.imaging_kind(kind).parameters[name]
     if value is None and not np.isnan(parameter.by_default):

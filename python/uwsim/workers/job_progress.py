@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from uwsim.stoppable import Stoppable
 
-class JobProgress:
-    """How many jobs are finished, on stderr. Ctrl-C stops them."""
+
+class JobProgress(Stoppable):
+    """How many jobs are finished, on stderr. Ctrl-C stops them; SIGTERM, or a second Ctrl-C, at once."""
 
     def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
         self._bar, self._task, self._doing = bar, task, doing
-        self._stop = False
 
     def tell(self, finished: int, failed: int, count: int) -> None:
         """Show that so many of the jobs are finished, and so many of these failed."""
@@ -27,13 +28,11 @@ class JobProgress:
         self._bar.update(self._task, activity=activity)
         yield
 
-    def stop(self) -> None:
-        """End early; what is under way is lost."""
-        self._stop = True
-
-    def stop_requested(self) -> bool:
-        """Whether stop was called."""
-        return self._stop
+    def stop(self, *, in_haste: bool = False) -> None:
+        """End early; what is under way is lost. In haste: at once, since what is finished is on disk."""
+        super().stop(in_haste=in_haste)
+        if in_haste:
+            raise KeyboardInterrupt
 
 
 @contextmanager
@@ -50,5 +49,9 @@ def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
         console=console,
         disable=not console.is_terminal,
     )
-    with bar:
-        yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
+    try:
+        with bar:
+            yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
+    except KeyboardInterrupt:
+        console.print("interrupted; what is finished is kept: --resume continues", highlight=False, soft_wrap=True)
+        raise

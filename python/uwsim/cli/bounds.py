@@ -1,0 +1,54 @@
+"""Bounds of the numbers on a command line, and which files may be read: checked before a command begins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import typer
+
+
+class UsageError(typer.BadParameter):
+    """A wrong command line; typer ends the command with the exit code of an unknown option."""
+
+    def format_message(self) -> str:
+        """Return the message as it is."""
+        return str(self.message)
+
+
+def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
+    """Return typer's callback of an option that takes numbers in [low, high]; nan is none."""
+
+    def check(param: typer.CallbackParam, value: Any) -> Any:
+        for number in value if isinstance(value, tuple) else (value,):
+            if number is not None and not low <= number <= high:
+                rule = f"must be in [{low:.12g}, {high:.12g}] {unit}".rstrip()
+                shown = f"{option_name(param)} = {str(number)[:40]} {unit}".rstrip()
+                raise UsageError(f"{shown}: {rule}")
+        return value
+
+    check.bounds = low, high, unit  # type: ignore[attr-defined]  # for whoever asks whether an option has some
+    return check
+
+
+def readable(param: typer.CallbackParam, value: Any) -> Any:
+    """Return paths that may be read: typer's callback. Raises UsageError for devices, which may have no end."""
+    for path in value if isinstance(value, list) else (value,):
+        if isinstance(path, Path):
+            _require_no_device(path, option_name(param))
+    return value
+
+
+def _require_no_device(path: Path, name: str) -> None:
+    try:
+        is_device = path.is_char_device() or path.is_block_device()
+    except (OSError, ValueError):  # such as a name that is too long: whoever opens it says so
+        return
+    if is_device:
+        raise UsageError(f"{name} = '{path}': is a device: must be a file")
+
+
+def option_name(param: typer.CallbackParam) -> str:
+    """Return what a user calls a parameter, such as --voxel or MAP."""
+    return str(param.opts[-1]) if param.opts and param.opts[-1].startswith("-") else str(param.name).upper()

@@ -1,0 +1,60 @@
+"""One run at a time in an output folder: two would replace each other's files, and neither could be resumed."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+LOCK = ".uwsim.lock"
+"""The lock file; it says who holds it. The kernel frees the lock when its process ends, however it ends."""
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder while the block runs. Raises OSError if one is in it, or it cannot be locked."""
+    path = folder / LOCK
+    descriptor = _locked(path)
+    with suppress(OSError):  # a full disk: the lock holds, but does not say whose it is
+        os.ftruncate(descriptor, 0)
+        os.write(descriptor, f"process {os.getpid()}: {shlex.join(sys.argv)[:200]}\n".encode(errors="replace"))
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # the folder has vanished
+            path.unlink()  # before it is freed: whoever locks it now sees that it is gone
+        os.close(descriptor)
+
+
+def require_free(folder: Path) -> None:
+    """Raise OSError if another run is in a folder: to say so before a world is built."""
+    if (folder / LOCK).exists():
+        with alone_in(folder):
+            pass
+
+
+def _locked(path: Path) -> int:
+    """Return the descriptor of a lock file that is ours, and is still where others look for it."""
+    while True:
+        try:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise OSError(f"--out {path.parent}: cannot write there: {error.strerror}") from error
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):
+                return descriptor
+        except BlockingIOError:
+            holder = " ".join(os.pread(descriptor, 300, 0).decode(errors="replace").split())
+            os.close(descriptor)
+            raise OSError(
+                f"--out {path.parent}: another run is in it{f' ({holder})' if holder else ''}: choose another --out"
+            ) from None
+        except OSError as error:
+            os.close(descriptor)
+            raise OSError(f"'{path}': cannot be locked: {error.strerror}") from error
+        os.close(descriptor)

@@ -1,0 +1,207 @@
+"""Hostile command lines: for each parameter of each command, values that no user should have to fear.
+
+The commands and their parameters are those of the program itself, so that a new option is attacked without being named
+here. Each line begins as one that works (BASES), and one of its parameters gets a hostile value.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import typing
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+HUGE = "9" * 400
+NUMBERS = (
+    "-1",
+    "0",
+    "1e-308",
+    "-1e-308",
+    "1e308",
+    "inf",
+    "-inf",
+    "nan",
+    "1e400",
+    HUGE,
+    str(2**63),
+    str(-(2**64)),
+    "",
+    "x",
+)
+LONG = "x" * 5000
+NOT_UTF8 = os.fsdecode(b"\xff\xfe\x80.bt")
+TEXTS = (
+    "",
+    "/dev/full",
+    "folder",
+    "/proc/self",
+    LONG,
+    NOT_UTF8,
+    "\x01\x1b[31m",
+    "-",
+    "nan",
+    "../" * 60 + "x",
+    "%s%n{}$(x)",
+    "/dev/zero",
+)
+SAVED = Path(__file__).parents[1] / "python" / "data" / "v1"
+NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
+"""Flags that are not tried by themselves."""
+
+# Lines that work and end soon. SERVER marks those that end by SIGTERM.
+SERVER = frozenset({"serve", "station", "connect", "nodes", "teleop"})
+BASES: dict[str, tuple[list[str], dict[str, str]]] = {
+    "survey": (["pool.yaml"], {"out": "out", "mission_time": "2", "report": "none"}),
+    "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
+    "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit": "2"}),
+    "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
+    "fleet": (["pool.yaml"], {"tile": "100", "out": "out", "workers": "0"}),
+    "serve": (["pool.yaml"], {"port": "0"}),
+    "station": (["pool.yaml"], {"port": "0"}),
+    "teleop": ([], {"scenario": "pool.yaml"}),
+    "connect": (["ws://127.0.0.1:9"], {}),
+    "nodes": (["octomap"], {"url": "ws://127.0.0.1:9", "patience": "0"}),
+    "doctor": ([], {"listen": "0.1"}),
+    "recording": (["run.mcap"], {}),
+    "replay": (["run.mcap"], {"until_s": "0.1"}),
+    "diff": (["run.mcap", "run.mcap"], {}),
+    "parameters": (["pool.yaml", "rov"], {}),
+    "sonar": (["pool.yaml"], {"kind": "fan", "out": "sonar.png"}),
+    "link": (["pool.yaml"], {"out": "link.png"}),
+    "validate": (["control"], {}),
+    "fingerprint": (["pool.yaml"], {}),
+    "reproduce": (["paper"], {"out": "out"}),
+    "camera": (["pool.yaml"], {"out": "camera.png"}),
+    "dataset": (["pool.yaml"], {"n": "1", "out": "out", "size": "32x24", "workers": "0"}),
+    "decompose": (["cube.obj"], {"out": "pieces.obj"}),
+    "map info": (["map.bt"], {}),
+    "map convert": (["map.bt", "cloud.ply"], {}),
+    "map from": (["run.mcap"], {"out": "from.bt"}),
+    "map merge": (["map.bt", "map.bt"], {"out": "merged.bt"}),
+    "map score": (["map.bt"], {"scenario": "pool.yaml", "out": "score.png"}),
+    "map render": (["map.bt"], {"out": "map.png"}),
+    "map diff": (["map.bt", "map.bt"], {}),
+    "map slice": (["map.bt"], {"z": "-1", "out": "slice.png"}),
+    "scenario list": ([], {}),
+    "scenario new": (["mine.yaml"], {}),
+    "scenario check": (["pool.yaml"], {}),
+    "scenario schema": (["scenario"], {}),
+}
+NOT_TRIED = {"bench": "its programs measure for minutes, and are for developers"}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a command: option is "" for an argument; kind is int, float, str, Path or bool."""
+
+    name: str
+    option: str
+    kind: type
+    count: int
+    info: Any
+
+    @property
+    def bounds(self) -> Any:
+        """What typer calls with its value."""
+        return self.info.callback
+
+
+@dataclass(frozen=True)
+class Line:
+    """A command line without the program's name. value: the hostile one, of parameter."""
+
+    command: str
+    parameter: str
+    value: str
+    words: tuple[str, ...]
+
+    @property
+    def is_server(self) -> bool:
+        """Whether it may run until it is told to end."""
+        return self.command in SERVER or "--as-topics" in self.words
+
+
+def commands() -> dict[str, list[Parameter]]:
+    """Return the parameters of every command, as the program declares them."""
+    from uwsim.cli.main import app
+    from uwsim.cli.map import app as map_app
+    from uwsim.cli.scenario import app as scenario_app
+
+    found = {}
+    for prefix, each in (("", app), ("map ", map_app), ("scenario ", scenario_app)):
+        for registered in each.registered_commands:
+            assert registered.callback is not None
+            name = prefix + (registered.name or registered.callback.__name__)
+            if name not in (*NOT_TRIED, "map", "scenario"):
+                found[name] = list(_parameters(registered.callback))
+    return found
+
+
+def _parameters(callback: Any) -> Iterator[Parameter]:
+    hints = typing.get_type_hints(callback, include_extras=True)
+    for name in inspect.signature(callback).parameters:
+        hint, *infos = typing.get_args(hints[name])
+        info = next(each for each in infos if hasattr(each, "param_decls"))
+        parts = [part for part in (typing.get_args(hint) or (hint,)) if part is not type(None)]
+        inner = [kind for part in parts for kind in (typing.get_args(part) or (part,))]
+        is_tuple = typing.get_origin(hint) is tuple
+        declared = [word.split("/")[0] for word in info.param_decls or () if word.startswith("--")]
+        option = "" if type(info).__name__ == "ArgumentInfo" else (declared or [f"--{name.replace('_', '-')}"])[0]
+        yield Parameter(name, option, inner[0], len(inner) if is_tuple else 1, info)
+
+
+def lines() -> Iterator[Line]:
+    """Yield all hostile lines, command by command."""
+    for command, parameters in commands().items():
+        arguments, options = BASES[command]
+        by_name = {each.name: each for each in parameters}
+        places = [each for each in parameters if not each.option]
+        for parameter in parameters:
+            for value in _values(parameter):
+                given = {name: [by_name[name].option, text] for name, text in options.items()}
+                texts = list(arguments)
+                if parameter.kind is bool:
+                    if parameter.name in NEEDS_MORE:
+                        continue
+                    given[parameter.name] = [parameter.option]
+                elif parameter.option:
+                    given[parameter.name] = (
+                        [f"{parameter.option}={value}"]
+                        if parameter.count == 1
+                        else ([parameter.option, *[value] * parameter.count])
+                    )
+                else:
+                    place = places.index(parameter)
+                    texts[place : place + 1] = [value]
+                flags = ["--no-browser"] if command == "station" and parameter.name != "browser" else []
+                words = [word for words in given.values() for word in words]
+                yield Line(command, parameter.name, value, (*command.split(), *words, *flags, "--", *texts))
+
+
+def _values(parameter: Parameter) -> tuple[str, ...]:
+    if parameter.kind is bool:
+        return ("",)
+    return NUMBERS if parameter.kind in (int, float) else TEXTS
+
+
+def prepare(folder: Path) -> None:
+    """Write the files that BASES name; map and recording are those that tests read, too."""
+    from uwsim.scenario.read.assets import assets_folder
+
+    (folder / "folder").mkdir()
+    (folder / "pool.yaml").write_bytes((assets_folder() / "scenarios" / "pool.yaml").read_bytes())
+    (folder / "map.bt").write_bytes((SAVED / "survey" / "map.bt").read_bytes())
+    (folder / "run.mcap").write_bytes((SAVED / "live.mcap").read_bytes())
+    (folder / "mission.py").write_text(
+        "from uwsim.missions import wait\n\ndef mission(vehicle):\n    vehicle.release()\n    yield wait(1.0)\n"
+    )
+    (folder / "sweep.yaml").write_text(
+        "scenario: pool.yaml\nmission: mission.py\nvary: {survey.altitude_m: {choices: [1.5]}}\nworst: 0\n"
+    )
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
+    cube = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {face}" for face in faces]
+    (folder / "cube.obj").write_text("\n".join(cube) + "\n")

@@ -1,0 +1,97 @@
+"""Writes what this build saves, which later builds must read, into a folder; tests/python/data/v1 was made so.
+
+    python tests/python/data/make_saved.py /srv/v1
+
+Run it only when a format's version is raised, and keep what it writes beside v1. The folder's name is in the files.
+"""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+from uwsim import Simulator
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.fly import fly
+from uwsim.mapping import OccupancyMap
+from uwsim.recording import Recorder
+from uwsim.scenario import load
+from uwsim.survey.autosave import Autosave
+from uwsim.survey.checkpoint import Checkpoint
+from uwsim.survey.fly import fly_survey
+from uwsim.survey.request import SurveyRequest
+from uwsim.survey.run import run_survey
+from uwsim.sweeps.again import write_scenario
+
+SCENARIO, SEED = "scenario.yaml", 5
+MISSION = """from uwsim.missions import wait
+
+
+def mission(vehicle):
+    vehicle.release()
+    vehicle.set_effort(surge=0.3)
+    for _ in range(20):
+        yield wait(0.5)
+"""
+
+
+class StopAfter(FlightAutosave):
+    """Asks the flight to stop at its 20th pause."""
+
+    pauses = 20
+
+    def stop_requested(self) -> bool:
+        """Whether it has come."""
+        self.pauses -= 1
+        return self.pauses <= 0
+
+
+class StopAt(Autosave):
+    """Asks the survey to stop at its 60th pause."""
+
+    pauses = 60
+
+    def stop_requested(self) -> bool:
+        """Whether it has come."""
+        self.pauses -= 1
+        return self.pauses <= 0
+
+
+def main(folder: Path) -> None:
+    """Write one of each."""
+    folder.mkdir(parents=True, exist_ok=True)
+    os.chdir(folder)
+    pool = load("pool").with_changes(seed=SEED)
+    mesh = pool.vehicles[0].model.mesh
+    Path(mesh.name).write_bytes(mesh.read_bytes())
+    write_scenario(Path(SCENARIO), pool)
+    Path(SCENARIO).write_text(Path(SCENARIO).read_text().replace(str(mesh), mesh.name))
+    sim = Simulator(SCENARIO)
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.6, yaw=-0.2)
+    sim.advance(2.0)
+    _ = sim.rov.estimate.pose
+    Path("simulator.state").write_bytes(sim.save_state())
+    request = SurveyRequest(SCENARIO, SEED, None, None, None, 0.5, "bricks", verify_map=False)
+    survey = Path("survey")
+    survey.mkdir(exist_ok=True)
+    fly_survey(Simulator(SCENARIO), supervisor=StopAt(Checkpoint(survey), request, 1e-6, print))
+    Path("mission.py").write_text(MISSION)
+    fly("mission.py", SCENARIO, "flight", map=True, report="none", autosave=StopAfter(0.0))
+    with Simulator(SCENARIO) as live, Recorder(live, "live.mcap", topics=["odom", "imu*", "telemetry", "ping"]):
+        live.rov.release()
+        live.rov.set_effort(surge=0.4)
+        live.advance(1.0)
+    run_survey(
+        SCENARIO, "recorded", mission_time_s=3.0, report="none", autosave_s=0.0,
+        record=Path("survey.mcap"), record_topics=("odom",),
+    )  # fmt: skip
+    OccupancyMap.read("recorded/map.bt").write("map.ot")
+    run_survey(SCENARIO, "scored", mission_time_s=2.0, report="none", autosave_s=0.0)
+    Path("scored/track.npz").rename("track.npz")
+    for done in ("scored", "recorded"):
+        shutil.rmtree(done)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,66 @@
+"""SIGTERM: what flies is saved and goes, without the report, which --resume makes."""
+
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from command_line import UWSIM
+from uwsim.mapping import OccupancyMap
+
+LAKE = ["survey", "lake", "--mission-time", "40", "--voxel", "0.4"]
+PLACES = {
+    "the flight begins": [".uwsim.lock"],
+    "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".survey.state.*"],
+    "it has been saved": ["checkpoint/survey.state"],
+    "in flight, some saves later": ["checkpoint/map-[1-9]??.ot"],
+    "the map is scored, the report drawn": ["track.npz"],
+}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    out = tmp_path_factory.mktemp("whole")
+    subprocess.run([*UWSIM, *LAKE, "--out", str(out), "--report", "none", "--min-coverage", "0"], check=True)
+    return (out / "map.bt").read_bytes()
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, whole: bytes, tmp_path: Path) -> None:
+    command = [*UWSIM, *LAKE, "--out", str(tmp_path), "--autosave", "0.05", "--min-coverage", "0"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not any(path for name in PLACES[place] for path in tmp_path.glob(name)):
+        time.sleep(0.002)
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+    assert not (tmp_path / "report.html").exists()
+    if (tmp_path / "map.bt").exists():
+        OccupancyMap.read(tmp_path / "map.bt")
+    if not (tmp_path / "checkpoint" / "survey.state").exists():
+        assert place == next(iter(PLACES)), "nothing flown is lost"
+        return
+    resumed = subprocess.run(
+        [*UWSIM, "survey", "--resume", "--out", str(tmp_path), "--report", "json", "--min-coverage", "0"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert resumed.returncode == 0, resumed.stderr
+    assert (tmp_path / "map.bt").read_bytes() == whole
+    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz", "summary.json"}, "no leftovers"
+
+
+def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
+    mission, out = tmp_path / "busy.py", tmp_path / "out"
+    mission.write_text("def mission(vehicle):\n    yield from ()\n    while True:\n        pass\n")
+    command = [*UWSIM, "run", str(mission), "--scenario", "pool", "--out", str(out)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not (out / "log.jsonl").exists():
+        time.sleep(0.01)
+    process.send_signal(signal.SIGTERM)
+    output, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert "interrupted" in output
+    assert not (out / "report.html").exists()
