@@ -218,7 +218,7 @@ class Recording:
     def _require_our_types(self) -> None:
         """Raise ValueError if a type of our own had other fields when the file was written."""
         for found in self._schemas.values():
-            if found.name in OWN_TYPES and found.data.decode() != schema(found.name).text:
+            if found.name in OWN_TYPES and _fields(found.data.decode()) != _fields(schema(found.name).text):
                 raise ValueError(
                     f"recording '{self.path}': {found.name} has other fields in this version of uwsim than in the "
                     f"build that wrote it, {self.start['build']}"
@@ -240,6 +240,11 @@ class Recording:
                 self.end = record.metadata if record.name == END else self.end
             elif isinstance(record, Footer):
                 self.complete = True
+
+
+def _fields(text: str) -> list[str]:
+    """Return the lines of a message's definition, without its comments, which may be written anew."""
+    return [line for each in text.splitlines() if (line := " ".join(each.split("#")[0].split()))]
 
 
 class _Bounded:

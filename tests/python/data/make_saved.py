@@ -70,7 +70,6 @@ def main(folder: Path) -> None:
     sim.rov.release()
     sim.rov.set_effort(surge=0.6, yaw=-0.2)
     sim.advance(2.0)
-    _ = sim.rov.estimate.pose
     Path("simulator.state").write_bytes(sim.save_state())
     request = SurveyRequest(SCENARIO, SEED, None, None, None, 0.5, "bricks", verify_map=False)
     survey = Path("survey")
