@@ -56,8 +56,9 @@ Content content_of(std::string_view bytes) {
           "must be as long as it was saved");
   require(sum == checksum(bytes), "state", "damaged", "its checksum must match its content");
   const std::uint64_t version = read_number(bytes);
-  require(version == kVersion, "state.version", version,
-          "must be " + std::to_string(kVersion) + ": another version of uwsim saved it, in a format that this one lacks");
+  require(
+      version == kVersion, "state.version", version,
+      "must be " + std::to_string(kVersion) + ": another version of uwsim saved it, in a format that this one lacks");
   const std::string_view scenario = read_text(bytes), build = read_text(bytes);
   return {scenario, build, bytes};
 }
