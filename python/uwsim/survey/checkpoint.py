@@ -24,7 +24,9 @@ from uwsim.survey.flight_state import FlightState, from_bytes, to_bytes
 from uwsim.survey.request import SurveyRequest
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "survey.state", "checkpoint.old"
-LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.(survey\.state|report\.html|[\w-]+\.png)\.\w+")
+LEFTOVER = re.compile(
+    r"\.uwsim-(\d+)-\d+\.tmp|\.(survey\.state|report\.html|summary\.json|track\.npz|[\w-]+\.png)\.\w+"
+)
 
 
 @dataclass(frozen=True)
