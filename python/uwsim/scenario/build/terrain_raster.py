@@ -148,7 +148,7 @@ def _read(spec: RasterTerrain) -> _Raster:
     try:
         with _opened(spec.file) as file:
             if file.driver == "AAIGrid":
-                _require_numbers(spec.file)
+                _require_numbers(spec.file, file.width * file.height)
                 warn_if_cut_short(f"terrain '{name}'", spec.file.read_bytes())
             if file.count != 1 and spec.band is None:
                 raise ScenarioError(f"terrain '{name}': {file.count} bands, expected 1 (choose one with band)")
@@ -257,14 +257,20 @@ def _metres_about(centre: tuple[float, float]) -> CRS:
     return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
 
 
-def _require_numbers(path: Path) -> None:
-    """Refuse words among an ASCII grid's numbers, which GDAL would read as zero."""
+def _require_numbers(path: Path, cells: int) -> None:
+    """Refuse what GDAL would read as zero in an ASCII grid: words among its numbers, and numbers that are missing."""
     pattern = re.compile(r"(?<!\S)(?![-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?!\S))\S+")
+    numbers = 0
     with path.open(encoding="latin-1") as lines:
         for number, line in enumerate(lines, 1):
-            bad = None if line[:1].isalpha() and number <= 8 else pattern.search(line)
+            if line[:1].isalpha() and number <= 8:
+                continue
+            bad = pattern.search(line)
             if bad:
                 raise ScenarioError(f"terrain '{path.name}': line {number}: '{bad.group():.40}' is not a number")
+            numbers += len(line.split())
+    if numbers < cells:
+        raise ScenarioError(f"terrain '{path.name}': {numbers} numbers for its {cells} cells: is the file cut short?")
 
 
 def _reason(error: Exception) -> str:
