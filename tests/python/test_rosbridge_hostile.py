@@ -215,6 +215,8 @@ def test_wrong_options_are_refused(server):
         Limits(frame_bytes=0)
     with pytest.raises(OSError, match=f"cannot listen on 127.0.0.1:{server.port}"):
         RosbridgeServer(None, port=server.port).start()
+    with pytest.warns(UserWarning), pytest.raises(OSError, match=r"cannot listen on a\.\.b:"):
+        RosbridgeServer(None, host="a..b").start()
 
 
 def test_listening_beyond_this_machine_is_warned_of():

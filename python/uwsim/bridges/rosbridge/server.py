@@ -153,7 +153,7 @@ class RosbridgeServer:
     def _run(self, ready: threading.Event) -> None:
         try:
             asyncio.run(self._serve(ready))
-        except OSError as error:
+        except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
             self._failure = error
         finally:
             ready.set()
