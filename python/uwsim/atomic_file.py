@@ -13,7 +13,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 
     Raises OSError, which names the target, when that fails; no temporary file is left behind.
     """
-    if path.exists() and not path.is_file():  # a rename would replace a device
+    if path.exists() and not path.is_file() and not path.is_dir():  # a rename would replace a device
         raise OSError(f"'{path}': cannot be written: it is not a regular file")
     try:
         _write_and_rename(path, content)

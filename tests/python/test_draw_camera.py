@@ -55,7 +55,6 @@ def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
         (("--pose", "1,2"), "--pose 1,2: 2 numbers; must be X,Y,Z[,YAW[,PITCH[,ROLL]]]"),
         (("--pose", "a,b,c,d,e,f"), "--pose a,b,c,d,e,f: must be X,Y,Z[,YAW[,PITCH[,ROLL]]]"),
         (("--pose", "0,0,-30,0,0,0"), "must be above the ground"),
-        (("--sun", "200"), "must be in [-6, 90] deg"),
         (("--out", "nowhere/at/all.png"), "no such folder"),
         (("--out", "picture.bmp"), "must end in .png, .jpg or .jpeg"),
     ],
@@ -70,6 +69,12 @@ def test_a_mistake_is_reported_in_one_line_and_nothing_is_written(
     assert message in str(error)
     assert "\n" not in str(error)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_sun_out_of_bounds_is_refused() -> None:
+    code, output, _ = run("pool", "--sun", "200")
+    assert code == 2
+    assert "--sun = 200.0 deg: must be in [-6, 90] deg" in output
 
 
 def test_the_vehicle_is_where_it_was_asked_to_be_however_long_it_waits() -> None:

@@ -94,7 +94,7 @@ def test_the_command_writes_log_track_map_summary_and_report(mission: Path, tmp_
     track = np.genfromtxt(out / "track-rov.csv", delimiter=",", names=True)
     assert track["depth_m"].max() == pytest.approx(values["vehicles"]["rov"]["depth_max_m"], rel=1e-4)
     page = (out / "report.html").read_text()
-    assert page.count("data:image/png;base64,") == 6
+    assert page.count("data:image/png;base64,") == 7
     assert "http" not in page.split("<body>")[1], "it needs nothing from elsewhere"
     assert not (out / "checkpoint").exists()
 

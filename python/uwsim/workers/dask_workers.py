@@ -69,7 +69,7 @@ class ClusterWorkers:
 
         try:
             while (waiting or under_way) and not stop_requested():
-                at_once = self.count if trials.suspects else AHEAD * self.count
+                at_once = self._alive() if trials.suspects else AHEAD * self.count
                 while waiting and len(under_way) < at_once:
                     begin(waiting.popleft())
                 try:
@@ -108,6 +108,10 @@ class ClusterWorkers:
             if nanny.pid:
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(nanny.pid, signal.SIGKILL)
+
+    def _alive(self) -> int:
+        """Return how many workers there are now: one that has died is being started again."""
+        return max(1, sum(self._client.nthreads().values()))
 
     def _require_scheduler(self) -> None:
         if self._client.status not in ("running", "connecting"):
