@@ -111,7 +111,7 @@ class ClusterWorkers:
 
     def _alive(self) -> int:
         """Return how many workers there are now: one that has died is being started again."""
-        return max(1, sum(self._client.nthreads().values()))
+        return max(1, int(sum(self._client.nthreads().values())))
 
     def _require_scheduler(self) -> None:
         if self._client.status not in ("running", "connecting"):
