@@ -10,8 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr std::string_view kMagic = "uwsim state\n";
-/// Of the bytes of a state, in this file and in each `exchange_state`. To raise it makes the states that users have
-/// unreadable: do so only where what they hold cannot be read as what it is now.
+/// The version of a state's bytes, in this file and in each `exchange_state`. To raise it makes the states that users
+/// have unreadable: do so only where what they hold cannot be read as what it is now.
 constexpr std::uint64_t kVersion = 1;
 
 /// FNV-1a, 64 bits: detects damage, not forgery.

@@ -40,12 +40,12 @@ class Submap:
 
     @cached_property
     def tree(self) -> cKDTree:
-        """Of the points."""
+        """A tree of the points, which finds the nearest ones."""
         return cKDTree(self.points_world_m)
 
     @cached_property
     def normals(self) -> Array:
-        """Of the planes through each point's nearest ones, (n, 3): the direction of their least spread."""
+        """Normals of the planes through each point's nearest ones, (n, 3): the direction of their least spread."""
         points = np.asarray(self.points_world_m, np.float64)
         around = points[self.tree.query(points, k=min(NEIGHBOURS, len(points)))[1].reshape(len(points), -1)]
         around -= around.mean(axis=1, keepdims=True)

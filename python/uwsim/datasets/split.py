@@ -6,7 +6,7 @@ import numpy as np
 
 SPLITS = ("train", "val")
 STRETCHES = 4
-"""Of a track that are for validation, spread along it."""
+"""How many stretches of a track are for validation, spread along it."""
 
 
 def split_of_frames(count: int, val_share: float, seed: int, *, in_sequence: bool) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 COMPRESSION = 1
-"""Of PNG: 3 takes 40 % longer and saves 1 to 8 % of the bytes."""
+"""The level of PNG: 3 takes 40 % longer and saves 1 to 8 % of the bytes."""
 FARTHEST_M = 65.535
 """The greatest depth that 16 bits hold in millimetres."""
 
