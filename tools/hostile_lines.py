@@ -33,6 +33,7 @@ def main(
     sample: Annotated[int, typer.Option(min=0, help="So many lines, chosen by the seed; 0: all.")] = 0,
     seed: Annotated[int, typer.Option(help="Of the choice.")] = 0,
     part: Annotated[str, typer.Option(help="K/N: the Kth of N parts, from 0, for several processes.")] = "0/1",
+    each: Annotated[bool, typer.Option("--each", help="Tell how every line ended.")] = False,
 ) -> None:
     """Attack, judge, count."""
     preload(only)
@@ -53,6 +54,7 @@ def main(
             codes[verdict.code] += 1
             if verdict.complaint:
                 broken.append(verdict)
+            if verdict.complaint or each:
                 _tell(verdict)
             elif number % 100 == 99:
                 typer.echo(f"{number + 1} of {len(chosen)} lines, {time.monotonic() - began_s:.0f} s", err=True)
@@ -63,7 +65,8 @@ def main(
 
 def _tell(verdict: Verdict) -> None:
     shown = _short(verdict.line)
-    typer.echo(f"uwsim {shown}\n    {verdict.complaint} ({verdict.wall_s:.1f} s, {verdict.memory_mb:.0f} MB)")
+    ended = f"ended with {verdict.code}" + (f", BROKE THE LAW: {verdict.complaint}" if verdict.complaint else "")
+    typer.echo(f"uwsim {shown}\n    {ended} ({verdict.wall_s:.1f} s, {verdict.memory_mb:.0f} MB)")
     for text in verdict.stderr.strip().splitlines()[-3:]:
         typer.echo(f"    | {text[:200]}")
 

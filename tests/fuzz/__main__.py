@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+from tests.fuzz import totals
 from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
@@ -45,7 +45,7 @@ def _require_tools(names: list[str]) -> None:
 
 
 def _fuzz(name: str, seconds: int) -> bool:
-    """Return whether nothing was found. The corpus grows in build/fuzz/NAME, and is used again the next time."""
+    """Return whether nothing was found. Corpus and totals in build/fuzz/NAME grow with each run."""
     folder = ROOT / "build" / "fuzz" / name
     corpus, found = folder / "corpus", folder / "found"
     for each in (corpus, found):
@@ -54,13 +54,19 @@ def _fuzz(name: str, seconds: int) -> bool:
         (corpus / file).write_bytes(data)
     known = [str(FOUND / name)] if (FOUND / name).is_dir() else []
     limits = [f"-max_total_time={seconds}", f"-timeout={HANG_S}", f"-rss_limit_mb={MEMORY_MB}", "-max_len=200000"]
+    if name == "state":
+        limits.append("-len_control=0")  # its mutator begins with whole states
     options = [*limits, "-print_final_stats=1", f"-artifact_prefix={found}/", str(corpus), *known]
     program = [str(_native(name))] if name in NATIVE else [sys.executable, "-m", "tests.fuzz.attack", name]
-    with (folder / "log.txt").open("w") as log:
-        status = subprocess.run([*program, *options], cwd=ROOT, stdout=log, stderr=subprocess.STDOUT).returncode
-    print(f"fuzz: {name}: {_figures((folder / 'log.txt').read_text(errors='replace'))}", flush=True)
+    log = folder / "log.txt"
+    status, run = totals.watch([*program, *options], log, ROOT)
+    total = totals.read(folder / "total.json").plus(run)
+    totals.write(folder / "total.json", total)
+    print(f"fuzz: {name}: {run}", flush=True)
+    if total.runs > 1:
+        print(f"fuzz: {name}: all {total.runs} runs: {total}", flush=True)
     if status:
-        print(f"fuzz: {name}: FOUND; the log: {folder / 'log.txt'}", flush=True)
+        print(f"fuzz: {name}: FOUND; the log: {log}", flush=True)
     return status == 0
 
 
@@ -84,15 +90,6 @@ def _native(name: str) -> Path:
     subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], **quiet)
     subprocess.run(["cmake", "--build", build, "--target", f"fuzz_{name}"], **quiet)
     return build / "tests" / "fuzz" / "native" / f"fuzz_{name}"
-
-
-def _figures(log: str) -> str:
-    """Return what libFuzzer says at its end, in a line."""
-    wanted = {"number_of_executed_units": "inputs", "new_units_added": "new", "peak_rss_mb": "MB at most"}
-    found = {key: re.search(rf"stat::{key}:\s+(\d+)", log) for key in wanted}
-    covered = re.findall(r"cov: (\d+)", log)
-    parts = [f"{match[1]} {wanted[key]}" for key, match in found.items() if match]
-    return ", ".join([*parts, f"{covered[-1] if covered else 0} edges"])
 
 
 if __name__ == "__main__":

@@ -117,7 +117,7 @@ def _map() -> list[bytes]:
 
 
 def _state() -> list[bytes]:
-    """A state as the native fuzzer's own simulation has it cannot be made here: it begins with what it saves itself."""
+    """Nothing: the native fuzzer mutates states that it saves itself."""
     return [b""]
 
 

@@ -1,0 +1,91 @@
+"""What all runs of a fuzzer come to: an hour of each can be put together from many short runs."""
+
+from __future__ import annotations
+
+import json
+import re
+import resource
+import subprocess
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+COVERED = re.compile(r"^#(\d+)\s+(\w+)\s+cov: (\d+)")
+EXECUTED = re.compile(r"^stat::number_of_executed_units:\s+(\d+)")
+MEMORY = re.compile(r"^stat::peak_rss_mb:\s+(\d+)")
+
+
+@dataclass
+class Total:
+    """Of one reader. seconds: wall time; processor_s: what it was given of it; idle_s: since the last new edge."""
+
+    runs: int = 0
+    seconds: float = 0
+    processor_s: float = 0
+    inputs: int = 0
+    edges: int = 0
+    idle_s: float = 0
+    memory_mb: int = 0
+
+    def __str__(self) -> str:
+        new = f"nothing new for {self.idle_s:.0f} s" if self.idle_s >= 1 else "still finding new edges"
+        return (
+            f"{self.inputs} inputs in {self.seconds:.0f} s ({self.processor_s:.0f} s of a processor), "
+            f"{self.edges} edges, {new}, {self.memory_mb} MB at most"
+        )
+
+    def plus(self, run: Total) -> Total:
+        """Return both together; a run in which nothing was new goes on with the silence of those before."""
+        silent = run.idle_s >= run.seconds
+        return Total(
+            self.runs + run.runs,
+            self.seconds + run.seconds,
+            self.processor_s + run.processor_s,
+            self.inputs + run.inputs,
+            run.edges,
+            self.idle_s + run.idle_s if silent else run.idle_s,
+            max(self.memory_mb, run.memory_mb),
+        )
+
+
+def read(path: Path) -> Total:
+    """Read a total; that of no runs if there is no file."""
+    return Total(**json.loads(path.read_text())) if path.exists() else Total()
+
+
+def write(path: Path, total: Total) -> None:
+    """Replace the file by one rename."""
+    beside = path.with_suffix(".part")
+    beside.write_text(json.dumps(asdict(total)) + "\n")
+    beside.replace(path)
+
+
+def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
+    """Run a fuzzer in `folder`, keep what it says in `log`; return its exit code, and what this run came to."""
+    run = Total(runs=1)
+    began_s, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    last_new_s, begun = began_s, False
+    with (
+        log.open("w") as kept,
+        subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+        ) as fuzzer,
+    ):
+        assert fuzzer.stdout is not None
+        for line in fuzzer.stdout:
+            kept.write(line)
+            if covered := COVERED.match(line):
+                run.inputs = int(covered[1])
+                if begun and int(covered[3]) > run.edges:
+                    last_new_s = time.monotonic()
+                run.edges = max(run.edges, int(covered[3]))
+                begun = begun or covered[2] == "INITED"  # what was reached before then, earlier runs have found
+            elif executed := EXECUTED.match(line):
+                run.inputs = int(executed[1])
+            elif memory := MEMORY.match(line):
+                run.memory_mb = int(memory[1])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    run.seconds = time.monotonic() - began_s
+    run.idle_s = began_s + run.seconds - last_new_s
+    run.processor_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return fuzzer.returncode, run
