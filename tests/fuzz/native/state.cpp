@@ -80,7 +80,7 @@ bool restore(Simulation& sim, std::string_view bytes) {
 }
 
 /// What the simulation saves at its begin: each input meets it in this state.
-const std::string& begin(const Simulation& sim) {
+const std::string& begin(Simulation& sim) {
   static const std::string saved = sim.save_state(kHere, "");
   return saved;
 }
