@@ -1,0 +1,120 @@
+"""Clients of a rosbridge as a station sees them: those that read and steer, come and go, talk nonsense, or fall silent.
+
+.venv/bin/python tools/soak/clients.py URL SECONDS
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import random
+import sys
+import time
+from contextlib import suppress
+from typing import Any
+
+from rosbridge import attack  # beside this file
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import WebSocketException
+
+PICTURES = ("/camera/front/image_raw/compressed", "/images/compressed", "/forward_looking/picture/compressed")
+CLOUDS = ("/points", "/laserPointCloud", "/octomap_binary", "/scan")
+TELEMETRY = ("/telemetry", "/odom", "/imu", "/tf", "/battery_state", "/diagnostics")
+PICTURE_MS, CLOUD_MS = 2000, 500  # between two that a client takes
+
+
+async def connected(url: str) -> ClientConnection:
+    """Return a connection that takes large messages."""
+    return await connect(url, compression=None, max_size=None, open_timeout=60, close_timeout=1)
+
+
+async def subscribe(connection: ClientConnection, topics: tuple[str, ...], every_ms: int = 0) -> None:
+    """Ask for topics."""
+    for topic in topics:
+        await say(connection, op="subscribe", topic=topic, throttle_rate=every_ms, queue_length=1, compression="cbor")
+
+
+async def say(connection: ClientConnection, **operation: Any) -> None:
+    """Send an operation."""
+    await connection.send(json.dumps(operation))
+
+
+async def read(url: str, topics: tuple[str, ...], every_ms: int = 0) -> int:
+    """Subscribe, and read until the connection ends."""
+    count = 0
+    connection = await connected(url)
+    await subscribe(connection, topics, every_ms)
+    async for _ in connection:
+        count += 1
+    return count
+
+
+async def steer(url: str) -> None:
+    """Let the vehicle turn on the spot, to and fro; undock it whenever it is docked."""
+    connection = await connected(url)
+    await say(connection, op="subscribe", topic="/odom", throttle_rate=1000)
+    turn = 0.2
+    while True:
+        await say(connection, op="call_service", service="/undock", args={})
+        await say(connection, op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.1}, "angular": {"z": turn}})
+        turn = -turn if random.random() < 0.1 else turn
+        with suppress(TimeoutError):
+            async with asyncio.timeout(2.0):
+                while True:
+                    await connection.recv()
+
+
+async def come_and_vanish(url: str, rng: random.Random) -> None:
+    """Subscribe to anything, and leave without a word."""
+    while True:
+        connection = await connected(url)
+        await subscribe(connection, (rng.choice(PICTURES), rng.choice(CLOUDS), rng.choice(TELEMETRY)), 200)
+        await asyncio.sleep(rng.uniform(0.0, 4.0))
+        connection.transport.abort()
+        await asyncio.sleep(rng.uniform(0.0, 2.0))
+
+
+async def talk_nonsense(url: str, rng: random.Random) -> None:
+    """Send damaged operations and garbage."""
+    while True:
+        await attack(url, rng)
+        await asyncio.sleep(1.0)
+
+
+async def stop_reading(url: str) -> None:
+    """Subscribe to all that is large, and read nothing for a minute; then come again."""
+    while True:
+        connection = await connect(url, compression=None, max_queue=1, open_timeout=60, ping_interval=None)
+        await subscribe(connection, CLOUDS + PICTURES[:1], 1000)
+        await asyncio.sleep(60.0)
+        connection.transport.abort()
+
+
+async def serve_again(client: Any, *arguments: Any) -> None:
+    """Be a client, and another one whenever the server has ended the connection."""
+    while True:
+        with suppress(OSError, TimeoutError, WebSocketException):
+            await client(*arguments)
+        await asyncio.sleep(1.0)
+
+
+async def main(url: str, seconds: float) -> None:
+    """Be all of them at once."""
+    rng = random.Random(1)
+    clients = [
+        serve_again(read, url, TELEMETRY),
+        serve_again(read, url, CLOUDS, CLOUD_MS),
+        serve_again(read, url, PICTURES, PICTURE_MS),
+        serve_again(steer, url),
+        serve_again(come_and_vanish, url, rng),
+        serve_again(talk_nonsense, url, rng),
+        serve_again(stop_reading, url),
+    ]
+    with suppress(TimeoutError):
+        async with asyncio.timeout(seconds):
+            await asyncio.gather(*clients)
+
+
+if __name__ == "__main__":
+    began_s = time.monotonic()
+    asyncio.run(main(sys.argv[1], float(sys.argv[2])))
