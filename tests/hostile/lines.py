@@ -135,7 +135,7 @@ def commands() -> dict[str, list[Parameter]]:
         for registered in each.registered_commands:
             assert registered.callback is not None
             name = prefix + (registered.name or registered.callback.__name__)
-            if name not in (*NOT_TRIED, "map", "scenario"):
+            if name not in NOT_TRIED:
                 found[name] = list(_parameters(registered.callback))
     return found
 

@@ -12,14 +12,11 @@ import typer
 from ruamel.yaml import YAML
 
 from uwsim.cli.main import app
-from uwsim.cli.map import app as map_app
-from uwsim.cli.scenario import app as scenario_app
 from uwsim.scenario.schema import schema
 from uwsim.sweeps.spec import SweepSpec
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-PROGRAMS = {"map": map_app, "scenario": scenario_app}  # commands with commands of their own
 
 
 def blocks(language: str, page: Path) -> list[str]:
@@ -38,12 +35,12 @@ def commands(page: Path) -> Iterator[list[str]]:
 def unknown(words: list[str]) -> set[str]:
     """The words of a command that the program does not know."""
     program: Any = typer.main.get_command(app)
-    if words[0] in PROGRAMS:
-        program, words = typer.main.get_command(PROGRAMS[words[0]]), words[1:]
-    if not words or words[0] not in program.commands:
-        return set(words[:1])
     if words[0] == "bench":  # benchmarks have options of their own
         return set()
+    if hasattr(program.commands.get(words[0]), "commands"):
+        program, words = program.commands[words[0]], words[1:]
+    if not words or words[0] not in program.commands:
+        return set(words[:1])
     command = program.commands[words[0]]
     known = {name for parameter in command.params for name in (*parameter.opts, *parameter.secondary_opts)}
     given = {word.partition("=")[0] for word in words[1:] if re.match("--?[a-z]", word)}

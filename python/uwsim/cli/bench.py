@@ -2,36 +2,96 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import re
 import runpy
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
+from uwsim.cli.bounds import UsageError
+from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.run_typer import run_typer
+from uwsim.cli.values import packaged_folder
 
 
-def bench(
-    context: typer.Context, name: Annotated[str, typer.Argument(help="The benchmark. Default: list all.")] = ""
-) -> None:
-    """Run a benchmark: medians, and where the time goes.
+class Benchmarks(TyperGroup):
+    """The files of the benchmarks' folder. Each is a program; only the one that is run is imported."""
 
-    `uwsim bench survey --help` lists that benchmark's options.
-    """
-    folder = _bench_folder()
-    known = ", ".join(sorted(path.stem for path in folder.glob("*.py")))
-    if name in ("", "--help"):
-        typer.echo(f"benchmarks: {known}; uwsim bench NAME --help lists the options of one")
-        return
-    if name not in known.split(", "):
-        raise ValueError(f"benchmark '{name}': unknown; there are: {known}")
-    program = typer.Typer(**SETTINGS)
-    program.command()(runpy.run_path(str(folder / f"{name}.py"))["main"])
-    run_typer(program, context.args, f"uwsim bench {name}")
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the benchmarks."""
+        return sorted(path.stem for path in _folder().glob("*.py"))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a benchmark; for help and for a shell that completes, an outline of it, which is fast."""
+        path = _folder() / f"{cmd_name}.py"
+        if not path.is_file():
+            return None
+        text = path.read_text()
+        main = _outline(text) if ctx.resilient_parsing else runpy.run_path(str(path))["main"]
+        program = typer.Typer(**SETTINGS)
+        program.command(cmd_name, short_help=_first_line(text))(main)
+        return typer.main.get_command(program)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return name, command and arguments. Raises UsageError that lists the benchmarks."""
+        if not ctx.resilient_parsing and args[0] not in (known := self.list_commands(ctx)):
+            raise UsageError(f"benchmark '{args[0]}': unknown; there are: {', '.join(known)}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the benchmarks by what their files say of themselves."""
+        with formatter.section("Benchmarks"):
+            formatter.write_dl(
+                [(name, _first_line((_folder() / f"{name}.py").read_text())) for name in self.list_commands(ctx)]
+            )
 
 
-def _bench_folder() -> Path:
-    """Return the folder inside an installed package, or that of the source tree."""
-    package = Path(__file__).resolve().parents[1]
-    return next(f for f in (package / "bench", package.parents[1] / "tools" / "bench") if f.is_dir())
+app = typer.Typer(
+    name="uwsim bench",
+    cls=Benchmarks,
+    help="Run a benchmark: medians, and where the time goes.\n\n`uwsim bench NAME --help` lists the options of one.",
+    invoke_without_command=True,
+    callback=show_help,
+    subcommand_metavar="NAME [ARGS]...",
+    **SETTINGS,
+)
+
+
+def _folder() -> Path:
+    return packaged_folder("bench", "tools/bench")
+
+
+def _first_line(text: str) -> str:
+    return text.removeprefix('"""').partition("\n")[0]
+
+
+def _outline(text: str) -> Any:
+    """Return a function without a body that has the options of a benchmark's `main`, all of them of text."""
+
+    def main() -> None: ...
+
+    found = dict(_options(text))
+    parameters = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+        for name, annotation in found.items()
+    ]
+    main.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    main.__annotations__ = found
+    return main
+
+
+def _options(text: str) -> Iterator[tuple[str, Any]]:
+    head = re.search(r"^def main\(.*?\) -> None:", text, flags=re.DOTALL | re.MULTILINE)
+    assert head, "a benchmark without a main"
+    (function,) = ast.parse(f"{head[0]} ...").body
+    assert isinstance(function, ast.FunctionDef)
+    for argument in function.args.args:
+        for call in ast.walk(argument):
+            if isinstance(call, ast.Call) and ast.unparse(call.func) == "typer.Option":
+                given = [str(each.value) for each in call.args if isinstance(each, ast.Constant)]
+                yield argument.arg, Annotated[str | None, typer.Option(*given)]

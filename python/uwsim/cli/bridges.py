@@ -11,6 +11,7 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.options import need
+from uwsim.cli.values import words
 
 if TYPE_CHECKING:
     from uwsim.bridges.ros2 import Ros2Settings
@@ -21,7 +22,11 @@ if TYPE_CHECKING:
 Ros1 = Annotated[bool, typer.Option("--ros1", help="Also be a node of ROS 1; see docs/ros1.md.")]
 Ros2 = Annotated[bool, typer.Option("--ros2", help="Also be a node of ROS 2; see docs/ros2.md.")]
 RosDistro = Annotated[
-    str | None, typer.Option(help="ROS 2: humble or jazzy. Default: the environment's ROS_DISTRO, else jazzy.")
+    str | None,
+    typer.Option(
+        help="ROS 2: humble or jazzy. Default: the environment's ROS_DISTRO, else jazzy.",
+        autocompletion=words("humble", "jazzy"),
+    ),
 ]
 RosDomain = Annotated[
     int | None,

@@ -9,6 +9,7 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
+from uwsim.cli.values import words
 
 
 def camera(
@@ -22,7 +23,13 @@ def camera(
     ] = "front",
     vehicle: VehicleName = None,
     pose: Pose = None,
-    jerlov: Annotated[str | None, typer.Option(help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.")] = None,
+    jerlov: Annotated[
+        str | None,
+        typer.Option(
+            help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.",
+            autocompletion=words(*["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"]),
+        ),
+    ] = None,
     sun: Annotated[
         float | None, typer.Option(help="Elevation of the sun [deg].", callback=within(-6, 90, "deg"))
     ] = None,

@@ -9,6 +9,7 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.options import Threads
+from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
     from uwsim.flight.compare import Comparison
@@ -28,7 +29,9 @@ def compare(
             show_default=False,
         ),
     ] = None,
-    scenario: Annotated[str, typer.Option(help="Name of a packaged scenario, or path of a YAML file.")] = "cove",
+    scenario: Annotated[
+        str, typer.Option(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
+    ] = "cove",
     out: Annotated[Path, typer.Option(help="Folder for compare.csv, .json and .png, and each flight's folder.")] = Path(
         "compare"
     ),

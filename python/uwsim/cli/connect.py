@@ -10,11 +10,14 @@ from uwsim.cli.bounds import within
 from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.serve import Origin, Paused, Speed, Wire, parsed_speed
+from uwsim.cli.values import scenarios
 
 
 def connect(
     url: Annotated[str, typer.Argument(help="The rosbridge_server, such as ws://localhost:9090.")],
-    scenario: Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")] = "lake",
+    scenario: Annotated[
+        str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
+    ] = "lake",
     speed: Speed = "1",
     seed: Seed = None,
     sonar_model: SonarModel = None,

@@ -9,6 +9,7 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.options import ScenarioName, Seed
+from uwsim.cli.values import modems
 
 
 def link(
@@ -16,7 +17,10 @@ def link(
     out: Annotated[Path, typer.Option(help="The figure to write, a PNG.")] = Path("link.png"),
     modem: Annotated[
         str | None,
-        typer.Option(help="Name of a packaged modem, or a YAML file. Default: the scenario's link, else s2cm_hs."),
+        typer.Option(
+            help="Name of a packaged modem, or a YAML file. Default: the scenario's link, else s2cm_hs.",
+            autocompletion=modems,
+        ),
     ] = None,
     depth: Annotated[
         float, typer.Option(help="At which the vehicle goes [m].", callback=within(0.5, 10_000, "m"))

@@ -13,7 +13,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from uwsim.cli.bench import bench
+from uwsim.cli.bench import app as bench_app
 from uwsim.cli.camera import camera
 from uwsim.cli.compare import compare
 from uwsim.cli.connect import connect
@@ -25,14 +25,15 @@ from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
 from uwsim.cli.link import link
+from uwsim.cli.map import app as map_app
 from uwsim.cli.nodes import nodes
-from uwsim.cli.options import SETTINGS, WithoutEffectError
+from uwsim.cli.options import SETTINGS
 from uwsim.cli.parameters import parameters
 from uwsim.cli.recording import recording
 from uwsim.cli.replay import replay
 from uwsim.cli.reproduce import reproduce
 from uwsim.cli.run import run
-from uwsim.cli.run_typer import PASS_ON, run_typer
+from uwsim.cli.scenario import app as scenario_app
 from uwsim.cli.serve import serve
 from uwsim.cli.sonar import sonar
 from uwsim.cli.station import station
@@ -40,8 +41,6 @@ from uwsim.cli.survey import survey
 from uwsim.cli.sweep import sweep
 from uwsim.cli.teleop import teleop
 from uwsim.cli.validate import validate
-
-SCENARIO_COMMANDS = ("list", "new", "check", "schema")
 
 app = typer.Typer(
     name="uwsim",
@@ -91,32 +90,9 @@ app.command()(fingerprint)
 app.command()(reproduce)
 app.command()(camera)
 app.command()(decompose)
-app.command(context_settings=PASS_ON)(bench)
-
-
-@app.command(name="map", context_settings=PASS_ON)
-def map_commands(context: typer.Context) -> None:
-    """Inspect, convert, score, draw and compare maps.
-
-    Its commands: info, convert, from, merge, score, render, diff, slice.
-    """
-    from uwsim.cli.map import app as map_app
-
-    run_typer(map_app, context.args or ["--help"], "uwsim map")
-
-
-@app.command(name="scenario", context_settings=PASS_ON)
-def scenario_commands(context: typer.Context) -> None:
-    """List, begin and check scenarios; print their JSON Schemas.
-
-    Its commands: list, new, check, schema.
-    """
-    from uwsim.cli.scenario import app as scenario_app
-
-    if context.args and not context.args[0].startswith("-") and context.args[0] not in SCENARIO_COMMANDS:
-        name = context.args[0]
-        raise WithoutEffectError(f"No such command 'scenario {name}'; to check a scenario: uwsim scenario check {name}")
-    run_typer(scenario_app, context.args or ["--help"], "uwsim scenario")
+app.add_typer(bench_app, name="bench")
+app.add_typer(map_app, name="map")
+app.add_typer(scenario_app, name="scenario")
 
 
 def main() -> NoReturn:
@@ -126,6 +102,10 @@ def main() -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for terminals that know only ASCII
     warnings.showwarning = _show_warning
+    if "_UWSIM_COMPLETE" in os.environ:  # a shell asks what it may offer
+        from uwsim.cli.values import offer_fast
+
+        offer_fast()
     try:
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C

@@ -9,9 +9,18 @@ import typer
 
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
+from uwsim.cli.values import scenarios
 
-app = typer.Typer(name="uwsim map", help="Inspect, convert, score, draw and compare OctoMaps (.bt, .ot).", **SETTINGS)
+app = typer.Typer(
+    name="uwsim map",
+    help="Inspect, convert, score, draw and compare OctoMaps (.bt, .ot).",
+    short_help="Inspect, convert, score, draw and compare maps.",
+    invoke_without_command=True,
+    callback=show_help,
+    **SETTINGS,
+)
 
 MapFile = Annotated[Path, typer.Argument(help="A map, .bt or .ot.", callback=readable)]
 FigureFile = Annotated[Path | None, typer.Option(help="The figure to write, a PNG.")]
@@ -49,7 +58,9 @@ def convert(
             help="Width of a .tif's cells [m]. Default: the map's voxels.", callback=within(0.001, 10_000, "m")
         ),
     ] = None,
-    scenario: Annotated[str | None, typer.Option(help="The scenario whose terrain places a .tif on Earth.")] = None,
+    scenario: Annotated[
+        str | None, typer.Option(help="The scenario whose terrain places a .tif on Earth.", autocompletion=scenarios)
+    ] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
     """Convert a map or a cloud to another format.
@@ -118,7 +129,12 @@ def merge(
 @app.command()
 def score(
     source: MapFile,
-    scenario: Annotated[str, typer.Option(help="The map's scenario: name of a packaged one, or path of a YAML file.")],
+    scenario: Annotated[
+        str,
+        typer.Option(
+            help="The map's scenario: name of a packaged one, or path of a YAML file.", autocompletion=scenarios
+        ),
+    ],
     track: Annotated[
         Path | None,
         typer.Option(

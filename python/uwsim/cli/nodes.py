@@ -10,13 +10,17 @@ import typer
 from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import need
+from uwsim.cli.values import words
 
 
 def nodes(
     name: Annotated[
         str,
         typer.Argument(
-            help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, each a process."
+            help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, each a process.",
+            autocompletion=words(
+                "all", "string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "octomap"
+            ),
         ),
     ] = "all",
     url: Annotated[str, typer.Option(help="The rosbridge, such as that of uwsim serve --wire published.")] = (

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.bounds import UsageError, within
+from uwsim.cli.values import modems, scenarios, sonars
 
 SETTINGS: dict[str, Any] = {
     "add_completion": False,
@@ -17,7 +18,9 @@ SETTINGS: dict[str, Any] = {
 }
 """Settings of every typer program."""
 
-ScenarioName = Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")]
+ScenarioName = Annotated[
+    str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
+]
 Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.", callback=within(0, 2**63 - 1))]
 Voxel = Annotated[
     float | None,
@@ -26,7 +29,8 @@ Voxel = Annotated[
 SonarModel = Annotated[
     str | None,
     typer.Option(
-        help="Replaces the scenario's sonar: 1 to 4 as in the protocol, a packaged model's name, or a YAML file."
+        help="Replaces the scenario's sonar: 1 to 4 as in the protocol, a packaged model's name, or a YAML file.",
+        autocompletion=sonars,
     ),
 ]
 Frequency = Annotated[
@@ -51,7 +55,8 @@ Link = Annotated[
     str | None,
     typer.Option(
         help="Joins station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
-        "Replaces the scenario's modem."
+        "Replaces the scenario's modem.",
+        autocompletion=modems,
     ),
 ]
 Record = Annotated[

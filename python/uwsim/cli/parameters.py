@@ -7,9 +7,13 @@ from typing import Annotated, Any
 
 import typer
 
+from uwsim.cli.values import scenarios
+
 
 def parameters(
-    scenario: Annotated[str, typer.Argument(help="A packaged scenario, or the path of a YAML file.")],
+    scenario: Annotated[
+        str, typer.Argument(help="A packaged scenario, or the path of a YAML file.", autocompletion=scenarios)
+    ],
     prefix: Annotated[str, typer.Argument(help="List those at and below this name, such as rov.drag.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Write a JSON list instead of a table.")] = False,
 ) -> None:

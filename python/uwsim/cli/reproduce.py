@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.values import words
+
 
 def reproduce(
-    what: Annotated[str, typer.Argument(help="What to reproduce: paper.")] = "paper",
+    what: Annotated[str, typer.Argument(help="What to reproduce: paper.", autocompletion=words("paper"))] = "paper",
     out: Annotated[Path, typer.Option(help="Folder for the pictures, their values and the page.")] = Path("paper"),
 ) -> None:
     """Make the figures of the paper again, as our own pictures.

@@ -11,6 +11,7 @@ from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, Voxel, WithoutEffectError, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import reports, scenarios, words
 
 UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
 
@@ -26,7 +27,8 @@ def run(
         str | None,
         typer.Option(
             help="Name of a packaged scenario, or path of a YAML file. Default: lake. With --connect: the one that "
-            "the server flies, to score the map against."
+            "the server flies, to score the map against.",
+            autocompletion=scenarios,
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for log.jsonl, report.html, track-VEHICLE.csv and map.bt.")] = Path(
@@ -40,7 +42,10 @@ def run(
     ] = None,
     estimate: Annotated[
         str | None,
-        typer.Option(help="What vehicles know of their pose, and maps are made with: truth (default), or filter."),
+        typer.Option(
+            help="What vehicles know of their pose, and maps are made with: truth (default), or filter.",
+            autocompletion=words("truth", "filter"),
+        ),
     ] = None,
     close_loops: Annotated[
         bool,
@@ -83,7 +88,10 @@ def run(
     ] = None,
     report: Annotated[
         str,
-        typer.Option(help="full: report.html, figures and summary.json; json: summary.json alone; none: neither."),
+        typer.Option(
+            help="full: report.html, figures and summary.json; json: summary.json alone; none: neither.",
+            autocompletion=reports,
+        ),
     ] = "full",
     autosave: Annotated[
         float | None,

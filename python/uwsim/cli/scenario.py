@@ -4,14 +4,38 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
+from uwsim.cli.bounds import UsageError
 from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, WithoutEffectError
+from uwsim.cli.values import kinds, scenarios
 
-app = typer.Typer(name="uwsim scenario", help="List, begin and check scenarios.", **SETTINGS)
+
+class ScenarioCommands(TyperGroup):
+    """They say what to type instead of a command that is the name of a scenario."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return name, command and arguments. Raises UsageError."""
+        if not ctx.resilient_parsing and args[0] not in self.commands:
+            raise UsageError(
+                f"No such command 'scenario {args[0]}'; to check a scenario: uwsim scenario check {args[0]}"
+            )
+        return super().resolve_command(ctx, args)
+
+
+app = typer.Typer(
+    name="uwsim scenario",
+    cls=ScenarioCommands,
+    help="List, begin and check scenarios; print their JSON Schemas.",
+    invoke_without_command=True,
+    callback=show_help,
+    **SETTINGS,
+)
 
 
 @app.command("list")
@@ -30,7 +54,10 @@ def list_scenarios() -> None:
 def new(
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")],
     out: Annotated[Path | None, typer.Option(help="The file to write, instead of NAME.yaml.")] = None,
-    like: Annotated[str | None, typer.Option(help="A packaged scenario to begin with. Default: a template.")] = None,
+    like: Annotated[
+        str | None,
+        typer.Option(help="A packaged scenario to begin with. Default: a template.", autocompletion=scenarios),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file if there is one.")] = False,
 ) -> None:
     """Write a scenario to begin with.
@@ -49,12 +76,17 @@ def new(
 
 @app.command()
 def check(
-    files: Annotated[list[str], typer.Argument(help="YAML files, or names of packaged scenarios.")],
+    files: Annotated[
+        list[str], typer.Argument(help="YAML files, or names of packaged scenarios.", autocompletion=scenarios)
+    ],
     picture: Annotated[Path | None, typer.Option(help="Draw the scene into this PNG.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Write a JSON list of reports.")] = False,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings, too.")] = False,
     kind: Annotated[
-        str, typer.Option(help="What the files hold: scenario, vehicle, thruster, sonar, sensors or modem.")
+        str,
+        typer.Option(
+            help="What the files hold: scenario, vehicle, thruster, sonar, sensors or modem.", autocompletion=kinds
+        ),
     ] = "scenario",
 ) -> None:
     """Check files, and tell what they will look like.
@@ -95,7 +127,11 @@ def _print(reports: list) -> None:  # type: ignore[type-arg]  # the class is imp
 @app.command()
 def schema(
     part: Annotated[
-        str, typer.Argument(help="scenario, vehicle, thruster, sonar, sensors, modem; or sensor, camera, fault ...")
+        str,
+        typer.Argument(
+            help="scenario, vehicle, thruster, sonar, sensors, modem; or sensor, camera, fault ...",
+            autocompletion=kinds,
+        ),
     ] = "scenario",
     path: Annotated[bool, typer.Option("--path", help="Print the packaged file's path, for an editor.")] = False,
 ) -> None:

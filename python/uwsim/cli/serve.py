@@ -11,6 +11,7 @@ from uwsim.cli.bounds import readable, within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.options import Link, Record, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import scenarios, words
 
 if TYPE_CHECKING:
     from uwsim.channels import Channel
@@ -18,16 +19,26 @@ if TYPE_CHECKING:
 
 Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
 Wire = Annotated[
-    str, typer.Option(help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.")
+    str,
+    typer.Option(
+        help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.",
+        autocompletion=words("standard", "published", "both"),
+    ),
 ]
 Origin = Annotated[
-    str, typer.Option(help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m).")
+    str,
+    typer.Option(
+        help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m).",
+        autocompletion=words("world", "published"),
+    ),
 ]
 Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume begins.")]
 
 
 def serve(
-    scenario: Annotated[str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.")] = "lake",
+    scenario: Annotated[
+        str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
+    ] = "lake",
     port: Annotated[
         int, typer.Option(help="Where to listen; 0 chooses a free port.", callback=within(0, 65535))
     ] = 9090,

@@ -10,6 +10,7 @@ import typer
 from uwsim.cli.bounds import within
 from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import words
 
 
 def sonar(
@@ -18,7 +19,11 @@ def sonar(
     pose: Pose = None,
     out: Annotated[Path, typer.Option(help="The figure to write, a PNG.")] = Path("sonar.png"),
     kind: Annotated[
-        str, typer.Option(help="fan (plan and section), image (forward-looking), side-scan, profile, or all.")
+        str,
+        typer.Option(
+            help="fan (plan and section), image (forward-looking), side-scan, profile, or all.",
+            autocompletion=words("fan", "image", "side-scan", "profile", "all"),
+        ),
     ] = "all",
     sonar_model: SonarModel = None,
     tilt: Annotated[

@@ -13,6 +13,7 @@ import typer
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.options import Threads, need
 from uwsim.cli.serve import Origin, Wire, page_url
+from uwsim.cli.values import modems, scenarios
 
 Truth = Annotated[
     bool, typer.Option("--truth/--no-truth", help="Whether pilots see the true position, or what instruments tell.")
@@ -20,7 +21,9 @@ Truth = Annotated[
 
 
 def station(
-    scenario: Annotated[str, typer.Argument(help="What the start screen begins with: a name or a YAML file.")] = "lake",
+    scenario: Annotated[
+        str, typer.Argument(help="What the start screen begins with: a name or a YAML file.", autocompletion=scenarios)
+    ] = "lake",
     port: Annotated[
         int, typer.Option(help="Where to listen; 0 chooses a free port.", callback=within(0, 65535))
     ] = 9090,
@@ -29,7 +32,8 @@ def station(
     ),
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
     link: Annotated[
-        str | None, typer.Option(help="The modem that the start screen begins with: a packaged one's name.")
+        str | None,
+        typer.Option(help="The modem that the start screen begins with: a packaged one's name.", autocompletion=modems),
     ] = None,
     truth: Truth = True,
     wire: Wire = "both",

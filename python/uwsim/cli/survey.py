@@ -11,11 +11,15 @@ from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import reports, scenarios, words
 
 
 def survey(
     scenario: Annotated[
-        str | None, typer.Argument(help="Name of a packaged scenario, or path of a YAML file. Default: lake.")
+        str | None,
+        typer.Argument(
+            help="Name of a packaged scenario, or path of a YAML file. Default: lake.", autocompletion=scenarios
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for map.bt, report.html and the figures.")] = Path("out"),
     mission: Annotated[
@@ -29,7 +33,11 @@ def survey(
     voxel: Voxel = None,
     threads: Threads = None,
     engine: Annotated[
-        str | None, typer.Option(help="Engine of the map: bricks (default), or octomap, the stock library.")
+        str | None,
+        typer.Option(
+            help="Engine of the map: bricks (default), or octomap, the stock library.",
+            autocompletion=words("bricks", "octomap"),
+        ),
     ] = None,
     verify_map: Annotated[
         bool, typer.Option("--verify-map", help="Also build a stock OctoMap map; exit with 1 if a byte differs.")
@@ -54,7 +62,10 @@ def survey(
     link: Link = None,
     estimate: Annotated[
         str | None,
-        typer.Option(help="truth, or filter: fly and map by the vehicle's own instruments. Default: truth."),
+        typer.Option(
+            help="truth, or filter: fly and map by the vehicle's own instruments. Default: truth.",
+            autocompletion=words("truth", "filter"),
+        ),
     ] = None,
     close_loops: Annotated[
         bool,
@@ -66,7 +77,8 @@ def survey(
     report: Annotated[
         str,
         typer.Option(
-            help="full: report.html, figures, summary.json; json: summary.json alone; none: map.bt alone, no score."
+            help="full: report.html, figures, summary.json; json: summary.json alone; none: map.bt alone, no score.",
+            autocompletion=reports,
         ),
     ] = "full",
     min_coverage: Annotated[

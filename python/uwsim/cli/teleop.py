@@ -10,6 +10,7 @@ import typer
 
 from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
     from uwsim.bridges import RosbridgeServer
@@ -21,7 +22,10 @@ def teleop(
         str | None, typer.Argument(help="A rosbridge, such as ws://host:9090. Default: a simulator of its own.")
     ] = None,
     scenario: Annotated[
-        str | None, typer.Option(help="What its own simulator flies: a name or a YAML file. Default: lake.")
+        str | None,
+        typer.Option(
+            help="What its own simulator flies: a name or a YAML file. Default: lake.", autocompletion=scenarios
+        ),
     ] = None,
     vehicle: Annotated[str | None, typer.Option(help="Which vehicle, where there are several. Default: the first.")] = (
         None

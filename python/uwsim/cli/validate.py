@@ -8,12 +8,16 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.values import words
 
 
 def validate(
     suites: Annotated[
         list[str] | None,
-        typer.Argument(help="Any of dynamics, sonar, imaging, camera, link, control, estimation. Default: all."),
+        typer.Argument(
+            help="Any of dynamics, sonar, imaging, camera, link, control, estimation. Default: all.",
+            autocompletion=words("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation"),
+        ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
 ) -> None:
