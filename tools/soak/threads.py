@@ -1,0 +1,243 @@
+"""Eight threads that call everything at random for ten minutes, at objects that they share and at objects of their own.
+
+    .venv/bin/python tools/soak/threads.py [--minutes 10] [--threads 8] [--seed 0]
+
+The law: no error but those that are documented, no crash; no step lost (of a simulator, a batch, a live simulator);
+what a thread does with objects of its own gives the bytes that it gives alone; memory stays flat: a straight line
+through it grows by at most 2 %, the first fifth of the time aside, which is for settling. Exits with 1 if any is
+not so.
+"""
+
+from __future__ import annotations
+
+import copy
+import faulthandler
+import hashlib
+import pickle
+import random
+import sys
+import tempfile
+import threading
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from steady import growth, resident_mb, trimmed_mb
+
+import uwsim
+from uwsim import Batch, Simulator, recording
+from uwsim.live import LiveSimulator
+from uwsim.mapping import OccupancyMap
+from uwsim.recording import Recorder
+
+MEMBERS, POINTS, PROGRAMS, CALLS_OF_A_PROGRAM = 4, 200, 4, 20
+MEMORY, SETTLING, SAMPLE_S = 0.02, 0.2, 5.0
+Call = Callable[[random.Random], object]
+
+
+class Shared:
+    """What all threads call. stepped: how far each of it must have come; its sum is exact, since threads add alone."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.sim, self.restored = Simulator("pool", threads=2), Simulator("pool", threads=2)
+        self.sim.rov.undock()
+        self.state = self.restored.save_state()
+        self.map, self.batch = OccupancyMap(0.1), Batch("pool", n=MEMBERS, threads=2)
+        self.batch.release()
+        self.live = LiveSimulator("pool", paused=True).start()
+        self.live.command("undock", vehicle="rov").result()
+
+    def calls(self, stepped: Counter[str]) -> dict[str, Call]:
+        """Return everything that can be called, by name. stepped: one thread's own count."""
+        sim, rov, batch, live = self.sim, self.sim.rov, self.batch, self.live
+
+        def step(rng: random.Random) -> None:
+            count = rng.randrange(50)
+            sim.step(count)
+            stepped["simulator"] += count
+
+        def step_batch(rng: random.Random) -> None:
+            count = rng.randrange(20)
+            batch.step(count, np.full((MEMBERS, 6), rng.uniform(-1.0, 1.0)))
+            stepped["batch"] += count
+
+        def step_live(rng: random.Random) -> None:
+            count = rng.randrange(20)
+            live.step(count)
+            stepped["live"] += count
+
+        return {
+            "step": step,
+            "batch.step": step_batch,
+            "live.step": step_live,
+            "set_effort": lambda rng: rov.set_effort(surge=rng.uniform(-1.0, 1.0), yaw=rng.uniform(-1.0, 1.0)),
+            "live.command": lambda rng: live.command("set_effort", vehicle="rov", yaw=rng.uniform(-1.0, 1.0)).result(),
+            "live.read": lambda rng: live.read(lambda own: own.rov.pose).result(),
+            "live.log": lambda rng: len(live.log),
+            "ping": lambda rng: rov.sonar.ping().points_sonar_m,
+            "picture": lambda rng: rng.choice(list(rov.cameras.values())).capture().rgb,
+            "reading": lambda rng: rng.choice(list(rov.sensors.values())).read(),
+            "telemetry": lambda rng: (rov.telemetry(), rov.pose, rov.velocity, rov.collisions),
+            "estimate": lambda rng: rov.estimate.pose,
+            "batch.observe": lambda rng: batch.observe().position_world_m.sum(),
+            "batch.read": lambda rng: batch.read("imu"),
+            "batch.ping": lambda rng: batch.ping(),
+            "batch.simulator": lambda rng: batch.simulator(rng.randrange(MEMBERS)).rov.pose,
+            "save": lambda rng: sim.save_state(),
+            "restore": lambda rng: self.restored.restore_state(self.state),
+            "run and reset": lambda rng: (self.restored.step(rng.randrange(50)), self.restored.reset()),
+            "parameter": lambda rng: self.restored.parameters.update({"rov.mass_kg": rng.uniform(110.0, 130.0)}),
+            "place": lambda rng: self.restored.rov.place((rng.uniform(-3.0, 0.0), rng.uniform(-3.0, 3.0), -2.0)),
+            "scan": lambda rng: self.map.insert_scan(scan(rng), np.zeros(3)),
+            "map.bytes": lambda rng: self.map.to_bytes(rng.choice(["bt", "ot"])),
+            "map.query": lambda rng: (self.map.state_at(scan(rng)), self.map.statistics()),
+            "map.rays": lambda rng: self.map.cast_rays(np.zeros((POINTS, 3)), scan(rng)),
+            "map.leaves": lambda rng: self.map.leaves().centres_m.sum(),
+            "map.merge": lambda rng: self.map.merge(small_map(rng)),
+            "repr": lambda rng: (repr(sim), repr(rov), repr(batch), repr(self.map), repr(live)),
+            "copy": lambda rng: refuses(rng.choice([copy.copy, copy.deepcopy, pickle.dumps]), sim),
+            "world": lambda rng: sim.world,
+            "recording": self.record,
+        }
+
+    def record(self, rng: random.Random) -> None:
+        """Record a run, and read it."""
+        path = self.folder / f"{threading.get_ident()}-{rng.random()}.mcap"
+        own = Simulator("pool", seed=rng.randrange(5))
+        with Recorder(own, path, topics=["odom", "imu", "scan"]):
+            own.rov.undock()
+            own.advance(1.0)
+        count = sum(1 for _ in recording.open(path).messages("odom"))
+        path.unlink()
+        if count != 51:  # 50 a second, and the first
+            raise AssertionError(f"{count} messages of odom are in a recording of one second")
+
+    def came_to(self) -> dict[str, int]:
+        """Return how many steps each has made."""
+        return {
+            "simulator": self.sim.tick,
+            "batch": self.batch.simulator(0).tick,
+            "live": self.live.tick,
+        }
+
+
+def scan(rng: random.Random) -> np.ndarray:
+    """Return points of one of a few scans, so that a map of them does not grow for ever."""
+    return np.random.default_rng(rng.randrange(50)).uniform(-5.0, 5.0, (POINTS, 3)).astype(np.float32)
+
+
+def small_map(rng: random.Random) -> OccupancyMap:
+    """Return a map of one scan."""
+    found = OccupancyMap(0.1)
+    found.insert_scan(scan(rng), np.zeros(3))
+    return found
+
+
+def refuses(copied: Callable[[Any], object], sim: Simulator) -> None:
+    """Copy what cannot be copied."""
+    try:
+        copied(sim)
+    except TypeError:
+        return
+    raise AssertionError(f"{copied} does not refuse a simulator")
+
+
+def program(number: int) -> str:
+    """Do some work, that follows from a number, with objects of one's own; return the digest of all that they say."""
+    rng, said = random.Random(number), hashlib.sha256()
+    sim, occupancy, batch = Simulator("pool", seed=number), OccupancyMap(0.1), Batch("pool", n=2, threads=1)
+    sim.rov.undock()
+    batch.release()
+    for _ in range(CALLS_OF_A_PROGRAM):
+        sim.rov.set_effort(surge=rng.uniform(-1.0, 1.0), yaw=rng.uniform(-1.0, 1.0))
+        sim.step(rng.randrange(50))
+        batch.step(rng.randrange(10), np.full((2, 6), rng.uniform(-1.0, 1.0)))
+        occupancy.insert_scan(scan(rng), np.zeros(3))
+        said.update(sim.rov.sonar.ping().ranges_m.tobytes() + repr(sim.rov.sensors["depth"].read()).encode())
+        if rng.random() < 0.2:
+            state = sim.save_state()
+            sim.step(7)
+            sim.restore_state(state)
+    said.update(sim.save_state() + occupancy.to_bytes("ot") + batch.observe().position_world_m.tobytes())
+    said.update(sim.rov.cameras["front"].capture().rgb.tobytes())
+    return said.hexdigest()
+
+
+class Worker(threading.Thread):
+    """A thread that calls at random until it is told to end."""
+
+    def __init__(self, shared: Shared, alone: list[str], seed: int, ended: threading.Event) -> None:
+        super().__init__()
+        self.stepped: Counter[str] = Counter()
+        self.called: Counter[str] = Counter()
+        self.errors: list[str] = []
+        self._alone, self._ended, self._rng = alone, ended, random.Random(seed)
+        self._calls = shared.calls(self.stepped) | {"own": self._own}
+
+    def run(self) -> None:
+        """Call."""
+        names = list(self._calls)
+        while not self._ended.is_set():
+            name = self._rng.choice(names)
+            try:
+                self._calls[name](self._rng)
+            except Exception:
+                self.errors.append(f"{name}: {traceback.format_exc()}")
+            self.called[name] += 1
+
+    def _own(self, rng: random.Random) -> None:
+        number = rng.randrange(len(self._alone))
+        if program(number) != self._alone[number]:
+            raise AssertionError(f"program {number} gives other bytes than alone")
+
+
+def main(
+    minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
+    threads: Annotated[int, typer.Option(min=1, help="How many.")] = 8,
+    seed: Annotated[int, typer.Option(help="Of what is called.")] = 0,
+) -> None:
+    """Call, count, compare."""
+    faulthandler.enable()
+    sys.setswitchinterval(0.0001)  # more often than the default, so that more can go wrong
+    alone = [program(number) for number in range(PROGRAMS)]
+    ended, memory_mb = threading.Event(), []
+    with tempfile.TemporaryDirectory() as folder:
+        shared = Shared(Path(folder))
+        workers = [Worker(shared, alone, seed + number, ended) for number in range(threads)]
+        for worker in workers:
+            worker.start()
+        ends_s = time.monotonic() + 60.0 * minutes
+        while time.monotonic() < ends_s:
+            time.sleep(min(SAMPLE_S, 6.0 * minutes))
+            memory_mb.append(resident_mb())
+        ended.set()
+        for worker in workers:
+            worker.join()
+        came_to = shared.came_to()
+        shared.live.stop()
+        left = [path.name for path in shared.folder.iterdir()]
+    called, stepped = sum((w.called for w in workers), Counter()), sum((w.stepped for w in workers), Counter())
+    errors = [error for worker in workers for error in worker.errors]
+    grown = growth(memory_mb, SETTLING)
+    for kind, count in Counter(errors).most_common(10):
+        typer.echo(f"{count} times {kind}")
+    typer.echo(f"{called.total()} calls: {dict(sorted(called.items()))}")
+    typer.echo(f"steps {dict(stepped)}, came to {came_to}; memory {grown:+.2%}, at the end {trimmed_mb():.0f} MB")
+    wrong = [f"{len(errors)} errors"] if errors else []
+    wrong += ["steps"] if came_to != dict(stepped) else []
+    wrong += ["memory"] if grown > MEMORY else []
+    wrong += [f"files left: {left}"] if left else []
+    typer.echo(
+        f"wrong: {', '.join(wrong) or 'nothing'} (uwsim {uwsim.__version__}, {threads} threads, {minutes:g} min)"
+    )
+    raise typer.Exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    typer.run(main)
