@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -159,6 +160,18 @@ def test_wrong_faults_are_refused_and_change_nothing(scenario: Scenario, faults:
         batch.reset(faults=faults)
     assert batch.observe().time_ns.tolist() == [50_000_000] * 2
     assert len(batch.faults[0]) == len(SCHEDULED)
+
+
+def test_the_loss_of_a_link_that_is_not_there_is_warned_of() -> None:
+    lost = [{"kind": "link", "at_s": 0.1}]
+    with pytest.warns(UserWarning, match="without a link in the scenario"):
+        batch = Batch("pool", n=1, faults=lost)
+    batch.step(60)
+    assert [event.name for event in batch.aboard(0).events] == ["fault"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Simulator(load("pool").model_copy(update={"faults": batch.faults[0]}))  # whom channels may command
+        Batch(Simulator("pool", link="ideal_acoustic").scenario, n=1, faults=lost)
 
 
 def test_pings_in_physics_mode_are_those_of_the_lone_simulator() -> None:

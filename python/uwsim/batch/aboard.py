@@ -64,7 +64,7 @@ class MemberAboard:
         self.events = EventLog(scenario.step_s)
         self.faults = Faults(
             scenario, self._vehicles, events=self.events, journal=self._journal, tick=self._tick,
-            apply=lambda: self._parameters.lay_anew(), network=network,
+            apply=lambda: self._parameters.lay_anew(), network=network, has_channels=False,
         )  # fmt: skip
         self._parameters = Parameters(member.scenario, self._change, self._journal.note, {}, self.faults.overlay)
         self._programs = Aboard(self.faults)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -78,14 +79,19 @@ class Faults(Sealed):
         tick: Callable[[], int],
         apply: Callable[[], None],
         network: Network | None = None,
+        has_channels: bool = True,
     ) -> None:
-        """apply: takes `overlay` into the running figures. network: of the link, if there is one."""
+        """apply: takes `overlay` into the running figures. network: of the link, if there is one.
+
+        has_channels: whether commands may come over channels, which a link's fault cuts off where there is no network.
+        """
         self._vehicles = vehicles
         self._events = events
         self._journal = journal
         self._tick = tick
         self._apply = apply
         self._network = network
+        self._link_carries = has_channels or network is not None
         self._scenario = scenario
         self._faults: dict[str, Fault] = {}
         self.begin_anew(scenario)
@@ -238,6 +244,12 @@ class Faults(Sealed):
             raise ValueError(f"name = {name!r}: is taken")
         fault = self._faults[name] = Fault(name, spec, vehicle, 0)
         fault.begin_tick = self._next_begin(fault, tick)
+        if isinstance(spec, LinkLoss) and not self._link_carries:
+            warnings.warn(
+                f"fault '{name}': without a link in the scenario it does nothing here but to be an event",
+                UserWarning,
+                stacklevel=2,
+            )
         return fault
 
     def _free_name(self, kind: str) -> str:
