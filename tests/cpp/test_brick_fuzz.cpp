@@ -7,6 +7,7 @@
 #include <random>
 #include <sstream>
 
+#include "sanitized.h"
 #include "uwsim/core/instruction_set.h"
 #include "uwsim/mapping/occupancy_map.h"
 #include "uwsim/mapping/quiet_stderr.h"
@@ -199,7 +200,7 @@ TEST_P(BrickFuzz, BytesAreOctomapsForAwkwardScans) {
   bricks.instruction_set = GetParam();
   CaseMaker maker(1234u + static_cast<unsigned>(GetParam()));
   int voxels = 0;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < cases(1500); ++i) {
     const Case one = maker.make();
     const Bytes expected = octomaps(one);
     const Bytes single = one_by_one(one, bricks), together = batched(one, bricks, 1 + i % 2, maker.number());
@@ -207,7 +208,7 @@ TEST_P(BrickFuzz, BytesAreOctomapsForAwkwardScans) {
     ASSERT_TRUE(together == expected) << "case " << i << ", batched: " << describe(one, together, expected);
     voxels += expected.ot.size() > 200;
   }
-  EXPECT_GT(voxels, 1000) << "too many cases are empty";
+  EXPECT_GT(voxels, cases(1000)) << "too many cases are empty";
 }
 
 TEST_P(BrickFuzz, BytesAreOctomapsForSonarFans) {
@@ -215,7 +216,7 @@ TEST_P(BrickFuzz, BytesAreOctomapsForSonarFans) {
   MapOptions bricks;
   bricks.instruction_set = GetParam();
   CaseMaker maker(99u + static_cast<unsigned>(GetParam()));
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < cases(600); ++i) {
     const Case one = maker.make_level();
     const Bytes expected = octomaps(one), got = batched(one, bricks, 1 + i % 2, maker.number());
     ASSERT_TRUE(got == expected) << "case " << i << ": " << describe(one, got, expected);
@@ -230,7 +231,7 @@ TEST(BrickFuzzWithALimit, BytesAreOctomapsAfterAChangeOfTheModel) {
   limited.memory_limit_bytes = 50'000;
   CaseMaker maker(4321);
   std::uint64_t evictions = 0;
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < cases(400); ++i) {
     const Case one = maker.make(), other = maker.make();
     OccupancyMap expected = empty_map(one, octomap), map = empty_map(one, limited), unlimited = empty_map(one, {});
     for (OccupancyMap* each : {&expected, &map, &unlimited}) {
@@ -246,7 +247,7 @@ TEST(BrickFuzzWithALimit, BytesAreOctomapsAfterAChangeOfTheModel) {
     ASSERT_TRUE(bytes_of(unlimited) == bytes_of(expected)) << "case " << i << ", scans after the change, no limit";
     evictions += map.statistics().evictions;
   }
-  EXPECT_GT(evictions, 100u) << "the limit had no effect";
+  EXPECT_GT(evictions, static_cast<std::uint64_t>(cases(100))) << "the limit had no effect";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BrickFuzz,
@@ -261,7 +262,7 @@ TEST(OctomapEngine, BytesAreOctomapsForAwkwardScans) {
   MapOptions octomap;
   octomap.engine = MapEngineKind::octomap;
   CaseMaker maker(77);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < cases(300); ++i) {
     const Case one = maker.make();
     const Bytes expected = octomaps(one);
     ASSERT_TRUE(one_by_one(one, octomap) == expected) << "case " << i;
