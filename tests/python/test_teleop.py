@@ -384,10 +384,14 @@ def test_its_own_simulator_is_flown_over_a_link():
         (["ws://127.0.0.1:1", "--link", "s2cm_hs"], "not a URL"),
         (["--scenario", "pool", "--vehicle", "nobody"], "--vehicle = 'nobody'"),
         (["--scenario", "pool", "--link", "string"], "string"),
+        (["ws://127.0.0.1:1"], "stdin is not a terminal"),
     ],
 )
 def test_mistakes_are_told_in_a_line(arguments, message):
-    done = subprocess.run([UWSIM, "teleop", *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
+    done = subprocess.run(
+        [UWSIM, "teleop", *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE_S
+    )
     assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1
     assert message in done.stderr
     assert "Traceback" not in done.stderr

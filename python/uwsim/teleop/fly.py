@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -26,6 +27,11 @@ class _ToScreen(logging.Handler):
 def fly(url: str, name: str, vehicle: str | None = None) -> tuple[list[str], int]:
     """Show the pilot's screen until he quits; return the marked places and the exit code. Raises ValueError."""
     connection = Connection(url, Hands(), vehicle)
+    for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where Textual reads keys and draws
+        if not stream.isatty():
+            raise ValueError(
+                f"{each} is not a terminal: uwsim teleop needs one; without, see uwsim run and uwsim serve"
+            )
     app = TeleopApp(connection, name, Gamepads())
     try:
         with _logging_to(app):
