@@ -9,6 +9,8 @@ from command_line import error_line, uwsim
 from uwsim.cli.exit_codes import EXIT_CODES, INCOMPLETE
 from uwsim.scenario.read.assets import assets_folder
 
+MAP = str(Path(__file__).parent / "data" / "v1" / "survey" / "map.bt")
+MESH = str(next((assets_folder() / "meshes").glob("*.obj")))
 POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth_m: 5"
 
 
@@ -28,6 +30,14 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["survey", "pool", "--min-coverage", "101"], "--min-coverage = 101.0 %: must be in [0, 100] %"),
         (["bench", "surveyy"], "unknown"),
         (["surveyy"], "No such command"),
+        (["survey", "pool", "--out="], "--out is empty"),
+        (["survey", "pool", "--out", ""], "--out is empty"),
+        (["survey", ""], "an argument is empty"),
+        (["station", "--no-browser", "--wire", "wired"], "wire = 'wired'"),
+        (["station", "--no-browser", "--origin", "here"], "origin = 'here'"),
+        (["decompose", MESH, "--out", "no/such/pieces.obj"], "cannot write into the folder 'no/such'"),
+        (["map", "convert", MAP, "cloud.ply", "--scenario", "lake"], "--scenario: needs a target that ends in .tif"),
+        (["reproduce", "--out", "/proc/self"], "/proc/self"),
         (["survey", "--voxl", "1"], "--voxl"),
         (["map", "score"], "source"),
         (["bench", "survey", "--voxl", "1"], "--voxl"),

@@ -135,9 +135,8 @@ def channels(
     and frames. may_wait: whether the steps may wait for pictures; if not, those that are late are left out. truth:
     whether /telemetry tells the true position. Raises ValueError.
     """
-    if wire not in ("standard", "published", "both"):
-        raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
-    table = _TABLES[sim] = Table(sim, _origin_m(origin), may_wait, truth=truth)
+    origin_m = checked_wire(wire, origin)
+    table = _TABLES[sim] = Table(sim, origin_m, may_wait, truth=truth)
     found = table.published(sim) if wire != "standard" else []
     return found + (table.standard(sim) if wire != "published" else [])
 
@@ -152,6 +151,13 @@ def table_of(sim: Simulator) -> Table:
     if sim not in _TABLES:
         _TABLES[sim] = Table(sim, _origin_m("world"))
     return _TABLES[sim]
+
+
+def checked_wire(wire: str, origin: str | Sequence[float]) -> NDArray[np.float64]:
+    """Return the origin in metres; raises ValueError for a wire or an origin that there is not."""
+    if wire not in ("standard", "published", "both"):
+        raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
+    return _origin_m(origin)
 
 
 def _origin_m(origin: str | Sequence[float]) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,15 @@ def readable(param: typer.CallbackParam, value: Any) -> Any:
     for path in value if isinstance(value, list) else (value,):
         if isinstance(path, Path):
             _require_no_device(path, option_name(param))
+    return value
+
+
+def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
+    """Return the path of a file that can be written: typer's callback, so that it is told before long work."""
+    if value is not None:
+        _require_no_device(value, option_name(param))
+        if not os.access(value.parent, os.W_OK):
+            raise UsageError(f"{option_name(param)} = '{value}': cannot write into the folder '{value.parent}'")
     return value
 
 

@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable, within
+from uwsim.cli.bounds import readable, within, writable
 
 
 def decompose(
     mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.", callback=readable)],
     out: Annotated[
-        Path | None, typer.Option(help="The file to write. Default: MESH.pieces.obj beside the mesh.")
+        Path | None,
+        typer.Option(help="The file to write. Default: MESH.pieces.obj beside the mesh.", callback=writable),
     ] = None,
     threshold: Annotated[
         float,

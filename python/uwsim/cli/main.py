@@ -6,6 +6,7 @@ Each command is a file of its own and imports what it needs when it runs, so tha
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import warnings
@@ -14,6 +15,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 
 from uwsim.cli.bench import app as bench_app
+from uwsim.cli.bounds import UsageError
 from uwsim.cli.camera import camera
 from uwsim.cli.compare import compare
 from uwsim.cli.connect import connect
@@ -107,6 +109,7 @@ def main() -> NoReturn:
 
         offer_fast()
     try:
+        _require_no_empty_word(sys.argv[1:])
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C
         _exit_on_signal(signal.SIGINT, None)
@@ -123,6 +126,15 @@ def main() -> NoReturn:
         _print_error(error.format_message().rstrip("."))
         sys.exit(getattr(error, "exit_code", FAILED))
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _require_no_empty_word(words: list[str]) -> None:
+    """Raise UsageError for an empty word, which a shell makes of an unset variable: it would mean a default."""
+    for before, word in zip(["", *words], words, strict=False):
+        option = re.fullmatch(r"(--[\w-]+)=", word)
+        if not word or option:
+            name = option[1] if option else before if before.startswith("--") else "an argument"
+            raise UsageError(f"{name} is empty: give it a value, or leave it out")
 
 
 def _print_error(message: str) -> None:

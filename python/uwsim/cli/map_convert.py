@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from uwsim.cli.options import need
 from uwsim.georeference import georeference
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import CLOUD_FORMATS, write_cloud
@@ -32,6 +33,8 @@ def convert(
     known = (*MAP_SUFFIXES, *CLOUD_FORMATS, *TIFF_SUFFIXES)
     if suffix not in known:
         raise ValueError(f"target '{target}': must end in {', '.join(known)}")
+    if suffix not in TIFF_SUFFIXES:
+        need("a target that ends in .tif", cell=cell_m, scenario=scenario)
     if suffix in MAP_SUFFIXES:
         if source.suffix.lower() in CLOUD_FORMATS:
             raise ValueError(f"source '{source}': a cloud does not say what is free, so it cannot become a map")

@@ -14,6 +14,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from uwsim.atomic_file import write_atomically
+from uwsim.folder_lock import alone_in
 from uwsim.reproduce import drawn_graphs, mown_map, place_and_release, running_system, scenes, sonar
 from uwsim.reproduce.figure import PAPER, Figure
 from uwsim.simulator import Simulator
@@ -27,6 +28,11 @@ def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None
     said: is told what has been made. Pictures and values are the same each time, but for the rates of Fig. 10.
     """
     out.mkdir(parents=True, exist_ok=True)
+    with alone_in(out):
+        return _make_all(out, said)
+
+
+def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
     sim, began_s = Simulator("paper"), time.monotonic()
     figures: list[Figure] = []
 

@@ -11,7 +11,7 @@ from typing import Any, Self
 from uwsim.channels import Channel, Service
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.own_types import STATION_STATE
-from uwsim.channels.table import Wire
+from uwsim.channels.table import Wire, checked_wire
 from uwsim.live import LiveSimulator
 from uwsim.scenario import ScenarioError
 from uwsim.simulator import Simulator
@@ -36,8 +36,9 @@ class Station:
 
     offered, link: the scenario that the start screen begins with, and the modem, if not the scenario's. is_fixed: it
     runs one simulator, which `run` is given: no start screen. truth: whether pilots may see the vehicle's true
-    position. wire, origin: see uwsim.channels. threads: of simulators. folder: where `save` writes. phase: "idle" (the
-    start screen), "starting", "running". session: a number that changes with each simulator and each restart.
+    position. wire, origin: see uwsim.channels; others raise ValueError. threads: of simulators. folder: where `save`
+    writes. phase: "idle" (the start screen), "starting", "running". session: a number that changes with each simulator
+    and each restart.
     """
 
     name = "/station"
@@ -54,6 +55,7 @@ class Station:
         threads: int | None = None,
         folder: Path | None = None,
     ) -> None:
+        checked_wire(wire, origin)  # now, and not when a pilot starts the first simulator
         self.folder = folder or Path.cwd()
         self.offered = offered
         self.link = link

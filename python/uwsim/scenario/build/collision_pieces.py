@@ -14,6 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
+from uwsim.atomic_file import write_atomically
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
@@ -88,7 +89,7 @@ def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) ->
         lines += [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in hull.vertices]
         lines += [f"f {a + first} {b + first} {c + first}" for a, b, c in hull.faces]
         first += len(hull.vertices)
-    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_atomically(Path(path), ("\n".join(lines) + "\n").encode())
 
 
 def _corners(points: Vertices, what: str) -> Vertices:
