@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import typer
+
 HUGE = "9" * 400
 NUMBERS = (
     "-1",
@@ -127,17 +129,20 @@ class Line:
 def commands() -> dict[str, list[Parameter]]:
     """Return the parameters of every command, as the program declares them."""
     from uwsim.cli.main import app
-    from uwsim.cli.map import app as map_app
-    from uwsim.cli.scenario import app as scenario_app
 
-    found = {}
-    for prefix, each in (("", app), ("map ", map_app), ("scenario ", scenario_app)):
-        for registered in each.registered_commands:
-            assert registered.callback is not None
-            name = prefix + (registered.name or registered.callback.__name__)
-            if name not in NOT_TRIED:
-                found[name] = list(_parameters(registered.callback))
-    return found
+    return dict(_commands(app, ""))
+
+
+def _commands(program: typer.Typer, prefix: str) -> Iterator[tuple[str, list[Parameter]]]:
+    for registered in program.registered_commands:
+        assert registered.callback is not None
+        yield (
+            prefix + (registered.name or registered.callback.__name__.replace("_", "-")),
+            list(_parameters(registered.callback)),
+        )
+    for group in program.registered_groups:
+        if prefix + str(group.name) not in NOT_TRIED:
+            yield from _commands(group.typer_instance, f"{prefix}{group.name} ")
 
 
 def _parameters(callback: Any) -> Iterator[Parameter]:
