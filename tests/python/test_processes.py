@@ -7,14 +7,19 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from uwsim import Batch, Simulator
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
+from uwsim.recording import Recorder
 
 ORIGIN_M = np.zeros(3)
 
@@ -125,6 +130,27 @@ def test_parts_outlive_their_simulator() -> None:
     assert camera.capture().rgb.size > 0
     assert member.rov.sonar.ping().ranges_m.size > 0
     assert aboard.save()
+
+
+@pytest.mark.parametrize("name", ["recorded", "served", "of a live one", "of a batch"])
+def test_what_has_used_a_simulator_lets_it_go(name: str, tmp_path: Path) -> None:
+    sim = Simulator("pool")
+    if name == "recorded":
+        with Recorder(sim, tmp_path / "run.mcap", topics=["odom"]):
+            sim.advance(0.1)
+    elif name == "of a batch":
+        sim = Batch("pool", n=2).simulator(0)
+    else:
+        with LiveSimulator(sim, speed="max") as live, RosbridgeServer(live) if name == "served" else nullcontext():
+            live.clock.wait(0.1)
+        del live
+    known = weakref.ref(sim)
+    del sim
+    end_s = time.monotonic() + 60.0
+    while known() is not None and time.monotonic() < end_s:  # threads that end may have a hand on it for a moment
+        gc.collect()
+        time.sleep(0.01)
+    assert known() is None
 
 
 LONG = {

@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from steady import drift, growth, open_files, peak_mb, resident_mb, thread_cpu_s, trimmed_mb
+from steady import drift, growth, in_use_mb, open_files, peak_mb, resident_mb, thread_cpu_s, trimmed_mb
 
 import uwsim
 from uwsim.bridges import RosbridgeServer
@@ -137,6 +137,8 @@ def sample(laps: Laps, lap_s: float) -> dict[str, Any]:
         "simulated_s": lap_s,
         "wall_s": wall_s,
         "memory_mb": resident_mb(),
+        "in_use_mb": in_use_mb(),
+        "objects": sys.getallocatedblocks(),
         "peak_mb": peak_mb(),
         "cpu_s_per_h": HOUR_S * cpu_s / lap_s,
         "pace": cpu_s / pool_surveys_cpu_s(),
@@ -151,7 +153,8 @@ def told(sample: dict[str, Any], first: dict[str, Any], days: float) -> str:
     other = [part for part, found in sample["digests"].items() if found != first["digests"][part]]
     verdict = f"bytes of {', '.join(other)} DIFFER" if other else "bytes same"
     return (
-        f"{days:5.2f} days: {sample['memory_mb']:.1f} MB, peak {sample['peak_mb']:.1f} MB, "
+        f"{days:5.2f} days: {sample['memory_mb']:.1f} MB ({sample['in_use_mb']:.1f} in use, "
+        f"peak {sample['peak_mb']:.1f}), "
         f"{sample['cpu_s_per_h']:.3f} CPU s/h, {sample['pace']:.3f} of a new process, "
         f"{sample['wall_s']:.0f} s of wall, {sample['threads']} threads, {sample['files']} files, {verdict}"
     )

@@ -24,6 +24,26 @@ def trimmed_mb() -> float:
     return resident_mb()
 
 
+class _Allocations(ctypes.Structure):
+    """The C library's struct mallinfo2; hblkhd are bytes of large blocks, uordblks those of others."""
+
+    _fields_ = tuple(
+        (name, ctypes.c_size_t)
+        for name in (
+            *("arena", "ordblks", "smblks", "hblks", "hblkhd"),
+            *("usmblks", "fsmblks", "uordblks", "fordblks", "keepcost"),
+        )
+    )
+
+
+def in_use_mb() -> float:
+    """Return what is allocated by malloc and not yet freed; the rest of the memory is kept by it for later."""
+    library = ctypes.CDLL(None)
+    library.mallinfo2.restype = _Allocations
+    found = library.mallinfo2()
+    return float(1e-6 * (found.uordblks + found.hblkhd))
+
+
 def peak_mb() -> float:
     """Return the most memory in RAM that this process has ever had."""
     lines = Path("/proc/self/status").read_text().splitlines()

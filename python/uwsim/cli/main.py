@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import signal
 import sys
 import warnings
@@ -101,6 +102,7 @@ def main() -> NoReturn:
     """Entry point: a user's mistake is one line on stderr and a non-zero exit code, without a traceback."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _exit_on_signal)
+    _spare_address_space()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for terminals that know only ASCII
     warnings.showwarning = _show_warning
@@ -135,6 +137,15 @@ def _require_no_empty_word(words: list[str]) -> None:
         if not word or option:
             name = option[1] if option else before if before.startswith("--") else "an argument"
             raise UsageError(f"{name} is empty: give it a value, or leave it out")
+
+
+def _spare_address_space() -> None:
+    """Let OpenBLAS have one thread where the address space is limited.
+
+    While it is loaded it claims 33 MB for each thread, and where it does not get them it tries for ever, or interrupts.
+    """
+    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _print_error(message: str) -> None:

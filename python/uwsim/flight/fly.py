@@ -247,8 +247,7 @@ class _Flight:
             self._log.close()
             if carrier is not None:
                 carrier.close()
-            if recorder is not None:
-                recorder.close()
+            unwritten = None if recorder is None else recorder.try_close()
         if self._close_loops and self._maker is not None:
             from uwsim.flight.closed_flight import closed_flight  # here, since scipy takes long to import
 
@@ -261,6 +260,8 @@ class _Flight:
                 FlightCheckpoint(self._out).remove()
         if flown.error is not None:
             raise flown.error
+        if unwritten is not None:
+            raise unwritten
         return flown
 
     def _said(self) -> list[Channel]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO
 
 import orjson
 
+from uwsim.atomic_file import write_atomically
 from uwsim.missions.own_vehicle import Event
 
 LOG = "log.jsonl"
@@ -23,13 +25,23 @@ class MissionLog:
         """Add an event. Raises OSError if the disk is full."""
         self.events.append(event)
         if self._file is not None:
-            line = {"time_s": round(event.time_s, 6), "vehicle": event.vehicle, "event": event.name, **_values(event)}
-            self._file.write(orjson.dumps(line, option=orjson.OPT_APPEND_NEWLINE))
+            self._file.write(_line(event))
 
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
             self._file.close()
+
+
+def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:
+    """Write the events again if their file is not there: the folder was deleted or moved in flight. Raises OSError."""
+    if not (out / LOG).exists():
+        write_atomically(out / LOG, b"".join(map(_line, events)))
+
+
+def _line(event: Event) -> bytes:
+    line = {"time_s": round(event.time_s, 6), "vehicle": event.vehicle, "event": event.name, **_values(event)}
+    return orjson.dumps(line, option=orjson.OPT_APPEND_NEWLINE)
 
 
 def _values(event: Event) -> dict[str, object]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from uwsim.flight.checkpoint import MAP
+from uwsim.flight.mission_log import rewrite_if_lost
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.summary import flight_values
 from uwsim.scoring.map_score import score_map
@@ -44,8 +45,10 @@ def write_results(
 
     sim: where the flight was flown, or a simulator of the same world; None if its world is not known.
     """
+    out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
     for name, samples in flown.samples.items():
         samples.write(out / f"track-{name}.csv")
+    rewrite_if_lost(out, flown.events)
     area_m = flown_area_m(flown.all_pings_world_m)
     if flown.occupancy is not None:
         flown.occupancy.write(out / MAP)

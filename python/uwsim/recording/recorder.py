@@ -6,6 +6,7 @@ import fnmatch
 import hashlib
 import json
 import logging
+import os
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,6 +15,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
+from weakref import WeakMethod
 
 from uwsim.arguments import plain
 from uwsim.channels import Channel, channels
@@ -95,8 +97,7 @@ class Recorder:
     def _chosen(
         self, shared: Iterable[Channel] | None, topics: Sequence[str] | None, without: Sequence[str]
     ) -> list[Channel]:
-        may_wait = self._may_wait
-        given = channels(self._sim, may_wait=may_wait) if shared is None else list(shared)
+        given = channels(self._sim, may_wait=self._weak_may_wait()) if shared is None else list(shared)
         self._through_link = is_seen(self._sim, given)
         said = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
@@ -124,6 +125,16 @@ class Recorder:
         """Whether the steps may wait for the recording: always, except on the wall clock."""
         return self._live is None or self._live.speed == "max"
 
+    def _weak_may_wait(self) -> Callable[[], bool]:
+        """Return _may_wait for the simulator's table, which lives as long as that: it must not keep it alive."""
+        known = WeakMethod(self._may_wait)
+
+        def may_wait() -> bool:
+            asked = known()
+            return asked is None or asked()
+
+        return may_wait
+
     def start(self) -> Self:
         """Create the file and record from now on; return itself. Raises OSError, ValueError."""
         if self._queue is not None:
@@ -141,8 +152,20 @@ class Recorder:
             queue.close(end)
         except OSError as error:
             raise OSError(f"recording '{self.path}': ends early: {error.strerror or error}") from error
+        finally:
+            is_kept = self._is_kept()
+        if not is_kept:
+            raise FileNotFoundError(f"recording '{self.path}': is lost: it was deleted while it was written")
         if self.dropped:
             logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
+
+    def try_close(self) -> OSError | None:
+        """Close; return its error, for who has other results to save before that is told."""
+        try:
+            self.close()
+        except OSError as error:
+            return error
+        return None
 
     def __enter__(self) -> Self:
         return self.start()
@@ -189,6 +212,7 @@ class Recorder:
     def _begin(self, sim: Simulator) -> None:
         table_of(sim).look_anew()  # a replay knows nothing from before
         self._sink = self._new_sink(sim)
+        self._descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
@@ -204,6 +228,12 @@ class Recorder:
             "dropped": json.dumps(self.dropped),
             "notes": json.dumps(self._notes),
         }
+
+    def _is_kept(self) -> bool:
+        """Whether the file has a name still, though perhaps another one."""
+        links = os.fstat(self._descriptor).st_nlink
+        os.close(self._descriptor)
+        return links > 0
 
     def _new_sink(self, sim: Simulator) -> Sink:
         try:

@@ -74,11 +74,13 @@ class Ledger:
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}") from error
 
     def _write(self, line: Mapping[str, Any]) -> None:
-        left, before = json.dumps(line).encode() + b"\n", os.fstat(self._file.fileno()).st_size
+        left, found = json.dumps(line).encode() + b"\n", os.fstat(self._file.fileno())
+        if not found.st_nlink:
+            raise OSError(f"'{self.path}': is lost, with what was finished: it was deleted meanwhile")
         try:
             while left:
                 left = left[self._file.write(left) :]
             os.fsync(self._file.fileno())
         except OSError as error:
-            os.ftruncate(self._file.fileno(), before)  # half a line is none
+            os.ftruncate(self._file.fileno(), found.st_size)  # half a line is none
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}; --resume continues") from error
