@@ -33,11 +33,13 @@ def main(
     sample: Annotated[int, typer.Option(min=0, help="So many lines, chosen by the seed; 0: all.")] = 0,
     seed: Annotated[int, typer.Option(help="Of the choice.")] = 0,
     part: Annotated[str, typer.Option(help="K/N: the Kth of N parts, from 0, for several processes.")] = "0/1",
+    files: Annotated[bool, typer.Option("--files", help="Only the lines that name a hostile file.")] = False,
     each: Annotated[bool, typer.Option("--each", help="Tell how every line ended.")] = False,
 ) -> None:
     """Attack, judge, count."""
     preload(only)
     chosen = [line for line in lines() if line.command.startswith(only)]
+    chosen = [line for line in chosen if line.is_about_a_file or not files]
     if sample:
         chosen = random.Random(seed).sample(chosen, min(sample, len(chosen)))
     k, n = map(int, part.split("/"))

@@ -39,6 +39,8 @@ ROUGH_WATER: dict[str, Any] = {
 class Fingerprint:
     """parts: a digest of each kind of result. machine: what they may depend on: the build, the CPU, the C library."""
 
+    scenario: str
+    seed: int
     parts: dict[str, str]
     machine: dict[str, str]
 
@@ -52,10 +54,12 @@ def fingerprint(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Fingerprint:
     """Fly, and digest poses, samples, pings in both modes, pictures and maps. Raises ScenarioError, ValueError."""
+    checked = load(scenario).with_changes(seed=seed)
     digests: dict[str, Any] = {}
-    for part, array in results(scenario, seed=seed, threads=threads):
+    for part, array in results(checked, threads=threads):
         digests.setdefault(part, hashlib.blake2b(digest_size=8)).update(np.ascontiguousarray(array).tobytes())
-    return Fingerprint({part: digest.hexdigest() for part, digest in digests.items()}, machine())
+    parts = {part: digest.hexdigest() for part, digest in digests.items()}
+    return Fingerprint(checked.name, checked.seed, parts, machine())
 
 
 def results(

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
+from hostile.files import make
 from hostile.lines import Line
 
 LIMIT_S, LONG_S = 5.0, 60.0
@@ -61,6 +62,8 @@ def load_factor() -> float:
 def attempt(line: Line, template: Path, folder: Path, factor: float) -> Verdict:
     """Run a line in `folder`, which begins as a copy of `template` and is removed afterwards."""
     shutil.copytree(template, folder)
+    if line.is_about_a_file:
+        make(folder / line.value)
     began_s = time.monotonic()
     child = os.fork()
     if child == 0:

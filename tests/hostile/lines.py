@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import typer
+from hostile.files import FILES, names
 
 HUGE = "9" * 400
 NUMBERS = (
@@ -121,6 +122,11 @@ class Line:
     words: tuple[str, ...]
 
     @property
+    def is_about_a_file(self) -> bool:
+        """Whether its hostile value is the name of a file of `hostile.files`."""
+        return Path(self.value).stem in FILES
+
+    @property
     def is_server(self) -> bool:
         """Whether it may run until it is told to end."""
         return self.command in SERVER or "--as-topics" in self.words
@@ -165,7 +171,10 @@ def lines() -> Iterator[Line]:
         by_name = {each.name: each for each in parameters}
         places = [each for each in parameters if not each.option]
         for parameter in parameters:
-            for value in _values(parameter):
+            place = places.index(parameter) if parameter in places else 0
+            works = options.get(parameter.name, "") if parameter.option else "".join(arguments[place : place + 1])
+            files = names(parameter.kind, works, parameter.info.help or "")
+            for value in (*_values(parameter), *files):
                 given = {name: [by_name[name].option, text] for name, text in options.items()}
                 texts = list(arguments)
                 if parameter.kind is bool:
@@ -179,7 +188,6 @@ def lines() -> Iterator[Line]:
                         else ([parameter.option, *[value] * parameter.count])
                     )
                 else:
-                    place = places.index(parameter)
                     texts[place : place + 1] = [value]
                 flags = ["--no-browser"] if command == "station" and parameter.name != "browser" else []
                 words = [word for words in given.values() for word in words]

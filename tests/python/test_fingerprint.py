@@ -66,7 +66,13 @@ def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_
     assert first.whole != other.whole
     assert {"poses", "samples", "ranges", "pictures", "map"} <= first.parts.keys()
     printed = json.loads(uwsim("fingerprint", "pool", "--seed", "7", "--json").stdout)
-    assert printed == {"whole": first.whole, "parts": first.parts, "machine": first.machine}
+    assert printed == {
+        "scenario": "pool",
+        "seed": 7,
+        "whole": first.whole,
+        "parts": first.parts,
+        "machine": first.machine,
+    }
     assert uwsim("fingerprint", "pool", "--seed", "7").stdout.splitlines()[-1].split() == ["all", first.whole]
 
 

@@ -18,8 +18,9 @@ def fingerprint(
     """Fly for some seconds and print a hash of all results.
 
     Poses, samples, pings in both modes, pictures and maps; and what they may depend on. Two machines that print the
-    same last line have the same results; the environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes
-    processors of different kinds alike.
+    same last line, for the same scenario and seed, have the same results; where it differs, the lines before it tell in
+    which. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes processors of different kinds
+    alike.
     """
     import orjson
 
@@ -27,10 +28,20 @@ def fingerprint(
 
     found = made(scenario, seed=seed, threads=threads)
     if json:
-        values = {"whole": found.whole, "parts": found.parts, "machine": found.machine}
+        values = {
+            "scenario": found.scenario,
+            "seed": found.seed,
+            "whole": found.whole,
+            "parts": found.parts,
+            "machine": found.machine,
+        }
         typer.echo(orjson.dumps(values, option=orjson.OPT_INDENT_2).decode())
         return
     width = max(map(len, (*found.machine, *found.parts)))
-    for name, value in (*found.machine.items(), *found.parts.items()):
-        typer.echo(f"{name:<{width}}  {value}")
-    typer.echo(f"{'all':<{width}}  {found.whole}")
+    for title, rows in (
+        ("What results may depend on", {"scenario": found.scenario, "seed": found.seed, **found.machine}),
+        ("Hashes of the results", {**found.parts, "all": found.whole}),
+    ):
+        typer.echo(f"{title}:")
+        for name, value in rows.items():
+            typer.echo(f"  {name:<{width}}  {value}")
