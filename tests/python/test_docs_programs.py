@@ -16,8 +16,8 @@ import uwsim
 DOCS = Path(__file__).parents[2] / "docs"
 PROGRAM = re.compile(r"^```python\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
 ELSEWHERE = {
-    "add-a-sensor": "needs the sensor that it adds, in C++",
-    "add-a-sonar": "needs the sonar that it adds, in C++",
+    "add-a-sensor": "needs the sensor that it adds, in C++: see test_docs_cpp.py",
+    "add-a-sonar": "needs the sonar that it adds, in C++: see test_docs_cpp.py",
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }
 PAGES = sorted(

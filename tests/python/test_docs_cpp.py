@@ -1,0 +1,75 @@
+"""The C++ of the documentation's pages: its sources and tests compile, its tables are ours with one more entry."""
+
+import importlib
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+INCLUDES = ["-I", str(ROOT / "cpp"), "-I", str(ROOT / "tests/cpp"), "-isystem", "/usr/include/eigen3"]
+TABLES = {
+    "add-a-sensor": ("cpp/uwsim/sensors/sensor_kinds.cpp", "kSalinity"),
+    "add-a-sonar": ("cpp/uwsim/sonar/imaging/imaging_kinds.cpp", "kEchoSounder"),
+}
+
+
+def blocks(page: str, language: str = "cpp") -> list[str]:
+    found = re.findall(
+        rf"^```{language}\n(.*?)^```$", (DOCS / f"{page}.md").read_text(), flags=re.DOTALL | re.MULTILINE
+    )
+    assert found, page
+    return found
+
+
+def kind_of(block: str) -> str:
+    return "test" if "TEST" in block else "table" if "kKinds" in block else "source"
+
+
+def one(page: str, kind: str) -> str:
+    (found,) = (block for block in blocks(page) if kind_of(block) == kind)
+    return found
+
+
+def names(text: str, pattern: str) -> list[str]:
+    match = re.search(pattern, text, flags=re.DOTALL)
+    assert match, pattern
+    return re.findall(r"\bk[A-Z]\w+", match[1])
+
+
+def test_every_page_with_cpp_is_checked() -> None:
+    assert {path.stem for path in DOCS.glob("*.md") if "```cpp" in path.read_text()} == set(TABLES)
+
+
+@pytest.mark.parametrize("page", TABLES)
+def test_the_tables_of_a_page_are_ours_with_one_more_entry(page: str) -> None:
+    path, added = TABLES[page]
+    for pattern in (r"extern const \w+ ([^;]*);", r"kKinds = \{([^}]*)\}"):
+        assert names(one(page, "table"), pattern) == [*names((ROOT / path).read_text(), pattern), added]
+
+
+@pytest.mark.parametrize("page", TABLES)
+def test_the_sources_and_tests_of_a_page_compile(page: str, tmp_path: Path) -> None:
+    compiler = shutil.which("g++") or shutil.which("clang++")
+    if compiler is None:
+        pytest.skip("there is no C++ compiler")
+    test = one(page, "test")
+    if "#include" not in test:  # it is added to the sensors' tests
+        before, end, after = (ROOT / "tests/cpp/test_sensors.cpp").read_text().rpartition("}  // namespace\n")
+        test = before + test + end + after
+    both = tmp_path / "both.cpp"
+    both.write_text(one(page, "source") + test)
+    command = [compiler, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", *INCLUDES, str(both)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_python_of_the_added_sonar_is_a_kind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its call needs the kind in C++, but its names and its table entry do not."""
+    source = next(block for block in blocks("add-a-sonar", "python") if block.startswith('"""'))
+    (tmp_path / "echo_sounder.py").write_text(source)
+    monkeypatch.syspath_prepend(tmp_path)
+    assert importlib.import_module("echo_sounder").KIND.model.kind == "echo_sounder"
