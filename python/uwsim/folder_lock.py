@@ -31,7 +31,9 @@ def alone_in(folder: Path) -> Iterator[None]:
 
 
 def require_free(folder: Path) -> None:
-    """Raise OSError if another run is in a folder: to say so before a world is built."""
+    """Raise OSError if another run is in a folder, or if it is none: to say so before a world is built."""
+    if os.path.lexists(folder) and not folder.is_dir():
+        raise OSError(f"--out {folder}: is not a folder")
     if (folder / LOCK).exists():
         with alone_in(folder):
             pass

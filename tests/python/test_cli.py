@@ -29,6 +29,7 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["survey", "pool", "--seed", "-1"], "seed"),
         (["survey", "pool", "--min-coverage", "101"], "--min-coverage = 101.0 %: must be in [0, 100] %"),
         (["bench", "surveyy"], "unknown"),
+        (["survey", "pool", "--out", MAP], "map.bt: is not a folder"),
         (["surveyy"], "No such command"),
         (["survey", "pool", "--out="], "--out is empty"),
         (["survey", "pool", "--out", ""], "--out is empty"),

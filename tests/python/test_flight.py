@@ -118,6 +118,7 @@ def test_the_command_writes_log_track_map_summary_and_report(mission: Path, tmp_
             "def mission(vehicle):\n    vehicle.sensors['sonr'].read()\n    yield\n",
             "m.py:2: rov.sensors['sonr']: must be one of",
         ),
+        ("\0", "m.py: source code string cannot contain null bytes"),
     ],
 )
 def test_a_mistake_is_one_line_with_file_and_line(text: str, words: str, tmp_path: Path) -> None:

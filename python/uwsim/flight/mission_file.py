@@ -71,8 +71,9 @@ def _module(file: Path) -> Any:
     try:
         spec.loader.exec_module(module)
     except SyntaxError as error:
-        where = f"{error.filename if error.filename != str(file.resolve()) else file}:{error.lineno}"
-        raise MissionError(f"{where}: {error.msg}") from None
+        where = file if error.filename in (None, str(file.resolve())) else error.filename
+        line = "" if error.lineno is None else f":{error.lineno}"
+        raise MissionError(f"{where}{line}: {error.msg}") from None
     except Exception as error:
         raise mission_error(error, file) from None
     finally:
