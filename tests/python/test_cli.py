@@ -49,6 +49,13 @@ def test_a_mistake_gives_one_line(arguments: list[str], expected: str, tmp_path:
     assert not any(tmp_path.iterdir()), "nothing partial is written"
 
 
+@pytest.mark.parametrize("command", [["sweep"], ["map", "info"], ["scenario", "new", "mine", "--force", "--out"]])
+def test_a_pipe_that_nobody_writes_is_refused(command: list[str], tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.yaml")
+    said = error_line(uwsim(*command, str(tmp_path / "pipe.yaml")))
+    assert "is a pipe" in said or "not a regular file" in said
+
+
 @pytest.mark.parametrize("command", [["survey"], ["camera"], ["map", "slice"], ["bench", "map_memory"]])
 def test_help_shows_units(command: list[str]) -> None:
     assert "[m]" in uwsim(*command, "--help").stdout

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -34,29 +35,30 @@ def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
 
 
 def readable(param: typer.CallbackParam, value: Any) -> Any:
-    """Return paths that may be read: typer's callback. Raises UsageError for devices, which may have no end."""
+    """Return paths that may be read: typer's callback. Raises UsageError for devices and pipes, which may not end."""
     for path in value if isinstance(value, list) else (value,):
         if isinstance(path, Path):
-            _require_no_device(path, option_name(param))
+            _require_file(path, option_name(param))
     return value
 
 
 def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
     """Return the path of a file that can be written: typer's callback, so that it is told before long work."""
     if value is not None:
-        _require_no_device(value, option_name(param))
+        _require_file(value, option_name(param))
         if not os.access(value.parent, os.W_OK):
             raise UsageError(f"{option_name(param)} = '{value}': cannot write into the folder '{value.parent}'")
     return value
 
 
-def _require_no_device(path: Path, name: str) -> None:
+def _require_file(path: Path, name: str) -> None:
     try:
-        is_device = path.is_char_device() or path.is_block_device()
+        kind = path.stat().st_mode
     except (OSError, ValueError):  # such as a name that is too long: whoever opens it says so
         return
-    if is_device:
-        raise UsageError(f"{name} = '{path}': is a device: must be a file")
+    if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
+        what = "a device" if stat.S_ISCHR(kind) or stat.S_ISBLK(kind) else "a pipe or a socket"
+        raise UsageError(f"{name} = '{path}': is {what}: must be a file")
 
 
 def option_name(param: typer.CallbackParam) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from uwsim.atomic_file import write_atomically
 from uwsim.scenario.read.assets import YAML_SUFFIXES, assets_folder, find_yaml
 from uwsim.scenario.schema import schema_file
 from uwsim.scenario.spec.fields import NAME
@@ -27,6 +28,10 @@ def new_scenario(name: str, out: Path | None = None, like: str | None = None, ov
         text = text.replace("@NAME@", name).replace("@FILE@", str(path))
     else:
         text = re.sub(r"^name:.*$", f"name: {name}", text, count=1, flags=re.MULTILINE)
-    with path.open("w" if overwrite else "x", encoding="utf-8") as file:
-        file.write(f"# yaml-language-server: $schema={schema_file('scenario').as_uri()}\n{text}")
+    content = f"# yaml-language-server: $schema={schema_file('scenario').as_uri()}\n{text}".encode()
+    if overwrite:
+        write_atomically(path, content)
+    else:
+        with path.open("xb") as file:
+            file.write(content)
     return path
