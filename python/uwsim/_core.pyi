@@ -82,6 +82,7 @@ __all__: list[str] = [
     "SoundSpeedProfile",
     "SpotLamp",
     "SurfaceSampler",
+    "SurfaceVoxels",
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
@@ -671,6 +672,36 @@ class VoxelScene:
         """
         As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.
         """
+
+class SurfaceVoxels:
+    """
+    How far voxels' centres are from the true surface, and whether it runs through them. What was looked at once is remembered, so that a map can be scored while it grows.
+    """
+    def __init__(self, rays: RayScene, resolution_m: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        rays: RayScene of the world. Voxels are floor(x / resolution_m) on each axis. Raises ValueError.
+        """
+    def __len__(self) -> int:
+        """
+        How many voxels have been looked at.
+        """
+    def distances_m(self, voxels: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        voxels: (n,) int64, packed as by uwsim.mapping.voxel_keys. Returns (n,) float64, the distances from their
+        centres to the nearest triangle, exact to double rounding; what was looked at before changes nothing but
+        the time it takes. On all threads. Releases the GIL. Raises ValueError.
+        """
+    def hold_surface(self, voxels: typing.Any, distances_m: typing.Any) -> numpy.typing.NDArray[numpy.bool]:
+        """
+        voxels and their distances (n,). Returns (n,) bool: whether the surface runs through them or within 1 mm. On
+        all threads. Releases the GIL. Raises ValueError.
+        """
+    def look_at(self, points_world_m: typing.Any) -> None:
+        """
+        Looks at the voxels that hold points (n, 3): `distances_m` then need not. Releases the GIL. Raises ValueError.
+        """
+    @property
+    def resolution_m(self) -> float: ...
 
 class SoundSpeedProfile:
     """
@@ -2194,6 +2225,10 @@ class OccupancyMap:
         """
         The voxels whose state changed since the last call: centres (n, 3) float64, states (n,) int8. Releases the
         GIL.
+        """
+    def count(self) -> tuple[int, int]:
+        """
+        (occupied voxels, free voxels). Releases the GIL.
         """
     def free_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """

@@ -6,6 +6,7 @@ import pytest
 from uwsim import _core
 from uwsim.scoring import true_surface
 from uwsim.scoring.map_score import MapScore, score_map
+from uwsim.scoring.surface_ahead import SurfaceAhead
 
 VOXEL_M = 0.5
 AREA = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
@@ -162,7 +163,7 @@ def test_a_voxel_is_right_exactly_when_the_surface_runs_through_it():
     axis = (np.arange(-8, 8) + 0.5) * VOXEL_M
     cubes = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
     depth_of_cut = np.abs(normal).sum() * VOXEL_M / 2.0 - np.abs(cubes @ normal)
-    sure = np.abs(depth_of_cut) > 0.03 * np.linalg.norm(normal)  # after all HALVINGS 1/32 of a voxel is undecided
+    sure = np.abs(depth_of_cut) > 0.03 * np.linalg.norm(normal)  # after five halvings 1/32 of a voxel is undecided
     right = cubes[sure & (depth_of_cut > 0)]
     wrong = cubes[sure & (depth_of_cut < 0)]
     assert min(len(right), len(wrong)) > 400
@@ -215,3 +216,22 @@ def test_what_exact_beams_have_hit_needs_no_ray_and_counts_as_seen():
     wrong = score_map(world, beside_the_surface, VOXEL_M, ABOVE, AREA, 50.0, occupied_were_seen=True)
     assert wrong.visible_truth_voxels == asked.visible_truth_voxels
     assert wrong.precision == 0.0
+
+
+def test_what_was_looked_at_ahead_changes_no_figure():
+    """Whatever part of the surface a survey had time to look at, and wherever its echoes came from."""
+    world = plane(0.2)
+    truth = score(world, []).visible_centres_m
+    mapped = np.concatenate([truth[::2], truth[:50] + np.array([0.0, 0.0, 6.0 * VOXEL_M])])
+    alone = score(world, mapped)
+    for looks in (0, 1, 100):
+        ahead = SurfaceAhead(world, _core.RayScene(world), VOXEL_M, AREA)
+        for _ in range(looks):
+            ahead.look_at(truth[::3].astype(np.float32))
+        told = score_map(world, mapped, VOXEL_M, ABOVE, AREA, 50.0, ahead=ahead)
+        np.testing.assert_array_equal(told.visible_voxels, alone.visible_voxels)
+        np.testing.assert_array_equal(told.false_centres_m, alone.false_centres_m)
+        for name in ("coverage", "precision", "recall", "distance_mean_m", "distance_p95_m", "distance_max_m"):
+            assert getattr(told, name) == getattr(alone, name), name
+    with pytest.raises(ValueError, match=r"ahead\.voxels"):
+        score_map(world, mapped, 2.0 * VOXEL_M, ABOVE, AREA, 50.0, ahead=ahead)

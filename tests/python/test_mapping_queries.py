@@ -37,6 +37,7 @@ def test_box_of_everything_is_the_map(engine):
     occupancy = some_map(engine)
     cubes = everything(occupancy)
     statistics = occupancy.statistics()
+    assert occupancy.count() == (statistics.occupied_voxels, statistics.free_voxels)
     assert len(cubes) == statistics.occupied_voxels + statistics.free_voxels
     np.testing.assert_array_equal(cubes.only(cubes.states == 1).centres_m, occupancy.occupied_voxels())
     np.testing.assert_array_equal(cubes.only(cubes.states == 0).centres_m, occupancy.free_voxels())

@@ -127,6 +127,13 @@ void bind_map(py::module_& m) {
           },
           "(occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases the GIL.")
       .def(
+          "count",
+          [](const OccupancyMap& map) {
+            const VoxelCounts counts = without_gil([&] { return map.count(); });
+            return std::make_tuple(counts.occupied, counts.free);
+          },
+          "(occupied voxels, free voxels). Releases the GIL.")
+      .def(
           "to_bytes",
           [](const OccupancyMap& map, const std::string& format) {
             const MapFormat wanted = format_named(format);

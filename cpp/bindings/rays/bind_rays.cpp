@@ -8,8 +8,10 @@
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
 #include "bindings/core/gil.h"
+#include "bindings/core/points.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/rays/ray_scene.h"
+#include "uwsim/rays/surface_voxels.h"
 #include "uwsim/rays/visibility.h"
 #include "uwsim/rays/voxel_scene.h"
 
@@ -162,6 +164,62 @@ py::array_t<double> distance(const RayScene& scene, const py::object& points_m) 
   return move_out(std::move(distances));
 }
 
+std::unique_ptr<SurfaceVoxels> make_surface_voxels(const RayScene& scene, double resolution_m) {
+  require(resolution_m > 0 && std::isfinite(resolution_m), "resolution_m", resolution_m, "must be finite and positive");
+  return std::make_unique<SurfaceVoxels>(scene, resolution_m);
+}
+
+py::array_t<double> voxel_distances(SurfaceVoxels& voxels, const py::object& packed_keys) {
+  const auto keys = as_array<std::int64_t>(packed_keys, "voxels", {-1});
+  std::vector<double> distances(static_cast<std::size_t>(keys.size()));
+  {
+    const GilReleased unlocked;
+    voxels.distances(span_of(keys), distances, usable_threads());
+  }
+  return move_out(std::move(distances));
+}
+
+py::array_t<bool> hold_surface(const SurfaceVoxels& voxels, const py::object& packed_keys,
+                               const py::object& distances_m) {
+  const auto keys = as_array<std::int64_t>(packed_keys, "voxels", {-1});
+  const auto distances = as_array<double>(distances_m, "distances_m", {-1});
+  require(distances.size() == keys.size(), "distances_m.shape[0]", distances.size(), "must be the number of voxels");
+  std::vector<std::uint8_t> hold(static_cast<std::size_t>(keys.size()));
+  {
+    const GilReleased unlocked;
+    voxels.hold_surface(span_of(keys), span_of(distances), hold, usable_threads());
+  }
+  return move_out(std::move(hold)).attr("view")("bool").cast<py::array_t<bool>>();
+}
+
+void bind_surface_voxels(py::module_& m) {
+  py::class_<SurfaceVoxels>(m, "SurfaceVoxels",
+                            "How far voxels' centres are from the true surface, and whether it runs through them. What "
+                            "was looked at once is remembered, so that a map can be scored while it grows.")
+      .def(py::init(&make_surface_voxels), py::arg("rays"), py::arg("resolution_m"),
+           "rays: RayScene of the world. Voxels are floor(x / resolution_m) on each axis. Raises ValueError.")
+      .def_property_readonly("resolution_m", &SurfaceVoxels::resolution_m)
+      .def("__len__", &SurfaceVoxels::known, "How many voxels have been looked at.")
+      .def(
+          "look_at",
+          [](SurfaceVoxels& voxels, const py::object& points_world_m) {
+            const auto points = as_point_rows(points_world_m, "points_world_m");
+            const GilReleased unlocked;
+            voxels.look_at(span_of(points));
+          },
+          py::arg("points_world_m"),
+          "Looks at the voxels that hold points (n, 3): `distances_m` then need not. Releases the GIL. Raises "
+          "ValueError.")
+      .def("distances_m", &voxel_distances, py::arg("voxels"),
+           "voxels: (n,) int64, packed as by uwsim.mapping.voxel_keys. Returns (n,) float64, the distances from their\n"
+           "centres to the nearest triangle, exact to double rounding; what was looked at before changes nothing but\n"
+           "the time it takes. On all threads. Releases the GIL. Raises ValueError.")
+      .def("hold_surface", &hold_surface, py::arg("voxels"), py::arg("distances_m"),
+           "voxels and their distances (n,). Returns (n,) bool: whether the surface runs through them or within 1 mm. "
+           "On\n"
+           "all threads. Releases the GIL. Raises ValueError.");
+}
+
 }  // namespace
 
 void bind_rays(py::module_& m) {
@@ -205,6 +263,7 @@ void bind_rays(py::module_& m) {
            "centres_world_m: (n, 3), less than 2^17 cubes apart. Raises ValueError.")
       .def("cast", &cast_at_voxels, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"),
            "As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.");
+  bind_surface_voxels(m);
 }
 
 }  // namespace uwsim::bindings

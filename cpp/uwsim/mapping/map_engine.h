@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "uwsim/mapping/changed_chunks.h"
+#include "uwsim/mapping/log_odds.h"
 #include "uwsim/mapping/occupancy_model.h"
 #include "uwsim/mapping/octree_file.h"
 #include "uwsim/mapping/voxel_key.h"
@@ -66,6 +67,13 @@ class MapEngine {
   virtual std::optional<float> log_odds_at(const VoxelKey& key) const = 0;
   /// In Morton order. How many equal voxels make up one leaf depends on the engine.
   virtual void for_each_leaf(const LeafVisitor& leaf) const = 0;
+  virtual VoxelCounts count() const {
+    VoxelCounts voxels;
+    for_each_leaf([&](const VoxelKey&, int levels, float log_odds) {
+      (is_occupied(log_odds) ? voxels.occupied : voxels.free) += std::uint64_t{1} << (3 * levels);
+    });
+    return voxels;
+  }
   /// The leaves that have voxels of the box.
   virtual void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const = 0;
   /// The tree of an .ot: all log-odds, pruned; an inner node is the greatest of its children.

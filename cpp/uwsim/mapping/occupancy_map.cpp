@@ -2,12 +2,14 @@
 
 #include <unistd.h>
 
+#include <bit>
 #include <sstream>
 #include <string>
 
 #include "uwsim/core/check.h"
 #include "uwsim/mapping/atomic_file.h"
 #include "uwsim/mapping/bricks/brick_engine.h"
+#include "uwsim/mapping/morton.h"
 #include "uwsim/mapping/occupancy_map_impl.h"
 #include "uwsim/mapping/octomap_engine.h"
 
@@ -90,28 +92,35 @@ double OccupancyMap::resolution_m() const { return impl_->resolution_m; }
 Eigen::Vector3d OccupancyMap::origin_world_m() const { return impl_->origin_world_m; }
 MapEngineKind OccupancyMap::engine() const { return impl_->options.engine; }
 
-OccupancyMap::Impl::Voxels OccupancyMap::Impl::count() const {
-  Voxels voxels;
-  engine->for_each_leaf([&](const VoxelKey&, int levels, float log_odds) {
-    (is_occupied(log_odds) ? voxels.occupied : voxels.free) += std::uint64_t{1} << (3 * levels);
-  });
-  return voxels;
+template <typename Visit>
+void OccupancyMap::Impl::for_each_voxel_that_is(bool occupied, const Visit& visit) const {
+  const ChangedChunks chunks = occupied ? engine->occupied_chunks() : ChangedChunks{true, {}};
+  if (chunks.all) {
+    return engine->for_each_leaf([&](const VoxelKey& corner, int levels, float log_odds) {
+      if (is_occupied(log_odds) == occupied) for_each_voxel(corner, levels, visit);
+    });
+  }
+  for (const std::uint32_t chunk : chunks.codes) {  // some ten times as fast, since most voxels are free
+    OccupiedWords words{};
+    engine->occupied_in(chunk, words);
+    for (std::size_t word = 0; word < words.size(); ++word) {
+      for (std::uint64_t bits = words[word]; bits != 0; bits &= bits - 1) {
+        visit(morton::key(std::uint64_t{chunk} << 18 | word << 6 | static_cast<std::uint64_t>(std::countr_zero(bits))));
+      }
+    }
+  }
 }
 
 std::vector<double> OccupancyMap::Impl::voxels_world_m(bool occupied) const {
   const std::scoped_lock lock(mutex);
-  const std::uint64_t voxels = occupied ? count().occupied : count().free;
+  const VoxelCounts counted = engine->count();
+  const std::uint64_t voxels = occupied ? counted.occupied : counted.free;
   require(voxels <= kListedVoxelsMax, occupied ? "map.occupied_voxels" : "map.free_voxels", voxels,
           "too many to list (100 million at most): ask state_at for those of interest");
   std::vector<double> centres;
   centres.reserve(3 * voxels);
-  engine->for_each_leaf([&](const VoxelKey& corner, int levels, float log_odds) {
-    if (is_occupied(log_odds) != occupied) return;
-    for_each_voxel(corner, levels, [&](const VoxelKey& key) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        centres.push_back(centre_world_m(key, 0, axis));
-      }
-    });
+  for_each_voxel_that_is(occupied, [&](const VoxelKey& key) {
+    for (std::size_t axis = 0; axis < 3; ++axis) centres.push_back(centre_world_m(key, 0, axis));
   });
   return centres;
 }

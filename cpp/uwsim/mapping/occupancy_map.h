@@ -109,6 +109,7 @@ class OccupancyMap {
   std::vector<double> free_voxels_world_m() const;
 
   MapStatistics statistics() const;
+  VoxelCounts count() const;
 
   // Defined in occupancy_map_queries.cpp:
 

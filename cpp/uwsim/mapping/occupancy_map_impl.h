@@ -65,10 +65,9 @@ struct OccupancyMap::Impl {
     occupied_changes.note(latest);
   }
 
-  struct Voxels {
-    std::uint64_t occupied = 0, free = 0;
-  };
-  Voxels count() const;
+  /// Calls visit(key) for each voxel that is occupied, or free, in Morton order.
+  template <typename Visit>
+  void for_each_voxel_that_is(bool occupied, const Visit& visit) const;
   std::vector<double> voxels_world_m(bool occupied) const;
 
   const double resolution_m;

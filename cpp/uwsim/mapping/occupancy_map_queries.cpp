@@ -42,10 +42,15 @@ std::optional<VoxelKey> OccupancyMap::Impl::key_at(const double* point_world_m) 
 
 MapStatistics OccupancyMap::statistics() const {
   const std::scoped_lock lock(impl_->mutex);
-  const Impl::Voxels voxels = impl_->count();
+  const VoxelCounts voxels = impl_->engine->count();
   return {voxels.occupied,        voxels.free,
           impl_->engine->nodes(), impl_->engine->memory_bytes(),
           impl_->outside_points,  impl_->engine->evictions()};
+}
+
+VoxelCounts OccupancyMap::count() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->engine->count();
 }
 
 std::vector<float> OccupancyMap::log_odds_at(std::span<const double> points_world_m) const {

@@ -260,8 +260,13 @@ std::shared_ptr<octomap::OcTree> octree_of(const TreeBytes& full_tree, double re
   return tree;
 }
 
-TreeBytes written_by_octomap(const TreeBytes& likely_tree, double resolution_m, const OccupancyModel& model) {
-  return binary_data(*octree_of(likely_tree, resolution_m, model));
+TreeBytes written_by_octomap(const TreeBytes& binary_tree, double resolution_m, const OccupancyModel& model) {
+  if (binary_tree.nodes == 0) return {};
+  octomap::OcTree tree(resolution_m);
+  set_model(tree, model);
+  std::istringstream body(binary_tree.body);
+  tree.readBinaryData(body);
+  return binary_data(tree);
 }
 
 }  // namespace uwsim

@@ -19,7 +19,7 @@ std::unique_ptr<MapEngine> make_octomap_engine(double resolution_m, const Eigen:
 std::shared_ptr<octomap::OcTree> octree_of(const TreeBytes& full_tree, double resolution_m,
                                            const OccupancyModel& model);
 
-/// The tree of an .ot that has only the most likely values, as an octomap::OcTree writes it into a .bt.
-TreeBytes written_by_octomap(const TreeBytes& likely_tree, double resolution_m, const OccupancyModel& model);
+/// The tree of a .bt, read by an octomap::OcTree and written by it.
+TreeBytes written_by_octomap(const TreeBytes& binary_tree, double resolution_m, const OccupancyModel& model);
 
 }  // namespace uwsim

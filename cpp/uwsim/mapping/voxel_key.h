@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace uwsim {
 
@@ -18,6 +19,10 @@ using VoxelKey = std::array<int, 3>;
 constexpr VoxelKey child_corner(const VoxelKey& corner, int i, int half) {
   return {corner[0] + (i & 1) * half, corner[1] + (i >> 1 & 1) * half, corner[2] + (i >> 2 & 1) * half};
 }
+
+struct VoxelCounts {
+  std::uint64_t occupied = 0, free = 0;
+};
 
 /// All voxels from `low` to `high`, both included.
 struct KeyBox {

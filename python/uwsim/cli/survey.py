@@ -102,6 +102,10 @@ def survey(
         raise ValueError(f"--min-coverage {min_coverage:g} %: must be in [0, 100] %")
     if min_coverage and report == "none":
         raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
+    if not resume:
+        from uwsim.scenario.world_ahead import make_world_ahead
+
+        make_world_ahead(scenario or "lake")
     from uwsim.survey.completeness import coverage_shortfall
     from uwsim.survey.run import AUTOSAVE_S, resume_survey, run_survey
 

@@ -150,7 +150,7 @@ def score_tile(job: ScoreJob) -> dict[str, Any]:
     tile = job.job.tile
     score = score_map(
         sim.world, job.occupied_m.astype(np.float64), job.job.voxel_m, job.path_m.astype(np.float64),
-        np.array(tile.area_m), job.range_m, rays=sim.scene,
+        np.array(tile.area_m), job.range_m, rays=sim.scene, occupied_were_seen=sim.rov.sonar.mode == "geometry",
     )  # fmt: skip
     counts = _counts(score, tile, job.grid)
     del sim, score

@@ -79,7 +79,16 @@ def scored(flown: FlightRecord, sim: Simulator) -> FlightRecord:
         return flown
     occupied, path_m = flown.occupancy.occupied_voxels(), flown.all_pings_world_m
     edge_m, range_m = flown.occupancy.resolution_m, flown.range_max_m
-    return replace(flown, score=score_map(sim.world, occupied, edge_m, path_m, area_m, range_m, rays=sim.scene))
+    score = score_map(
+        sim.world, occupied, edge_m, path_m, area_m, range_m, rays=sim.scene, occupied_were_seen=_is_exact(flown, sim)
+    )
+    return replace(flown, score=score)
+
+
+def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
+    """Whether the map is made of exact ranges and true poses."""
+    is_true = flown.estimate == "truth" and not flown.closed
+    return is_true and all(sim.vehicles[name].sonar.mode == "geometry" for name in flown.pings_world_m)
 
 
 def flown_area_m(path_world_m: NDArray[np.float64]) -> NDArray[np.float64] | None:

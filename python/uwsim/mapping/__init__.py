@@ -16,7 +16,7 @@ from uwsim.mapping.occupancy_map import (
     OnOutside,
 )
 from uwsim.mapping.occupancy_model import OccupancyModel
-from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts
+from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts, VoxelCounts
 
 __all__ = [
     "ENGINES",
@@ -32,4 +32,5 @@ __all__ = [
     "OccupancyModel",
     "OnOutside",
     "RayCasts",
+    "VoxelCounts",
 ]

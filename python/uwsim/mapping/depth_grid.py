@@ -57,9 +57,12 @@ def depth_grid(points_world_m: NDArray[np.floating], cell_m: float) -> DepthGrid
     at = np.floor(points[:, :2] / cell_m) - low
     cell = (at[:, 1] * columns + at[:, 0]).astype(np.int64)
     depths = -points[:, 2]
-    order = np.lexsort((depths, cell))
+    rank = np.empty(len(cell), np.int64)
+    rank[np.argsort(depths)] = np.arange(len(cell))
+    order = np.argsort(cell * len(cell) + rank)  # as np.lexsort((depths, cell)), in a fraction of its time
     cell, depths = cell[order], depths[order]
-    filled, first, count = np.unique(cell, return_index=True, return_counts=True)
+    first = np.flatnonzero(np.diff(cell, prepend=-1))
+    filled, count = cell[first], np.diff(first, append=len(cell))
     median, counts = np.full(rows * columns, np.nan), np.zeros(rows * columns, np.int64)
     median[filled] = 0.5 * (depths[first + (count - 1) // 2] + depths[first + count // 2])
     counts[filled] = count

@@ -35,7 +35,7 @@ def merge_files(sources: Sequence[Path], target: Path) -> int:
     has_states_alone = any(map_format(path) == "bt" for path in ordered)
     merged = _any_occupied(ordered) if has_states_alone else _summed(ordered)
     merged.write(target)
-    return merged.statistics().occupied_voxels
+    return merged.count().occupied
 
 
 def _digest(path: Path) -> str:

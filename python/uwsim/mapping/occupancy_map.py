@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
-from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts
+from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts, VoxelCounts
 from uwsim.sealed import Sealed
 
 if TYPE_CHECKING:
@@ -167,6 +167,10 @@ class OccupancyMap(Sealed):
         """Return the numbers of voxels and nodes, and the memory. Visits the whole map."""
         return MapStatistics(*self._map.statistics())
 
+    def count(self) -> VoxelCounts:
+        """Return the numbers of occupied and of free voxels, as `statistics` does, in a fraction of its time."""
+        return VoxelCounts(*self._map.count())
+
     def state_at(self, points_world_m: ArrayLike) -> NDArray[np.int8]:
         """Return the states (n,) of the voxels at points_world_m (n, 3): 1 occupied, 0 free, -1 unknown or outside."""
         return self._map.state_at(points_world_m)
@@ -284,10 +288,10 @@ class OccupancyMap(Sealed):
 
     def __repr__(self) -> str:
         origin = ", ".join(f"{x:g}" for x in self.origin_world_m)
-        held = self.statistics()
+        held = self.count()
         return (
             f"OccupancyMap(resolution_m={self.resolution_m:g}, origin_world_m=({origin}): "
-            f"{held.occupied_voxels:,} occupied and {held.free_voxels:,} free voxels)"
+            f"{held.occupied:,} occupied and {held.free:,} free voxels)"
         )
 
 

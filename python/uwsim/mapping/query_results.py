@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.occupancy_model import probability
+
+
+class VoxelCounts(NamedTuple):
+    """Numbers of voxels at the finest level; a pruned leaf counts as all voxels it covers."""
+
+    occupied: int
+    free: int
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +9,12 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.depth_grid import depth_grid
-from uwsim.mapping.voxel_keys import are_in, pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
+from uwsim.mapping.voxel_keys import are_in, pack_keys, sorted_unique, unpack_keys, voxel_centres_m
 from uwsim.scoring.seabed_comparison import SeabedComparison, compare_seabed
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.visible_voxels import NOTHING, visible_voxels
 
-TOUCH_M = 1.0e-3  # a surface this close to a voxel counts as inside: points are rounded before they are mapped
-HALVINGS = 5
+ROWS_AT_ONCE = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,37 +68,42 @@ def score_map(
     range_max_m: float,
     *,
     rays: _core.RayScene | None = None,
+    ahead: SurfaceAhead | None = None,
     occupied_were_seen: bool = False,
 ) -> MapScore:
     """Score occupied voxel centres (n, 3) against the world.
 
-    rays: the world's own scene, if there is one already. occupied_were_seen: whether the map is made of exact ranges
-    and true poses of this path, so that a truth voxel that is occupied has been seen: no ray has to show it again.
+    rays: the world's own scene, if there is one already. ahead: what has been looked at of this area in voxels of this
+    resolution. occupied_were_seen: whether the map is made of exact ranges and true poses of this path, so
+    that a truth voxel that is occupied has been seen: no ray has to show it again.
 
     Coverage: the truth voxels that count lie inside the polygon area_world_m (k, 2), in line of sight and within
     range_max_m of any flown position in path_world_m (n, 3). Covered are those that are occupied or have an occupied
     one among their 26 neighbours on the map's grid, floor(x / resolution).
 
-    Precision: an occupied voxel is right when the true surface runs through it or passes within TOUCH_M, wherever the
+    Precision: an occupied voxel is right when the true surface runs through it or passes within 1 mm, wherever the
     voxel lies. Here surface under the terrain counts too (only a map that was given it would hold it).
 
     Distance: exact, from each occupied voxel's centre to the true surface, wherever the voxel lies. The centre lies off
     the surface that runs through its voxel by up to half the diagonal (0.43 m at 0.5 m), about a quarter of the width
     on average, so a perfect map does not score zero.
 
-    Raises ValueError when the occupied centres are not on this grid, or the true surface within range of the path has
-    more voxels than true_surface.MAX_VOXELS.
+    Raises ValueError when the occupied centres or `ahead` are not on this grid, or the true surface within range of the
+    path has more voxels than true_surface.MAX_VOXELS.
     """
     rays = rays or _core.RayScene(world)
-    occupied_keys = pack_keys(_grid_keys(occupied_centres_m, resolution_m))
+    surface = _core.SurfaceVoxels(rays, resolution_m) if ahead is None else ahead.voxels
+    if surface.resolution_m != resolution_m:
+        raise ValueError(f"ahead.voxels = {surface.resolution_m:g} m: must be the map's, {resolution_m:g} m")
+    occupied_keys = _grid_keys(occupied_centres_m, resolution_m)
     occupied = sorted_unique(occupied_keys)
     seen = occupied if occupied_were_seen else NOTHING
-    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, seen)
+    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, seen, ahead)
     covered = _have_occupied_neighbour(visible, occupied)
-    centres = np.ascontiguousarray(occupied_centres_m, np.float64)
+    centres = np.asarray(occupied_centres_m, np.float64)
     any_occupied = len(centres) > 0
-    distances = rays.distance_m(centres) if any_occupied else np.empty(0)
-    right = _hold_surface(rays, centres, distances, resolution_m, lambda some: are_in(occupied_keys[some], visible))
+    distances = surface.distances_m(occupied_keys)
+    right = _hold_surface(surface, occupied_keys, distances, visible)
     seabed = compare_seabed(world, rays, depth_grid(centres, resolution_m), area_world_m) if any_occupied else None
     return MapScore(
         coverage=float(covered.mean()) if len(covered) else 0.0,
@@ -118,43 +122,31 @@ def score_map(
 
 
 def _hold_surface(
-    rays: _core.RayScene,
-    centres_m: NDArray[np.float64],
+    surface: _core.SurfaceVoxels,
+    voxels: NDArray[np.int64],
     distances_m: NDArray[np.float64],
-    edge_m: float,
-    are_known_to: Callable[[NDArray[np.int64]], NDArray[np.bool_]],
+    truth: NDArray[np.int64],
 ) -> NDArray[np.bool_]:
-    """Return which cubes of edge_m about centres (n, 3) the true surface runs through: (n,) bool.
-
-    distances_m: (n,), from the centres to the surface. Within half an edge it runs through the cube, beyond half a
-    diagonal it does not; a cube in between is split into eight, at most HALVINGS times, and its parts decide.
-    are_known_to: tells which of some cubes the surface is known to run through; they are not split.
-    """
-    holds = np.zeros(len(centres_m), bool)
-    cube_of, half_m = np.arange(len(centres_m)), edge_m / 2.0
-    corners = half_m * (np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3))
-    for halving in range(HALVINGS + 1):
-        holds[cube_of[distances_m <= half_m + TOUCH_M]] = True
-        undecided = np.flatnonzero((distances_m <= np.sqrt(3.0) * half_m + TOUCH_M) & ~holds[cube_of])
-        if halving == 0:
-            known = are_known_to(undecided)
-            holds[undecided[known]] = True
-            undecided = undecided[~known]
-        cube_of, centres_m = cube_of[undecided], centres_m[undecided]
-        if halving == HALVINGS or not len(cube_of):
-            break
-        centres_m = (centres_m[:, None] + corners).reshape(-1, 3)
-        cube_of, corners, half_m = np.repeat(cube_of, 8), corners / 2.0, half_m / 2.0
-        distances_m = rays.distance_m(centres_m)
-    return holds
+    """Return which voxels (n,) the true surface runs through. truth: sorted, of which that is known."""
+    undecided = np.flatnonzero(distances_m > surface.resolution_m / 2.0)
+    undecided = undecided[~are_in(voxels[undecided], truth)]
+    right = np.ones(len(voxels), bool)
+    right[undecided] = surface.hold_surface(voxels[undecided], distances_m[undecided])
+    return right
 
 
 def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[np.int64]:
-    keys = voxel_keys(centres_m, resolution_m)
-    off_m = np.abs(voxel_centres_m(keys, resolution_m) - centres_m).max(initial=0.0)
-    if off_m > 0.1 * resolution_m:
+    """Return the packed keys (n,) of voxels by their centres (n, 3)."""
+    keys, off = np.empty(len(centres_m), np.int64), 0.0
+    for first in range(0, len(keys), ROWS_AT_ONCE):  # parts that stay in the cache
+        part = slice(first, first + ROWS_AT_ONCE)
+        cells = np.asarray(centres_m[part], np.float64) / resolution_m
+        lowest = np.floor(cells)
+        off = max(off, float(np.abs(cells - lowest - 0.5).max()))
+        keys[part] = pack_keys(lowest.astype(np.int64))
+    if off > 0.1:
         rule = f"must be centres of {resolution_m:g} m voxels: map.origin_world_m must be a multiple of that"
-        raise ValueError(f"occupied_centres_m = up to {off_m:.3g} m off the grid: {rule}")
+        raise ValueError(f"occupied_centres_m = up to {off * resolution_m:.3g} m off the grid: {rule}")
     return keys
 
 

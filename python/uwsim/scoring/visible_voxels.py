@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.voxel_keys import are_in, pack_keys
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 
 Item = TypeVar("Item")
@@ -31,11 +32,12 @@ def visible_voxels(
     area_world_m: NDArray[np.float64],
     range_max_m: float,
     seen: NDArray[np.int64] = NOTHING,
+    ahead: SurfaceAhead | None = None,
 ) -> NDArray[np.int64]:
     """Return the packed keys (v,), sorted, of the truth voxels that are visible from any pose of the path.
 
     path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts. seen: sorted keys of voxels
-    in which an exact beam from the path has ended; no other ray is cast to them.
+    in which an exact beam from the path has ended; no other ray is cast to them. ahead: has sampled some of it.
     """
     poses = _thinned_path(path_world_m, POSE_SPACING_M)
     if not len(poses):
@@ -46,7 +48,7 @@ def visible_voxels(
         tile = sample()
         if not len(tile.points_world_m):
             return np.empty(0, np.int64)
-        low, high = tile.points_world_m.min(axis=0), tile.points_world_m.max(axis=0)
+        low, high = zip(*((column.min(), column.max()) for column in tile.points_world_m.T), strict=True)
         near = np.linalg.norm(poses - np.clip(poses, low, high), axis=1) <= range_max_m
         if not near.any():
             return np.empty(0, np.int64)
@@ -66,7 +68,8 @@ def visible_voxels(
         )
         return keys[visible]
 
-    visible = list(_in_parallel(visible_in, surface_tile_jobs(world, resolution_m, area_world_m, box)))
+    tiles = surface_tile_jobs(world, resolution_m, area_world_m, box) if ahead is None else ahead.tiles()
+    visible = list(_in_parallel(visible_in, tiles))
     return np.sort(np.concatenate([np.empty(0, np.int64), *visible]))
 
 

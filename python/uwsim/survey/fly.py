@@ -11,12 +11,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.control.protocols import Clock, SurveyVehicle
 from uwsim.mapping import OccupancyMap
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scenario import Scenario, ScenarioError, Survey, vehicle_hull
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.simulator import Simulator
 from uwsim.survey.flight_state import FlightState
 from uwsim.survey.flyable_lanes import LEAST_SHARE, SurveyAreaWarning, flyable_plan
@@ -60,6 +62,7 @@ def fly_survey(
     on_ping_taken: TakePing | None = None,
     estimate: EstimateKind = "truth",
     least_share: float = LEAST_SHARE,
+    ahead: SurfaceAhead | None = None,
 ) -> tuple[OccupancyMap, SurveyRecord]:
     """Fly the scenario's survey to its end or to Ctrl-C; returns the map and the record in both cases.
 
@@ -70,7 +73,8 @@ def fly_survey(
     continue; `occupancy` and `reference` must be the maps that were saved with it.
     outlier_filter: see filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. on_ping_taken: called
     with each ping, the panel and the body's pose as the map was told it. least_share: of the lanes, which must be
-    flyable.
+    flyable. ahead: looks at the true surface while the map's thread has nothing else to do, so that the map is scored
+    sooner.
     Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown, ValueError when the
     flight cannot be resumed. Fewer such lanes are left out, with a SurveyAreaWarning.
     """
@@ -79,7 +83,8 @@ def fly_survey(
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
     filters = filters_outliers(sim, outlier_filter)
     flight = _Flight(sim, occupancy, reference, supervisor, resume, on_ping_taken, estimate, least_share)
-    with chain_of(sim, occupancy, filters, flight.timer, transmit, reference) as chain:
+    look_at = None if ahead is None else ahead.look_at
+    with chain_of(sim, occupancy, filters, flight.timer, transmit, reference, look_at) as chain:
         stopped_because = flight.fly(chain, mission, survey, on_progress)
     return occupancy, replace(flight.record(stopped_because), outlier_filter=filters)
 
@@ -91,6 +96,7 @@ def chain_of(
     timer: WallTimer | None = None,
     transmit: Callable[[str], str] | None = None,
     reference: OccupancyMap | None = None,
+    on_mapped: Callable[[NDArray[np.float32]], None] | None = None,
 ) -> PingToMap:
     """Return the chain from the surveying vehicle's pings to a map. filters: whether outliers are discarded."""
     return PingToMap(
@@ -103,6 +109,7 @@ def chain_of(
         reference=reference,
         outlier_filter=filters,
         max_uncertainty_m=_max_uncertainty_m(sim, occupancy) if filters else None,
+        on_mapped=on_mapped,
     )
 
 

@@ -44,7 +44,8 @@ class PingToMap(Sealed):
     map's bytes do not depend on the number of threads. transmit: simulates the channel; receives each depth string and
     returns the string that arrives. reference: a second map, which gets every scan one by one, for comparison.
     outlier_filter: whether ranging.reject_outliers is a link of the chain. max_uncertainty_m: the limit of
-    ranging.reject_uncertain; None if that is no link.
+    ranging.reject_uncertain; None if that is no link. on_mapped: called on the map's thread with points (n, 3) that
+    were inserted, when no other scans wait; with one thread never.
     """
 
     occupancy: OccupancyMap
@@ -66,6 +67,7 @@ class PingToMap(Sealed):
         reference: OccupancyMap | None = None,
         outlier_filter: bool = False,
         max_uncertainty_m: float | None = None,
+        on_mapped: Callable[[NDArray[np.float32]], None] | None = None,
     ) -> None:
         self.occupancy = occupancy
         self.reference = reference
@@ -79,7 +81,8 @@ class PingToMap(Sealed):
         self._mapper = ThreadPoolExecutor(1, "map") if threads > 1 else None
         self._map_threads = max(1, threads - 1)  # one thread flies
         self._batch: list[Scan] = []
-        self._batches_sent = 0
+        self._batches_sent = self._batches_mapped = 0
+        self._on_mapped = on_mapped if self._mapper is not None else None
         self._in_flight: deque[Future[None]] = deque()
 
     def insert(
@@ -167,11 +170,13 @@ class PingToMap(Sealed):
             except ValueError:  # refuses the whole batch; the scans before the invalid one belong in the map
                 for points_m, origin_m in batch:
                     self.occupancy.insert_scan(points_m, origin_m, max_range_m)
-        if self.reference is None:
-            return
-        with self.timer.measure(VERIFICATION):
-            for points_m, origin_m in batch:
-                self.reference.insert_scan(points_m, origin_m, max_range_m)
+        self._batches_mapped += 1
+        if self.reference is not None:
+            with self.timer.measure(VERIFICATION):
+                for points_m, origin_m in batch:
+                    self.reference.insert_scan(points_m, origin_m, max_range_m)
+        if self._on_mapped is not None and self._batches_mapped == self._batches_sent:
+            self._on_mapped(points_world_m)
 
     def __enter__(self) -> Self:
         return self

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import score_values, write_json
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.survey.checkpoint import MAP
@@ -38,12 +41,17 @@ class Scoring:
     """Scores a survey's map on a thread, so that the map can be written meanwhile. A context manager, which ends it."""
 
     def __init__(
-        self, sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, ashore: OccupancyMap | None = None
+        self,
+        sim: Simulator,
+        occupancy: OccupancyMap,
+        record: SurveyRecord,
+        ashore: OccupancyMap | None = None,
+        ahead: SurfaceAhead | None = None,
     ) -> None:
         self._pool = ThreadPoolExecutor(1, "scoring")
         is_exact = sim.rov.sonar.mode == "geometry" and record.estimate == "truth"
-        self._scored = self._pool.submit(_scored, sim, occupancy, record, is_exact)
-        self._ashore = None if ashore is None else self._pool.submit(_scored, sim, ashore, record, False)
+        self._scored = self._pool.submit(_scored, sim, occupancy, record, ahead, is_exact)
+        self._ashore = None if ashore is None else self._pool.submit(_scored, sim, ashore, record, ahead, False)
 
     def result(self) -> tuple[MapScore, NDArray[np.float64]]:
         """Wait for the score; returns it and the centres (n, 3) of the occupied voxels. Raises what score_map does."""
@@ -63,12 +71,20 @@ class Scoring:
 
 
 def _scored(
-    sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, is_exact: bool
+    sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord, ahead: SurfaceAhead | None, is_exact: bool
 ) -> tuple[MapScore, NDArray[np.float64]]:
     occupied, edge_m = occupancy.occupied_voxels(), occupancy.resolution_m
     path, area, range_m = record.path_world_m, record.area_world_m, record.range_max_m
-    score = score_map(sim.world, occupied, edge_m, path, area, range_m, rays=sim.scene, occupied_were_seen=is_exact)
+    score = score_map(
+        sim.world, occupied, edge_m, path, area, range_m,
+        rays=sim.scene, ahead=ahead, occupied_were_seen=is_exact,
+    )  # fmt: skip
     return score, occupied
+
+
+def import_drawing_ahead() -> None:
+    """Begin to import what draws the report, which takes a second of Python, while native code scores and writes."""
+    threading.Thread(target=import_module, args=("uwsim.survey.report_figures",), name="import").start()
 
 
 def _link_values(record: SurveyRecord, ashore: MapScore | None) -> dict[str, Any]:
@@ -98,7 +114,7 @@ def write_results(
         terminal.result(f"{out / MAP}")
         return None
     with terminal.status("scoring the map"):
-        free_voxels = occupancy.statistics().free_voxels
+        free_voxels = occupancy.count().free
         score, occupied = scoring.result()
         ashore = scoring.ashore()
     terminal.result(summary_table(record, score, free_voxels))

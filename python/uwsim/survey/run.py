@@ -10,10 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from uwsim.folder_lock import alone_in, require_free
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.read.validated import validated
+from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 from uwsim.stoppable import stop_on_signals
@@ -25,7 +28,17 @@ from uwsim.survey.own_mission import OwnMission, maker, name_of
 from uwsim.survey.pinging_clock import TakePing
 from uwsim.survey.record import ESTIMATES, INTERRUPTED, EstimateKind, SurveyRecord
 from uwsim.survey.request import SurveyRequest, resolved_path
-from uwsim.survey.results import MAP_ASHORE, REPORT, REPORTS, RESULT_FILES, SUMMARY, Report, Scoring, write_results
+from uwsim.survey.results import (
+    MAP_ASHORE,
+    REPORT,
+    REPORTS,
+    RESULT_FILES,
+    SUMMARY,
+    Report,
+    Scoring,
+    import_drawing_ahead,
+    write_results,
+)
 from uwsim.survey.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -93,9 +106,10 @@ def run_survey(
     require_free(out)
     terminal = Terminal()
     with terminal.status(f"building {scenario}"):
-        _require_surveyable(load(scenario))  # before the world is built
+        loaded = load(scenario)
+        _require_surveyable(loaded)  # before the world is built
         sim = Simulator(
-            scenario,
+            loaded,
             seed=seed,
             sonar_model=sonar_model,
             sonar_frequency_khz=sonar_frequency_khz,
@@ -218,6 +232,7 @@ class _SurveyRun:
     recorder: Recorder | None = None
     mission: OwnMission | str | None = None
     close_loops: bool = False
+    ahead: SurfaceAhead | None = None
 
     def run(self, saved: SavedSurvey | None = None) -> SurveyRecord:
         """Fly, from the saved state if there is one; write the map whatever happens; verify it; write the results."""
@@ -237,8 +252,11 @@ class _SurveyRun:
         if autosave.in_haste:
             return self._leave(record, autosave)
         ashore = self._map_ashore(record)
-        scored = nullcontext() if self.report == "none" else Scoring(self.sim, self.occupancy, record, ashore)
-        with scored as scoring:
+        if self.report == "full":
+            import_drawing_ahead()
+        is_scored = self.report != "none"
+        scoring_or_none = Scoring(self.sim, self.occupancy, record, ashore, self.ahead) if is_scored else nullcontext()
+        with scoring_or_none as scoring:
             self._write_map()
             return self._finish(record, autosave, scoring)
 
@@ -284,6 +302,9 @@ class _SurveyRun:
 
     def _fly(self, autosave: Autosave, saved: SavedSurvey | None) -> SurveyRecord:
         sim = self.sim
+        if self.report != "none":
+            area_m = np.asarray(required_survey(sim.scenario).area_m, np.float64)
+            self.ahead = SurfaceAhead(sim.world, sim.scene, self.occupancy.resolution_m, area_m)
         on_ping_taken: TakePing | None = None
         if self.close_loops:
             from uwsim.survey.closed_map import PingKeeper  # here, since scipy takes long to import
@@ -306,6 +327,7 @@ class _SurveyRun:
                 outlier_filter=self.request.outlier_filter,
                 on_ping_taken=on_ping_taken,
                 estimate=self.request.estimate,
+                ahead=self.ahead,
             )[1]
         return self._closed(keeper.track, record) if self.close_loops and not autosave.in_haste else record
 

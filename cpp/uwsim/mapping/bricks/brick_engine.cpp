@@ -85,21 +85,25 @@ class BrickEngine : public MapEngine {
     return known ? std::optional(log_odds_of(store_, brick, static_cast<int>(code & 511))) : std::nullopt;
   }
 
+  VoxelCounts count() const override {
+    const std::optional<VoxelCounts> counted = bricks::count_voxels(store_);
+    return counted ? *counted : MapEngine::count();
+  }
   void for_each_leaf(const LeafVisitor& leaf) const override { bricks::for_each_leaf(store_, leaf); }
   void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const override {
     bricks::for_each_leaf_in(store_, box, leaf);
   }
   TreeBytes full_tree() const override { return bricks::full_tree(store_); }
   TreeBytes binary_tree() const override {
-    const bricks::LikelyShape shape = bricks::likely_shape(store_);
-    if (!is_written_by_octomap(shape)) return bricks::binary_tree(store_, shape);
-    return written_by_octomap(bricks::likely_tree(store_, shape), resolution_m_, model_);
+    TreeBytes tree = bricks::binary_tree(store_);
+    return is_written_by_octomap(tree) ? written_by_octomap(tree, resolution_m_, model_) : std::move(tree);
   }
   void write_tree(MapFormat format, AtomicFile& file) const override {
     if (format == MapFormat::ot) return bricks::write_full_tree(store_, resolution_m_, file);
-    const bricks::LikelyShape shape = bricks::likely_shape(store_);
-    if (!is_written_by_octomap(shape)) return bricks::write_binary_tree(store_, shape, resolution_m_, file);
-    const TreeBytes tree = written_by_octomap(bricks::likely_tree(store_, shape), resolution_m_, model_);
+    if (store_.is_limited()) {
+      return bricks::write_binary_tree(store_, bricks::likely_shape(store_), resolution_m_, file);
+    }
+    const TreeBytes tree = binary_tree();
     file.append(octree_header(format, tree.nodes, resolution_m_));
     file.append(tree.body);
   }
@@ -110,8 +114,8 @@ class BrickEngine : public MapEngine {
  private:
   /// A .bt is written by an octomap::OcTree, or by us if the map has a limit of memory or if that tree would take
   /// gigabytes. The bytes are the same.
-  bool is_written_by_octomap(const bricks::LikelyShape& shape) const {
-    return !store_.is_limited() && shape.nodes <= kMostOctomapNodes;
+  bool is_written_by_octomap(const TreeBytes& tree) const {
+    return !store_.is_limited() && tree.nodes <= kMostOctomapNodes;
   }
 
   const double resolution_m_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "uwsim/mapping/bricks/brick_store.h"
@@ -22,6 +23,9 @@ void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
 /// The leaves that have voxels of the box.
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf);
 
+/// The numbers of voxels; none if that takes a walk over large leaves.
+std::optional<VoxelCounts> count_voxels(const BrickStore& store);
+
 /// Sets the bits of a chunk's occupied voxels, in Morton order.
 void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& words);
 
@@ -39,10 +43,8 @@ struct LikelyShape {
   std::uint64_t nodes;
 };
 LikelyShape likely_shape(const BrickStore& store);
-/// The tree of that shape as an .ot.
-TreeBytes likely_tree(const BrickStore& store, const LikelyShape& shape);
-/// The same tree as a .bt: the bytes that an octomap::OcTree writes of it.
-TreeBytes binary_tree(const BrickStore& store, const LikelyShape& shape);
+/// The tree of that shape as a .bt: the bytes that an octomap::OcTree writes of it.
+TreeBytes binary_tree(const BrickStore& store);
 
 /// Write the whole file, chunk by chunk: how much memory that takes does not depend on the map.
 void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file);

@@ -1,3 +1,5 @@
+#include <bit>
+
 #include "uwsim/mapping/bricks/brick_octree.h"
 #include "uwsim/mapping/bricks/brick_octree_walk.h"
 #include "uwsim/mapping/morton.h"
@@ -65,6 +67,28 @@ void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf) 
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf) {
   BoxLister lister(box, leaf);
   OctreeWalk(store, lister, store.sorted_chunks(box)).run();
+}
+
+std::optional<VoxelCounts> count_voxels(const BrickStore& store) {
+  if (!store.large_leaves().empty()) return std::nullopt;
+  VoxelCounts voxels;
+  for (const BrickStore::ChunkRef& ref : store.sorted_chunks()) {
+    const BrickStore::LoadedChunk loaded(store, ref);
+    for (const std::uint32_t slot : loaded.chunk().bricks) {
+      if (slot == kNone) continue;
+      if (slot >= BrickStore::kUniform) {
+        (is_occupied(store.uniform(slot)) ? voxels.occupied : voxels.free) += 512;
+        continue;
+      }
+      const Brick& brick = store.brick(slot);
+      for (std::size_t word = 0; word < 8; ++word) {
+        const std::uint64_t occupied = occupied_bits(store, brick, word);
+        voxels.occupied += static_cast<std::uint64_t>(std::popcount(occupied));
+        voxels.free += static_cast<std::uint64_t>(std::popcount(brick.known[word] & ~occupied));
+      }
+    }
+  }
+  return voxels;
 }
 
 void occupied_in(const BrickStore& store, std::uint32_t code, OccupiedWords& words) {

@@ -123,10 +123,8 @@ OctreeWriter write(const BrickStore& store, OctreeWriter writer) {
   return writer;
 }
 
-}  // namespace
-
-LikelyShape likely_shape(const BrickStore& store) {
-  const OctreeWriter all = write(store, OctreeWriter(nullptr, MapFormat::ot, store.model(), kTreeDepth));
+/// The shape, by a writer that has pruned all levels.
+LikelyShape shape_by(const OctreeWriter& all) {
   const auto newly_equal = [&](int levels) { return all.newly_equal[static_cast<std::size_t>(levels)]; };
   LikelyShape shape{0, all.nodes};
   while (shape.pruned_levels + 1 < kTreeDepth && newly_equal(shape.pruned_levels + 1) > 0) ++shape.pruned_levels;
@@ -134,6 +132,12 @@ LikelyShape likely_shape(const BrickStore& store) {
     shape.nodes += 8 * newly_equal(levels);  // `all` pruned these children, OctoMap does not
   }
   return shape;
+}
+
+}  // namespace
+
+LikelyShape likely_shape(const BrickStore& store) {
+  return shape_by(write(store, OctreeWriter(nullptr, MapFormat::ot, store.model(), kTreeDepth)));
 }
 
 TreeBytes full_tree(const BrickStore& store) {
@@ -144,13 +148,11 @@ TreeBytes full_tree(const BrickStore& store) {
 
 std::uint64_t count_nodes(const BrickStore& store) { return write(store, OctreeWriter(nullptr)).nodes; }
 
-TreeBytes likely_tree(const BrickStore& store, const LikelyShape& shape) {
-  OctreeBuffer buffer;
-  write(store, OctreeWriter(&buffer, MapFormat::ot, store.model(), shape.pruned_levels));
-  return {buffer.release(), shape.nodes};
-}
-
-TreeBytes binary_tree(const BrickStore& store, const LikelyShape& shape) {
+TreeBytes binary_tree(const BrickStore& store) {
+  OctreeBuffer guess;  // mostly OctoMap prunes all that can be pruned
+  const OctreeWriter all = write(store, OctreeWriter(&guess, MapFormat::bt, store.model(), kTreeDepth));
+  const LikelyShape shape = shape_by(all);
+  if (shape.nodes == all.nodes) return {guess.release(), shape.nodes};
   OctreeBuffer buffer;
   write(store, OctreeWriter(&buffer, MapFormat::bt, store.model(), shape.pruned_levels));
   return {buffer.release(), shape.nodes};

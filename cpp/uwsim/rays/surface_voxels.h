@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "uwsim/core/fork_safe_mutex.h"
+#include "uwsim/rays/ray_scene.h"
+
+namespace uwsim {
+
+/// A voxel of OctoMap's grid: floor(x / resolution) on each axis, +-2^20, packed as python/uwsim/mapping/voxel_keys.py
+/// does.
+using PackedKey = std::int64_t;
+
+/// How far the centres of voxels are from the true surface, and whether it runs through them. Distances that were asked
+/// for once are remembered, so that a survey's map can be scored while it grows. Safe to use from several threads at
+/// once.
+class SurfaceVoxels {
+ public:
+  SurfaceVoxels(RayScene scene, double resolution_m);
+
+  double resolution_m() const { return resolution_m_; }
+  std::size_t known() const;
+
+  /// Looks at the voxels that hold points, rows of x, y, z; points beyond the grid are skipped.
+  void look_at(std::span<const float> points_world_m);
+
+  /// The distance from each voxel's centre to the surface, exact to double rounding. It depends neither on what was
+  /// looked at before nor on the number of threads.
+  void distances(std::span<const PackedKey> voxels, std::span<double> distances_m, int threads);
+
+  /// For each voxel, with its distance, 1 where the surface runs through it or within `kTouch_m` of it, else 0. Within
+  /// half an edge it runs through a cube, beyond half a diagonal it does not; a cube in between is split into eight, at
+  /// most `kHalvings` times, and its parts decide.
+  void hold_surface(std::span<const PackedKey> voxels, std::span<const double> distances_m,
+                    std::span<std::uint8_t> hold, int threads) const;
+
+  static constexpr double kTouch_m = 1e-3;  ///< points are rounded before they are mapped
+  static constexpr int kHalvings = 5;
+
+ private:
+  struct Seen {
+    PackedKey voxel = kFree;
+    double distance_m = 0;
+  };
+  static constexpr PackedKey kFree = -1;
+
+  std::size_t slot_of(PackedKey voxel) const;
+  bool add(PackedKey voxel);
+  void grow();
+  void look_at(std::span<const PackedKey> fresh, int threads);
+  Eigen::Vector3d centre_m(PackedKey voxel) const;
+  bool holds_surface(const Eigen::Vector3d& centre_m, double half_m, double distance_m, int halvings) const;
+
+  const RayScene scene_;
+  const double resolution_m_;
+  std::vector<Seen> table_;  ///< open addressing; a power of two long, at most half full
+  std::size_t count_ = 0;
+  mutable ForkSafeMutex<std::mutex> mutex_;
+};
+
+}  // namespace uwsim
