@@ -51,8 +51,9 @@ def replay(
 ) -> None:
     """Repeat a recorded run and compare every message.
 
-    With its scenario, seed and commands; byte for byte. Exits with 1 at the first difference, which it names. Or, with
-    --as-topics, play the messages to rosbridge clients, and to ROS 2, ROS 1 and Foxglove.
+    The run is flown again with its scenario, seed and commands, and must give the same bytes. Exits with 1 at the first
+    difference, which it names. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to
+    ROS 2, ROS 1 and Foxglove.
     """
     from uwsim.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer

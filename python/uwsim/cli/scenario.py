@@ -91,8 +91,8 @@ def check(
 ) -> None:
     """Check files, and tell what they will look like.
 
-    It tells all mistakes of a file at once; of a file without one, what is where, and what in it may surprise. The
-    worlds and vehicles are built. Exits with 1 if a file has a mistake.
+    All mistakes of a file are told at once. If it has none, its world and vehicles are built, to tell what is where and
+    what may surprise. Exits with 1 if a file has a mistake.
     """
     from uwsim.scenario_check import check_file, check_part
 

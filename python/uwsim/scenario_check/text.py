@@ -11,7 +11,8 @@ from uwsim.scenario_check.scene import ObstacleScene, Scene, VehicleScene
 
 def report_lines(report: CheckReport) -> list[str]:
     """Return the lines about a file without mistakes: what its scene looks like."""
-    lines = [f"{report.file}: ok" + (f", {len(report.warnings)} warnings" if report.warnings else "")]
+    count = len(report.warnings)
+    lines = [f"{report.file}: ok" + (f", {count} warning{'s' if count > 1 else ''}" if count else "")]
     return lines + ([f"  {line}" for line in _scene_lines(report.scene)] if report.scene else [])
 
 
