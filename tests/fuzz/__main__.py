@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import math
 import re
 import shutil
 import subprocess
@@ -54,7 +55,7 @@ def _fuzz(name: str, seconds: int) -> bool:
     for file, data in seeds(name).items():
         (corpus / file).write_bytes(data)
     known = [str(FOUND / name)] if (FOUND / name).is_dir() else []
-    limits = [f"-max_total_time={seconds}", f"-timeout={HANG_S}", f"-rss_limit_mb={MEMORY_MB}", "-max_len=200000"]
+    limits = [f"-max_total_time={seconds}", f"-timeout={_hang_s()}", f"-rss_limit_mb={MEMORY_MB}", "-max_len=200000"]
     if name == "state":
         limits.append("-len_control=0")  # its mutator begins with whole states
     options = [*limits, "-print_final_stats=1", f"-artifact_prefix={found}/", str(corpus), *known]
@@ -78,13 +79,18 @@ def _is_real(found: Path, program: list[str]) -> bool:
     """Return whether a find repeats; one that was only slow, on a busy machine, is removed."""
     if not found.name.startswith("timeout-"):
         return True
-    again = subprocess.run([*program, "-timeout=60", str(found)], cwd=ROOT, capture_output=True, text=True, check=False)
+    command = [*program, f"-timeout={_hang_s()}", str(found)]
+    again = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     took = re.search(r"^Executed .* in (\d+) ms", again.stderr, re.MULTILINE)
-    if again.returncode or took is None or int(took[1]) > HANG_S * 1000:
+    if again.returncode or took is None:
         return True
     print(f"fuzz: {found.name}: took {took[1]} ms when it was repeated: the machine was busy")
     found.unlink()
     return False
+
+
+def _hang_s() -> int:
+    return math.ceil(HANG_S * totals.slowness())
 
 
 def _native(name: str) -> Path:

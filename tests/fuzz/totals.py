@@ -42,7 +42,7 @@ class Total:
             self.seconds + run.seconds,
             self.processor_s + run.processor_s,
             self.inputs + run.inputs,
-            run.edges,
+            max(self.edges, run.edges),
             self.idle_s + run.idle_s if silent else run.idle_s,
             max(self.memory_mb, run.memory_mb),
         )
@@ -58,6 +58,14 @@ def write(path: Path, total: Total) -> None:
     beside = path.with_suffix(".part")
     beside.write_text(json.dumps(asdict(total)) + "\n")
     beside.replace(path)
+
+
+def slowness() -> float:
+    """Return how many times longer than on a quiet machine work takes now: libFuzzer's limits are of wall time."""
+    wall_s, cpu_s = time.perf_counter(), time.process_time()
+    while time.process_time() - cpu_s < 0.3:
+        pass
+    return max((time.perf_counter() - wall_s) / 0.3, 1.0)
 
 
 def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
