@@ -1,7 +1,8 @@
 """Runs hostile command lines, each in a process of its own with limits, and judges how they end.
 
-The law: a line ends by itself with a code of `uwsim.cli.exit_codes`; what is refused is refused within LIMIT_S with
-one line on stderr; no traceback, no signal, not more than MEMORY_MB, and no file that is half-written.
+The law: a line ends by itself with a code of `uwsim.cli.exit_codes`; what no parameter can mean is refused; what is
+refused is so within LIMIT_S with one line on stderr; no traceback, no signal, not more than MEMORY_MB, no file that is
+half-written.
 """
 
 from __future__ import annotations
@@ -141,6 +142,10 @@ def _complaint(line: Line, code: int, wall_s: float, memory_mb: float, stderr: s
             return f"{len(said)} lines on stderr instead of one"
         if wall_s > LIMIT_S:
             return f"was refused after {wall_s:.1f} s"
+    if "No such option" in stderr:
+        return "attacks nothing"
+    if line.is_nonsense and code not in (FAILED, USAGE):
+        return "was accepted"
     if memory_mb > MEMORY_MB:
         return f"took {memory_mb:.0f} MB"
     if left := [path.name for path in folder.rglob(".*") if path.name != ".uwsim.lock"]:

@@ -50,6 +50,7 @@ TEXTS = (
     "%s%n{}$(x)",
     "/dev/zero",
 )
+NONSENSE = frozenset({"", LONG, "\x01\x1b[31m", "%s%n{}$(x)", "/dev/full", "/dev/zero", "/proc/self"})
 SAVED = Path(__file__).parents[1] / "python" / "data" / "v1"
 NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
 """Flags that are not tried by themselves."""
@@ -118,8 +119,14 @@ class Line:
 
     command: str
     parameter: str
+    kind: type
     value: str
     words: tuple[str, ...]
+
+    @property
+    def is_nonsense(self) -> bool:
+        """Whether its value is a text that no parameter means anything by, but the names of files."""
+        return self.kind is str and self.value in NONSENSE
 
     @property
     def is_about_a_file(self) -> bool:
@@ -159,7 +166,8 @@ def _parameters(callback: Any) -> Iterator[Parameter]:
         parts = [part for part in (typing.get_args(hint) or (hint,)) if part is not type(None)]
         inner = [kind for part in parts for kind in (typing.get_args(part) or (part,))]
         is_tuple = typing.get_origin(hint) is tuple
-        declared = [word.split("/")[0] for word in info.param_decls or () if word.startswith("--")]
+        words = (info.default, *(info.param_decls or ()))  # typer takes the first name for a default until it is called
+        declared = [word.split("/")[0] for word in words if isinstance(word, str) and word.startswith("--")]
         option = "" if type(info).__name__ == "ArgumentInfo" else (declared or [f"--{name.replace('_', '-')}"])[0]
         yield Parameter(name, option, inner[0], len(inner) if is_tuple else 1, info)
 
@@ -190,8 +198,8 @@ def lines() -> Iterator[Line]:
                 else:
                     texts[place : place + 1] = [value]
                 flags = ["--no-browser"] if command == "station" and parameter.name != "browser" else []
-                words = [word for words in given.values() for word in words]
-                yield Line(command, parameter.name, value, (*command.split(), *words, *flags, "--", *texts))
+                words = [*command.split(), *(word for words in given.values() for word in words), *flags, "--", *texts]
+                yield Line(command, parameter.name, parameter.kind, value, tuple(words))
 
 
 def _values(parameter: Parameter) -> tuple[str, ...]:
