@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +17,7 @@ from uwsim.sweeps import run_sweep
 from uwsim.sweeps.table import TABLE
 from uwsim.workers import Workers, open_workers
 from uwsim.workers.ledger import LEDGER
-from worker_jobs import die_at_three, double, fail_at_first
+from worker_jobs import die_at_three, double, fail_at_first, tell_and_take_long
 
 SLOW = """
 import time
@@ -54,6 +55,24 @@ def test_a_job_that_kills_its_worker_is_given_up_and_the_others_are_done(crew: W
 def test_what_may_go_away_is_tried_again(crew: Workers, tmp_path: Path) -> None:
     done = work(crew, fail_at_first, {0: str(tmp_path / "flag")})
     assert (done[0].result, done[0].trials) == ({"value": 1}, 2)
+
+
+@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGTERM, signal.SIGINT], ids=lambda number: number.name)
+def test_a_worker_that_gets_a_signal_costs_no_job(crew: Workers, tmp_path: Path, number: signal.Signals) -> None:
+    told = tmp_path / "pid"
+
+    def disturb() -> None:
+        while not told.exists() or not told.read_text():
+            time.sleep(0.01)
+        os.kill(int(told.read_text()), number)
+
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    done = work(crew, tell_and_take_long, {k: (k, str(told)) for k in range(6)})
+    disturber.join()
+    assert {k: each.result for k, each in done.items()} == {k: {"value": k} for k in range(6)}
+    died = number != signal.SIGINT  # which a terminal sends to all; workers leave it to the first process
+    assert done[0].trials == 1 + died
 
 
 def test_workers_listen_on_this_machine_alone(crew: Workers) -> None:

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from pathlib import Path
 
 
@@ -24,3 +25,12 @@ def fail_at_first(job: str) -> dict:
         path.touch()
         raise OSError("not yet")
     return {"value": 1}
+
+
+def tell_and_take_long(job: tuple[int, str]) -> dict[str, object]:
+    """Write this process's number into a file, the first time, and wait to be disturbed."""
+    number, told = job
+    if number == 0 and not Path(told).exists():
+        Path(told).write_text(str(os.getpid()))
+        time.sleep(2.0)
+    return {"value": number}

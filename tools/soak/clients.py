@@ -50,18 +50,28 @@ async def read(url: str, topics: tuple[str, ...], every_ms: int = 0) -> int:
 
 
 async def steer(url: str) -> None:
-    """Let the vehicle turn on the spot, to and fro; undock it whenever it is docked."""
+    """Undock the vehicle, and let it turn on the spot for two seconds of every twenty, to and fro.
+
+    No longer, since the loop that holds a velocity gives 20 commands a second, which stay in the simulator's log.
+    """
     connection = await connected(url)
     await say(connection, op="subscribe", topic="/odom", throttle_rate=1000)
     turn = 0.2
     while True:
         await say(connection, op="call_service", service="/undock", args={})
         await say(connection, op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.1}, "angular": {"z": turn}})
-        turn = -turn if random.random() < 0.1 else turn
-        with suppress(TimeoutError):
-            async with asyncio.timeout(2.0):
-                while True:
-                    await connection.recv()
+        await listen(connection, 2.0)
+        await say(connection, op="publish", topic="/cmd_wrench", msg={"torque": {"z": turn}})
+        await listen(connection, 18.0)
+        turn = -turn
+
+
+async def listen(connection: ClientConnection, seconds: float) -> None:
+    """Read what comes."""
+    with suppress(TimeoutError):
+        async with asyncio.timeout(seconds):
+            while True:
+                await connection.recv()
 
 
 async def come_and_vanish(url: str, rng: random.Random) -> None:

@@ -18,7 +18,7 @@ def resident_mb() -> float:
 
 
 def trimmed_mb() -> float:
-    """Return the memory in RAM when the C library has given back all that it need not keep."""
+    """Return the memory in RAM when the C library has given back what it keeps of freed blocks, which varies."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     return resident_mb()

@@ -27,7 +27,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from steady import growth, resident_mb, trimmed_mb
+from steady import growth, in_use_mb, trimmed_mb
 
 import uwsim
 from uwsim import Batch, Simulator, recording
@@ -36,7 +36,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 
 MEMBERS, POINTS, PROGRAMS, CALLS_OF_A_PROGRAM = 4, 200, 4, 20
-MEMORY, SETTLING, SAMPLE_S = 0.02, 0.2, 5.0
+MEMORY, SETTLING, SAMPLE_S, SAMPLES_TOLD = 0.02, 0.2, 5.0, 12
 Call = Callable[[random.Random], object]
 
 
@@ -215,7 +215,9 @@ def main(
         ends_s = time.monotonic() + 60.0 * minutes
         while time.monotonic() < ends_s:
             time.sleep(min(SAMPLE_S, 6.0 * minutes))
-            memory_mb.append(resident_mb())
+            memory_mb.append(trimmed_mb())
+            if len(memory_mb) % SAMPLES_TOLD == 0:
+                typer.echo(f"{memory_mb[-1]:.0f} MB ({in_use_mb():.0f} in use)")
         ended.set()
         for worker in workers:
             worker.join()

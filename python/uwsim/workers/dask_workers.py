@@ -8,6 +8,7 @@ import os
 import queue
 import signal
 import tempfile
+import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from types import TracebackType
@@ -22,9 +23,13 @@ from uwsim.workers.workers import Finished, Work
 AHEAD = 2
 """Jobs that each worker has at hand, so that none waits for the next."""
 CONNECT_S, POLL_S = 10.0, 0.2
+WORKERLESS_S = 300.0
+"""How long no worker may be there: one that has died starts again within seconds, on a busy machine within a minute."""
+NO_WORKERS = "all workers have died, and none has come back; --resume continues"
 LOCALHOST = "127.0.0.1"
 SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,  # trials are counted here
+    "distributed.deploy.lost-worker-timeout": "1d",  # by default one that takes 15 s to start again is not awaited
     "distributed.admin.tick.limit": "1h",  # a step of the simulator may hold Python's lock for longer than 3 s
     "distributed.worker.profile.enabled": False,  # it looks at every thread a hundred times a second
 }
@@ -41,6 +46,7 @@ class ClusterWorkers:
     ) -> None:
         self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())
+        self._seen_s = time.monotonic()  # when there were workers
         if not self.count:
             raise ValueError("the scheduler has no workers")
         self._require_same_build()
@@ -76,6 +82,7 @@ class ClusterWorkers:
                     number, future = done.get(timeout=POLL_S)
                 except queue.Empty:
                     self._require_scheduler()
+                    self._require_workers()
                     continue
                 del under_way[number]
                 if (finished := trials.judged(number, future)) is None:
@@ -117,6 +124,13 @@ class ClusterWorkers:
         if self._client.status not in ("running", "connecting"):
             raise OSError("the connection to the scheduler was lost; --resume continues")
 
+    def _require_workers(self) -> None:
+        """Raise OSError if there has been none for long, as when each dies while it starts."""
+        if self._client.nthreads():
+            self._seen_s = time.monotonic()
+        elif time.monotonic() - self._seen_s > WORKERLESS_S:
+            raise OSError(NO_WORKERS)
+
     def _require_same_build(self) -> None:
         ours = build_fingerprint()
         for address, theirs in self._client.run(build_fingerprint, on_error="return").items():
@@ -142,7 +156,10 @@ class _Trials:
         failed = self._failed.get(number, 0)
         if future.status == "finished":
             self.suspects.discard(number)
-            return Finished(number, future.result(), failed + 1)
+            try:
+                return Finished(number, future.result(WORKERLESS_S), failed + 1)  # it waits if its worker has just died
+            except TimeoutError:
+                raise OSError(NO_WORKERS) from None
         if future.status in ("pending", "lost"):  # its result went with another worker's death before it was fetched
             return None
         if future.status != "error":

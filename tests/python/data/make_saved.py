@@ -71,6 +71,12 @@ def main(folder: Path) -> None:
     sim.rov.set_effort(surge=0.6, yaw=-0.2)
     sim.advance(2.0)
     Path("simulator.state").write_bytes(sim.save_state())
+    sim = Simulator(SCENARIO)
+    sim.rov.undock()
+    _ = sim.rov.estimate  # begins it
+    sim.rov.set_effort(surge=0.6)
+    sim.advance(2.0)
+    Path("estimate.state").write_bytes(sim.save_state())
     request = SurveyRequest(SCENARIO, SEED, None, None, None, 0.5, "bricks", verify_map=False)
     survey = Path("survey")
     survey.mkdir(exist_ok=True)
