@@ -49,6 +49,10 @@ def test_a_mistake_gives_one_line(arguments: list[str], expected: str, tmp_path:
     assert not any(tmp_path.iterdir()), "nothing partial is written"
 
 
+def test_what_would_command_a_terminal_is_escaped() -> None:
+    assert "\\x1b[31mlake" in error_line(uwsim("survey", "\x1b[31mlake"))
+
+
 @pytest.mark.parametrize("command", [["sweep"], ["map", "info"], ["scenario", "new", "mine", "--force", "--out"]])
 def test_a_pipe_that_nobody_writes_is_refused(command: list[str], tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")

@@ -150,7 +150,12 @@ def _spare_address_space() -> None:
 
 def _print_error(message: str) -> None:
     """Print a message on one line, even if a library wrote it on several."""
-    typer.echo(f"uwsim: error: {' '.join(message.split())}", err=True)
+    typer.echo(f"uwsim: error: {_printable(' '.join(message.split()))}", err=True)
+
+
+def _printable(text: str) -> str:
+    """Escape what would command a terminal: a stranger's file may name anything."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def _exit_on_signal(number: int, frame: object) -> NoReturn:
@@ -162,4 +167,4 @@ def _exit_on_signal(number: int, frame: object) -> NoReturn:
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
     """Print warnings about a user's scenario; those for programmers, from libraries, are discarded."""
     if issubclass(category, UserWarning):
-        typer.echo(f"uwsim: warning: {message}", err=True)
+        typer.echo(f"uwsim: warning: {_printable(' '.join(str(message).split()))}", err=True)
