@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import resource
+import signal
 import subprocess
 import time
 from dataclasses import asdict, dataclass
@@ -12,6 +13,8 @@ from pathlib import Path
 
 COVERED = re.compile(r"^#(\d+)\s+(\w+)\s+cov: (\d+)")
 EXECUTED = re.compile(r"^stat::number_of_executed_units:\s+(\d+)")
+INTERRUPTED = 72
+"""libFuzzer's exit code when it is told to end."""
 MEMORY = re.compile(r"^stat::peak_rss_mb:\s+(\d+)")
 
 
@@ -69,7 +72,7 @@ def slowness() -> float:
 
 
 def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
-    """Run a fuzzer in `folder`, keep what it says in `log`; return its exit code, and what this run came to."""
+    """Run a fuzzer in `folder`, its words in `log`; return its exit code, 0 if it was told to end, and what it did."""
     run = Total(runs=1)
     began_s, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     last_new_s, begun = began_s, False
@@ -80,6 +83,7 @@ def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
         ) as fuzzer,
     ):
         assert fuzzer.stdout is not None
+        signal.signal(signal.SIGTERM, lambda *_: fuzzer.terminate())  # it tells its figures, which are kept
         for line in fuzzer.stdout:
             kept.write(line)
             if covered := COVERED.match(line):
@@ -96,4 +100,4 @@ def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
     run.seconds = time.monotonic() - began_s
     run.idle_s = began_s + run.seconds - last_new_s
     run.processor_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return fuzzer.returncode, run
+    return 0 if fuzzer.returncode in (INTERRUPTED, -signal.SIGTERM) else fuzzer.returncode, run
