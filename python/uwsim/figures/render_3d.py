@@ -17,7 +17,7 @@ from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import PinholeView
 
 SUPERSAMPLE = 2
-RAYS_AT_ONCE = 1 << 17
+RAYS_AT_ONCE = 1 << 15  # a few megabytes of arrays a thread
 FAR_M = 1.0e4
 SHADOW_LIFT_M = 0.02
 AMBIENT, SUN, SKY = 0.42, 0.50, 0.16
