@@ -277,8 +277,9 @@ def test_a_clock_keeps_its_period_while_the_mission_thinks(live: LiveSimulator) 
 
 
 def test_ctrl_c_ends_a_program_that_waits() -> None:
-    program = "from uwsim.live import LiveSimulator\nwith LiveSimulator('pool') as live:\n"
-    program += "    print('up', flush=True)\n    live.clock.wait(1000.0)\n"
+    program = "import signal\nfrom uwsim.live import LiveSimulator\n"
+    program += "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # whoever started this may ignore it
+    program += "with LiveSimulator('pool') as live:\n    print('up', flush=True)\n    live.clock.wait(1000.0)\n"
     child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert child.stdout is not None
