@@ -1,8 +1,8 @@
 """Attacks every command of `uwsim` with hostile values, and tells which lines broke the law; see tests/hostile.
 
-    tools/hostile                     # all lines: an hour on two quiet cores
+    tools/hostile                     # all lines: about a quarter of a second of a processor each
     tools/hostile --only map --sample 200
-    tools/hostile --jobs 2 --part 0/2
+    tools/hostile --files --part 0/2
 
 Not as root: then a folder that may not be written to may be. Exits with 1 if a line broke the law.
 """

@@ -7,6 +7,15 @@ import os
 import tempfile
 from pathlib import Path
 
+_unfinished: set[str] = set()
+
+
+def remove_unfinished() -> None:
+    """Remove the temporary files that are being written: for a process that ends at once."""
+    for name in _unfinished.copy():
+        with contextlib.suppress(OSError):
+            Path(name).unlink()
+
 
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a temporary file beside the target, flush it to disk and rename it.
@@ -23,6 +32,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 def _write_and_rename(path: Path, content: bytes) -> None:
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    _unfinished.add(name)
     try:
         with os.fdopen(descriptor, "wb") as file:
             os.fchmod(file.fileno(), 0o644)
@@ -34,3 +44,5 @@ def _write_and_rename(path: Path, content: bytes) -> None:
         with contextlib.suppress(OSError):  # report the first error, not this one
             Path(name).unlink()
         raise
+    finally:
+        _unfinished.discard(name)

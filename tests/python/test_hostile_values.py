@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from uwsim import atomic_file
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.schema import PARTS
@@ -110,6 +111,21 @@ def test_a_hostile_value_anywhere_is_refused_or_within_bounds(place: tuple[Any, 
         return
     assert not isinstance(value, float) or math.isfinite(value), f"{place}: {value} was accepted"
     assert isinstance(read, Scenario)
+
+
+def test_a_process_that_ends_at_once_leaves_no_temporary_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    left: list[Path] = []
+
+    def ended(self: Path, target: Path) -> Path:
+        assert self.is_file()
+        atomic_file.remove_unfinished()
+        left.extend(tmp_path.iterdir())
+        raise OSError("ended")
+
+    monkeypatch.setattr(Path, "replace", ended)
+    with pytest.raises(OSError, match="ended"):
+        atomic_file.write_atomically(tmp_path / "picture.png", b"content")
+    assert not left
 
 
 def test_hostile_command_lines_end_as_they_should() -> None:

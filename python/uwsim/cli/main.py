@@ -160,6 +160,8 @@ def _printable(text: str) -> str:
 
 def _exit_on_signal(number: int, frame: object) -> NoReturn:
     """End the process at once: an exception during an import could be swallowed, or leave the module half imported."""
+    if (files := sys.modules.get("uwsim.atomic_file")) is not None:
+        files.remove_unfinished()
     os.write(2, b"uwsim: interrupted\n")
     os._exit(INTERRUPTED)
 
