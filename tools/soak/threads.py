@@ -22,6 +22,7 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -36,7 +37,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 
 MEMBERS, POINTS, PROGRAMS, CALLS_OF_A_PROGRAM = 4, 200, 4, 20
-MEMORY, SETTLING, SAMPLE_S, SAMPLES_TOLD = 0.02, 0.2, 5.0, 12
+MEMORY, SETTLING, SAMPLE_S = 0.02, 0.2, 20.0
 Call = Callable[[random.Random], object]
 
 
@@ -172,29 +173,44 @@ def program(number: int) -> str:
 class Worker(threading.Thread):
     """A thread that calls at random until it is told to end."""
 
-    def __init__(self, shared: Shared, alone: list[str], seed: int, ended: threading.Event) -> None:
+    def __init__(self, shared: Shared, alone: list[str], seed: int, gate: threading.Event) -> None:
         super().__init__()
         self.stepped: Counter[str] = Counter()
         self.called: Counter[str] = Counter()
         self.errors: list[str] = []
-        self._alone, self._ended, self._rng = alone, ended, random.Random(seed)
+        self.busy, self.ends = threading.Lock(), False
+        self._alone, self._gate, self._rng = alone, gate, random.Random(seed)
         self._calls = shared.calls(self.stepped) | {"own": self._own}
 
     def run(self) -> None:
         """Call."""
         names = list(self._calls)
-        while not self._ended.is_set():
+        while not self.ends:
             name = self._rng.choice(names)
-            try:
-                self._calls[name](self._rng)
-            except Exception:
-                self.errors.append(f"{name}: {traceback.format_exc()}")
+            self._gate.wait()
+            with self.busy:
+                try:
+                    self._calls[name](self._rng)
+                except Exception:
+                    self.errors.append(f"{name}: {traceback.format_exc()}")
             self.called[name] += 1
 
     def _own(self, rng: random.Random) -> None:
         number = rng.randrange(len(self._alone))
         if program(number) != self._alone[number]:
             raise AssertionError(f"program {number} gives other bytes than alone")
+
+
+def idle_mb(workers: list[Worker], gate: threading.Event) -> float:
+    """Return the memory while no thread is within a call, whose objects would count."""
+    gate.clear()
+    with ExitStack() as held:
+        for worker in workers:
+            held.enter_context(worker.busy)
+        found_mb = trimmed_mb()
+        typer.echo(f"{found_mb:.1f} MB ({in_use_mb():.1f} in use)")
+    gate.set()
+    return found_mb
 
 
 def main(
@@ -206,19 +222,19 @@ def main(
     faulthandler.enable()
     sys.setswitchinterval(0.0001)  # more often than the default, so that more can go wrong
     alone = [program(number) for number in range(PROGRAMS)]
-    ended, memory_mb = threading.Event(), []
+    gate, memory_mb = threading.Event(), []
     with tempfile.TemporaryDirectory() as folder:
         shared = Shared(Path(folder))
-        workers = [Worker(shared, alone, seed + number, ended) for number in range(threads)]
+        workers = [Worker(shared, alone, seed + number, gate) for number in range(threads)]
         for worker in workers:
             worker.start()
+        gate.set()
         ends_s = time.monotonic() + 60.0 * minutes
         while time.monotonic() < ends_s:
             time.sleep(min(SAMPLE_S, 6.0 * minutes))
-            memory_mb.append(trimmed_mb())
-            if len(memory_mb) % SAMPLES_TOLD == 0:
-                typer.echo(f"{memory_mb[-1]:.0f} MB ({in_use_mb():.0f} in use)")
-        ended.set()
+            memory_mb.append(idle_mb(workers, gate))
+        for worker in workers:
+            worker.ends = True
         for worker in workers:
             worker.join()
         came_to = shared.came_to()

@@ -11,7 +11,7 @@ EXIT_CODES = {
     USAGE: "an unknown command or option, a number out of bounds, or what would be without effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey: coverage is below --min-coverage; run: the mission ended early",
-    INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes end so with 0",
+    INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes end so with 0 once they run",
 }
 """The meaning of each code; USAGE is typer's own."""
 
