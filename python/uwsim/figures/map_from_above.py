@@ -33,6 +33,7 @@ from uwsim.scoring.map_score import MapScore
 
 WIDTH_IN = 9.6
 MIN_MARGIN_M = 1.0e-3
+MAX_LEGS = 1000
 
 
 def draw_map_from_above(
@@ -131,10 +132,12 @@ def _draw_path(axes: Axes, path_world_m: NDArray[np.float64]) -> None:
     xy = path_world_m[:, :2]
     if len(xy) > 1:
         axes.plot(xy[:, 0], xy[:, 1], color="#20242a", linewidth=2.6, alpha=0.55, solid_joinstyle="round")
+        step = 1 + len(xy) // MAX_LEGS  # pings a leg of one colour
+        starts = np.arange(0, len(xy) - 1, step)
         legs = LineCollection(
-            list(np.stack([xy[:-1], xy[1:]], axis=1)), cmap=PROGRESS, linewidths=1.4, capstyle="round"
+            [xy[start : start + step + 1] for start in starts], cmap=PROGRESS, linewidths=1.4, capstyle="round"
         )
-        legs.set_array(np.arange(len(xy) - 1))
+        legs.set_array(starts)
         axes.add_collection(legs)
     marks: dict[str, Any] = {"s": 75, "edgecolors": INK, "linewidths": 1.2, "zorder": 5}
     axes.scatter(*xy[0], marker="o", color="white", label="first ping", **marks)

@@ -17,6 +17,7 @@ from uwsim.figures.clip_prism import ClipPrism
 from uwsim.figures.pinhole_view import PinholeView
 
 SUPERSAMPLE = 2
+SAME_COLOUR = 1.5 / 255.0
 RAYS_AT_ONCE = 1 << 15  # a few megabytes of arrays a thread
 FAR_M = 1.0e4
 SHADOW_LIFT_M = 0.02
@@ -72,18 +73,43 @@ def render(subject: Subject, view: PinholeView, sun_world: NDArray[np.float64]) 
 def _draw_rows(
     subject: Subject, view: PinholeView, rows: slice, sun_world: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the colours (rows, width, 3) and ranges (rows, width) of some rows, each pixel the mean of its rays."""
-    fine, start, stop = SUPERSAMPLE, rows.start, rows.stop
-    shaded, ranges_m = _shade(subject, view, view.rays(np.arange(start * fine, stop * fine), fine), sun_world)
-    missed = np.isinf(ranges_m)
-    up = np.linspace(1.0 - start / view.height, 1.0 - stop / view.height, (stop - start) * fine)
-    up = np.repeat(up, view.width * fine)[missed, None]
-    shaded[missed] = BACKGROUND_TOP * up + BACKGROUND_BOTTOM * (1.0 - up)
-    blocks = (stop - start, fine, view.width, fine)
-    image, depth = shaded.reshape(*blocks, 3), ranges_m.reshape(blocks)
-    parts = [(i, j) for i in range(fine) for j in range(fine)]  # sums of whole arrays are faster than of short axes
-    mean = sum((image[:, i, :, j] for i, j in parts), np.zeros(())) / len(parts)
-    return mean, np.minimum.reduce([depth[:, i, :, j] for i, j in parts])
+    """Return the colours (rows, width, 3) and ranges (rows, width) of some rows, each pixel the mean of its rays.
+
+    A pixel has SUPERSAMPLE x SUPERSAMPLE places for rays. Those on its diagonal are cast first; where they agree, the
+    others would show the same.
+    """
+    fine = SUPERSAMPLE
+    count = rows.stop - rows.start
+    directions = view.rays(np.arange(rows.start * fine, rows.stop * fine), fine).reshape(
+        count, fine, view.width, fine, 3
+    )
+    background = _background(view, rows)
+
+    def draw(places: list[tuple[int, int]], at: NDArray[np.bool_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        along = np.concatenate([directions[:, i, :, j][at] for i, j in places])
+        shaded, ranges_m = _shade(subject, view, along, sun_world)
+        missed = np.isinf(ranges_m)
+        behind = np.concatenate([np.broadcast_to(background[:, None], (*at.shape, 3))[at]] * len(places))
+        shaded[missed] = behind[missed]
+        return shaded.reshape(len(places), -1, 3), ranges_m.reshape(len(places), -1)
+
+    diagonal = [(i, i) for i in range(fine)]
+    others = [(i, j) for i in range(fine) for j in range(fine) if i != j]
+    colours, ranges_m = draw(diagonal, np.ones((count, view.width), bool))
+    image = colours.mean(axis=0).reshape(count, view.width, 3)
+    depth = ranges_m.min(axis=0).reshape(count, view.width)
+    differ = (np.ptp(colours, axis=0).max(axis=1) > SAME_COLOUR).reshape(count, view.width)
+    if differ.any():
+        colours, ranges_m = draw(others, differ)
+        image[differ] += (colours - image[differ]).sum(axis=0) / fine**2
+        depth[differ] = np.minimum(depth[differ], ranges_m.min(axis=0))
+    return image, depth
+
+
+def _background(view: PinholeView, rows: slice) -> NDArray[np.float64]:
+    """Return the colours (rows, 3) behind everything."""
+    up = 1.0 - (np.arange(rows.start, rows.stop)[:, None] + 0.5) / view.height
+    return np.asarray(BACKGROUND_TOP * up + BACKGROUND_BOTTOM * (1.0 - up))
 
 
 def _shade(
@@ -105,7 +131,9 @@ def _shade(
     points = eye + along * depth_m[:, None]
     normals = np.asarray(hits.normals_world[inside], np.float64)
     normals *= -np.sign(np.einsum("ij,ij->i", normals, along))[:, None]
-    lit = _lit(subject, points + normals * SHADOW_LIFT_M, sun_world) * np.maximum(normals @ sun_world, 0.0)
+    lit = np.maximum(normals @ sun_world, 0.0)
+    facing = np.flatnonzero(lit)
+    lit[facing] *= _lit(subject, points[facing] + normals[facing] * SHADOW_LIFT_M, sun_world)
     light = AMBIENT + SUN * lit + SKY * (0.5 + 0.5 * normals[:, 2])
     if subject.voxel_m is not None:
         light *= _edge_shade(points, normals, subject.voxel_m, depth_m * view.pixel_rad)

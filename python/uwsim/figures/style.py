@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import zlib
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -13,11 +15,14 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
-from numpy.typing import NDArray
+from matplotlib.transforms import Bbox
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
 from uwsim.atomic_file import write_atomically
 
 PIXELS_PER_INCH = 150
+PAD_IN = 0.15
 INK, FAINT_INK = "#1b2733", "#7d8a96"
 ACCENT, MISSED = "#ff6a3d", "#e3127e"
 HEIGHTS = matplotlib.colormaps["viridis"]
@@ -63,12 +68,32 @@ def add_legend(axes: Axes, columns: int) -> Legend:
 
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a PNG atomically, without date or version: the same figure gives the same bytes. Raises OSError."""
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib's has no types
+    _fit(figure, canvas)
+    canvas.draw()
     buffer = io.BytesIO()
-    fast = {"compress_level": 4}  # half of the time of the default, for 4 % more bytes
-    figure.savefig(
-        buffer, format="png", bbox_inches="tight", pad_inches=0.15, metadata={"Software": None}, pil_kwargs=fast
-    )
+    # No alpha, and runs instead of matches: half of the time of the default, for as many bytes.
+    opaque = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    opaque.save(buffer, "png", compress_level=1, compress_type=zlib.Z_RLE)
     write_atomically(path, buffer.getvalue())
+
+
+def _fit(figure: Figure, canvas: Any) -> None:
+    """Make a figure as large as what is drawn in and around it; savefig's bbox_inches="tight" draws it twice."""
+    if (layout := figure.get_layout_engine()) is not None:
+        layout.execute(figure)
+        figure.set_layout_engine("none")
+    box = figure.get_tightbbox(canvas.get_renderer()).padded(PAD_IN)
+    size = figure.get_size_inches()
+
+    def moved(places: ArrayLike) -> NDArray[np.float64]:
+        return np.asarray((np.asarray(places, np.float64) * size - box.min) / box.size)
+
+    for axes in figure.axes:
+        axes.set_position(Bbox(moved(axes.get_position(original=True).get_points())))
+    for text in figure.texts:
+        text.set_position(tuple(moved(text.get_position())))
+    figure.set_size_inches(*box.size)
 
 
 def height_range(heights_m: NDArray[np.floating]) -> Normalize:

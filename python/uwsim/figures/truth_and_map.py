@@ -27,7 +27,6 @@ from uwsim.figures.style import (
     save_figure,
 )
 from uwsim.scoring.polygon import inside_polygon
-from uwsim.scoring.true_surface import TERRAIN_LABEL
 
 PANEL_PIXELS, GAP_PIXELS = 1150, 50
 AZIMUTH_RAD = -2.06
@@ -159,9 +158,9 @@ def _detail_block(
 
 def _solids(world: _core.World) -> list[_core.RayScene]:
     """Return a scene for each solid of the world."""
-    vertices, triangles, labels = world.surface_mesh()
+    vertices, triangles, labels = world.surface_mesh(with_terrain=False)
     solids = []
-    for label in np.unique(labels[labels != TERRAIN_LABEL]):
+    for label in np.unique(labels):
         alone = _core.World()
         used, indices = np.unique(triangles[labels == label], return_inverse=True)
         alone.add_solid("solid", vertices[used], indices.reshape(-1, 3).astype(np.uint32))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from uwsim.figures.depth_profile import draw_depth_profile
 from uwsim.figures.map_errors import draw_map_errors
 from uwsim.figures.map_from_above import draw_map_from_above
 from uwsim.figures.sonar_fan import sonar_fan
-from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
+from uwsim.figures.truth_and_map import TruthAndMap, draw_truth_and_map, render_truth_and_map
 from uwsim.scoring.map_score import MapScore
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.results import FIGURE_FILES
@@ -37,10 +37,12 @@ def draw_report_figures(
     occupied_centres_m: NDArray[np.floating],
     *,
     rays: _core.RayScene | None = None,
+    rendered: Future[TruthAndMap] | None = None,
 ) -> list[ReportFigure]:
     """Draw the figures into an existing folder, in the report's order; without pings there is no fan and no profile.
 
-    rays: the world's, if there are some already. The 3D pictures are rendered while the other figures are drawn.
+    rays: the world's, if there are some already. rendered: the 3D pictures, if they are under way already; otherwise
+    they are rendered while the other figures are drawn.
     Raises OSError when a file cannot be written.
     """
     figures = [
@@ -66,7 +68,7 @@ def draw_report_figures(
     ]
     area, path = record.area_world_m, record.path_world_m
     with ThreadPoolExecutor(1, "render") as pool:
-        rendered = pool.submit(
+        rendered = rendered or pool.submit(
             render_truth_and_map, world, rays or _core.RayScene(world), area, occupied_centres_m, record.voxel_m
         )
         figures += _draw_others(folder, figures, world, record, score, occupied_centres_m)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import threading
-from concurrent.futures import ThreadPoolExecutor
-from importlib import import_module
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +20,9 @@ from uwsim.survey.checkpoint import MAP
 from uwsim.survey.record import SurveyRecord
 from uwsim.survey.summary import ashore_text, flight_values, summary_table, survey_warnings
 from uwsim.survey.terminal import Terminal
+
+if TYPE_CHECKING:
+    from uwsim.figures.truth_and_map import TruthAndMap
 
 Report = Literal["full", "json", "none"]
 REPORTS: tuple[Report, ...] = ("full", "json", "none")
@@ -82,9 +83,19 @@ def _scored(
     return score, occupied
 
 
-def import_drawing_ahead() -> None:
-    """Begin to import what draws the report, which takes a second of Python, while native code scores and writes."""
-    threading.Thread(target=import_module, args=("uwsim.survey.report_figures",), name="import").start()
+def render_ahead(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> Future[TruthAndMap]:
+    """Begin to render the report's 3D pictures on a thread, while the map is scored and written."""
+    pool = ThreadPoolExecutor(1, "render")
+    rendered = pool.submit(_rendered, sim, occupancy, record)
+    pool.shutdown(wait=False)
+    return rendered
+
+
+def _rendered(sim: Simulator, occupancy: OccupancyMap, record: SurveyRecord) -> TruthAndMap:
+    from uwsim.figures.truth_and_map import render_truth_and_map  # here, since matplotlib takes a second to import
+
+    voxels = occupancy.occupied_voxels()
+    return render_truth_and_map(sim.world, sim.scene, record.area_world_m, voxels, record.voxel_m)
 
 
 def _link_values(record: SurveyRecord, ashore: MapScore | None) -> dict[str, Any]:
@@ -102,11 +113,13 @@ def write_results(
     terminal: Terminal,
     report: Report,
     scoring: Scoring | None,
+    rendered: Future[TruthAndMap] | None = None,
 ) -> float | None:
     """Print the summary, then write files into `out`; returns the coverage. Raises OSError.
 
     report: "full" writes the track, SUMMARY, the figures and the REPORT; "json" the track and SUMMARY; "none" the track
-    alone, without scoring: the coverage is None. The summary comes first, so that it is seen even if the disk is full.
+    alone, without scoring: the coverage is None. rendered: by render_ahead, where it was asked. The summary comes
+    first, so that it is seen even if the disk is full.
     """
     if report == "none" or scoring is None:
         terminal.result(f"ended because {record.stopped_because}")
@@ -135,7 +148,7 @@ def write_results(
         from uwsim.survey.report import write_report  # here, since matplotlib takes a second to import
         from uwsim.survey.report_figures import draw_report_figures
 
-        figures = draw_report_figures(out, sim.world, record, score, occupied, rays=sim.scene)
+        figures = draw_report_figures(out, sim.world, record, score, occupied, rays=sim.scene, rendered=rendered)
         write_report(out / REPORT, record, score, free_voxels, figures, ashore)
     terminal.result(f"{out / MAP}  {out / REPORT}  {out / SUMMARY}")
     return score.coverage

@@ -36,13 +36,16 @@ from uwsim.survey.results import (
     SUMMARY,
     Report,
     Scoring,
-    import_drawing_ahead,
+    render_ahead,
     write_results,
 )
 from uwsim.survey.terminal import Terminal
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from uwsim.closure import PingTrack
+    from uwsim.figures.truth_and_map import TruthAndMap
     from uwsim.recording.recorder import Recorder
 
 AUTOSAVE_S = 30.0
@@ -252,13 +255,12 @@ class _SurveyRun:
         if autosave.in_haste:
             return self._leave(record, autosave)
         ashore = self._map_ashore(record)
-        if self.report == "full":
-            import_drawing_ahead()
+        rendered = render_ahead(self.sim, self.occupancy, record) if self.report == "full" else None
         is_scored = self.report != "none"
         scoring_or_none = Scoring(self.sim, self.occupancy, record, ashore, self.ahead) if is_scored else nullcontext()
         with scoring_or_none as scoring:
             self._write_map()
-            return self._finish(record, autosave, scoring)
+            return self._finish(record, autosave, scoring, rendered)
 
     def _leave(self, record: SurveyRecord, autosave: Autosave) -> SurveyRecord:
         """Write the map alone: whoever sends SIGTERM does not wait for a report."""
@@ -280,7 +282,9 @@ class _SurveyRun:
         made.write(self.checkpoint.out / MAP_ASHORE)
         return made
 
-    def _finish(self, record: SurveyRecord, autosave: Autosave, scoring: Scoring | None) -> SurveyRecord:
+    def _finish(
+        self, record: SurveyRecord, autosave: Autosave, scoring: Scoring | None, rendered: Future[TruthAndMap] | None
+    ) -> SurveyRecord:
         """Once the map is written, verify it and write the results."""
         out, terminal = self.checkpoint.out, self.terminal
         if record.interrupted:
@@ -289,7 +293,7 @@ class _SurveyRun:
             record = replace(record, verified=_same_map(self.occupancy, self.reference))
         self._close_recording(record)
         try:
-            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report, scoring)
+            coverage = write_results(self.sim, self.occupancy, record, out, terminal, self.report, scoring, rendered)
         except OSError as error:
             hint = "; uwsim survey --resume makes the report" if self.checkpoint.exists else ""
             raise OSError(f"{error} ({out / MAP} is complete{hint})") from error
