@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,13 +99,19 @@ def score_map(
     occupied_keys = _grid_keys(occupied_centres_m, resolution_m)
     occupied = sorted_unique(occupied_keys)
     seen = occupied if occupied_were_seen else NOTHING
-    visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, seen, ahead)
-    covered = _have_occupied_neighbour(visible, occupied)
     centres = np.asarray(occupied_centres_m, np.float64)
     any_occupied = len(centres) > 0
-    distances = surface.distances_m(occupied_keys)
-    right = _hold_surface(surface, occupied_keys, distances, visible)
-    seabed = compare_seabed(world, rays, depth_grid(centres, resolution_m), area_world_m) if any_occupied else None
+
+    def compared() -> SeabedComparison | None:
+        return compare_seabed(world, rays, depth_grid(centres, resolution_m), area_world_m) if any_occupied else None
+
+    with ThreadPoolExecutor(1, "seabed") as pool:  # which shares nothing with the rest
+        comparison = pool.submit(compared)
+        visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, seen, ahead)
+        covered = _have_occupied_neighbour(visible, occupied)
+        distances = surface.distances_m(occupied_keys)
+        right = _hold_surface(surface, occupied_keys, distances, visible)
+        seabed = comparison.result()
     return MapScore(
         coverage=float(covered.mean()) if len(covered) else 0.0,
         precision=float(right.mean()) if any_occupied else float("nan"),
