@@ -38,6 +38,11 @@ def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
         time.sleep(0.01)
 
 
+def hears_ctrl_c() -> None:
+    """Undo, as a preexec_fn, what who started the tests may have done: a job in the background ignores Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def files_limited_to(size_bytes: int) -> Callable[[], None]:
     """Return a preexec_fn that makes writing beyond a size fail, as a full disk does."""
 

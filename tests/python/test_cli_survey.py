@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from command_line import UWSIM, error_line, files_limited_to, uwsim
+from command_line import UWSIM, error_line, files_limited_to, hears_ctrl_c, uwsim
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
 
@@ -61,7 +61,10 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize("after_s", [0.05, 0.2, 0.4, 0.6, 0.8])
 def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True
+        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out")],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hears_ctrl_c,
     )
     time.sleep(after_s)
     process.send_signal(signal.SIGINT)
@@ -92,7 +95,7 @@ def test_a_simulation_that_diverges_leaves_the_map_so_far(tmp_path: Path) -> Non
 
 def test_an_output_folder_that_cannot_be_written_is_refused_before_the_flight(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
-    assert "cannot write there" in error_line(uwsim("survey", "pool", "--out", str(tmp_path / "file")))
+    assert "is not a folder" in error_line(uwsim("survey", "pool", "--out", str(tmp_path / "file")))
     assert "cannot write there" in error_line(uwsim("survey", "pool", "--out", "/proc/uwsim"))
 
 
