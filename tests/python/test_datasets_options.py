@@ -63,6 +63,12 @@ def test_a_missions_flight_and_its_file_give_the_same_frames(tmp_path: Path) -> 
         assert one["time_ns"] == pytest.approx(other["time_ns"], abs=1e4)
 
 
+def test_a_track_of_nothing_but_zero_bytes_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "sparse.csv").write_bytes(bytes(200_000))
+    with pytest.raises(ValueError, match=r"sparse\.csv': field larger than"):
+        read_track(tmp_path / "sparse.csv")
+
+
 def test_a_survey_s_track_heads_along_its_path(tmp_path: Path) -> None:
     path = np.column_stack([np.zeros(20), np.linspace(0.0, 4.0, 20), np.full(20, -3.0)])
     np.savez(tmp_path / "track.npz", path_world_m=path)

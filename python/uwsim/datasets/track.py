@@ -48,7 +48,7 @@ def read_track(path: str | Path) -> Track:
         raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
     try:
         return _from_csv(data) if file.suffix == ".csv" else _from_npz(data)
-    except ValueError as error:
+    except (ValueError, csv.Error) as error:
         raise ValueError(f"track '{path}': {error}") from None
 
 
