@@ -20,7 +20,7 @@ MEMORY = re.compile(r"^stat::peak_rss_mb:\s+(\d+)")
 
 @dataclass
 class Total:
-    """Of one reader. seconds: wall time; processor_s: what it was given of it; idle_s: since the last new edge."""
+    """One reader's totals. seconds: wall time; processor_s: its share of it; idle_s: since the last new edge."""
 
     runs: int = 0
     seconds: float = 0
