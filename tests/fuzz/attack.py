@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import sys
 from importlib.machinery import ModuleSpec
@@ -43,7 +44,16 @@ def main() -> None:
         for data in seeds(name).values():
             laws.hold(data)
 
-    atheris.Setup([sys.argv[0], *options], laws.hold)
+    prefix = next((option.partition("=")[2] for option in options if option.startswith("-artifact_prefix=")), "")
+
+    def hold(data: bytes) -> None:
+        try:
+            laws.hold(data)
+        except Exception:  # atheris ends the process, at times before libFuzzer has written the input
+            Path(f"{prefix}crash-{hashlib.sha1(data, usedforsecurity=False).hexdigest()}").write_bytes(data)
+            raise
+
+    atheris.Setup([sys.argv[0], *options], hold)
     try:
         atheris.Fuzz()
     finally:

@@ -9,9 +9,13 @@ from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
 from uwsim.recording.capsule import SCENARIO, pack, unpack
+from uwsim.recording.commands import COMMANDS
+from uwsim.recording.replay import replay
 from uwsim.scenario import load
 
 FOUND = sorted((Path(__file__).parents[1] / "fuzz" / "found").glob("*/*"))
+MISSPELT = {b"step_s": b"stop_s", b"on_wall_clock": b"on_wall_clack", b'"name": "undock"': b'"nome": "undock"'}
+MISSPELT |= {b"start.state": b"start.stale", b'"tick": 0': b'"tick": x'}
 OUTSIDE = ("../up", "files/0/../../up", "files/0/..", "/tmp/up", "files/0/a/b", "files/1/absent")
 
 
@@ -24,6 +28,16 @@ def test_a_recording_writes_its_files_only_into_its_folder(name: str, tmp_path: 
     with pytest.raises(ValueError, match="names a file"):
         unpack({**contents, **there, SCENARIO: json.dumps(plain).encode()}, tmp_path / "inner")
     assert list(tmp_path.rglob("*")) == []
+
+
+@pytest.mark.parametrize("was", MISSPELT, ids=str)
+def test_a_recording_with_a_misspelt_word_is_refused_in_one_line(was: bytes, tmp_path: Path) -> None:
+    whole, (path, misspelt) = seeds("mcap")["mcap-1"], (tmp_path / "run.mcap", MISSPELT[was])
+    assert was in whole
+    path.write_bytes(whole.replace(was, misspelt))
+    with pytest.raises(ValueError, match=f"recording|{COMMANDS}") as refused:
+        replay(path)
+    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("name", READERS)

@@ -93,7 +93,7 @@ def from_recording(
     if out.suffix not in MAP_SUFFIXES:
         raise ValueError(f"--out {out}: must end in {' or '.join(MAP_SUFFIXES)}")
     recording = Recording(source)
-    if recording.start["kind"] == SURVEY:
+    if recording.start.kind == SURVEY:
         if vehicle is not None:
             raise ValueError("--vehicle: a survey has one vehicle")
         from uwsim.survey.from_recording import survey_from

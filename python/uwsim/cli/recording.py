@@ -19,14 +19,14 @@ def recording(
     from uwsim.recording.reader import Recording
 
     run = Recording(source)
-    first_s = int(run.start["tick"]) * 1e-9 * run.step_ns
-    end = f"to {int(run.end['tick']) * 1e-9 * run.step_ns:g} s" if run.end else "and was cut off"
+    first_s = run.start.tick * 1e-9 * run.step_ns
+    end = f"to {run.end.tick * 1e-9 * run.step_ns:g} s" if run.end else "and was cut off"
     commands = Counter(command.name for command in run.commands()) if COMMANDS in run.channels else Counter()
     rows = [
-        ("run", f"{run.start['kind']}, scenario {run.start['scenario']}, seed {run.start['seed']}"),
+        ("run", f"{run.start.kind}, scenario {run.start.scenario}, seed {run.start.seed}"),
         ("simulated", f"from {first_s:g} s {end}"),
-        ("begun", run.start["begun"]),
-        ("build", run.start["build"]),
+        ("begun", run.start.begun),
+        ("build", run.start.build),
         ("size", f"{1e-6 * source.stat().st_size:.1f} MB"),
         ("commands", ", ".join(f"{count} {name}" for name, count in commands.most_common()) or "none"),
         ("left out", ", ".join(f"{count} /{name}" for name, count in run.dropped.items()) or "none"),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic_core import from_json
 
 from uwsim.scenario import Scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
@@ -37,7 +38,7 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")
-    plain = json.loads(contents[SCENARIO])
+    plain = from_json(contents[SCENARIO])
     return validated(Scenario, _with_files(plain, contents, folder))
 
 

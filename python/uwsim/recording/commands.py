@@ -6,6 +6,8 @@ import base64
 import json
 from typing import Any, NamedTuple
 
+from pydantic import NonNegativeInt, TypeAdapter, ValidationError
+
 from uwsim.channels import build
 
 COMMANDS = "uwsim/commands"
@@ -18,9 +20,12 @@ class Command(NamedTuple):
     name: of uwsim.live.COMMANDS, reset or restore_state. arguments: of JSON's types and bytes.
     """
 
-    tick: int
+    tick: NonNegativeInt
     name: str
     arguments: dict[str, Any]
+
+
+_COMMAND = TypeAdapter(Command)
 
 
 def command_message(command: Command) -> Any:
@@ -29,9 +34,12 @@ def command_message(command: Command) -> Any:
 
 
 def command_of(message: Any) -> Command:
-    """Return the command that a message holds."""
-    entry = json.loads(message.data)
-    return Command(entry["tick"], entry["name"], _from_json_values(entry["arguments"]))
+    """Return the command that a message holds. Raises ValueError if it holds none."""
+    try:
+        command = _COMMAND.validate_json(message.data)
+    except ValidationError as error:
+        raise ValueError(f"/{COMMANDS}: '{message.data:.60}': {error.errors()[0]['msg']}") from None
+    return command._replace(arguments=_from_json_values(command.arguments))
 
 
 def _json_values(value: Any) -> Any:
@@ -45,7 +53,7 @@ def _json_values(value: Any) -> Any:
 
 def _from_json_values(value: Any) -> Any:
     if isinstance(value, dict):
-        if set(value) == {BYTES}:
+        if set(value) == {BYTES} and isinstance(value[BYTES], str):
             return base64.b64decode(value[BYTES])
         return {key: _from_json_values(item) for key, item in value.items()}
     return [_from_json_values(item) for item in value] if isinstance(value, list) else value

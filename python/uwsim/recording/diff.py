@@ -105,8 +105,8 @@ def _text(a: Recorded, b: Recorded) -> str:
 def _notes(first: Recording, second: Recording) -> list[str]:
     kinds = {"scenario": "scenario", "seed": "seed", "fingerprint": "scenario's content", "build": "build"}
     notes = [
-        f"{what}: {first.start[key]} and {second.start[key]}"
+        f"{what}: {getattr(first.start, key)} and {getattr(second.start, key)}"
         for key, what in kinds.items()
-        if first.start[key] != second.start[key]
+        if getattr(first.start, key) != getattr(second.start, key)
     ]
     return notes + [f"{each.path}: was cut off" for each in (first, second) if not each.complete]

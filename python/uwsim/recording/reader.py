@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import struct
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -20,6 +19,7 @@ from uwsim.channels.own_types import OWN_TYPES
 from uwsim.recording import tables
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.mcap_sink import END, START, SURVEY, VERSION, metadata_of
+from uwsim.recording.metadata import End, Start, checked
 from uwsim.recording.ping_channel import NAME as PINGS
 from uwsim.recording.pings import taken_ping
 
@@ -60,7 +60,7 @@ class Recorded(NamedTuple):
 class Recording:
     """A recording that was written by a Recorder, from .mcap.
 
-    start, end: the metadata at both ends; end is empty if the recording was killed. complete: whether it ended in
+    start, end: what is known at both ends; end is None if the recording was killed. complete: whether it ended in
     order. attachments: by name. channels: what was recorded; derived: what else can be read by its name, since it
     follows from a survey's pings.
     """
@@ -68,8 +68,7 @@ class Recording:
     def __init__(self, path: str | Path) -> None:
         """Read everything but the messages. Raises ValueError for a file that is no recording, OSError."""
         self.path = Path(path)
-        self.start: dict[str, str] = {}
-        self.end: dict[str, str] = {}
+        self.end: End | None = None
         self.attachments: dict[str, bytes] = {}
         self.complete = False
         self._channels: dict[int, Channel] = {}
@@ -78,10 +77,15 @@ class Recording:
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': a bag of ROS 1 cannot be read here; record .mcap instead")
         with self.path.open("rb") as file:
-            self._read_frame(file)
-        if not self.start:
+            said = self._read_frame(file)
+        if START not in said:
             raise ValueError(f"recording '{path}': was not written by uwsim, or holds nothing yet")
-        self._require_our_version()
+        self._require_our_version(said[START])
+        try:
+            self.start = checked(Start, said[START])
+            self.end = checked(End, said[END]) if END in said else None
+        except ValueError as error:
+            raise ValueError(f"recording '{path}': {error}") from None
         self._require_our_types()
 
     @cached_property
@@ -110,7 +114,7 @@ class Recording:
 
     @cached_property
     def _derived(self) -> Derived | None:
-        if self.start["kind"] != SURVEY or PINGS not in self.channels:
+        if self.start.kind != SURVEY or PINGS not in self.channels:
             return None
         from uwsim.recording.derived import Derived  # here, since few need it, and it builds a sonar
 
@@ -133,17 +137,17 @@ class Recording:
     @property
     def step_ns(self) -> int:
         """The length of a step."""
-        return round(float(self.start["step_s"]) * 1e9)
+        return round(self.start.step_s * 1e9)
 
     @property
     def dropped(self) -> dict[str, int]:
         """How many messages of each channel were left out because writing was too slow."""
-        return dict(json.loads(self.end.get("dropped", "{}")))
+        return {} if self.end is None else self.end.dropped
 
     @property
     def notes(self) -> dict[str, Any]:
         """Values that belong to the whole run; those that are known at its end are missing if it was cut off."""
-        return dict(json.loads(self.end.get("notes", self.start.get("notes", "{}"))))
+        return (self.end or self.start).notes
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
         """Yield the messages in the order in which they were recorded; of these topics, by default of all recorded.
@@ -210,22 +214,26 @@ class Recording:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
         return {numbers[name] for name in names}
 
-    def _require_our_version(self) -> None:
-        version = self.start.get("version", VERSION)
+    def _require_our_version(self, start: Mapping[str, str]) -> None:
+        version = start.get("version", VERSION)
         if version != VERSION:
             raise ValueError(f"recording '{self.path}': is of version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a type of our own had other fields when the file was written."""
+        """Raise ValueError if a channel has no type, or one of our own that had other fields when it was written."""
+        for channel in self._channels.values():
+            if channel.schema_id not in self._schemas:
+                raise ValueError(f"recording '{self.path}': topic '{channel.topic}' has no type")
         for found in self._schemas.values():
             if found.name in OWN_TYPES and _fields(found.data.decode()) != _fields(schema(found.name).text):
                 raise ValueError(
                     f"recording '{self.path}': {found.name} has other fields in this version of uwsim than in the "
-                    f"build that wrote it, {self.start['build']}"
+                    f"build that wrote it, {self.start.build}"
                 )
 
-    def _read_frame(self, file: IO[bytes]) -> None:
-        """Read channels, counts, metadata and attachments."""
+    def _read_frame(self, file: IO[bytes]) -> dict[str, dict[str, str]]:
+        """Read channels, counts and attachments; return the metadata by name."""
+        said = {}
         for record in _records(file):
             if isinstance(record, Channel):
                 self._channels.setdefault(record.id, record)
@@ -236,10 +244,10 @@ class Recording:
             elif isinstance(record, Attachment):
                 self.attachments[record.name] = record.data
             elif isinstance(record, Metadata):
-                self.start = record.metadata if record.name == START else self.start
-                self.end = record.metadata if record.name == END else self.end
+                said[record.name] = record.metadata
             elif isinstance(record, Footer):
                 self.complete = True
+        return said
 
 
 def _fields(text: str) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import tempfile
 import warnings
 import weakref
@@ -62,13 +61,15 @@ def new_simulator(recording: Recording, threads: int | None = None) -> Simulator
 
     Raises ValueError if that is not possible with this build.
     """
+    if STATE not in recording.attachments:
+        raise ValueError(f"recording '{recording.path}': holds no {STATE}")
     folder = tempfile.TemporaryDirectory(prefix="uwsim-replay-")
     sim = Simulator(unpack(recording.attachments, Path(folder.name)), threads=threads)
     weakref.finalize(sim, folder.cleanup)  # meshes are read again, such as for the hull that is cut out of pings
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", BuildWarning)  # the recording's own is enough
         sim.restore_state(recording.attachments[STATE])
-    warn_of_other_build(f"recording '{recording.path}'", recording.start["build"])
+    warn_of_other_build(f"recording '{recording.path}'", recording.start.build)
     return sim
 
 
@@ -104,24 +105,23 @@ class _Replay:
         self._epoch = 0  # jumps of time so far
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._late_said: dict[str, deque[bytes]] = defaultdict(lambda: deque(maxlen=LATE_KEPT))
-        self._is_survey = recording.start["kind"] == SURVEY
-        on_wall_clock = json.loads(recording.start["on_wall_clock"])
-        known = channels(sim, origin=json.loads(recording.start["origin"]), truth=json.loads(recording.start["truth"]))
-        if json.loads(recording.start.get("through_link", "false")):
+        self._is_survey = recording.start.kind == SURVEY
+        start = recording.start
+        known = channels(sim, origin=start.origin, truth=start.truth)
+        if start.through_link:
             known = seen_channels(sim, known)
-        for key, stream in json.loads(recording.start["streams"]).items():
-            table_of(sim).pictures.set_stream(key, Stream(**stream))
+        for key, stream in start.streams.items():
+            table_of(sim).pictures.set_stream(key, stream)
         if not self._is_survey:  # a survey pings by a clock of its own: its pings are made anew when they were recorded
             known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
-        map_is_older = json.loads(recording.start["map_is_older"])  # it holds pings from before the recording
-        unlike = {MAP_TYPE, MAP_CHANGES} if map_is_older else set()
-        chosen = [c for c in chosen if not (c.pieced and on_wall_clock) and c.type not in unlike]
+        unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # it holds pings from before the recording
+        chosen = [c for c in chosen if not (c.pieced and start.on_wall_clock) and c.type not in unlike]
         self._compared = {channel.name for channel in chosen}
         own = {COMMANDS, *(channel.name for channel in known if channel.direction == "in")}
         own |= {NAME} if self._is_survey else set()
         self.result.not_compared = sorted(recording.channels.keys() - self._compared - own)
-        self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
+        self._late = {channel.name for channel in chosen if channel.late and start.on_wall_clock}
         self._may_lack = bool(recording.dropped) or not recording.complete
         self._watch = Watch(sim, chosen, self._take, self._jumped)
 
@@ -134,10 +134,10 @@ class _Replay:
         end = self._recording.end
         if ended and end and self.result.difference is None:
             self._count_what_is_left()
-            self._advance(int(end["tick"]))
+            self._advance(end.tick)
             self.result.state_compared = True
-            if self.result.difference is None and state_digest(self._sim) != end["state"]:
-                self.result.difference = f"tick {end['tick']}: the simulator's state at the end is another"
+            if self.result.difference is None and state_digest(self._sim) != end.state:
+                self.result.difference = f"tick {end.tick}: the simulator's state at the end is another"
         return self.result
 
     def _count_what_is_left(self) -> None:

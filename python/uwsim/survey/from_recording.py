@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.channels import Channel
@@ -60,7 +60,7 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
 
     Raises ValueError if the recording was cut off before what a report needs, OSError.
     """
-    request = TypeAdapter(SurveyRequest).validate_python(recording.notes["request"])
+    request = _request_of(recording)
     values = recording.notes.get("record")
     if report is not None and values is None:
         raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
@@ -75,6 +75,13 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
         with Scoring(sim, occupancy, record) as scoring:
             write_results(sim, occupancy, record, report, Terminal(), "full", scoring)
     return len(log.positions_world_m)
+
+
+def _request_of(recording: Recording) -> SurveyRequest:
+    try:
+        return TypeAdapter(SurveyRequest).validate_python(recording.notes.get("request"))
+    except ValidationError as error:
+        raise ValueError(f"recording '{recording.path}': its survey's request: {error.errors()[0]['msg']}") from None
 
 
 def _repeated(recording: Recording, sim: Simulator, request: SurveyRequest) -> tuple[OccupancyMap, PingLog]:

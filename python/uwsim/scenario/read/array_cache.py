@@ -12,6 +12,7 @@ import functools
 import hashlib
 import io
 import os
+import threading
 import warnings
 from collections.abc import Callable
 from importlib import metadata
@@ -28,6 +29,7 @@ Input = str | bytes | float | NDArray[np.generic]
 MAX_FILE_BYTES, MAX_FOLDER_BYTES = 1 << 26, 1 << 29
 LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "pyfastnoiselite")
 DIGEST_BYTES = 32
+_READING = threading.Lock()  # NumPy parses headers by ast, which threads of Python 3.11 disturb (CPython issue 106905)
 
 
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
@@ -93,7 +95,7 @@ def _unpacked(data: bytes) -> Arrays:
     digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
     if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
         raise ValueError("damaged")
-    with np.load(io.BytesIO(content), allow_pickle=False) as file:
+    with _READING, np.load(io.BytesIO(content), allow_pickle=False) as file:
         return tuple(file[f"a{k}"] for k in range(len(file.files)))
 
 

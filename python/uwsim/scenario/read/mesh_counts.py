@@ -1,4 +1,4 @@
-"""Whether a mesh file is whole: trimesh reads PLY and OFF as far as they go, even if their header announces more."""
+"""Whether a mesh file is whole: trimesh reads what it can of a damaged one, even if its header announces more."""
 
 from __future__ import annotations
 
@@ -8,21 +8,46 @@ from uwsim.cut_short import warn_if_cut_short
 
 MAX_HEADER = 65_536
 TEXT_SUFFIXES = (".obj", ".off", ".ply")
+STL_SOLID, STL_END = re.compile(rb"\s*solid\b.*\n"), re.compile(rb"\s*endsolid\b.*")
+STL_FACET = re.compile(
+    rb"\s*facet[ \t]+normal(?:[ \t]+\S+){3}\s+outer[ \t]+loop\s"
+    rb"(?:\s*vertex(?:[ \t]+\S+){3}[ \t\r]*\n){3}\s*endloop\s+endfacet\b"
+)
 
 
 def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> None:
     """Raise ValueError if fewer triangles were read than there are faces; warn if the last line of a text has no end.
 
-    name: what messages call the file. suffix: of TEXT_SUFFIXES. Of STL and glTF the readers find it out themselves.
+    name: what messages call the file. suffix: of TEXT_SUFFIXES. Of glTF the reader finds it out itself.
     """
     head = content[:MAX_HEADER]
     if suffix == ".off" and not re.sub(rb"#[^\n]*", b"", content).isascii():
         raise ValueError("holds other characters than numbers")  # trimesh guesses an encoding from all of the file
+    if suffix == ".off" and re.match(rb"(?:\s|#[^\n]*\n)*C?OFF\b", content) is None:
+        raise ValueError("does not begin with OFF")  # trimesh looks for it in all of the file
     faces = _announced_faces(suffix, head)
     if triangles < faces:
         raise ValueError(f"announces {faces} faces, but only {triangles} triangles follow: is the file cut short?")
     if suffix != ".ply" or re.search(rb"^format\s+binary", head, re.MULTILINE) is None:
         warn_if_cut_short(name, content)
+
+
+def require_whole_stl(text: bytes) -> None:
+    """Raise ValueError if an STL text is not solids of facets from its beginning to its end."""
+    text, at = text.lower(), 0
+    while begins := STL_SOLID.match(text, at):
+        at = begins.end()
+        while facet := STL_FACET.match(text, at):
+            at = facet.end()
+        if (ends := STL_END.match(text, at)) is None:
+            break
+        at = ends.end()
+    rest = text[at:].lstrip()
+    if b"endsolid" in rest or (rest and not begins):
+        line = 1 + text.count(b"\n", 0, len(text) - len(rest))
+        raise ValueError(f"line {line}: expected {'a facet with three vertices' if begins else 'solid'}")
+    if begins or not at:
+        raise ValueError("breaks off before its endsolid")
 
 
 def _announced_faces(suffix: str, head: bytes) -> int:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.assimp_mesh import read_by_assimp
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole
+from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole, require_whole_stl
 
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
@@ -125,9 +125,7 @@ def _sound_stl(data: bytes) -> bytes:
     if data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
         size = f", its {len(data)} bytes are not the {84 + 50 * announced} of the {announced} triangles it announces"
         raise ValueError(f"neither text that starts with 'solid' nor binary{size if len(data) >= 84 else ''}")
-    _, end, after = data.lower().rpartition(b"endsolid")  # there may be several solids
-    if not end or b"facet" in after:
-        raise ValueError("breaks off before its endsolid")
+    require_whole_stl(data)
     return data.decode("utf-8", errors="replace").encode()
 
 

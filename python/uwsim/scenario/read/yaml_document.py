@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -78,6 +79,10 @@ def _parsed(text: str, name: str) -> YamlDocument:
         raise ScenarioError(f"{name}:{_line(error)}: not valid YAML: {reason}") from None
     except YAMLError as error:
         raise ScenarioError(f"{name}: not valid YAML: {_first_line(error)}") from None
+    except NotImplementedError as error:  # ruamel's, which keeps comments, where it finds two for one place
+        found = re.search(r"line: (\d+)", str(error))
+        line = f":{int(found[1]) + 1}" if found else ""
+        raise ScenarioError(f"{name}{line}: a comment between a key and its value: write it above the key") from None
     except RecursionError:
         raise ScenarioError(f"{name}: not valid YAML: nested too deeply") from None
     if root is None:

@@ -1,0 +1,55 @@
+"""What a recording says of the whole run, at its beginning and end: text in the file, checked values here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, Json, NonNegativeInt, ValidationError
+
+from uwsim.channels.pictures import Stream
+
+Metadata = TypeVar("Metadata", bound=BaseModel)
+
+
+class Start(BaseModel):
+    """What is known when a recording begins. begun: the wall clock's time."""
+
+    model_config = ConfigDict(frozen=True)
+
+    kind: str
+    scenario: str
+    seed: int
+    step_s: Annotated[FiniteFloat, Field(gt=0.0)]
+    tick: NonNegativeInt
+    origin: Json[Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]]
+    streams: Json[dict[str, Stream]]
+    map_is_older: Json[bool]
+    truth: Json[bool]
+    through_link: Json[bool] = False
+    on_wall_clock: Json[bool]
+    fingerprint: str
+    build: str
+    begun: str
+    notes: Json[dict[str, Any]] = {}
+
+
+class End(BaseModel):
+    """What is known when it ends in order. dropped: how many messages of each channel were left out."""
+
+    model_config = ConfigDict(frozen=True)
+
+    tick: NonNegativeInt
+    state: str
+    dropped: Json[dict[str, NonNegativeInt]] = {}
+    notes: Json[dict[str, Any]] = {}
+
+
+def checked(kind: type[Metadata], text: Mapping[str, str]) -> Metadata:
+    """Return metadata as values. Raises ValueError with the first wrong."""
+    try:
+        return kind.model_validate(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise ValueError(f"metadata '{where}': {first['msg']}") from None
