@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from collections.abc import Callable
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec, spec_from_file_location
 from pathlib import Path
+from types import FunctionType, ModuleType
 
 import atheris
 from tests.fuzz.laws import Laws
@@ -32,6 +34,20 @@ def import_from_sources() -> None:
     sys.path.insert(0, str(Path(__file__).parents[2] / "python"))
 
 
+def instrument_generated() -> None:
+    """Let atheris see the functions that rosbags writes for each type of message when it is first read."""
+    from rosbags.serde import cdr
+
+    def compiled(lines: list[str], compile_lines: Callable[[list[str]], ModuleType] = cdr.compile_lines) -> ModuleType:
+        module = compile_lines(lines)
+        for made in vars(module).values():
+            if isinstance(made, FunctionType):
+                atheris.instrument_func(made)
+        return module
+
+    cdr.compile_lines = compiled
+
+
 def main() -> None:
     """Instrument the reader while its first inputs are read, then mutate them until the time is over."""
     name, *options = sys.argv[1:]
@@ -40,6 +56,8 @@ def main() -> None:
     laws = Laws(name)
     import numpy  # noqa: F401  # not to be instrumented
 
+    if "rosbags" in READERS[name].libraries:
+        instrument_generated()
     with atheris.instrument_imports(include=["uwsim", *READERS[name].libraries]):
         for data in seeds(name).values():
             laws.hold(data)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
+from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, ImageTerrain
 
@@ -29,6 +30,7 @@ def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
 def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
     """(h, w) grey levels from 0, black, to 1, white. Raises ScenarioError."""
     try:
+        require_whole_tiff(spec.file)
         with Image.open(spec.file, formats=FORMATS) as image:
             if image.width * image.height > MAX_NODES:
                 raise ScenarioError(

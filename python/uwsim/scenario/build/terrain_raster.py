@@ -20,6 +20,7 @@ from rasterio.warp import transform
 
 from uwsim.cut_short import warn_if_cut_short
 from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
+from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, RasterTerrain
 
@@ -37,6 +38,9 @@ FORMATS = (
 )
 """GDAL's names of the formats that hold elevations themselves. Others, such as VRT, name files and servers to read
 from, and a file from a stranger could so reach whatever this machine can."""
+
+GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"yllcenter", b"cellsize", b"dx", b"dy")
+GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -147,6 +151,8 @@ def _read(spec: RasterTerrain) -> _Raster:
     name = spec.file.name
     try:
         with _opened(spec.file) as file:
+            if file.driver == "GTiff":
+                _require_whole_tiff(spec.file)
             if file.driver == "AAIGrid":
                 _require_numbers(spec.file, file.width * file.height)
                 warn_if_cut_short(f"terrain '{name}'", spec.file.read_bytes())
@@ -257,18 +263,29 @@ def _metres_about(centre: tuple[float, float]) -> CRS:
     return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
 
 
+def _require_whole_tiff(path: Path) -> None:
+    try:
+        require_whole_tiff(path)
+    except ValueError as error:
+        raise ScenarioError(f"terrain '{path.name}': not a readable elevation raster: {error}") from None
+
+
 def _require_numbers(path: Path, cells: int) -> None:
     """Refuse what GDAL would read as zero in an ASCII grid: words among its numbers, and numbers that are missing."""
-    pattern = re.compile(r"(?<!\S)(?![-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?!\S))\S+")
     numbers = 0
-    with path.open(encoding="latin-1") as lines:
+    with path.open("rb") as lines:
         for number, line in enumerate(lines, 1):
-            if line[:1].isalpha() and number <= 8:
+            words = line.split()
+            if line[:12].lower() == b"nodata_value":  # may be nan
                 continue
-            bad = pattern.search(line)
-            if bad:
-                raise ScenarioError(f"terrain '{path.name}': line {number}: '{bad.group():.40}' is not a number")
-            numbers += len(line.split())
+            if words and words[0].lower() in GRID_HEADER:
+                words = words[1:2] or [b""]
+            else:
+                numbers += len(words)
+            bad = next((word for word in words if not GRID_NUMBER.fullmatch(word)), None)
+            if bad is not None:
+                text = bad.decode("latin-1")
+                raise ScenarioError(f"terrain '{path.name}': line {number}: '{text:.40}' is not a number")
     if numbers < cells:
         raise ScenarioError(f"terrain '{path.name}': {numbers} numbers for its {cells} cells: is the file cut short?")
 
