@@ -9,10 +9,12 @@ from collections.abc import Callable
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec, spec_from_file_location
 from pathlib import Path
+from random import Random
 from types import FunctionType, ModuleType
 
 import atheris
 from tests.fuzz.laws import Laws
+from tests.fuzz.mutate_values import mutated
 from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
@@ -71,7 +73,15 @@ def main() -> None:
             Path(f"{prefix}crash-{hashlib.sha1(data, usedforsecurity=False).hexdigest()}").write_bytes(data)
             raise
 
-    atheris.Setup([sys.argv[0], *options], hold)
+    values = READERS[name].values
+
+    def mutate(data: bytes, longest: int, seed: int) -> bytes:
+        """Change values half the time, bytes otherwise."""
+        rng = Random(seed)
+        changed = mutated(data, values, rng) if values is not None and rng.random() < 0.5 else None
+        return atheris.Mutate(data, longest) if changed is None else changed[:longest]
+
+    atheris.Setup([sys.argv[0], *options], hold, **({"custom_mutator": mutate} if values is not None else {}))
     try:
         atheris.Fuzz()
     finally:

@@ -6,11 +6,12 @@ Libraries are imported where they are used, so that a fuzzer instruments only th
 from __future__ import annotations
 
 import hashlib
+import json
 import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,17 +28,25 @@ CDR_TYPES = (
 )
 
 
+class Values(NamedTuple):
+    """How the values of an input are read, and written again."""
+
+    read: Callable[[bytes], Any]
+    write: Callable[[Any], bytes]
+
+
 @dataclass(frozen=True)
 class Reader:
     """read: from bytes and a folder to write them into, to something comparable.
 
     libraries: what a fuzzer instruments beside uwsim. has_end: whether a file that is cut short can be told from a
-    whole one, so that no such file may be read as another one.
+    whole one, so that no such file may be read as another one. values: if inputs are also to be mutated value by value.
     """
 
     read: Callable[[bytes, Path], Any]
     libraries: tuple[str, ...] = ()
     has_end: bool = True
+    values: Values | None = None
 
 
 def _cloud(suffix: str) -> Callable[[bytes, Path], Any]:
@@ -186,6 +195,25 @@ def _depth_string(data: bytes, _: Path) -> bytes:
     return bytes(np.asarray(_core.decode_depth_string(data[1:].decode("latin-1"), beams, 54.9)))
 
 
+def _json(value: Any) -> bytes:
+    return json.dumps(value, default=str).encode()
+
+
+JSON = Values(json.loads, _json)
+JSON_LINES = Values(
+    lambda data: [json.loads(line) for line in data.splitlines()], lambda lines: b"\n".join(map(_json, lines))
+)
+
+
+def _yaml(data: bytes) -> Any:
+    from ruamel.yaml import YAML
+
+    return YAML(typ="safe", pure=True).load(data)
+
+
+YAML_VALUES = Values(_yaml, _json)  # JSON is YAML
+
+
 def _written(path: Path, data: bytes) -> Path:
     path.write_bytes(data)
     return path
@@ -203,7 +231,7 @@ READERS = {
     "mesh_ply": Reader(_mesh(".ply"), ("trimesh.exchange",)),
     "off": Reader(_mesh(".off"), ("trimesh.exchange",)),
     "glb": Reader(_mesh(".glb"), ("trimesh.exchange",)),
-    "gltf": Reader(_mesh(".gltf"), ("trimesh.exchange",)),
+    "gltf": Reader(_mesh(".gltf"), ("trimesh.exchange",), values=JSON),
     "fbx": Reader(_mesh(".fbx"), has_end=False),
     "dae": Reader(_mesh(".dae"), has_end=False),
     "asc": Reader(_raster(".asc")),
@@ -211,11 +239,11 @@ READERS = {
     "image": Reader(_image, ("PIL",)),
     "current_npz": Reader(_current(".npz"), ("numpy.lib", "zipfile")),
     "current_csv": Reader(_current(".csv"), ("csv",), has_end=False),
-    "scenario": Reader(_scenario, ("ruamel",), has_end=False),
-    "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib")),
-    "flight": Reader(_flight, ("pydantic", "json")),
+    "scenario": Reader(_scenario, ("ruamel",), has_end=False, values=YAML_VALUES),
+    "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib"), values=JSON),
+    "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),
     "cdr": Reader(_cdr, ("rosbags",)),
-    "frames": Reader(_frames, ("cbor2", "json"), has_end=False),
+    "frames": Reader(_frames, ("cbor2", "json"), has_end=False, values=JSON_LINES),
 }
 """By the name that `tools/fuzz` takes."""

@@ -2,9 +2,11 @@
 
 import json
 from pathlib import Path
+from random import Random
 
 import pytest
 from tests.fuzz.laws import Laws
+from tests.fuzz.mutate_values import mutated
 from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
@@ -48,6 +50,20 @@ def test_the_fuzzers_begin_with_inputs_that_are_accepted_and_not_by_halves(name:
     finally:
         laws.close()
     assert any(not outcome.said for outcome in outcomes)
+
+
+@pytest.mark.parametrize("name", [name for name, reader in READERS.items() if reader.values is not None])
+def test_values_that_a_fuzzer_mutates_stay_readable_and_differ(name: str) -> None:
+    values = READERS[name].values
+    assert values is not None
+    for data in seeds(name).values():
+        if (before := mutated(data, values, Random(0))) is None:
+            continue  # not of values: frames of CBOR
+        made = {mutated(data, values, Random(seed)) for seed in range(20)}
+        assert len(made) > 10
+        assert all(each is not None and values.read(each) is not None for each in made - {before, b"null"})
+        return
+    pytest.fail("no input was mutated")
 
 
 @pytest.mark.parametrize("path", FOUND, ids=lambda path: f"{path.parent.name}/{path.name}")
