@@ -43,7 +43,8 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
         seen.add(directory.next)
         file.seek(directory.next)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # tags that cannot be read are missing then
+            warnings.simplefilter("error")  # Pillow warns of tags that lie beyond the file, as GDAL does
+            warnings.filterwarnings("ignore", message="Metadata Warning")  # more numbers than a tag should have
             directory.load(file)
         yield dict(directory)
 
