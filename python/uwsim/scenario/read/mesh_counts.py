@@ -32,8 +32,9 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
         warn_if_cut_short(name, content)
 
 
-def require_whole_stl(text: bytes) -> None:
-    """Raise ValueError if an STL text is not solids of facets from its beginning to its end."""
+def require_whole_stl(name: str, text: bytes) -> None:
+    """Raise ValueError if an STL text is not solids of facets from its beginning to its end; warn as require_whole."""
+    warn_if_cut_short(name, text)  # another solid may have followed
     text, at = text.lower(), 0
     while begins := STL_SOLID.match(text, at):
         at = begins.end()

@@ -102,7 +102,7 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
         _require_indices_from_one(path, text)
         scene = trimesh.load_scene(io.StringIO(text), file_type="obj", process=False, skip_materials=True)
     elif suffix == ".stl":
-        scene = trimesh.load_scene(io.BytesIO(_sound_stl(content)), file_type="stl", process=False)
+        scene = trimesh.load_scene(io.BytesIO(_sound_stl(path, content)), file_type="stl", process=False)
     else:
         scene = trimesh.load_scene(path, process=False)
     mesh = scene.to_mesh()
@@ -117,7 +117,7 @@ def _require_indices_from_one(path: Path, text: str) -> None:
         raise ScenarioError(f"mesh '{path}': line {line}: a face names vertex 0, but an OBJ file's count from 1")
 
 
-def _sound_stl(data: bytes) -> bytes:
+def _sound_stl(path: Path, data: bytes) -> bytes:
     """Return the file, as UTF-8 if it is text; refuse files in which trimesh would find no triangles."""
     announced = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * announced:
@@ -125,7 +125,7 @@ def _sound_stl(data: bytes) -> bytes:
     if data.lstrip()[:5].lower() != b"solid" or b"\0" in data:
         size = f", its {len(data)} bytes are not the {84 + 50 * announced} of the {announced} triangles it announces"
         raise ValueError(f"neither text that starts with 'solid' nor binary{size if len(data) >= 84 else ''}")
-    require_whole_stl(data)
+    require_whole_stl(f"mesh '{path}'", data)
     return data.decode("utf-8", errors="replace").encode()
 
 
