@@ -26,11 +26,19 @@ def main() -> int:
     """Fuzz one reader, or all of them in turn; 1 if something was found."""
     names = [*READERS, "state"]
     parser = argparse.ArgumentParser(prog="tools/fuzz", description="Fuzz what reads bytes from outside.")
-    parser.add_argument("name", choices=[*names, "all"], metavar="NAME", help=f"{', '.join(names)}; or all, in turn")
+    parser.add_argument(
+        "name",
+        choices=[*names, "all", "figures"],
+        metavar="NAME",
+        help=f"{', '.join(names)}; all, in turn; or figures: what all runs so far came to",
+    )
     parser.add_argument("--seconds", type=int, default=60, help="for each; default 60")
     arguments = parser.parse_args()
     if arguments.seconds < 1:
         parser.error(f"--seconds {arguments.seconds}: must be at least 1")
+    if arguments.name == "figures":
+        print(totals.table({name: totals.read(_folder(name) / "total.json") for name in names}))
+        return 0
     chosen = names if arguments.name == "all" else [arguments.name]
     _require_tools(chosen)
     found = [name for name in chosen if not _fuzz(name, arguments.seconds)]
@@ -48,7 +56,7 @@ def _require_tools(names: list[str]) -> None:
 
 def _fuzz(name: str, seconds: int) -> bool:
     """Return whether nothing was found. Corpus and totals in build/fuzz/NAME grow with each run."""
-    folder = ROOT / "build" / "fuzz" / name
+    folder = _folder(name)
     corpus, found = folder / "corpus", folder / "found"
     for each in (corpus, found):
         each.mkdir(parents=True, exist_ok=True)
@@ -73,6 +81,10 @@ def _fuzz(name: str, seconds: int) -> bool:
     if status:
         print(f"fuzz: {name}: FOUND; the log: {log}", flush=True)
     return not status
+
+
+def _folder(name: str) -> Path:
+    return ROOT / "build" / "fuzz" / name
 
 
 def _is_real(found: Path, program: list[str]) -> bool:

@@ -8,6 +8,7 @@ import resource
 import signal
 import subprocess
 import time
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -49,6 +50,17 @@ class Total:
             self.idle_s + run.idle_s if silent else run.idle_s,
             max(self.memory_mb, run.memory_mb),
         )
+
+
+def table(totals: Mapping[str, Total]) -> str:
+    """Return the totals in Markdown."""
+    rows = [
+        f"| `{name}` | {each.inputs:,} | {each.processor_s / 60:.1f} | {each.edges:,} | {each.idle_s / 60:.1f} | "
+        f"{each.memory_mb} |"
+        for name, each in totals.items()
+    ]
+    title = "| reader | inputs | minutes of a processor | edges | minutes since the last new one | MB at most |"
+    return "\n".join([title, "|---|" + "---:|" * 5, *rows])
 
 
 def read(path: Path) -> Total:
