@@ -103,6 +103,57 @@ def _scenario(data: bytes, folder: Path) -> str:
     return repr(load(_written(folder / "scenario.yaml", data)))
 
 
+def _part(kind: str) -> Callable[[bytes, Path], Any]:
+    """A file that a scenario names: vehicle, thruster, sensors, sonar or modem."""
+
+    def read(data: bytes, folder: Path) -> str:
+        from uwsim.scenario.spec import actuator, modem, sensor, sonar, vehicle
+
+        loads: dict[str, Callable[[Path], Any]] = {
+            "vehicle": vehicle.load_vehicle,
+            "thruster": actuator.load_thruster,
+            "sensors": sensor.load_sensors,
+            "sonar": sonar.load_sonar,
+            "modem": modem.load_modem,
+        }
+        return repr(loads[kind](_written(folder / "part.yaml", data)))
+
+    return read
+
+
+def _sweep(data: bytes, folder: Path) -> str:
+    from uwsim.sweeps.spec import read_sweep
+
+    return repr(read_sweep(_written(folder / "sweep.yaml", data))[0])
+
+
+def _profile(data: bytes, folder: Path) -> list[Any]:
+    from uwsim.scenario.build.water import build_water
+    from uwsim.scenario.read.validated import validated
+    from uwsim.scenario.spec.water import Water
+
+    file = _written(folder / "profile.csv", data)
+    water = build_water(validated(Water, {"profile": {"kind": "table", "file": file}}), bottom_depth_m=20.0, seed=0)
+    return [water.temperature_deg_c(depth_m) for depth_m in (0.0, 5.0, 20.0)]
+
+
+def _track(suffix: str) -> Callable[[bytes, Path], Any]:
+    def read(data: bytes, folder: Path) -> list[bytes]:
+        from uwsim.datasets.track import read_track
+
+        track = read_track(_written(folder / f"track{suffix}", data))
+        return [each.tobytes() for each in (track.times_s, track.positions_m, track.orientations_xyzw)]
+
+    return read
+
+
+def _survey_track(data: bytes, folder: Path) -> list[Any]:
+    from uwsim.scoring.survey_track import SurveyTrack
+
+    track = SurveyTrack.read(_written(folder / "track.npz", data))
+    return [track.path_world_m.tobytes(), track.area_world_m.tobytes(), track.range_max_m, track.scenario_name]
+
+
 def _checkpoint(data: bytes, _: Path) -> str:
     """A survey's state with a checksum that is right, so that mutations reach what is inside."""
     from uwsim.survey.flight_state import NAME, VERSION, from_bytes
@@ -240,6 +291,15 @@ READERS = {
     "current_npz": Reader(_current(".npz"), ("numpy.lib", "zipfile")),
     "current_csv": Reader(_current(".csv"), ("csv",), has_end=False),
     "scenario": Reader(_scenario, ("ruamel",), has_end=False, values=YAML_VALUES),
+    **{
+        kind: Reader(_part(kind), ("ruamel",), has_end=False, values=YAML_VALUES)
+        for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")
+    },
+    "sweep": Reader(_sweep, ("ruamel",), has_end=False, values=YAML_VALUES),
+    "profile": Reader(_profile, ("csv",), has_end=False),
+    "track_csv": Reader(_track(".csv"), ("csv",), has_end=False),
+    "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),
+    "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
     "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib"), values=JSON),
     "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),

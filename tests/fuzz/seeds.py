@@ -51,6 +51,21 @@ DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/CO
 </library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
+PROFILE = b"# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
+SWEEP = b"""description: two speeds
+scenario: cove
+method: sobol
+samples: 64
+seeds: {first: 1}
+vary:
+  rov.drag.linear.surge: {low: 30, high: 60}
+  water.current_world_m_s: {choices: {slack: [0, 0, 0], flood: [0.2, 0, 0]}}
+objective: {metric: coverage, best: high}
+show: [coverage, simulated_s]
+require: {collisions: {high: 0}}
+worst: 3
+"""
+TRACK = b"time_s,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad\n0,1,2,-3,0.1,0,0\n0.5,1.5,2,-3,0.2,0,0.01\n"
 FRAMES = (
     {"op": "advertise", "topic": "/t", "type": "std_msgs/String", "latch": True},
     {"op": "subscribe", "topic": "/t", "type": "std_msgs/String", "compression": "cbor", "queue_length": 2, "id": "a"},
@@ -168,6 +183,36 @@ def _scenarios() -> list[bytes]:
     return [path.read_bytes() for path in sorted((assets_folder() / "scenarios").glob("*.yaml"))]
 
 
+def _parts(folder: str) -> Callable[[], list[bytes]]:
+    def make() -> list[bytes]:
+        from uwsim.scenario.read.assets import assets_folder
+
+        return [path.read_bytes() for path in sorted((assets_folder() / folder).glob("*.yaml"))]
+
+    return make
+
+
+def _track_npz() -> list[bytes]:
+    made = []
+    turns = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
+    for save in (np.savez, np.savez_compressed):
+        file = io.BytesIO()
+        save(file, time_s=np.arange(3.0), position_world_m=_points().astype(np.float64), orientation_xyzw=turns)
+        made.append(file.getvalue())
+    return [*made, *_survey_track()]
+
+
+def _survey_track() -> list[bytes]:
+    from uwsim.scoring.survey_track import SurveyTrack
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "track.npz"
+        SurveyTrack(_points().astype(np.float64), np.array([[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]]), 50.0, "lake").write(
+            path
+        )
+        return [path.read_bytes()]
+
+
 def _checkpoint() -> list[bytes]:
     from uwsim.survey.flight_state import FlightState, to_bytes
     from uwsim.survey.ping_log import PingLog
@@ -251,6 +296,12 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "current_npz": _npz,
     "current_csv": lambda: [CSV],
     "scenario": _scenarios,
+    **{kind: _parts(f"{kind.removesuffix('s')}s") for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")},
+    "sweep": lambda: [SWEEP],
+    "profile": lambda: [PROFILE],
+    "track_csv": lambda: [TRACK],
+    "track_npz": _track_npz,
+    "survey_track": _survey_track,
     "checkpoint": _checkpoint,
     "flight": _flight,
     "mcap": _recordings,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from uwsim.cut_short import warn_if_cut_short
+from uwsim.npz import read_npz
 
 Floats = NDArray[np.float64]
 POSITIONS, ORIENTATIONS, TIMES, PATH = "position_world_m", "orientation_xyzw", "time_s", "path_world_m"
@@ -47,6 +49,8 @@ def read_track(path: str | Path) -> Track:
     except OSError as error:
         raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
     try:
+        if file.suffix == ".csv":
+            warn_if_cut_short(f"track '{path}'", data)
         return _from_csv(data) if file.suffix == ".csv" else _from_npz(data)
     except (ValueError, csv.Error) as error:
         raise ValueError(f"track '{path}': {error}") from None
@@ -76,11 +80,7 @@ def _from_csv(data: bytes) -> Track:
 
 
 def _from_npz(data: bytes) -> Track:
-    try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            fields = {name: np.asarray(file[name]) for name in file.files}
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, AttributeError):
-        raise ValueError("is damaged, or no .npz or .csv file of a track") from None
+    fields = read_npz(data)
     if PATH in fields:
         positions = np.asarray(fields[PATH], np.float64)
         return _checked(np.arange(float(len(positions))), positions, _headings_xyzw(positions))
@@ -103,6 +103,8 @@ def _checked(times: Any, positions: Any, orientations: Any) -> Track:
     arrays = {TIMES: (times, ()), POSITIONS: (positions, (3,)), ORIENTATIONS: (orientations, (4,))}
     count, found = len(np.asarray(positions)), []
     for name, (values, width) in arrays.items():
+        if np.asarray(values).dtype.kind not in "iuf":
+            raise ValueError(f"{name}: must hold real numbers")
         array = np.asarray(values, np.float64)
         if array.shape != (count, *width):
             raise ValueError(f"{name}: shape {array.shape}: must be {(count, *width)}")

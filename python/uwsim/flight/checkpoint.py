@@ -28,6 +28,7 @@ from uwsim.flight.map_growth import GrowthRow
 from uwsim.flight.mission_file import MissionError
 from uwsim.flight.request import FlightRequest
 from uwsim.mapping import OccupancyMap
+from uwsim.npz import read_npz
 from uwsim.scenario.fingerprint import build_fingerprint
 
 MAP, FOLDER, STATE = "map.bt", "checkpoint", "flight.json"
@@ -146,8 +147,7 @@ class FlightCheckpoint:
             if file.suffix == ".ot":
                 occupancy = OccupancyMap.read(file, engine="bricks")
             else:
-                with np.load(file, allow_pickle=False) as arrays:
-                    paths = {name: np.asarray(arrays[name], np.float64) for name in arrays.files}
+                paths = {name: np.asarray(array, np.float64) for name, array in read_npz(file).items()}
         return SavedFlight(
             state.request, state.tick, state.state_digest, occupancy, paths, state.echo_count, state.growth, state.build
         )

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.atomic_file import write_atomically
+from uwsim.npz import read_npz
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,9 +97,8 @@ class SurveyTrack:
 def _fields(data: bytes) -> dict[str, NDArray[Any]]:
     """Return the arrays of a track file, whatever they hold. Raises ValueError in words of its own."""
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            fields = {name: np.asarray(file[name]) for name in file.files}
-    except Exception:  # a malformed archive can make NumPy and zipfile raise anything
+        fields = read_npz(data)
+    except ValueError:
         raise ValueError("it is damaged, or another kind of file; `uwsim survey` writes it") from None
     for name in FIELDS:
         if name not in fields:

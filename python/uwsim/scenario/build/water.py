@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.cut_short import warn_if_cut_short
+from uwsim.npz import read_npz
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import (
@@ -32,8 +33,6 @@ from uwsim.scenario.spec.water import (
 LINEAR_LEVELS = 17  # enough for linear pieces to follow EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
 
 Floats = NDArray[np.float64]
-
-MAX_GRID_BYTES = 1_000_000_000
 
 
 def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
@@ -185,14 +184,12 @@ def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
     if path.suffix.lower() == ".npz":
         keys = ("x_m", "y_m", "z_m", "velocity_m_s")
         try:
-            with np.load(path, allow_pickle=False) as file:
-                if sum(part.file_size for part in file.zip.infolist()) > MAX_GRID_BYTES:
-                    raise ValueError(f"must unpack to {MAX_GRID_BYTES} bytes at most")
-                arrays = [file[key] for key in keys]
+            held = read_npz(path)
+            arrays = [held[key] for key in keys]
             if any(array.dtype.kind not in "iuf" for array in arrays):
                 raise ValueError("arrays must hold real numbers")
             x_m, y_m, z_m, velocity = (np.asarray(array, np.float64) for array in arrays)
-        except Exception as error:  # a damaged file can make numpy and zipfile raise anything
+        except (ValueError, OSError, KeyError) as error:
             raise ScenarioError(f"current '{path}': not a .npz file with {', '.join(keys)}: {error}") from None
         return x_m, y_m, z_m, velocity
     names, rows = _read_csv(path, "current")

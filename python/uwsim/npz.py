@@ -1,0 +1,26 @@
+"""NumPy archives from strangers."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MAX_BYTES = 1_000_000_000
+"""What an archive may unpack to: a few kilobytes can stand for all memory."""
+
+
+def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an .npz file, or of its bytes, by name. Raises ValueError if it is none, OSError."""
+    data = source if isinstance(source, bytes) else source.read_bytes()
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            size = sum(part.file_size for part in file.zip.infolist())
+            if size > MAX_BYTES:
+                raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")
+            return {name: np.asarray(file[name]) for name in file.files}
+    except Exception as error:  # a damaged archive can make NumPy, zipfile and zlib raise anything
+        raise ValueError(f"is damaged, or no .npz file: {error}") from None
