@@ -14,6 +14,7 @@ from uwsim.recording.capsule import SCENARIO, pack, unpack
 from uwsim.recording.commands import COMMANDS
 from uwsim.recording.replay import replay
 from uwsim.scenario import load
+from uwsim.scenario.read.yaml_document import MAX_BYTES
 
 FOUND = sorted((Path(__file__).parents[1] / "fuzz" / "found").glob("*/*"))
 MISSPELT = {b"step_s": b"stop_s", b"on_wall_clock": b"on_wall_clack", b'"name": "undock"': b'"nome": "undock"'}
@@ -30,6 +31,13 @@ def test_a_recording_writes_its_files_only_into_its_folder(name: str, tmp_path: 
     with pytest.raises(ValueError, match="names a file"):
         unpack({**contents, **there, SCENARIO: json.dumps(plain).encode()}, tmp_path / "inner")
     assert list(tmp_path.rglob("*")) == []
+
+
+def test_a_scenario_that_would_take_longer_than_a_user_waits_is_refused_by_its_size(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text("name: a\nx: [" + "[]," * (MAX_BYTES // 3) + "]\n")
+    with pytest.raises(ValueError, match=f"has at most {MAX_BYTES}"):
+        load(path)
 
 
 @pytest.mark.parametrize("was", MISSPELT, ids=str)
