@@ -5,6 +5,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from ruamel.yaml import YAML
 from tests.fuzz.laws import Laws
 from tests.fuzz.mutate_values import mutated
 from tests.fuzz.readers import READERS
@@ -16,6 +17,7 @@ from uwsim.recording.replay import replay
 from uwsim.scenario import load
 from uwsim.scenario.read.yaml_document import MAX_BYTES
 
+WORKFLOWS = Path(__file__).parents[2] / ".github" / "workflows"
 FOUND = sorted((Path(__file__).parents[1] / "fuzz" / "found").glob("*/*"))
 MISSPELT = {b"step_s": b"stop_s", b"on_wall_clock": b"on_wall_clack", b'"name": "undock"': b'"nome": "undock"'}
 MISSPELT |= {b"start.state": b"start.stale", b'"tick": 0': b'"tick": x'}
@@ -72,6 +74,12 @@ def test_values_that_a_fuzzer_mutates_stay_readable_and_differ(name: str) -> Non
         assert all(each is not None and values.read(each) is not None for each in made - {before, b"null"})
         return
     pytest.fail("no input was mutated")
+
+
+def test_every_reader_is_attacked_for_an_hour_each_week() -> None:
+    weekly = YAML(typ="safe").load(WORKFLOWS / "weekly.yml")["jobs"]["fuzz"]
+    assert set(weekly["strategy"]["matrix"]["reader"]) == {*READERS, "state"}
+    assert any("--seconds 3600" in step.get("run", "") for step in weekly["steps"])
 
 
 @pytest.mark.parametrize("path", FOUND, ids=lambda path: f"{path.parent.name}/{path.name}")
