@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,14 @@ from numpy.typing import NDArray
 MAX_BYTES = 1_000_000_000
 """What an archive may unpack to: a few kilobytes can stand for all memory."""
 
+_READING = threading.Lock()  # NumPy parses headers by ast, which threads of Python 3.11 disturb (CPython issue 106905)
+
 
 def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
     """Return the arrays of an .npz file, or of its bytes, by name. Raises ValueError if it is none, OSError."""
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+        with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:
             size = sum(part.file_size for part in file.zip.infolist())
             if size > MAX_BYTES:
                 raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")

@@ -21,12 +21,25 @@ WIDTHS = (16, 4096)
 
 @dataclass(frozen=True)
 class Stream:
-    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: as it is made."""
+    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: as it is made.
+
+    Raises ValueError.
+    """
 
     enabled: bool = True
     rate_hz: float = RATE_HZ
     width: int = 0
     quality: int = 80
+
+    def __post_init__(self) -> None:
+        rules = {
+            "rate_hz": (0.01 <= self.rate_hz <= RATE_HZ, f"must be in [0.01, {RATE_HZ:g}]"),
+            "width": (self.width == 0 or WIDTHS[0] <= self.width <= WIDTHS[1], f"must be 0 or in {list(WIDTHS)}"),
+            "quality": (1 <= self.quality <= 100, "must be in [1, 100]"),
+        }
+        for name, (holds, rule) in rules.items():
+            if not holds:
+                raise ValueError(f"{name} = {getattr(self, name)}: {rule}")
 
     def is_due(self, slot: int) -> bool:
         """Return whether the picture of a period of 1 / RATE_HZ is to be sent."""

@@ -173,13 +173,17 @@ class _Replay:
     def _give(self, command: Command) -> None:
         self._advance(command.tick)
         self.result.commands += 1
-        if command.name in JUMPS:
-            getattr(self._sim, command.name)(**command.arguments)
-        elif command.name == SET_STREAM:
-            arguments = dict(command.arguments)
-            table_of(self._sim).pictures.set_stream(arguments.pop("key"), Stream(**arguments))
-        else:
-            bound_command(command.name, command.arguments)(self._sim)
+        try:
+            if command.name in JUMPS:
+                getattr(self._sim, command.name)(**command.arguments)
+            elif command.name == SET_STREAM:
+                arguments = dict(command.arguments)
+                table_of(self._sim).pictures.set_stream(arguments.pop("key"), Stream(**arguments))
+            else:
+                bound_command(command.name, command.arguments)(self._sim)
+        except (KeyError, TypeError) as error:  # of arguments that a recorder never wrote
+            path, name = self._recording.path, command.name
+            raise ValueError(f"recording '{path}': tick {command.tick}: {name}: {error}") from None
 
     def _advance(self, tick: int) -> None:
         if tick > self._sim.tick:

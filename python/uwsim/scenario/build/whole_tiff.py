@@ -42,10 +42,12 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
     while directory.next and directory.next not in seen and len(seen) < MAX_DIRECTORIES:
         seen.add(directory.next)
         file.seek(directory.next)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # Pillow warns of tags that lie beyond the file, as GDAL does
-            warnings.filterwarnings("ignore", message="Metadata Warning")  # more numbers than a tag should have
+        with warnings.catch_warnings(record=True) as issued:
+            warnings.simplefilter("always")
             directory.load(file)
+        said = [str(warning.message) for warning in issued]
+        if lost := [text for text in said if not text.startswith("Metadata Warning")]:  # more numbers than expected
+            raise ValueError(f"damaged tags: {lost[0]}")
         yield dict(directory)
 
 

@@ -12,7 +12,6 @@ import functools
 import hashlib
 import io
 import os
-import threading
 import warnings
 from collections.abc import Callable
 from importlib import metadata
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.atomic_file import write_atomically
+from uwsim.npz import read_npz
 
 Arrays = tuple[NDArray[np.generic], ...]
 Input = str | bytes | float | NDArray[np.generic]
@@ -29,7 +29,6 @@ Input = str | bytes | float | NDArray[np.generic]
 MAX_FILE_BYTES, MAX_FOLDER_BYTES = 1 << 26, 1 << 29
 LIBRARIES = ("numpy", "scipy", "trimesh", "networkx", "manifold3d", "assimp-py", "pyfastnoiselite")
 DIGEST_BYTES = 32
-_READING = threading.Lock()  # NumPy parses headers by ast, which threads of Python 3.11 disturb (CPython issue 106905)
 
 
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
@@ -95,8 +94,8 @@ def _unpacked(data: bytes) -> Arrays:
     digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
     if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
         raise ValueError("damaged")
-    with _READING, np.load(io.BytesIO(content), allow_pickle=False) as file:
-        return tuple(file[f"a{k}"] for k in range(len(file.files)))
+    held = read_npz(content)
+    return tuple(held[f"a{k}"] for k in range(len(held)))
 
 
 def _digest_of(*inputs: Input) -> str:
