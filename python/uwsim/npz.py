@@ -21,7 +21,10 @@ def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:
-            size = sum(part.file_size for part in file.zip.infolist())
+            parts = file.zip.infolist()
+            if parts and min(part.header_offset for part in parts) > 0:
+                raise ValueError("another file comes before it")  # which is what is left if it is cut short
+            size = sum(part.file_size for part in parts)
             if size > MAX_BYTES:
                 raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")
             return {name: np.asarray(file[name]) for name in file.files}

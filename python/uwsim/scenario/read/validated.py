@@ -74,7 +74,7 @@ def _follows(mistake: Mistake, left: Remainder) -> bool:
         if path[: len(gone)] == gone:
             return True
         inside = gone[: len(model)] == model and len(gone) > len(model)
-        if inside and any(re.search(rf"\b{key}\b", mistake.rule) for key in gone[len(model) :]):
+        if inside and any(re.search(rf"\b{re.escape(str(key))}\b", mistake.rule) for key in gone[len(model) :]):
             return True
         if gone[: len(path)] == path and mistake.rule.startswith("must have at least"):
             return True
