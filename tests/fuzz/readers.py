@@ -39,13 +39,13 @@ class Values(NamedTuple):
 class Reader:
     """read: from bytes and a folder to write them into, to something comparable.
 
-    libraries: what a fuzzer instruments beside uwsim. has_end: whether a file that is cut short can be told from a
-    whole one, so that no such file may be read as another one. values: if inputs are also to be mutated value by value.
+    libraries: what a fuzzer instruments beside uwsim. has_end: whether an input that is cut short can be told from a
+    whole one, so that none may be read as another one. values: if inputs are also to be mutated value by value.
     """
 
     read: Callable[[bytes, Path], Any]
     libraries: tuple[str, ...] = ()
-    has_end: bool = True
+    has_end: Callable[[bytes], bool] = lambda data: True
     values: Values | None = None
 
 
@@ -256,6 +256,15 @@ JSON_LINES = Values(
 )
 
 
+def _without_end(_: bytes) -> bool:
+    return False
+
+
+def _has_one_solid(data: bytes) -> bool:
+    """Of several solids in a text each could be the last."""
+    return data.lower().count(b"endsolid") < 2
+
+
 def _yaml(data: bytes) -> Any:
     from ruamel.yaml import YAML
 
@@ -276,34 +285,34 @@ READERS = {
     "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
     "ply": Reader(_cloud(".ply"), ("numpy.lib.npyio",)),
     "las": Reader(_cloud(".las"), ("laspy",)),
-    "xyz": Reader(_cloud(".xyz"), has_end=False),
-    "stl": Reader(_mesh(".stl"), ("trimesh.exchange",)),
-    "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=False),
+    "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
+    "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
+    "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=_without_end),
     "mesh_ply": Reader(_mesh(".ply"), ("trimesh.exchange",)),
     "off": Reader(_mesh(".off"), ("trimesh.exchange",)),
     "glb": Reader(_mesh(".glb"), ("trimesh.exchange",)),
     "gltf": Reader(_mesh(".gltf"), ("trimesh.exchange",), values=JSON),
-    "fbx": Reader(_mesh(".fbx"), has_end=False),
-    "dae": Reader(_mesh(".dae"), has_end=False),
+    "fbx": Reader(_mesh(".fbx"), has_end=_without_end),
+    "dae": Reader(_mesh(".dae"), has_end=_without_end),
     "asc": Reader(_raster(".asc")),
     "tif": Reader(_raster(".tif")),
     "image": Reader(_image, ("PIL",)),
     "current_npz": Reader(_current(".npz"), ("numpy.lib", "zipfile")),
-    "current_csv": Reader(_current(".csv"), ("csv",), has_end=False),
-    "scenario": Reader(_scenario, ("ruamel",), has_end=False, values=YAML_VALUES),
+    "current_csv": Reader(_current(".csv"), ("csv",), has_end=_without_end),
+    "scenario": Reader(_scenario, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     **{
-        kind: Reader(_part(kind), ("ruamel",), has_end=False, values=YAML_VALUES)
+        kind: Reader(_part(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)
         for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")
     },
-    "sweep": Reader(_sweep, ("ruamel",), has_end=False, values=YAML_VALUES),
-    "profile": Reader(_profile, ("csv",), has_end=False),
-    "track_csv": Reader(_track(".csv"), ("csv",), has_end=False),
+    "sweep": Reader(_sweep, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "profile": Reader(_profile, ("csv",), has_end=_without_end),
+    "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),
     "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),
     "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
     "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib"), values=JSON),
     "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),
     "cdr": Reader(_cdr, ("rosbags",)),
-    "frames": Reader(_frames, ("cbor2", "json"), has_end=False, values=JSON_LINES),
+    "frames": Reader(_frames, ("cbor2", "json"), has_end=_without_end, values=JSON_LINES),
 }
 """By the name that `tools/fuzz` takes."""

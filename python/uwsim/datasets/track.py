@@ -82,17 +82,23 @@ def _from_csv(data: bytes) -> Track:
 def _from_npz(data: bytes) -> Track:
     fields = read_npz(data)
     if PATH in fields:
-        positions = np.asarray(fields[PATH], np.float64)
-        return _checked(np.arange(float(len(positions))), positions, _headings_xyzw(positions))
+        positions = fields[PATH]
+        return _checked(_a_second_each(positions), positions, _headings_xyzw(positions))
     for name in (POSITIONS, ORIENTATIONS):
         if name not in fields:
             raise ValueError(f"has no array {name}")
-    times = fields.get(TIMES, np.arange(float(len(fields[POSITIONS]))))
+    times = fields.get(TIMES, _a_second_each(fields[POSITIONS]))
     return _checked(times, fields[POSITIONS], fields[ORIENTATIONS])
 
 
-def _headings_xyzw(positions: Floats) -> Floats:
+def _a_second_each(positions: NDArray[Any]) -> Floats:
+    return np.arange(float(np.atleast_1d(positions).shape[0]))
+
+
+def _headings_xyzw(positions: NDArray[Any]) -> Floats:
     """(n, 4), level, along the path."""
+    if positions.dtype.kind not in "iuf":
+        raise ValueError(f"{PATH}: must hold real numbers")
     if positions.ndim != 2 or positions.shape[1:] != (3,) or len(positions) < 2:
         raise ValueError(f"{PATH}: shape {positions.shape}: must be (n, 3), of two positions or more")
     along = np.gradient(positions, axis=0)
@@ -101,7 +107,7 @@ def _headings_xyzw(positions: Floats) -> Floats:
 
 def _checked(times: Any, positions: Any, orientations: Any) -> Track:
     arrays = {TIMES: (times, ()), POSITIONS: (positions, (3,)), ORIENTATIONS: (orientations, (4,))}
-    count, found = len(np.asarray(positions)), []
+    count, found = np.atleast_1d(positions).shape[0], []
     for name, (values, width) in arrays.items():
         if np.asarray(values).dtype.kind not in "iuf":
             raise ValueError(f"{name}: must hold real numbers")

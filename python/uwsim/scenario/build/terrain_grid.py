@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatGrid = NDArray[np.float64]
+PixelAt = Callable[[FloatGrid, FloatGrid], tuple[FloatGrid, FloatGrid]]
+
+BLOCK_NODES = 1 << 20
+SPLINE_MARGIN = 12  # as SciPy's own: the values' edges repeated so often, beyond which a spline's coefficients end
 
 
 def grid_axes(size_m: tuple[float, float], spacing_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -20,12 +25,24 @@ def grid_axes(size_m: tuple[float, float], spacing_m: float) -> tuple[NDArray[np
     return axis(size_m[0]), axis(size_m[1])
 
 
-def interpolated(
-    values: FloatGrid, rows: FloatGrid, columns: FloatGrid, interpolation: Literal["cubic", "linear"]
+def resampled(
+    values: FloatGrid, x: FloatGrid, y: FloatGrid, pixel_at: PixelAt, interpolation: Literal["cubic", "linear"]
 ) -> FloatGrid:
-    """Interpolate values (h, w) at fractional rows and columns, linearly or by a cubic spline through the values."""
-    from scipy.ndimage import map_coordinates  # here, since it takes long to import
+    """Interpolate values (h, w) at the nodes (ny, nx) of a grid, linearly or by a cubic spline through the values.
+
+    pixel_at: converts coordinates to fractional rows and columns. It is asked for blocks of rows, since those of a
+    large terrain at once would take a gigabyte.
+    """
+    from scipy.ndimage import map_coordinates, spline_filter  # here, since it takes long to import
 
     order = 3 if interpolation == "cubic" and min(values.shape) > 3 else 1
-    result: FloatGrid = map_coordinates(values, [rows, columns], order=order, mode="nearest", prefilter=order > 1)
+    margin = SPLINE_MARGIN if order > 1 else 0
+    known = spline_filter(np.pad(values, margin, mode="edge"), order, mode="nearest") if order > 1 else values
+    result = np.empty((len(y), len(x)))
+    height = max(BLOCK_NODES // len(x), 1)
+    for first in range(0, len(y), height):
+        block = slice(first, first + height)
+        rows, columns = pixel_at(*np.meshgrid(x, y[block]))
+        places = [rows + margin, columns + margin]
+        map_coordinates(known, places, result[block], order=order, mode="nearest", prefilter=False)
     return result

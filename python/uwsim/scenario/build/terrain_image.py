@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
-from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
+from uwsim.scenario.build.terrain_grid import FloatGrid, grid_axes, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, ImageTerrain
@@ -20,11 +20,12 @@ def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
     share = _grey_share(spec)
     h, w = share.shape
     x, y = grid_axes(spec.size_m, spec.spacing_m)
-    columns = (x / spec.size_m[0] + 0.5) * (w - 1)
-    rows = (0.5 - y / spec.size_m[1]) * (h - 1)
     heights = spec.black_m + (spec.white_m - spec.black_m) * share
-    row_grid, column_grid = np.meshgrid(rows, columns, indexing="ij")
-    return interpolated(heights, row_grid, column_grid, spec.interpolation)
+
+    def pixel_at(x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
+        return (0.5 - y / spec.size_m[1]) * (h - 1), (x / spec.size_m[0] + 0.5) * (w - 1)
+
+    return resampled(heights, x, y, pixel_at, spec.interpolation)
 
 
 def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
 from uwsim.cut_short import warn_if_cut_short
-from uwsim.scenario.build.terrain_grid import grid_axes, interpolated
+from uwsim.scenario.build.terrain_grid import grid_axes, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, RasterTerrain
@@ -75,18 +75,22 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
     _require_centre(raster, centre, spec)
     size = spec.size_m or _largest_size(raster, centre, spec)
-    x, y = np.meshgrid(*grid_axes(size, spec.spacing_m))
-    columns, rows = raster.pixel_at(
-        *_file_from_metres(raster, centre, x / spec.horizontal_scale, y / spec.horizontal_scale)
-    )
     margin = 0.5 + 1e-6  # a cell's value holds out to its edge
-    outside = (columns < -margin) | (columns > w - 1 + margin) | (rows < -margin) | (rows > h - 1 + margin)
-    if outside.any() or not np.isfinite(columns + rows).all():
-        raise ScenarioError(
-            f"terrain '{raster.name}': {size[0]:g} x {size[1]:g} m at horizontal_scale {spec.horizontal_scale:g} about "
-            f"({centre[0]:.6g}, {centre[1]:.6g}) reaches beyond the raster: choose a smaller size_m or another centre"
+
+    def pixel_at(x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
+        columns, rows = raster.pixel_at(
+            *_file_from_metres(raster, centre, x / spec.horizontal_scale, y / spec.horizontal_scale)
         )
-    elevations = interpolated(raster.elevations, rows, columns, spec.interpolation)
+        outside = (columns < -margin) | (columns > w - 1 + margin) | (rows < -margin) | (rows > h - 1 + margin)
+        if outside.any() or not np.isfinite(columns + rows).all():
+            raise ScenarioError(
+                f"terrain '{raster.name}': {size[0]:g} x {size[1]:g} m at horizontal_scale {spec.horizontal_scale:g} "
+                f"about ({centre[0]:.6g}, {centre[1]:.6g}) reaches beyond the raster: choose a smaller size_m or "
+                "another centre"
+            )
+        return rows, columns
+
+    elevations = resampled(raster.elevations, *grid_axes(size, spec.spacing_m), pixel_at, spec.interpolation)
     return _heights(raster, elevations, spec)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO, Any
@@ -13,7 +14,7 @@ MAX_DIRECTORIES = 256
 BIG = (b"II\x2b\0", b"MM\0\x2b")
 MAGIC = (b"II\x2a\0", b"MM\0\x2a", *BIG)
 WIDTH, HEIGHT, BITS, COMPRESSION, SAMPLES, PLANAR = 256, 257, 258, 259, 277, 284
-UNCOMPRESSED, SEPARATE = 1, 2
+UNCOMPRESSED, DEFLATE, SEPARATE = 1, (8, 32946), 2
 OFFSETS, ROWS, COUNTS = 273, 278, 279
 TILE_WIDTH, TILE_HEIGHT, TILE_OFFSETS, TILE_COUNTS = 322, 323, 324, 325
 
@@ -26,7 +27,7 @@ def require_whole_tiff(path: Path) -> None:
             return
         try:
             for tags in _directories(file):
-                _require_parts(tags, size)
+                _require_parts(file, tags, size)
         except (ValueError, OSError):
             raise
         except Exception as error:  # tags that lack, or are of other types: Pillow raises errors of any type, too
@@ -51,35 +52,53 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
         yield dict(directory)
 
 
-def _require_parts(tags: dict[int, Any], size: int) -> None:
+def _require_parts(file: IO[bytes], tags: dict[int, Any], size: int) -> None:
     tiled = TILE_OFFSETS in tags
     offsets, counts = (tags[tag] for tag in ((TILE_OFFSETS, TILE_COUNTS) if tiled else (OFFSETS, COUNTS)))
-    expected, least = _tiles(tags) if tiled else _strips(tags)
+    expected, unpacked = _tiles(tags) if tiled else _strips(tags)
     if not len(offsets) == len(counts) == expected:
         raise ValueError(f"{len(offsets)} offsets and {len(counts)} lengths for {expected} strips or tiles")
+    compression = tags.get(COMPRESSION, UNCOMPRESSED)
     for number, (offset, count) in enumerate(zip(offsets, counts, strict=True)):
-        if count and (offset + count > size or count < least(number)):  # 0: a part without data, of a sparse file
+        if count == 0:  # without data, of a sparse file
+            continue
+        if offset + count > size or (compression == UNCOMPRESSED and count < unpacked(number)):
             raise ValueError("a strip or tile ends beyond the file, which may be cut short")
+        if compression in DEFLATE:
+            file.seek(offset)
+            _require_unpacks(file.read(count), unpacked(number))
+
+
+def _require_unpacks(data: bytes, size: int) -> None:
+    """Raise ValueError if a deflated part is damaged: GDAL gives the memory that it had for it, without a word."""
+    reader = zlib.decompressobj()
+    try:
+        found = len(reader.decompress(data, size + 1))
+    except zlib.error as error:
+        raise ValueError(f"a strip or tile is damaged: {error}") from None
+    if found < size or not reader.eof:
+        raise ValueError(f"a strip or tile is damaged: it unpacks to {found} bytes, expected {size}")
 
 
 def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return how many tiles there must be, and how many bytes each has at least."""
+    """Return how many tiles there must be, and how many bytes each has unpacked."""
     planes, row_bits = _planes(tags, tags[TILE_WIDTH])
     across, down = -(-tags[WIDTH] // tags[TILE_WIDTH]), -(-tags[HEIGHT] // tags[TILE_HEIGHT])
-    tile_bytes = _least(tags, row_bits, tags[TILE_HEIGHT])
+    tile_bytes = tags[TILE_HEIGHT] * -(-row_bits // 8)
     return planes * across * down, lambda _: tile_bytes
 
 
 def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return how many strips there must be, and how many bytes each has at least."""
+    """Return how many strips there must be, and how many bytes each has unpacked."""
     planes, row_bits = _planes(tags, tags[WIDTH])
-    rows = min(tags.get(ROWS, tags[HEIGHT]), tags[HEIGHT])
-    strips = -(-tags[HEIGHT] // rows)
+    height: int = tags[HEIGHT]
+    rows = min(tags.get(ROWS, height), height)
+    strips = -(-height // rows)
 
-    def least(number: int) -> int:
-        return _least(tags, row_bits, min(rows, tags[HEIGHT] - number % strips * rows))
+    def unpacked(number: int) -> int:
+        return int(min(rows, height - number % strips * rows)) * -(-row_bits // 8)
 
-    return planes * strips, least
+    return planes * strips, unpacked
 
 
 def _planes(tags: dict[int, Any], width: int) -> tuple[int, int]:
@@ -88,8 +107,3 @@ def _planes(tags: dict[int, Any], width: int) -> tuple[int, int]:
     separate = tags.get(PLANAR, 1) == SEPARATE
     samples = tags.get(SAMPLES, 1)
     return (samples, width * bits[0]) if separate else (1, width * bits[0] * samples)
-
-
-def _least(tags: dict[int, Any], row_bits: int, rows: int) -> int:
-    """Return the bytes of so many rows; of compressed ones 1."""
-    return rows * -(-row_bits // 8) if tags.get(COMPRESSION, UNCOMPRESSED) == UNCOMPRESSED else 1

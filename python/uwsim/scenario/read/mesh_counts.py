@@ -21,7 +21,7 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
     name: what messages call the file. suffix: of TEXT_SUFFIXES. Of glTF the reader finds it out itself.
     """
     head = content[:MAX_HEADER]
-    if suffix == ".off" and not re.sub(rb"#[^\n]*", b"", content).isascii():
+    if suffix == ".off" and re.search(rb"[^\t\n\r -~]", re.sub(rb"#[^\n]*", b"", content)):
         raise ValueError("holds other characters than numbers")  # trimesh guesses an encoding from all of the file
     if suffix == ".off" and re.match(rb"(?:\s|#[^\n]*\n)*C?OFF\b", content) is None:
         raise ValueError("does not begin with OFF")  # trimesh looks for it in all of the file
