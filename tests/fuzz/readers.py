@@ -74,7 +74,8 @@ def _raster(suffix: str) -> Callable[[bytes, Path], Any]:
         from uwsim.scenario.spec.terrain import RasterTerrain
 
         file = _written(folder / f"terrain{suffix}", data)
-        return raster_heights(RasterTerrain(source="raster", file=file, spacing_m=1.0, water_level_m=0)).tobytes()
+        heights = raster_heights(RasterTerrain(source="raster", file=file, spacing_m=1.0, water_level_m=0))
+        return hashlib.sha256(heights).digest()
 
     return read
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Literal
 
 import numpy as np
@@ -30,8 +30,8 @@ def resampled(
 ) -> FloatGrid:
     """Interpolate values (h, w) at the nodes (ny, nx) of a grid, linearly or by a cubic spline through the values.
 
-    pixel_at: converts coordinates to fractional rows and columns. It is asked for blocks of rows, since those of a
-    large terrain at once would take a gigabyte.
+    pixel_at: converts coordinates to fractional rows and columns. It is asked for a block after the other, since
+    those of a large terrain at once would take a gigabyte.
     """
     from scipy.ndimage import map_coordinates, spline_filter  # here, since it takes long to import
 
@@ -39,10 +39,17 @@ def resampled(
     margin = SPLINE_MARGIN if order > 1 else 0
     known = spline_filter(np.pad(values, margin, mode="edge"), order, mode="nearest") if order > 1 else values
     result = np.empty((len(y), len(x)))
-    height = max(BLOCK_NODES // len(x), 1)
-    for first in range(0, len(y), height):
-        block = slice(first, first + height)
-        rows, columns = pixel_at(*np.meshgrid(x, y[block]))
+    for across, down in _blocks(len(x), len(y)):
+        rows, columns = pixel_at(*np.meshgrid(x[across], y[down]))
         places = [rows + margin, columns + margin]
-        map_coordinates(known, places, result[block], order=order, mode="nearest", prefilter=False)
+        result[down, across] = map_coordinates(known, places, order=order, mode="nearest", prefilter=False)
     return result
+
+
+def _blocks(nx: int, ny: int) -> Iterator[tuple[slice, slice]]:
+    """Yield slices of columns and rows that together cover a grid."""
+    width = min(nx, BLOCK_NODES)
+    height = max(BLOCK_NODES // width, 1)
+    for top in range(0, ny, height):
+        for left in range(0, nx, width):
+            yield slice(left, left + width), slice(top, top + height)
