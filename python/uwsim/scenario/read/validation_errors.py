@@ -92,9 +92,9 @@ def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], h
     if kind == "missing":  # because its key is misspelt
         unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
         return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
-    if kind == "extra_forbidden":  # because the kind that would know it is unknown
-        beside = [o["loc"] for o in errors if o["loc"][:-1] == loc[:-1]]
-        return any(str(other[-1]) in TAGS for other in beside)
+    if kind == "extra_forbidden":  # because the kind that would know it is unknown, unless it is that kind, misspelt
+        beside = [str(o["loc"][-1]) for o in errors if o["loc"][:-1] == loc[:-1]]
+        return any(tag in beside and f"'{tag}'" not in hints.get(str(loc[-1]), "") for tag in TAGS)
     if kind == "too_short":  # because invalid items do not count
         return any(len(o["loc"]) > len(loc) and o["loc"][: len(loc)] == loc for o in errors)
     return False
