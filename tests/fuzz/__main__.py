@@ -92,7 +92,7 @@ def _is_real(found: Path, program: list[str]) -> bool:
 
     atheris's process grows by some megabytes for each input with large arrays, which it does not without atheris.
     """
-    if not found.name.startswith(("timeout-", "oom-")):
+    if not found.name.startswith(("timeout-", "slow-unit-", "oom-")):
         return True
     command = [*program, f"-timeout={_hang_s()}", f"-rss_limit_mb={MEMORY_MB}", str(found)]
     again = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
