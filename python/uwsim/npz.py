@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_BYTES = 1_000_000_000
-"""What an archive may unpack to: a few kilobytes can stand for all memory."""
+"""The most that an archive may unpack to: a few kilobytes can stand for all memory."""
 
 _READING = threading.Lock()  # NumPy parses headers by ast, which threads of Python 3.11 disturb (CPython issue 106905)
 

@@ -262,7 +262,7 @@ def _without_end(_: bytes) -> bool:
 
 
 def _has_one_solid(data: bytes) -> bool:
-    """Of several solids in a text each could be the last."""
+    """Return whether it is no text of several solids, each of which could be the last."""
     return data.lower().count(b"endsolid") < 2
 
 

@@ -1,4 +1,4 @@
-"""What all runs of a fuzzer come to: an hour of each can be put together from many short runs."""
+"""The figures of all runs of a fuzzer: an hour of each can be put together from many short runs."""
 
 from __future__ import annotations
 

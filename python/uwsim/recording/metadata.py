@@ -1,4 +1,4 @@
-"""What a recording says of the whole run, at its beginning and end: text in the file, checked values here."""
+"""Metadata of a recording's run, at its beginning and end: text in the file, checked values here."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Metadata = TypeVar("Metadata", bound=BaseModel)
 
 
 class Start(BaseModel):
-    """What is known when a recording begins. begun: the wall clock's time."""
+    """A run as it is known when its recording begins. begun: the wall clock's time."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -35,7 +35,7 @@ class Start(BaseModel):
 
 
 class End(BaseModel):
-    """What is known when it ends in order. dropped: how many messages of each channel were left out."""
+    """A run as it is known when its recording ends in order. dropped: messages of each channel that were left out."""
 
     model_config = ConfigDict(frozen=True)
 
