@@ -66,7 +66,7 @@ def test_the_command_flies_files_and_prints_the_table(tmp_path: Path) -> None:
         (("--seeds", "1,x"), "--seeds 1,x: must be whole numbers"),
         (("--seeds", "1,1"), "one comes twice"),
         (("frontier", "frontier"), "there is another 'frontier'"),
-        (("--by", "guess"), "--by guess: must be one of truth, estimate"),
+        (("--by", "guess"), "--by = 'guess': must be one of truth, estimate"),
         (("--fault", "thruster"), "--fault thruster: must be as in a scenario"),
         (("--fault", "kind: sensor, sensor: dvl, mode: of"), "mode"),
         (("--set", "bound_km=3", "--seeds", "1"), "bound_km"),

@@ -49,7 +49,6 @@ def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
         (("--effects", "shadow"), "did you mean 'shadows'?"),
         (("--effects", "on,on+noise"), "'on' must stand alone: it means all effects"),
         (("--effects", ","), "must name at least one picture"),
-        (("--jerlov", "IV"), "must be one of I, IA"),
         (("--camera", "rear"), "camera = 'rear': must be one of station, deck, chase, front, down"),
         (("--lamps", "rear"), "lamps = 'rear': must be one of front, down"),
         (("--pose", "1,2"), "--pose 1,2: 2 numbers; must be X,Y,Z[,YAW[,PITCH[,ROLL]]]"),

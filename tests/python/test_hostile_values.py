@@ -1,6 +1,7 @@
 """Numbers from a user have bounds, in files and on the command line; hostile ones are refused, in one line."""
 
 import math
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from command_line import error_line, uwsim
 from uwsim import atomic_file
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.read.validated import validated
@@ -74,6 +76,20 @@ def test_every_number_on_a_command_line_has_bounds(command: str) -> None:
         if parameter.kind in (int, float):
             low, high, _ = parameter.bounds.bounds
             assert math.isfinite(low) and math.isfinite(high), parameter.name
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["nodes gps", "validate dynamics sona", "survey --engine brick", "camera --jerlov 4C"],
+)
+def test_a_word_that_is_none_is_a_wrong_command_line(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = uwsim(*words.split())
+    assert done.returncode == 2
+    assert re.fullmatch(r"uwsim: error: (--)?\w+ = '\w+': must be one of .*", error_line(done))
+    assert not list(tmp_path.iterdir())
 
 
 def test_every_command_is_attacked() -> None:

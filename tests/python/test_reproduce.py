@@ -81,4 +81,4 @@ def test_the_map_of_the_lawn_mower_has_the_walls_that_it_turned_at(tmp_path):
 
 
 def test_mistakes_are_one_line(tmp_path):
-    assert re.search("reproduce 'poster': must be paper", error_line(uwsim("reproduce", "poster")))
+    assert re.search("WHAT = 'poster': must be one of paper", error_line(uwsim("reproduce", "poster")))

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import need
-from uwsim.cli.values import words
 
 if TYPE_CHECKING:
     from uwsim.bridges.ros2 import Ros2Settings
@@ -25,7 +25,7 @@ RosDistro = Annotated[
     str | None,
     typer.Option(
         help="ROS 2: humble or jazzy. Default: the environment's ROS_DISTRO, else jazzy.",
-        autocompletion=words("humble", "jazzy"),
+        **one_of("humble", "jazzy"),
     ),
 ]
 RosDomain = Annotated[

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
-from uwsim.cli.values import words
 
 
 def camera(
@@ -27,7 +27,7 @@ def camera(
         str | None,
         typer.Option(
             help="Water type: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C.",
-            autocompletion=words(*["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"]),
+            **one_of("I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"),
         ),
     ] = None,
     sun: Annotated[

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import Threads
 from uwsim.cli.values import scenarios
 
@@ -41,7 +42,10 @@ def compare(
         typer.Option(help="Edge of the maps' voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
     ] = None,
     by: Annotated[
-        str, typer.Option(help="What the missions fly by: truth, or estimate, which is that of the vehicle's filter.")
+        str,
+        typer.Option(
+            help="What the missions fly by: truth, or estimate, which is that of the vehicle's filter.", **one_of(*BY)
+        ),
     ] = "truth",
     fault: Annotated[
         list[str] | None,
@@ -81,8 +85,6 @@ def compare(
         numbers = [int(seed) for seed in seeds.split(",")]
     except ValueError:
         raise ValueError(f"--seeds {seeds}: must be whole numbers, such as 0,1,2") from None
-    if by not in BY:
-        raise ValueError(f"--by {by}: must be one of {', '.join(BY)}")
     screen = Terminal()
     found = fly_all(
         chosen, scenario, out, seeds=numbers, arguments=parsed_arguments(argument or [], ast.literal_eval),

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.options import need
-from uwsim.cli.values import words
 
 
 def nodes(
@@ -18,9 +18,7 @@ def nodes(
         str,
         typer.Argument(
             help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, each a process.",
-            autocompletion=words(
-                "all", "string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "octomap"
-            ),
+            **one_of("all", "string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "octomap"),
         ),
     ] = "all",
     url: Annotated[str, typer.Option(help="The rosbridge, such as that of uwsim serve --wire published.")] = (
@@ -40,8 +38,6 @@ def nodes(
     from uwsim.bridges.nodes.chain import NODES
     from uwsim.bridges.nodes.processes import run_all, run_one
 
-    if name not in (*NODES, "all"):
-        raise ValueError(f"node '{name}': unknown; there are: all, {', '.join(NODES)}")
     if name not in ("octomap", "all"):
         need("the node octomap", out=out)
     out = out or Path("nodes.bt")

@@ -7,19 +7,17 @@ from typing import Annotated
 
 import typer
 
-from uwsim.cli.values import words
+from uwsim.cli.choices import one_of
 
 
 def reproduce(
-    what: Annotated[str, typer.Argument(help="What to reproduce: paper.", autocompletion=words("paper"))] = "paper",
+    what: Annotated[str, typer.Argument(help="What to reproduce: paper.", **one_of("paper"))] = "paper",
     out: Annotated[Path, typer.Option(help="Folder for the pictures, their values and the page.")] = Path("paper"),
 ) -> None:
     """Make the figures of the paper again, as our own pictures.
 
     Writes fig01.png to fig12.png, the values behind them (figures.json), and index.html.
     """
-    if what != "paper":
-        raise ValueError(f"reproduce '{what}': must be paper")
     from uwsim.reproduce import reproduce_paper
 
     reproduce_paper(out, typer.echo)

@@ -8,10 +8,11 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.bounds import readable, within
+from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, Voxel, WithoutEffectError, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
-from uwsim.cli.values import reports, scenarios, words
+from uwsim.cli.values import scenarios
 
 UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
 
@@ -44,7 +45,7 @@ def run(
         str | None,
         typer.Option(
             help="What vehicles know of their pose, and maps are made with: truth (default), or filter.",
-            autocompletion=words("truth", "filter"),
+            **one_of("truth", "filter"),
         ),
     ] = None,
     close_loops: Annotated[
@@ -90,7 +91,7 @@ def run(
         str,
         typer.Option(
             help="full: report.html, figures and summary.json; json: summary.json alone; none: neither.",
-            autocompletion=reports,
+            **one_of("full", "json", "none"),
         ),
     ] = "full",
     autosave: Annotated[

@@ -10,10 +10,13 @@ import typer
 from typer.core import TyperGroup
 
 from uwsim.cli.bounds import UsageError
+from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, WithoutEffectError
-from uwsim.cli.values import kinds, scenarios
+from uwsim.cli.values import scenarios, words
+
+KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem")
 
 
 class ScenarioCommands(TyperGroup):
@@ -85,7 +88,7 @@ def check(
     kind: Annotated[
         str,
         typer.Option(
-            help="What the files hold: scenario, vehicle, thruster, sonar, sensors or modem.", autocompletion=kinds
+            help="What the files hold: scenario, vehicle, thruster, sonar, sensors or modem.", **one_of(*KINDS)
         ),
     ] = "scenario",
 ) -> None:
@@ -130,7 +133,7 @@ def schema(
         str,
         typer.Argument(
             help="scenario, vehicle, thruster, sonar, sensors, modem; or sensor, camera, fault ...",
-            autocompletion=kinds,
+            autocompletion=words(*KINDS),
         ),
     ] = "scenario",
     path: Annotated[bool, typer.Option("--path", help="Print the packaged file's path, for an editor.")] = False,

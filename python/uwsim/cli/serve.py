@@ -9,9 +9,10 @@ import typer
 
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import Link, Record, RecordTopics, Seed, SonarModel, Threads, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
-from uwsim.cli.values import scenarios, words
+from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
     from uwsim.channels import Channel
@@ -22,14 +23,14 @@ Wire = Annotated[
     str,
     typer.Option(
         help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.",
-        autocompletion=words("standard", "published", "both"),
+        **one_of("standard", "published", "both"),
     ),
 ]
 Origin = Annotated[
     str,
     typer.Option(
         help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m).",
-        autocompletion=words("world", "published"),
+        **one_of("world", "published"),
     ),
 ]
 Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume begins.")]

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName
 from uwsim.cli.options import sonar_model as parsed_sonar_model
-from uwsim.cli.values import words
 
 
 def sonar(
@@ -22,7 +22,7 @@ def sonar(
         str,
         typer.Option(
             help="fan (plan and section), image (forward-looking), side-scan, profile, or all.",
-            autocompletion=words("fan", "image", "side-scan", "profile", "all"),
+            **one_of("fan", "image", "side-scan", "profile", "all"),
         ),
     ] = "all",
     sonar_model: SonarModel = None,

@@ -8,10 +8,11 @@ from typing import Annotated, Any
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel, need
 from uwsim.cli.options import sonar_model as parsed_sonar_model
-from uwsim.cli.values import reports, scenarios, words
+from uwsim.cli.values import scenarios
 
 
 def survey(
@@ -36,7 +37,7 @@ def survey(
         str | None,
         typer.Option(
             help="Engine of the map: bricks (default), or octomap, the stock library.",
-            autocompletion=words("bricks", "octomap"),
+            **one_of("bricks", "octomap"),
         ),
     ] = None,
     verify_map: Annotated[
@@ -64,7 +65,7 @@ def survey(
         str | None,
         typer.Option(
             help="truth, or filter: fly and map by the vehicle's own instruments. Default: truth.",
-            autocompletion=words("truth", "filter"),
+            **one_of("truth", "filter"),
         ),
     ] = None,
     close_loops: Annotated[
@@ -78,7 +79,7 @@ def survey(
         str,
         typer.Option(
             help="full: report.html, figures, summary.json; json: summary.json alone; none: map.bt alone, no score.",
-            autocompletion=reports,
+            **one_of("full", "json", "none"),
         ),
     ] = "full",
     min_coverage: Annotated[

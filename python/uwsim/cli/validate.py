@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
-from uwsim.cli.values import words
 
 
 def validate(
@@ -16,7 +16,7 @@ def validate(
         list[str] | None,
         typer.Argument(
             help="Any of dynamics, sonar, imaging, camera, link, control, estimation. Default: all.",
-            autocompletion=words("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation"),
+            **one_of("dynamics", "sonar", "imaging", "camera", "link", "control", "estimation"),
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,

@@ -45,8 +45,6 @@ def packaged(kind: str, *others: str) -> Completer:
 scenarios = packaged("scenarios")
 sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
-reports = words("full", "json", "none")
-kinds = words("scenario", "vehicle", "thruster", "sonar", "sensors", "modem")
 
 
 def offer_fast() -> None:

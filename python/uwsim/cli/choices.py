@@ -1,0 +1,24 @@
+"""Options and arguments that take one of a few words: checked before a command begins, and offered by a shell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import typer
+
+from uwsim.cli.bounds import UsageError, option_name
+from uwsim.cli.values import words
+from uwsim.did_you_mean import did_you_mean
+
+
+def one_of(*known: str) -> dict[str, Any]:
+    """Return what typer is told of a parameter that takes these words, or a list of them."""
+
+    def check(param: typer.CallbackParam, value: Any) -> Any:
+        for word in value if isinstance(value, list) else (value,):
+            if word is not None and word not in known:
+                rule = f"must be one of {', '.join(known)}{did_you_mean(word, known)}"
+                raise UsageError(f"{option_name(param)} = '{word[:40]}': {rule}")
+        return value
+
+    return {"callback": check, "autocompletion": words(*known)}
