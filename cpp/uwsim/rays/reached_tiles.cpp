@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "uwsim/rays/ray_lanes.h"
 
@@ -57,7 +58,8 @@ std::vector<ReachedTile> reached_tiles(const std::vector<RayTile>& tiles, const 
     }
     if (one.soonest_m < kInfinity) found.push_back(one);
   }
-  std::ranges::stable_sort(found, {}, &ReachedTile::soonest_m);
+  // Not stable_sort: libstdc++ merges in memory that is not aligned as a ReachedTile must be.
+  std::ranges::sort(found, {}, [](const ReachedTile& one) { return std::pair(one.soonest_m, one.tile); });
   return found;
 }
 
