@@ -1,6 +1,8 @@
 """A disk that is full, memory that is not there: one clear line, and nothing is lost that was saved."""
 
 import resource
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -70,6 +72,15 @@ def test_too_little_memory_is_one_line(megabytes: int, folder: Path) -> None:
     assert ended.returncode in (0, 1), ended.stderr
     assert "Traceback" not in ended.stderr
     assert ended.returncode == 0 or len(ended.stderr.strip().splitlines()) == 1, ended.stderr
+
+
+def test_a_system_without_threads_is_one_line(folder: Path) -> None:
+    without = 'def start(self):\n raise RuntimeError("can\'t start new thread")\n'
+    patched = f"{without}import threading; threading.Thread.start = start\nfrom uwsim.cli import main; main()"
+    command = [sys.executable, "-c", patched, "survey", "lake"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    assert ended.returncode == 1
+    assert "no further thread" in error_line(ended)
 
 
 def memory(megabytes: int) -> Callable[[], None]:

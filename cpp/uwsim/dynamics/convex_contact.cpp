@@ -12,6 +12,8 @@
 #include <cmath>
 #include <vector>
 
+#include "uwsim/dynamics/bullet_memory.h"
+
 namespace uwsim {
 namespace {
 

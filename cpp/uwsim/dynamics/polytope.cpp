@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 
+#include "uwsim/dynamics/bullet_memory.h"
+
 namespace uwsim {
 namespace {
 

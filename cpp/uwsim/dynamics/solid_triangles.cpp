@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "uwsim/dynamics/bullet_memory.h"
 #include "uwsim/dynamics/mesh_edges.h"
 
 namespace uwsim {

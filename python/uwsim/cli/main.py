@@ -118,16 +118,25 @@ def main() -> NoReturn:
     except (ValueError, OSError, MemoryError, ImportError) as error:  # the last: a library that memory has no room for
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
-        for mistake in getattr(error, "mistakes", None) or [str(error) or type(error).__name__]:  # of a scenario's file
+        for mistake in getattr(error, "mistakes", None) or [_told(error)]:  # of a scenario's file
             _print_error(mistake)
         sys.exit(FAILED)
     except Exception as error:
+        if str(error) == "can't start new thread":  # CPython's RuntimeError
+            _print_error("the system allows no further thread: its limit of processes, threads or memory is reached")
+            sys.exit(FAILED)
         # Recognise typer's class for wrong options by its method: the class's module depends on typer's version.
         if not hasattr(error, "format_message"):
             raise
         _print_error(error.format_message().rstrip("."))
         sys.exit(getattr(error, "exit_code", FAILED))
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _told(error: Exception) -> str:
+    if isinstance(error, MemoryError):
+        return f"out of memory: {error}" if str(error) not in ("", "std::bad_alloc") else "out of memory"
+    return str(error) or type(error).__name__
 
 
 def _require_no_empty_word(words: list[str]) -> None:
