@@ -25,6 +25,14 @@ class Distortion:
         """Return that of a sensor which tells these values again and again."""
         return Distortion({name: [float(number) for number in np.ravel(value)] for name, value in values.items()})
 
+    def check(self, fields: Mapping[str, tuple[int, str]]) -> None:
+        """Raise ValueError unless it is one of readings of these fields: width and unit by name."""
+        widths = {name: width for name, (width, _) in fields.items()}
+        if self.stuck is not None and {name: len(told) for name, told in self.stuck.items()} != widths:
+            raise ValueError(f"stuck = {', '.join(self.stuck):.80}: must be values of {', '.join(widths)}")
+        if self.field is not None and self.field not in widths:
+            raise ValueError(f"field = {self.field!r:.40}: must be one of {', '.join(widths)}")
+
     def of(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return what is told instead of values, by quantity: numbers, arrays (width,) or rows of them (n, width)."""
         return {name: self._told(name, value) for name, value in values.items()}

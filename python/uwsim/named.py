@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NoReturn, TypeVar
 
 from uwsim.did_you_mean import did_you_mean
@@ -40,3 +40,11 @@ class Named(dict[str, T]):
 
     __setitem__ = __delitem__ = __ior__ = _refuse
     update = pop = popitem = clear = setdefault = _refuse
+
+
+def require_names(what: str, names: Iterable[str], known: Iterable[str]) -> None:
+    """Raise ValueError unless these are the known names, in any order."""
+    told, expected = sorted(names), sorted(known)
+    if told != expected:
+        rule = f"must have {', '.join(expected) or 'none'}"
+        raise ValueError(f"state.{what}: has {', '.join(told) or 'none':.200}: {rule}")

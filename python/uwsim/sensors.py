@@ -97,7 +97,9 @@ class Sensor(Sealed, Generic[R]):
         return self._distortion
 
     def distort(self, distortion: Distortion | None) -> None:
-        """Let it tell wrongly from now on, or no more. Faults call this."""
+        """Let it tell wrongly from now on, or no more. Faults call this. Raises ValueError for another sensor's."""
+        if distortion is not None:
+            distortion.check(self._fields)
         self._source.settle()
         self._distortion = distortion
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import NoReturn, Self, Unpack
+from typing import Any, NoReturn, Self, Unpack
 
 import numpy as np
 
@@ -17,10 +17,11 @@ from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
 from uwsim.failures import Aboard, EventLog, Faults
 from uwsim.journal import Journal
-from uwsim.named import Named
+from uwsim.named import Named, require_names
 from uwsim.network import Network
 from uwsim.onboard_navigation import new_navigator
 from uwsim.parameters import Parameters
+from uwsim.saved_notes import read_notes
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
@@ -311,16 +312,24 @@ class Simulator(Sealed):
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
-        origin, faults = (scenario_fingerprint(self.scenario), build_fingerprint()), self.faults.save()
-        notes, before = json.loads(_core.saved_notes(state, *origin)), self.parameters.changes
-        self.faults.restore(notes["programs"]["faults"])
+        origin, before = (scenario_fingerprint(self.scenario), build_fingerprint()), self.save_state()
+        notes = read_notes(_core.saved_notes(state, *origin))
         try:
-            self.parameters.replace(notes["parameters"])
-            self._core.restore_state(state, *origin)
+            self._restore(state, origin, notes)
         except ValueError:
-            self.faults.restore(faults)
-            self.parameters.replace(before)
+            self._restore(before, origin, read_notes(_core.saved_notes(before, *origin)))
             raise
+        self.journal.note("restore_state", state=state)
+        warn_of_other_build("the saved state", _core.saved_build(state))
+
+    def _restore(self, state: bytes, origin: tuple[str, str], notes: dict[str, Any]) -> None:
+        lamps = [f"{name}/{lamp}" for name, rov in self.vehicles.items() for lamp in rov.lamps]
+        require_names("lamps", (f"{name}/{lamp}" for name, lit in notes["lamps"].items() for lamp in lit), lamps)
+        require_names("cameras", notes["cameras"], self._shared_scene.heads)
+        require_names("estimates", {**self.vehicles, **notes["estimates"]}, self.vehicles)
+        self.faults.restore(notes["programs"]["faults"])
+        self.parameters.replace(notes["parameters"])
+        self._core.restore_state(state, *origin)
         self._aboard.restore(notes["programs"])
         self.events.restore(notes["events"])
         for name, lamps in notes["lamps"].items():
@@ -329,8 +338,6 @@ class Simulator(Sealed):
         for name, aim in notes["cameras"].items():
             self._shared_scene.heads[name].restore(aim)
         self._restore_navigation(notes["estimates"])
-        self.journal.note("restore_state", state=state)
-        warn_of_other_build("the saved state", _core.saved_build(state))
 
     def _restore_navigation(self, estimates: dict[str, str]) -> None:
         for name, rov in self.vehicles.items():

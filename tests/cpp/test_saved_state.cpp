@@ -201,6 +201,45 @@ TEST_F(SavedState, AForgedStateDoesNotCrash) {
   EXPECT_GT(refused, 0);
 }
 
+constexpr std::uint64_t kSoon = 1200;
+
+/// Joined by a modem, with messages that wait and are on their way.
+Simulation linked_craft(const World& world) {
+  Simulation sim = two_craft(world);
+  sim.set_link({});
+  for (const std::size_t from : {1, 2}) {
+    LinkMessage message;
+    message.topic = sim.link().topic("odom");
+    message.payload.assign(200, 'x');
+    message.repeats = 2;
+    sim.link().send(from, message, 0);
+  }
+  sim.step(kSoon);
+  return sim;
+}
+
+/// Each byte of a state with a link set to each of a few values: an index, a count or a time that is far too high.
+TEST_F(SavedState, AForgedNumberAnywhereDoesNotCrash) {
+  Simulation sim = linked_craft(world), fresh = two_craft(world);
+  fresh.set_link({});
+  ASSERT_GT(sim.link().waiting_messages(1) + sim.link().waiting_messages(2), 0u);
+  const std::string content(unwrapped_state(sim.save_state(kHere), kHere));
+  int restored = 0, refused = 0;
+  for (std::size_t at = 0; at + 8 <= content.size(); ++at) {
+    std::string forged = content;
+    for (std::size_t k = 0; k < 8; ++k) forged[at + k] = at % 2 == 0 ? '\xff' : '\x7f';
+    try {
+      fresh.restore_state(wrapped_state(forged, kHere), kHere);
+      ++restored;
+      fresh.step(kSoon);  // until messages have left and arrived
+    } catch (const InvalidValue&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(restored, 0);
+  EXPECT_GT(refused, 0);
+}
+
 TEST(StateArchive, NonFiniteValuesAreRefused) {
   StateArchive saved;
   double nothing = std::nan("");

@@ -10,6 +10,7 @@ import json
 import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -153,6 +154,51 @@ def _survey_track(data: bytes, folder: Path) -> list[Any]:
 
     track = SurveyTrack.read(_written(folder / "track.npz", data))
     return [track.path_world_m.tobytes(), track.area_world_m.tobytes(), track.range_max_m, track.scenario_name]
+
+
+@cache
+def simulator_to_restore() -> tuple[Any, bytes]:
+    """A simulator with a failsafe, faults and an estimate, and the state to which it returns."""
+    from uwsim.scenario import Scenario, load
+    from uwsim.simulator import Simulator
+
+    base = load("pool")
+    plain = {key: getattr(base, key) for key in type(base).model_fields}
+    vehicle = {**dict(base.vehicles[0]), "model": "rov", "failsafe": {"silence_s": 1.0, "then": "hold"}}
+    sim = Simulator(Scenario.model_validate({**plain, "vehicles": [vehicle]}))
+    sim.rov.release()
+    assert sim.rov.estimate is not None
+    sim.faults.inject("sensor", sensor="depth", mode="stuck", for_s=100.0)
+    sim.faults.inject("leak", kg_per_s=0.1)
+    sim.advance(2.0)
+    return sim, sim.save_state()
+
+
+def saved_with(notes: str) -> bytes:
+    """Return a state of that simulator with other notes, and a checksum that is right."""
+    from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+
+    sim, _ = simulator_to_restore()
+    saved: bytes = sim._core.save_state(scenario_fingerprint(sim.scenario), build_fingerprint(), notes)
+    return saved
+
+
+def _notes(data: bytes, _: Path) -> bytes:
+    """What a state keeps beside the core's. One that is refused changes nothing, one that is accepted flies on."""
+    sim, begin = simulator_to_restore()
+    try:
+        sim.restore_state(saved_with(data.decode()))
+    except ValueError:
+        assert sim.save_state() == begin
+        raise
+    restored: bytes = sim.save_state()
+    try:
+        sim.step(200)
+        for sensor in sim.rov.sensors.values():
+            sensor.sample()
+    finally:
+        sim.restore_state(begin)
+    return restored
 
 
 def _checkpoint(data: bytes, _: Path) -> str:
@@ -310,6 +356,7 @@ READERS = {
     "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),
     "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),
     "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
+    "notes": Reader(_notes, ("json",), values=JSON),
     "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib"), values=JSON),
     "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),

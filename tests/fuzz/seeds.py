@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz.readers import CDR_TYPES
+from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 
 ASC = b"ncols 4\nnrows 3\nxllcorner 1000\nyllcorner 2000\ncellsize 5\nNODATA_value -9999\n" + b"-1 -2 -3 -4\n" * 3
 CSV = b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,-9,0.1,0,0\n5,0,-9,0.2,0,0\n0,5,-9,0.1,0,0\n5,5,-9,0.3,0,0\n"
@@ -213,6 +213,14 @@ def _survey_track() -> list[bytes]:
         return [path.read_bytes()]
 
 
+def _notes() -> list[bytes]:
+    from uwsim import _core
+    from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+
+    sim, saved = simulator_to_restore()
+    return [_core.saved_notes(saved, scenario_fingerprint(sim.scenario), build_fingerprint()).encode()]
+
+
 def _checkpoint() -> list[bytes]:
     from uwsim.survey.flight_state import FlightState, to_bytes
     from uwsim.survey.ping_log import PingLog
@@ -302,6 +310,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "track_csv": lambda: [TRACK],
     "track_npz": _track_npz,
     "survey_track": _survey_track,
+    "notes": _notes,
     "checkpoint": _checkpoint,
     "flight": _flight,
     "mcap": _recordings,

@@ -31,6 +31,15 @@ class StateArchive {
   void operator()(std::string& text);
   /// Reading throws unless the orientation is a unit quaternion.
   void operator()(BodyState& state);
+  /// The length of a list, then each of its items by exchange(item). Takes no more memory than its bytes need.
+  template <typename List, typename Exchange>
+  void list(List& items, const Exchange& exchange) {
+    std::uint64_t count = items.size();
+    (*this)(count);
+    if (restoring_) items.clear();
+    for (auto& item : items) exchange(item);
+    while (items.size() < count) exchange(items.emplace_back());
+  }
   /// Writes `value`. Reading throws unless the archive has the same one: "state.<what> = 3: must be 2".
   void same(std::string_view what, std::uint64_t value);
   void same(std::string_view what, const std::string& value);

@@ -96,7 +96,7 @@ void NoisySensor::finish(const VehicleSnapshot& snapshot, bool with_noise) {
 void NoisySensor::exchange_state(StateArchive& archive, std::uint64_t tick) {
   archive.same("sensor", spec_.name);
   archive.same("sensor kind", std::string(kind_->name));
-  history_.exchange_state(archive);
+  history_.exchange_state(archive, tick);
   if (!archive.restoring()) return;
   measured_tick_ = kNever;  // sample_ belongs to another time
   if (records_) next_due_ = clock_.samples_at(tick) ? tick : clock_.tick_of(clock_.sample_at(tick) + 1);

@@ -54,38 +54,41 @@ class SampleHistory {
     if (evicted_) stop_at(last_evicted_);
   }
 
-  /// Saves or restores the entries; a smaller history keeps the newest. Throws InvalidValue.
-  void exchange_state(StateArchive& archive) {
+  /// Saves or restores the entries, as of `tick`; a smaller history keeps the newest. Throws InvalidValue.
+  void exchange_state(StateArchive& archive, std::uint64_t tick) {
     std::uint64_t held = std::min<std::uint64_t>(pushed_, ring_.size());
     archive(held);
     archive(evicted_);
-    if (evicted_) exchange_entry(archive, last_evicted_);
+    if (evicted_) exchange_entry(archive, last_evicted_, tick);
     if (archive.restoring()) {
-      restore_entries(archive, held);
+      restore_entries(archive, held, tick);
     } else {
-      for (std::uint64_t age = held; age > 0; --age) exchange_entry(archive, ring_[(pushed_ - age) % ring_.size()]);
+      for (std::uint64_t age = held; age > 0; --age)
+        exchange_entry(archive, ring_[(pushed_ - age) % ring_.size()], tick);
     }
   }
 
  private:
-  void restore_entries(StateArchive& archive, std::uint64_t count) {
+  void restore_entries(StateArchive& archive, std::uint64_t count, std::uint64_t tick) {
     pushed_ = 0;
     Entry entry = last_evicted_;  // of the right size
     for (std::uint64_t k = 0; k < count; ++k) {
-      exchange_entry(archive, entry);
+      exchange_entry(archive, entry, tick);
       Entry& kept = push(entry.snapshot, entry.dropped);
       kept.observed = entry.observed;
       kept.raw = entry.raw;
     }
   }
 
-  static void exchange_entry(StateArchive& archive, Entry& entry) {
+  static void exchange_entry(StateArchive& archive, Entry& entry, std::uint64_t tick) {
     archive(entry.snapshot.tick);
+    require(entry.snapshot.tick <= tick, "state.history.tick", entry.snapshot.tick, "must not lie ahead");
     archive(entry.snapshot.state);
     archive(entry.snapshot.acceleration_body);
     archive(entry.snapshot.touching);
     archive(entry.dropped);
     archive(entry.observed);
+    require(!entry.observed || !entry.raw.empty(), "state.history.observed", 1, "must be 0 without rays");
     for (std::size_t k = 0; entry.observed && k < entry.raw.size(); ++k) {
       auto bits = std::bit_cast<std::uint64_t>(entry.raw[k]);  // infinite where nothing was met
       archive(bits);

@@ -58,7 +58,9 @@ void PositionExchange::hear(const LinkDelivery& delivery, const NoisySensor& sen
   }
 }
 
-void PositionExchange::exchange_state(StateArchive& archive) {
+void PositionExchange::exchange_state(StateArchive& archive, const PacketNetwork& network, std::uint64_t tick) {
+  require(topic_ < network.topics().size(), "state.link.topics", network.topics().size(),
+          "must be those of its instruments");
   archive.same("link exchange", node_);
   archive.same("link exchange", sensor_);
   auto state = static_cast<std::uint64_t>(state_);
@@ -66,6 +68,7 @@ void PositionExchange::exchange_state(StateArchive& archive) {
   require(state <= static_cast<std::uint64_t>(State::kAnswered), "state.link.exchange", state, "must be a state");
   state_ = static_cast<State>(state);
   for (std::uint64_t* value : {&number_, &sent_before_, &until_ns_, &asked_.tick}) archive(*value);
+  require(asked_.tick <= tick, "state.link.asked", asked_.tick, "must not lie ahead");
   archive(asked_.state);
   archive(asked_.acceleration_body);
   archive(asked_.touching);

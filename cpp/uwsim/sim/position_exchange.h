@@ -43,7 +43,8 @@ class PositionExchange {
   const VehicleSnapshot& asked() const { return asked_; }
   void settle() { state_ = State::kIdle; }
 
-  void exchange_state(StateArchive& archive);
+  /// Saves or restores it, as of `tick`, after the network. Throws InvalidValue.
+  void exchange_state(StateArchive& archive, const PacketNetwork& network, std::uint64_t tick);
 
  private:
   enum class State : std::uint64_t { kIdle, kWaiting, kAsked, kAnswered };

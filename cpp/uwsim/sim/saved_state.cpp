@@ -1,3 +1,5 @@
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -7,6 +9,11 @@
 #include "uwsim/sim/simulation.h"
 
 namespace uwsim {
+namespace {
+
+constexpr std::uint64_t kLastNs = std::numeric_limits<std::int64_t>::max();
+
+}  // namespace
 
 std::string Simulation::save_state(const StateOrigin& origin, const std::string& notes) {
   StateArchive archive;
@@ -45,13 +52,14 @@ void Simulation::exchange_state(StateArchive& archive) {
   archive.same("step_ns", step_ns_);
   archive.same("seed", spec_.seed);
   archive(tick_);
+  require(tick_ <= kLastNs / step_ns_, "state.tick", tick_, "must be a time that nanoseconds can count");
   archive.same("vehicles", vehicles_.size());
   for (Vehicle& vehicle : vehicles_) exchange_vehicle(archive, vehicle);
   bodies_.exchange_state(archive);
   archive.same("link", link_ ? 1 : 0);
   if (!link_) return;
   link_->network.exchange_state(archive);
-  for (PositionExchange& one : link_->exchanges) one.exchange_state(archive);
+  for (PositionExchange& one : link_->exchanges) one.exchange_state(archive, link_->network, tick_);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

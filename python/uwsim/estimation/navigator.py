@@ -18,6 +18,7 @@ from uwsim.estimation.errors import bias_model, limit, white_std, whole_std
 from uwsim.estimation.protocols import Instrumented, InstrumentLike, StreamLike
 from uwsim.estimation.start import Start
 from uwsim.motion import Pose, Velocity
+from uwsim.named import require_names
 from uwsim.sealed import Sealed
 
 Array = NDArray[np.float64]
@@ -240,6 +241,7 @@ class Navigator(Sealed):
     def restore(self, saved: str) -> None:
         """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
         state = json.loads(saved)
+        require_names("from_ns", state["from_ns"], self._from_ns)
         with self._lock:
             self._filter.restore(base64.b64decode(state["filter"]))
             self._listen(state["from_ns"], state["imu_ns"])

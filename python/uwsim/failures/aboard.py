@@ -11,6 +11,7 @@ from uwsim.failures.events import EventLog
 from uwsim.failures.failsafe import Failsafe
 from uwsim.failures.faults import Faults
 from uwsim.failures.program import Program
+from uwsim.named import require_names
 from uwsim.network import Network
 from uwsim.scenario import Scenario
 from uwsim.vehicle import Vehicle
@@ -90,6 +91,7 @@ class Aboard:
         return {name: program.save() for name, program in self._programs.items()}
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from what `save` returned."""
+        """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
+        require_names("programs", state, self._programs)
         for name, program in self._programs.items():
             program.restore(state[name])

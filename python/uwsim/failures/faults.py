@@ -221,12 +221,13 @@ class Faults(Sealed):
         return {"faults": kept, "sensors": stuck}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Continue from what `save` returned; the caller applies the overlay."""
+        """Continue from what `save` returned; the caller applies the overlay. Raises ValueError."""
         self._faults = {}
         for name, kept in state["faults"].items():
             values = dict(kept)
             spec = validated(_One, {"faults": [values.pop("spec")]}).faults[0]
-            self._faults[name] = Fault(name, spec, **values)
+            fault = self._faults[name] = Fault(name, spec, **values)
+            self._check(spec, fault.vehicle)
         for vehicle in self._vehicles.values():
             for name, sensor in vehicle.sensors.items():
                 kept = state["sensors"].get(f"{vehicle.name}/{name}")
@@ -236,9 +237,7 @@ class Faults(Sealed):
 
     def _add(self, spec: FaultModel, tick: int) -> Fault:
         vehicle = spec.vehicle or next(iter(self._vehicles))
-        if vehicle not in self._vehicles:
-            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(self._vehicles)}")
-        effects.check(spec, self._vehicles[vehicle], self._scenario)
+        self._check(spec, vehicle)
         name = spec.name or self._free_name(spec.kind)  # type: ignore[attr-defined]
         if name in self._faults:
             raise ValueError(f"name = {name!r}: is taken")
@@ -251,6 +250,11 @@ class Faults(Sealed):
                 stacklevel=2,
             )
         return fault
+
+    def _check(self, spec: FaultModel, vehicle: str) -> None:
+        if vehicle not in self._vehicles:
+            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(self._vehicles)}")
+        effects.check(spec, self._vehicles[vehicle], self._scenario)
 
     def _free_name(self, kind: str) -> str:
         names = [kind, *(f"{kind}_{number}" for number in range(2, len(self._faults) + 3))]

@@ -57,16 +57,57 @@ VehicleSpec craft() {
   return spec;
 }
 
-Simulation* simulation() {
-  static Simulation* const made = [] {
-    static World world;
+std::unique_ptr<Simulation> simulation() {
+  static World world;
+  static const auto rays = [] {
     world.set_terrain(Heightfield({-11, -11, -12, -12}, 2, 2, 400.0, {-200, -200}));
-    SimulationSpec spec;
-    spec.seed = 3;
-    auto* const sim = new Simulation(world, std::make_shared<const RayScene>(world), spec);
-    sim->add_vehicle(craft());
-    return sim;
+    return std::make_shared<const RayScene>(world);
   }();
+  SimulationSpec spec;
+  spec.seed = 3;
+  return std::make_unique<Simulation>(world, rays, spec);
+}
+
+/// A simulation, and what it saves where it begins: each input meets it in this state.
+struct Subject {
+  std::unique_ptr<Simulation> sim = simulation();
+  std::string begin;
+};
+
+Subject alone() {
+  Subject made;
+  made.sim->add_vehicle(craft());
+  made.begin = made.sim->save_state(kHere, "");
+  return made;
+}
+
+/// Joined by a modem, with a USBL that shares it, messages that wait, one on its way, and a node that is cut off.
+Subject linked() {
+  Subject made;
+  VehicleSpec vehicle = craft();
+  vehicle.sensors.push_back({.name = "usbl", .kind = "usbl", .body_from_sensor = {}, .parameters = {}, .noise = {}});
+  vehicle.sensors.back().rate_hz = 0.5;
+  vehicle.sensors.back().parameters["shares_modem"] = {1};
+  made.sim->add_vehicle(vehicle);
+  made.sim->set_link({});
+  PacketNetwork& network = made.sim->link();
+  for (const std::size_t bytes : {200, 3, 100}) {
+    LinkMessage message;
+    message.to = bytes == 3 ? 0 : 1;
+    message.topic = network.topic(bytes == 100 ? "map" : "odom");
+    message.deadline_ns = bytes == 100 ? 20'000'000'000 : 0;
+    message.repeats = bytes == 100 ? 2 : 0;
+    message.payload.assign(bytes, 'x');
+    network.send(1 - message.to, message, 0);
+  }
+  made.sim->step(600);
+  network.cut_off(1, true, made.sim->time_ns());
+  made.begin = made.sim->save_state(kHere, "");
+  return made;
+}
+
+Subject* subjects() {
+  static Subject made[] = {alone(), linked()};
   return made;
 }
 
@@ -79,21 +120,33 @@ bool restore(Simulation& sim, std::string_view bytes) {
   }
 }
 
-/// What the simulation saves at its begin: each input meets it in this state.
-const std::string& begin(Simulation& sim) {
-  static const std::string saved = sim.save_state(kHere, "");
-  return saved;
+void hold(Subject& subject, std::string_view bytes) {
+  Simulation& sim = *subject.sim;
+  const std::string& before = subject.begin;
+  if (!restore(sim, bytes) && !restore(sim, wrapped_state(bytes, kHere))) {
+    if (sim.save_state(kHere, "") != before) std::abort();  // a refused state changes nothing
+    return;
+  }
+  const std::string saved = sim.save_state(kHere, "");
+  try {
+    sim.step(2);
+    sim.read_sensor(0, 0);
+  } catch (const std::exception&) {
+    // A craft at the end of the world: said, not crashed.
+  }
+  if (!restore(sim, saved) || sim.save_state(kHere, "") != saved) std::abort();
+  if (!restore(sim, before)) std::abort();
 }
 
 }  // namespace
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
-/// One in 64 mutations is of a state that the simulation saved, without its header: nobody guesses one.
+/// One in 64 mutations is of a state that a simulation saved, without its header: nobody guesses one.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned seed) {
   if (seed % 64 == 0) {
-    const std::string_view inside = unwrapped_state(begin(*simulation()), kHere);
+    const std::string_view inside = unwrapped_state(subjects()[seed / 64 % 2].begin, kHere);
     size = std::min(inside.size(), max_size);
     std::memcpy(data, inside.data(), size);
   }
@@ -101,21 +154,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Simulation* const sim = simulation();
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const std::string& before = begin(*sim);
-  if (!restore(*sim, bytes) && !restore(*sim, wrapped_state(bytes, kHere))) {
-    if (sim->save_state(kHere, "") != before) std::abort();  // a refused state changes nothing
-    return 0;
-  }
-  const std::string saved = sim->save_state(kHere, "");
-  try {
-    sim->step(2);
-    sim->read_sensor(0, 0);
-  } catch (const std::exception&) {
-    // A craft at the end of the world: said, not crashed.
-  }
-  if (!restore(*sim, saved) || sim->save_state(kHere, "") != saved) std::abort();
-  if (!restore(*sim, before)) std::abort();
+  for (std::size_t k = 0; k < 2; ++k) hold(subjects()[k], bytes);
   return 0;
 }

@@ -52,6 +52,7 @@ bool PacketNetwork::send(std::size_t from, LinkMessage message, std::uint64_t no
   require(from < nodes_.size(), "link.from", from, "must be a node");
   require(message.to < nodes_.size() && message.to != from, "link.to", message.to, "must be another node");
   require(message.topic < topics_.size(), "link.topic", message.topic, "must be a topic");
+  require(message.repeats <= kRepeatsMax, "link.repeats", message.repeats, "must be at most 1000");
   TopicCounts& counts = counts_[message.topic][from];
   message.number = next_message_++;
   message.given_ns = now_ns;

@@ -134,6 +134,7 @@ class PacketNetwork {
   struct Partial {
     std::uint64_t number = 0, fate = 0, before = 0;
     bool delivered = false;
+    void exchange_state(StateArchive& archive);
   };
   /// A time in which a node is cut off.
   struct Outage {
@@ -156,6 +157,10 @@ class PacketNetwork {
   void finish(const Flight& flight, Loss fate);
   void forget_sounds(std::uint64_t now_ns);
   void forget_outages(std::uint64_t now_ns);
+  void check() const;
+  void check(const LinkMessage& message, std::size_t from) const;
+  void check_ends(const char* what, std::size_t from, std::size_t to) const;
+  void check_topic(std::uint64_t topic) const;
 
   ModemSpec modem_;
   std::vector<LinkFault> faults_;

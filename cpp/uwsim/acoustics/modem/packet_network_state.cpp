@@ -1,23 +1,12 @@
 #include <algorithm>
 #include <cstdint>
+#include <string>
 
 #include "uwsim/acoustics/modem/packet_network.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
-
-constexpr std::uint64_t kMost = 10000000;
-
-/// A list: its length, then each item by exchange(item).
-template <typename List, typename Exchange>
-void exchange_list(StateArchive& archive, List& list, const Exchange& exchange) {
-  std::uint64_t count = list.size();
-  archive(count);
-  require(count <= kMost, "state.link", count, "must be a plausible number of items");
-  list.resize(count);
-  for (auto& item : list) exchange(item);
-}
 
 void exchange_losses(StateArchive& archive, std::array<std::uint64_t, kLossKinds>& lost) {
   for (std::uint64_t& count : lost) archive(count);
@@ -62,6 +51,12 @@ void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
   archive(level_db);
 }
 
+void PacketNetwork::Partial::exchange_state(StateArchive& archive) {
+  for (std::uint64_t* value : {&number, &fate, &before}) archive(*value);
+  archive(delivered);
+  require(std::max(fate, before) < kLossKinds, "state.link.fate", fate, "must be a kind of loss");
+}
+
 void PacketNetwork::exchange_state(StateArchive& archive) {
   archive.same("link nodes", nodes_.size());
   for (Node& node : nodes_) {
@@ -70,36 +65,65 @@ void PacketNetwork::exchange_state(StateArchive& archive) {
     archive(node.waits);
     archive(node.sending_until_ns);
   }
-  exchange_list(archive, topics_, [&](std::string& name) { archive(name); });
-  counts_.resize(topics_.size(), std::vector<TopicCounts>(nodes_.size()));
-  for (std::vector<TopicCounts>& by_node : counts_) {
-    for (TopicCounts& counts : by_node) counts.exchange_state(archive);
+  archive.list(topics_, [&](std::string& name) { archive(name); });
+  if (archive.restoring()) counts_.clear();
+  for (std::size_t k = 0; k < topics_.size(); ++k) {
+    if (archive.restoring()) counts_.emplace_back(nodes_.size());
+    for (TopicCounts& counts : counts_[k]) counts.exchange_state(archive);
   }
   for (LinkQuality& quality : quality_) quality.exchange_state(archive);
-  exchange_list(archive, flights_, [&](Flight& flight) {
-    flight.exchange_state(archive);
-    require(flight.at < nodes_.size() && flight.from < nodes_.size(), "state.link.at", flight.at, "must be a node");
-  });
-  exchange_list(archive, sounds_, [&](Sound& sound) {
-    sound.exchange_state(archive);
-    require(sound.at < nodes_.size(), "state.link.at", sound.at, "must be a node");
-  });
-  exchange_list(archive, partials_, [&](Partial& partial) {
-    archive(partial.number);
-    archive(partial.fate);
-    archive(partial.before);
-    archive(partial.delivered);
-    const std::uint64_t fate = std::max(partial.fate, partial.before);
-    require(fate < kLossKinds, "state.link.fate", fate, "must be a kind of loss");
-  });
-  exchange_list(archive, outages_, [&](Outage& outage) {
+  archive.list(flights_, [&](Flight& flight) { flight.exchange_state(archive); });
+  archive.list(sounds_, [&](Sound& sound) { sound.exchange_state(archive); });
+  archive.list(partials_, [&](Partial& partial) { partial.exchange_state(archive); });
+  archive.list(outages_, [&](Outage& outage) {
     for (std::uint64_t* value : {&outage.node, &outage.from_ns, &outage.until_ns}) archive(*value);
   });
-  exchange_list(archive, deliveries_, [&](LinkDelivery& delivery) { delivery.exchange_state(archive); });
+  archive.list(deliveries_, [&](LinkDelivery& delivery) { delivery.exchange_state(archive); });
   for (std::uint64_t* value : {&next_message_, &next_packet_, &next_end_ns_, &waiting_, &busy_until_ns_}) {
     archive(*value);
   }
   archive(sending_s_);
+  if (archive.restoring()) check();
+}
+
+/// Throws InvalidValue for what no network could have saved, on which an index, a length or a loop would rely.
+void PacketNetwork::check() const {
+  std::uint64_t waiting = 0, next_end_ns = ~std::uint64_t{0};
+  for (std::size_t from = 0; from < nodes_.size(); ++from) {
+    for (const LinkMessage& message : nodes_[from].queue.messages()) check(message, from);
+    waiting += nodes_[from].queue.size();
+  }
+  require(waiting_ == waiting, "state.link.waiting", waiting_, "must be the number of messages");
+  for (const Flight& flight : flights_) {
+    check_ends("flight", flight.from, flight.at);
+    check_topic(flight.message.topic);
+    require(flight.bytes <= modem_.packet_bytes, "state.link.bytes", flight.bytes, "must be those of a packet");
+    next_end_ns = std::min(next_end_ns, flight.ends_ns);
+  }
+  require(next_end_ns_ == next_end_ns, "state.link.next_end_ns", next_end_ns_, "must be that of a flight");
+  for (const Sound& sound : sounds_) require(sound.at < nodes_.size(), "state.link.at", sound.at, "must be a node");
+  for (const LinkDelivery& delivery : deliveries_) {
+    check_ends("delivery", delivery.from, delivery.to);
+    check_topic(delivery.topic);
+  }
+}
+
+void PacketNetwork::check(const LinkMessage& message, std::size_t from) const {
+  check_ends("message", from, message.to);
+  check_topic(message.topic);
+  require(message.repeats <= kRepeatsMax, "state.link.repeats", message.repeats, "must be at most 1000");
+  const std::uint64_t packets = (message.payload.size() + modem_.packet_bytes - 1) / modem_.packet_bytes;
+  require(message.packets_sent < std::max<std::uint64_t>(packets, 1), "state.link.packets_sent", message.packets_sent,
+          "must leave some to send");
+}
+
+void PacketNetwork::check_ends(const char* what, std::size_t from, std::size_t to) const {
+  const std::string path = std::string("state.link.") + what;
+  require(from < nodes_.size() && to < nodes_.size() && from != to, path, to, "must be another node");
+}
+
+void PacketNetwork::check_topic(std::uint64_t topic) const {
+  require(topic < topics_.size(), "state.link.topic", topic, "must be a topic");
 }
 
 }  // namespace uwsim

@@ -6,11 +6,6 @@
 #include "uwsim/core/check.h"
 
 namespace uwsim {
-namespace {
-
-constexpr std::uint64_t kMost = 1000000;
-
-}  // namespace
 
 void LinkMessage::exchange_state(StateArchive& archive) {
   archive(number);
@@ -89,15 +84,9 @@ void PacketQueue::find_next_deadline() {
 }
 
 void PacketQueue::exchange_state(StateArchive& archive) {
-  std::uint64_t count = messages_.size();
-  archive(count);
-  require(count <= kMost, "state.queue", count, "must be below a million");
-  messages_.resize(count);
+  archive.list(messages_, [&](LinkMessage& message) { message.exchange_state(archive); });
   bytes_ = 0;
-  for (LinkMessage& message : messages_) {
-    message.exchange_state(archive);
-    bytes_ += message.payload.size();
-  }
+  for (const LinkMessage& message : messages_) bytes_ += message.payload.size();
   find_next_deadline();
 }
 

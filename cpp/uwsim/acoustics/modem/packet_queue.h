@@ -27,6 +27,8 @@ struct LinkMessage {
   void exchange_state(StateArchive& archive);
 };
 
+inline constexpr std::uint64_t kRepeatsMax = 1000;
+
 /// The messages that wait at a node: the lowest priority number first, then the oldest.
 class PacketQueue {
  public:
@@ -53,6 +55,7 @@ class PacketQueue {
   /// Returns a copy of the message to send from next, which waits behind its like to be sent again.
   LinkMessage repeat_front();
   bool holds(std::uint64_t number) const;
+  const std::vector<LinkMessage>& messages() const { return messages_; }
 
   void exchange_state(StateArchive& archive);
 
