@@ -18,6 +18,7 @@ from pydantic import (
 from uwsim.failures.program import NEVER
 
 Tick = Annotated[int, Field(ge=0, le=2 * NEVER)]
+Nanoseconds = Annotated[int, Field(ge=0, lt=2**63)]
 Pair = tuple[FiniteFloat, FiniteFloat]
 
 
@@ -88,8 +89,8 @@ class _Event(_Kept):
 
 class _Estimate(_Kept):
     filter: Base64Bytes
-    imu_ns: int
-    from_ns: dict[str, int]
+    imu_ns: Nanoseconds
+    from_ns: dict[str, Nanoseconds]
 
 
 def _estimate(text: str) -> str:
@@ -100,7 +101,7 @@ def _estimate(text: str) -> str:
 class _Notes(_Kept):
     lamps: dict[str, dict[str, bool]]
     parameters: dict[str, Any]
-    cameras: dict[str, tuple[NonNegativeInt, Pair, Pair]]
+    cameras: dict[str, tuple[Nanoseconds, Pair, Pair]]
     estimates: dict[str, Annotated[str, AfterValidator(_estimate)]]
     programs: _Programs
     events: list[_Event]

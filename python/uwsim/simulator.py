@@ -316,7 +316,7 @@ class Simulator(Sealed):
         notes = read_notes(_core.saved_notes(state, *origin))
         try:
             self._restore(state, origin, notes)
-        except ValueError:
+        except Exception:
             self._restore(before, origin, read_notes(_core.saved_notes(before, *origin)))
             raise
         self.journal.note("restore_state", state=state)
