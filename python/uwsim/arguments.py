@@ -40,6 +40,8 @@ def numbers_by_name(
     values: Mapping[str, float], what: str, known: list[str], unit: str = ""
 ) -> list[tuple[str, float]]:
     """Return (name, value) pairs. Raises ValueError for an unknown name or a value that is not a number."""
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{what} = {values!r:.60}: must be numbers by name")
     for name in values:
         if name not in known:
             rule = f"must be one of {', '.join(known)}" if known else "the vehicle has none"

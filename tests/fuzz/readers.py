@@ -164,8 +164,8 @@ def simulator_to_restore() -> tuple[Any, bytes]:
 
     base = load("pool")
     plain = {key: getattr(base, key) for key in type(base).model_fields}
-    vehicle = {**dict(base.vehicles[0]), "model": "rov", "failsafe": {"silence_s": 1.0, "then": "hold"}}
-    sim = Simulator(Scenario.model_validate({**plain, "vehicles": [vehicle]}))
+    vehicle = {**dict(base.vehicles[0]), "model": "rov", "failsafe": {"leak_then": "hold"}}
+    sim = Simulator(Scenario.model_validate({**plain, "vehicles": [vehicle], "link": {"modem": "micromodem"}}))
     sim.rov.release()
     assert sim.rov.estimate is not None
     sim.faults.inject("sensor", sensor="depth", mode="stuck", for_s=100.0)
@@ -199,6 +199,26 @@ def _notes(data: bytes, _: Path) -> bytes:
     finally:
         sim.restore_state(begin)
     return restored
+
+
+def _commands(data: bytes, _: Path) -> bytes:
+    """A recording's commands, a line each, ten steps apart. One that is refused changes nothing."""
+    from uwsim.recording.commands import command_from
+    from uwsim.recording.replay import give
+
+    sim, begin = simulator_to_restore()
+    try:
+        for line in data.decode().splitlines():
+            before = sim.save_state()
+            try:
+                give(sim, command_from(line))
+                sim.step(10)
+            except ValueError:
+                assert sim.save_state() == before, line
+        return bytes(sim.save_state())
+    finally:
+        sim.reset(seed=0)
+        sim.restore_state(begin)
 
 
 def _checkpoint(data: bytes, _: Path) -> str:
@@ -357,6 +377,7 @@ READERS = {
     "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),
     "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
     "notes": Reader(_notes, ("json",), values=JSON),
+    "commands": Reader(_commands, ("pydantic", "json"), has_end=_without_end, values=JSON_LINES),
     "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib"), values=JSON),
     "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),

@@ -66,6 +66,35 @@ require: {collisions: {high: 0}}
 worst: 3
 """
 TRACK = b"time_s,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad\n0,1,2,-3,0.1,0,0\n0.5,1.5,2,-3,0.2,0,0.01\n"
+COMMANDS: dict[str, dict[str, Any]] = {
+    "override_failsafe": {"vehicle": "rov"},
+    "set_effort": {"vehicle": "rov", "surge": 0.5, "yaw": -0.2},
+    "set_wrench": {"vehicle": "rov", "force_body_n": [10.0, 0.0, 0.0]},
+    "set_thrusters": {"vehicle": "rov", "commands": {}},
+    "place": {"vehicle": "rov", "position_world_m": [0.0, 0.0, -2.0], "velocity_body": [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]},
+    "aim": {"vehicle": "rov", "elevation_rad": -0.3},
+    "set_lamp": {"vehicle": "rov", "lamp": "front", "on": True},
+    "aim_camera": {"vehicle": "rov", "camera": "front", "pan_rad": 0.2},
+    "set_optics": {"jerlov": "II", "sun_elevation_deg": 20.0},
+    "set_parameter": {"name": "water.current_world_m_s", "value": [0.1, 0.0, 0.0]},
+    "set_parameters": {"changes": {"rov.ballast_kg": 1.0}},
+    "reset_parameters": {},
+    "inject_fault": {
+        "kind": "sensor",
+        "sensor": "imu",
+        "mode": "bias",
+        "field": "angular_velocity_rad_s",
+        "bias": 0.1,
+        "for_s": 1.0,
+        "name": "x",
+    },
+    "end_fault": {"name": "leak"},
+    "link_send": {"sender": "rov", "receiver": "station", "topic": "odom", "payload": {"$bytes": "AAEC"}, "repeats": 1},
+    "set_stream": {"key": "rov/front", "rate_hz": 2.0},
+    "reset": {"seed": 3},
+    "undock": {"vehicle": "rov"},
+    "release": {"vehicle": "rov"},
+}
 FRAMES = (
     {"op": "advertise", "topic": "/t", "type": "std_msgs/String", "latch": True},
     {"op": "subscribe", "topic": "/t", "type": "std_msgs/String", "compression": "cbor", "queue_length": 2, "id": "a"},
@@ -221,6 +250,10 @@ def _notes() -> list[bytes]:
     return [_core.saved_notes(saved, scenario_fingerprint(sim.scenario), build_fingerprint()).encode()]
 
 
+def _commands() -> list[bytes]:
+    return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
+
+
 def _checkpoint() -> list[bytes]:
     from uwsim.survey.flight_state import FlightState, to_bytes
     from uwsim.survey.ping_log import PingLog
@@ -311,6 +344,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "track_npz": _track_npz,
     "survey_track": _survey_track,
     "notes": _notes,
+    "commands": _commands,
     "checkpoint": _checkpoint,
     "flight": _flight,
     "mcap": _recordings,

@@ -136,8 +136,12 @@ class Parameters(Mapping[str, Any]):
 
     def update(self, changes: Mapping[str, Any]) -> None:
         """Set several values at once. Raises ValueError, changing nothing."""
+        if not isinstance(changes, Mapping):
+            raise ScenarioError(f"parameters = {changes!r:.40}: must be values by name")
         wanted: dict[str, Any] = {}
         for name, value in changes.items():
+            if not isinstance(name, str):
+                self._node(name)
             self._spread(name, value, wanted)
         kept = self._changes
         for name in wanted:

@@ -68,9 +68,9 @@ def _with_groups(found: dict[str, Node]) -> dict[str, Node]:
     return found | {name: Node(name, (), parts) for name, parts in groups.items()}
 
 
-def find(scenario: Scenario, name: str) -> Node | None:
+def find(scenario: Scenario, name: object) -> Node | None:
     """Return the place of this name, if there is one; a small part of the work of `nodes`."""
-    return nodes(scenario, name).get(name)
+    return nodes(scenario, name).get(name) if isinstance(name, str) else None
 
 
 @cache

@@ -35,10 +35,15 @@ def command_message(command: Command) -> Any:
 
 def command_of(message: Any) -> Command:
     """Return the command that a message holds. Raises ValueError if it holds none."""
+    return command_from(message.data)
+
+
+def command_from(text: str) -> Command:
+    """Return the command that JSON holds. Raises ValueError if it holds none."""
     try:
-        command = _COMMAND.validate_json(message.data)
+        command = _COMMAND.validate_json(text)
     except ValidationError as error:
-        raise ValueError(f"/{COMMANDS}: '{message.data:.60}': {error.errors()[0]['msg']}") from None
+        raise ValueError(f"/{COMMANDS}: '{text:.60}': {error.errors()[0]['msg']}") from None
     return command._replace(arguments=_from_json_values(command.arguments))
 
 

@@ -93,6 +93,20 @@ def replay(
     )
 
 
+def give(sim: Simulator, command: Command) -> None:
+    """Give a recorded command to a simulator at its present tick. Raises ValueError."""
+    try:
+        if command.name in JUMPS:
+            getattr(sim, command.name)(**command.arguments)
+        elif command.name == SET_STREAM:
+            arguments = dict(command.arguments)
+            table_of(sim).pictures.set_stream(arguments.pop("key"), Stream(**arguments))
+        else:
+            bound_command(command.name, command.arguments)(sim)
+    except (KeyError, TypeError) as error:  # of arguments that a recorder never wrote
+        raise ValueError(f"{command.name}: {error}") from None
+
+
 class _Replay:
     """A replay under way. What the replay says waits in _said until the recording's message comes, and vice versa."""
 
@@ -174,16 +188,9 @@ class _Replay:
         self._advance(command.tick)
         self.result.commands += 1
         try:
-            if command.name in JUMPS:
-                getattr(self._sim, command.name)(**command.arguments)
-            elif command.name == SET_STREAM:
-                arguments = dict(command.arguments)
-                table_of(self._sim).pictures.set_stream(arguments.pop("key"), Stream(**arguments))
-            else:
-                bound_command(command.name, command.arguments)(self._sim)
-        except (KeyError, TypeError) as error:  # of arguments that a recorder never wrote
-            path, name = self._recording.path, command.name
-            raise ValueError(f"recording '{path}': tick {command.tick}: {name}: {error}") from None
+            give(self._sim, command)
+        except ValueError as error:
+            raise ValueError(f"recording '{self._recording.path}': tick {command.tick}: {error}") from None
 
     def _advance(self, tick: int) -> None:
         if tick > self._sim.tick:
