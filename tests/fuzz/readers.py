@@ -245,7 +245,8 @@ def _recording(data: bytes, folder: Path) -> list[Any]:
     if not opened.complete:
         raise ValueError("not complete")
     said = [opened.start, opened.end, opened.channels, opened.notes, opened.dropped]
-    said += [repr(message.message) for message in opened.messages()]
+    said += [repr(message.message) for message in opened.messages(*opened.channels, *opened.derived)]
+    said += [opened.arrow(name).num_rows for name in opened.channels]
     return [*said, *opened.commands(), repr(unpack(opened.attachments, folder / "unpacked"))]
 
 

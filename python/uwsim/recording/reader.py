@@ -14,6 +14,7 @@ from mcap.records import Attachment, Channel, Chunk, Footer, Message, Metadata, 
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from uwsim.channels.cdr import encode, schema
+from uwsim.channels.message_types import resolve
 from uwsim.channels.messages import from_bytes
 from uwsim.channels.own_types import OWN_TYPES
 from uwsim.recording import tables
@@ -224,6 +225,10 @@ class Recording:
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}' has no type")
+            try:
+                resolve(self._schemas[channel.schema_id].name)
+            except ValueError as error:
+                raise ValueError(f"recording '{self.path}': topic '{channel.topic}': {error}") from None
         for found in self._schemas.values():
             if found.name in OWN_TYPES and _fields(found.data.decode()) != _fields(schema(found.name).text):
                 raise ValueError(
