@@ -8,7 +8,7 @@ EXIT_CODES = {
     OK: "success",
     FAILED: "an error, or a check that failed: validate, doctor, map diff --exit-code, survey --verify-map, "
     "sweep, fleet",
-    USAGE: "an unknown command or option, a number out of bounds, or what would be without effect",
+    USAGE: "an unknown command, option or word, a number out of bounds, or what would be without effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey: coverage is below --min-coverage; run: the mission ended early",
     INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes end so with 0 once they run",
