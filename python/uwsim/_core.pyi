@@ -124,6 +124,7 @@ __all__: list[str] = [
     "relative_transform",
     "remove_box",
     "remove_outliers",
+    "remove_unfinished_files",
     "saved_build",
     "saved_notes",
     "scan_to_points",
@@ -3837,6 +3838,12 @@ def remove_outliers(
     """
     pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises ValueError. Releases the
     GIL.
+    """
+
+def remove_unfinished_files() -> None:
+    """
+    Removes the temporary files of the maps that are being written, for a process that ends while other threads
+    write.
     """
 
 def saved_build(state: bytes) -> str:

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "uwsim/core/check.h"
+#include "uwsim/mapping/atomic_file.h"
 
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
 extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;
@@ -220,6 +221,21 @@ TEST(OccupancyMap, MapWhoseWholeCubeIsKnownWritesTheSameFile) {
   const OccupancyMap map = OccupancyMap::from_bytes(bytes, "x");
   EXPECT_EQ(map.statistics().free_voxels, std::uint64_t{1} << 48);
   EXPECT_EQ(map.to_bytes(MapFormat::bt), bytes);
+}
+
+TEST(OccupancyMap, AProcessThatEndsCanRemoveWhatItIsWriting) {
+  const Folder folder;
+  {
+    AtomicFile file((folder.path / "map.bt").string());
+    file.append("half of it");
+    EXPECT_EQ(folder.files(), 1u);
+    remove_unfinished_files();
+    EXPECT_EQ(folder.files(), 0u);
+    EXPECT_THROW(file.commit(), FileError);
+  }
+  write_file_atomically((folder.path / "map.bt").string(), "whole");
+  remove_unfinished_files();
+  EXPECT_EQ(folder.files(), 1u) << "what is finished stays";
 }
 
 TEST(OccupancyMap, OnlyRegularFilesAreRead) {

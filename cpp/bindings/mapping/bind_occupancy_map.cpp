@@ -9,6 +9,7 @@
 #include "bindings/core/points.h"
 #include "bindings/mapping/bind_map.h"
 #include "bindings/mapping/binders.h"
+#include "uwsim/mapping/atomic_file.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -154,6 +155,9 @@ void bind_map(py::module_& m) {
 }  // namespace
 
 void bind_occupancy_map(py::module_& m) {
+  m.def("remove_unfinished_files", &remove_unfinished_files,
+        "Removes the temporary files of the maps that are being written, for a process that ends while other threads\n"
+        "write.");
   bind_options(m);
   bind_map(m);
 }

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <sstream>
 #include <utility>
 
@@ -66,6 +68,19 @@ std::pair<int, fs::path> create_beside(const fs::path& target, const std::string
   }
 }
 
+/// The temporary names of all files that are being written, and the process that writes each: a fork knows its
+/// parent's.
+struct Unfinished {
+  std::mutex mutex;
+  std::map<std::string, pid_t> writers;
+};
+
+/// Never destroyed: threads may write until the process has ended.
+Unfinished& unfinished() {
+  static auto* const all = new Unfinished;
+  return *all;
+}
+
 /// A rename is safe on the disk only when its folder is flushed. File systems that cannot do this are no worse for the
 /// attempt.
 void flush_folder(const fs::path& target) {
@@ -95,18 +110,30 @@ std::string read_whole_file(const std::string& path) {
   return bytes;
 }
 
+void remove_unfinished_files() {
+  const std::scoped_lock lock(unfinished().mutex);
+  for (const auto& [name, writer] : unfinished().writers) {
+    if (writer == ::getpid()) ::unlink(name.c_str());
+  }
+}
+
 AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   const fs::path target = real_target(path);
+  const std::scoped_lock lock(unfinished().mutex);
   const auto [fd, temporary] = create_beside(target, path);
+  unfinished().writers[temporary.string()] = ::getpid();
   fd_ = fd;
   target_ = target.string();
   temporary_ = temporary.string();
 }
 
 AtomicFile::~AtomicFile() {
-  if (fd_ < 0) return;
-  ::close(fd_);
-  ::unlink(temporary_.c_str());
+  if (fd_ >= 0) {
+    ::close(fd_);
+    ::unlink(temporary_.c_str());
+  }
+  const std::scoped_lock lock(unfinished().mutex);
+  unfinished().writers.erase(temporary_);
 }
 
 void AtomicFile::fail(int error) { fail_to_write(path_, error); }

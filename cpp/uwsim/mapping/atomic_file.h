@@ -37,6 +37,10 @@ class AtomicFile {
   std::uint64_t size_ = 0;
 };
 
+/// Removes the temporary files of all that are being written, for a process that is about to end while other threads
+/// write.
+void remove_unfinished_files();
+
 /// Writes a whole AtomicFile.
 void write_file_atomically(const std::string& path, std::string_view bytes);
 

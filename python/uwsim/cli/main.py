@@ -171,6 +171,8 @@ def _exit_on_signal(number: int, frame: object) -> NoReturn:
     """End the process at once: an exception during an import could be swallowed, or leave the module half imported."""
     if (files := sys.modules.get("uwsim.atomic_file")) is not None:
         files.remove_unfinished()
+    if (core := sys.modules.get("uwsim._core")) is not None:
+        core.remove_unfinished_files()  # of other threads
     os.write(2, b"uwsim: interrupted\n")
     os._exit(INTERRUPTED)
 
