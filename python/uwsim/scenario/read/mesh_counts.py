@@ -8,6 +8,11 @@ from uwsim.cut_short import warn_if_cut_short
 
 MAX_HEADER = 65_536
 TEXT_SUFFIXES = (".obj", ".off", ".ply")
+PLY_HEADER = re.compile(
+    rb"ply[ \t]*\r?\nformat[ \t]+(ascii|binary_\w+)[^\n]*\n((?:(?:comment|obj_info|element|property)\b[^\n]*\n)*)end_header\b",
+    re.IGNORECASE,
+)
+PLY_ELEMENT = re.compile(rb"^element[ \t]+(\w+)[ \t]+(\d+)", re.IGNORECASE | re.MULTILINE)
 STL_SOLID, STL_END = re.compile(rb"\s*solid\b.*\n"), re.compile(rb"\s*endsolid\b.*")
 STL_FACET = re.compile(
     rb"\s*facet[ \t]+normal(?:[ \t]+\S+){3}\s+outer[ \t]+loop\s"
@@ -25,10 +30,10 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
         raise ValueError("holds other characters than numbers")  # trimesh guesses an encoding from all of the file
     if suffix == ".off" and re.match(rb"(?:\s|#[^\n]*\n)*C?OFF\b", content) is None:
         raise ValueError("does not begin with OFF")  # trimesh looks for it in all of the file
-    faces = _announced_faces(suffix, head)
+    is_binary, faces = _ply_header(head) if suffix == ".ply" else (False, _announced_faces(suffix, head))
     if triangles < faces:
         raise ValueError(f"announces {faces} faces, but only {triangles} triangles follow: is the file cut short?")
-    if suffix != ".ply" or re.search(rb"^format\s+binary", head, re.MULTILINE) is None:
+    if not is_binary:
         warn_if_cut_short(name, content)
 
 
@@ -51,10 +56,22 @@ def require_whole_stl(name: str, text: bytes) -> None:
         raise ValueError("breaks off before its endsolid")
 
 
+def _ply_header(head: bytes) -> tuple[bool, int]:
+    """Return whether a PLY file is binary, and how many faces it announces. Raises ValueError for another header.
+
+    trimesh passes over lines that it does not know, and takes the last of several elements of one name.
+    """
+    header = PLY_HEADER.match(head)
+    if header is None:
+        raise ValueError("its header is not that of a PLY file: format, comments, elements and properties")
+    elements = PLY_ELEMENT.findall(header[2])
+    counts = {name.lower(): int(count) for name, count in elements}
+    if len(counts) < len(elements):
+        raise ValueError("names one element twice")
+    return header[1].lower().startswith(b"binary"), counts.get(b"face", 0)
+
+
 def _announced_faces(suffix: str, head: bytes) -> int:
     """Return the number of faces that a header announces; 0 if it announces none."""
-    if suffix == ".ply":
-        found = re.search(rb"^element\s+face\s+(\d+)", head, re.MULTILINE)
-        return int(found[1]) if found else 0
     words = re.sub(rb"#[^\n]*", b"", head).split(maxsplit=3) if suffix == ".off" else []
     return int(words[2]) if len(words) > 2 and words[2].isdigit() else 0
