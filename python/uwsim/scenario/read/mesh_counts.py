@@ -9,7 +9,8 @@ from uwsim.cut_short import warn_if_cut_short
 MAX_HEADER = 65_536
 TEXT_SUFFIXES = (".obj", ".off", ".ply")
 PLY_HEADER = re.compile(
-    rb"ply[ \t]*\r?\nformat[ \t]+(ascii|binary_\w+)[^\n]*\n((?:(?:comment|obj_info|element|property)\b[^\n]*\n)*)end_header\b",
+    rb"ply[ \t]*\r?\nformat[ \t]+(ascii|binary_\w+)[^\n]*\n"
+    rb"((?:(?:comment|obj_info|element|property)\b[^\n]*\n)*)end_header\b",
     re.IGNORECASE,
 )
 PLY_ELEMENT = re.compile(rb"^element[ \t]+(\w+)[ \t]+(\d+)", re.IGNORECASE | re.MULTILINE)
