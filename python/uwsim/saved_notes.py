@@ -1,4 +1,4 @@
-"""What a saved state keeps beside the core's, as JSON: checked when read, since it may be a stranger's."""
+"""The notes of a saved state: what it keeps beside the core's, as JSON. Checked, since they may be a stranger's."""
 
 from __future__ import annotations
 

@@ -184,7 +184,7 @@ def saved_with(notes: str) -> bytes:
 
 
 def _notes(data: bytes, _: Path) -> bytes:
-    """What a state keeps beside the core's. One that is refused changes nothing, one that is accepted flies on."""
+    """The notes of a saved state: one that is refused changes nothing, one that is accepted flies on."""
     sim, begin = simulator_to_restore()
     try:
         sim.restore_state(saved_with(data.decode()))
