@@ -2,7 +2,6 @@
 
 import json
 from concurrent.futures import Future
-from types import SimpleNamespace
 
 import pytest
 from websockets.datastructures import Headers
@@ -10,8 +9,8 @@ from websockets.sync.client import connect
 
 from test_rosbridge_protocol import Client, texts
 from uwsim import Simulator
+from uwsim.admission import Door
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.rosbridge.admission import Door
 from uwsim.bridges.rosbridge.encoding import Growing
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.channels import channels, services
@@ -139,5 +138,5 @@ def test_clients_stay_subscribed_when_another_simulator_comes():
 def test_the_door(host, origin, is_socket, status):
     headers = Headers([("Host", host), *([("Origin", origin)] if origin else [])])
     door = Door(["https://lab.example"], "127.0.0.1")
-    refusal = door.refusal(SimpleNamespace(headers=headers), names_matter=not is_socket)
+    refusal = door.refusal(headers, names_matter=not is_socket)
     assert (refusal and refusal[0].value) == status

@@ -7,18 +7,15 @@ import ssl
 import time
 import warnings
 from contextlib import ExitStack
-from datetime import UTC, datetime, timedelta
 
 import cbor2
 import pytest
-from cryptography import x509
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect as websocket
 
+from certificate import write_certificate
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge import Limits
 from uwsim.bridges.rosbridge.graph import Graph
@@ -179,19 +176,7 @@ def test_a_token_is_asked_for():
 
 
 def test_tls(tmp_path):
-    key = ec.generate_private_key(ec.SECP256R1())
-    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "localhost")])
-    now = datetime.now(UTC)
-    certificate = (
-        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
-        .not_valid_before(now - timedelta(days=1))
-        .not_valid_after(now + timedelta(days=1))
-        .add_extension(x509.SubjectAlternativeName([x509.DNSName("localhost")]), critical=False)
-        .sign(key, hashes.SHA256())
-    )
-    private = (serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
-    (tmp_path / "key.pem").write_bytes(key.private_bytes(*private))
-    (tmp_path / "cert.pem").write_bytes(certificate.public_bytes(serialization.Encoding.PEM))
+    write_certificate(tmp_path)
     with RosbridgeServer(None, certfile=tmp_path / "cert.pem", keyfile=tmp_path / "key.pem") as server:
         trusted = ssl.create_default_context(cafile=str(tmp_path / "cert.pem"))
         with websocket(f"wss://localhost:{server.port}", ssl=trusted) as client:

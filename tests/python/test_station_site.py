@@ -9,8 +9,8 @@ import trimesh
 from PIL import Image
 
 from station_pages import get, page, serving
+from uwsim.admission import has_token
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.rosbridge.admission import has_token
 from uwsim.mapping import OccupancyMap
 from uwsim.station import Site, Station
 from uwsim.station.preview import AREA, OBSTACLE, STATION

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from typing import Any
 
 from uwsim.bridges.played_feed import PlayedFeed, channels_of
 from uwsim.bridges.rosbridge.server import RosbridgeServer
@@ -68,22 +69,23 @@ def play(
     recording: Recording,
     pacer: Pacer,
     *,
-    host: str = "127.0.0.1",
     port: int = 9090,
     from_s: float = 0.0,
     until_s: float | None = None,
     wait: bool = False,
     join: Join = lambda stack, channels, feed: (),
     say: Callable[[str], object] = lambda text: None,
+    **access: Any,
 ) -> None:
     """Send every message once, at a pace of simulated time; return after the last. Raises ValueError, OSError.
 
     from_s, until_s: simulated times; latched messages from before are sent at once. wait: for the first client of
-    rosbridge, or the first subscriber elsewhere.
+    rosbridge, or the first subscriber elsewhere. access: host, origins, token, certfile and keyfile, as of a
+    RosbridgeServer.
     """
     player = Player(recording)
     with ExitStack() as stack:
-        server = stack.enter_context(RosbridgeServer(None, host=host, port=port, guests=[player]))
+        server = stack.enter_context(RosbridgeServer(None, port=port, guests=[player], **access))
         others = join(stack, list(player.channels.values()), player.feed)
         say(", ".join((f"{recording.path} at {server.url}", *others)))
         while wait and not server.sessions and not player.feed.is_wanted:

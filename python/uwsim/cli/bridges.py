@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Annotated
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -104,9 +105,12 @@ class Bridges:
         *,
         live: LiveSimulator | None = None,
         services: Sequence[Service] = (),
-        host: str = "127.0.0.1",
+        access: Mapping[str, Any] = MappingProxyType({}),
     ) -> list[str]:
-        """Open the bridges, to be closed with the stack; return where each is, for a greeting."""
+        """Open the bridges, to be closed with the stack; return where each is, for a greeting.
+
+        access: who may connect, as of `uwsim.cli.access`.
+        """
         said = []
         if self._ros1:
             from uwsim.bridges.ros1 import Ros1Node
@@ -120,6 +124,6 @@ class Bridges:
         if self._foxglove_port is not None:
             from uwsim.bridges.foxglove import FoxgloveServer
 
-            app = FoxgloveServer(live, channels, services, host=host, port=self._foxglove_port, feed=feed)
+            app = FoxgloveServer(live, channels, services, port=self._foxglove_port, feed=feed, **access)
             said.append(f"Foxglove at {stack.enter_context(app).url}")
         return said

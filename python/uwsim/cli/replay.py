@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.exit_codes import FAILED
@@ -47,6 +48,10 @@ def replay(
     ros1: Ros1 = False,
     foxglove: Foxglove = False,
     foxglove_port: FoxglovePort = None,
+    token: Token = None,
+    certfile: Certfile = None,
+    keyfile: Keyfile = None,
+    page: Page = None,
     threads: Threads = None,
 ) -> None:
     """Repeat a recorded run and compare every message.
@@ -65,7 +70,8 @@ def replay(
         need("a replay without --as-topics", threads=threads)
     else:
         need("--as-topics", port=port, host=host, wait=wait, ros1=ros1, ros2=ros2, foxglove=foxglove)
-    host = host or "127.0.0.1"
+        need("--as-topics", token=token, certfile=certfile, keyfile=keyfile, page=page)
+    accessible = access(host or "127.0.0.1", page=page, token=token, certfile=certfile, keyfile=keyfile)
     if as_topics and speed == "max":
         raise ValueError("--speed max: with --as-topics it must be a factor: clients could not follow")
     bridges = Bridges(
@@ -78,8 +84,8 @@ def replay(
         from uwsim.bridges.playback import play
 
         play(
-            opened, pacer, host=host, port=9090 if port is None else port, from_s=from_s, until_s=until_s, wait=wait,
-            join=partial(bridges.join, host=host), say=typer.echo,
+            opened, pacer, port=9090 if port is None else port, from_s=from_s, until_s=until_s, wait=wait,
+            join=partial(bridges.join, access=accessible), say=typer.echo, **accessible,
         )  # fmt: skip
         return
     from uwsim.recording.replay import replay as repeat

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from uwsim.cli.bounds import readable, within
+from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
+from uwsim.cli.bounds import within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
 from uwsim.cli.choices import one_of
 from uwsim.cli.options import Link, Record, RecordTopics, Seed, SonarModel, Threads, need
@@ -58,13 +58,10 @@ def serve(
             callback=within(1, 2),
         ),
     ] = 1,
-    token: Annotated[str | None, typer.Option(help="Clients must know it: ws://HOST:PORT/?token=TOKEN.")] = None,
-    certfile: Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.", callback=readable)] = None,
-    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)] = None,
-    page: Annotated[
-        list[str] | None,
-        typer.Option(help="Web page that may connect besides this machine's own, such as https://station.example."),
-    ] = None,
+    token: Token = None,
+    certfile: Certfile = None,
+    keyfile: Keyfile = None,
+    page: Page = None,
     paused: Paused = False,
     station: Annotated[bool, typer.Option("--station", help="Also serve the operator's page.")] = False,
     link: Link = None,
@@ -98,29 +95,24 @@ def serve(
     )  # fmt: skip
     if record is None:
         need("--record", record_topic=record_topic)
-    if certfile is None:
-        need("--certfile", keyfile=keyfile)
+    accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         hub = None
         if station:
-            from uwsim.bridges.rosbridge.admission import has_token
+            from uwsim.admission import has_token
             from uwsim.station import Site, Station
 
             hub = Station(is_fixed=True, wire=wire, origin=origin)  # type: ignore[arg-type]
         server = RosbridgeServer(
             None if hub else live,
-            host=host,
             port=port,
             ros=ros,  # type: ignore[arg-type]  # checked there
             wire=wire,  # type: ignore[arg-type]
             origin=origin,
-            origins=page or (),
-            token=token,
-            certfile=certfile,
-            keyfile=keyfile,
             guests=[hub] if hub else [],
             site=Site(hub, lambda request: token is None or has_token(request, token)) if hub else None,
+            **accessible,
         )
 
         def recorded(channels: list[Channel]) -> list[Channel]:
@@ -150,7 +142,7 @@ def serve(
             sinks.enter_context(hub.serving(server.show))
             hub.run(lambda: live, record_station)
             greeting.append(f"the station's page at {page_url(server.url, token)}")
-        greeting += bridges.join(sinks, server.channels, feed, live=live, services=server.services, host=host)
+        greeting += bridges.join(sinks, server.channels, feed, live=live, services=server.services, access=accessible)
         run_until_interrupted(live, ", ".join(greeting))
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from uwsim.cli.bounds import readable, within
-from uwsim.cli.options import Threads, need
+from uwsim.cli.access import Certfile, Keyfile, Page, access
+from uwsim.cli.bounds import within
+from uwsim.cli.options import Threads
 from uwsim.cli.serve import Origin, Wire, page_url
 from uwsim.cli.values import modems, scenarios
 
@@ -39,43 +39,33 @@ def station(
     wire: Wire = "both",
     origin: Origin = "world",
     token: Annotated[str | None, typer.Option(help="Pages must know it: http://HOST:PORT/?token=TOKEN.")] = None,
-    certfile: Annotated[
-        Path | None, typer.Option(help="Certificate in PEM, for https and wss.", callback=readable)
-    ] = None,
-    keyfile: Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)] = None,
-    page: Annotated[
-        list[str] | None,
-        typer.Option(help="Web page that may connect besides this one, such as https://station.example."),
-    ] = None,
+    certfile: Certfile = None,
+    keyfile: Keyfile = None,
+    page: Page = None,
     threads: Threads = None,
 ) -> None:
     """Serve the operator's station, a web page, and open it.
 
     It works offline and over a forwarded port. The same port is a rosbridge server. Ctrl-C ends it.
     """
+    from uwsim.admission import has_token
     from uwsim.bridges import RosbridgeServer
-    from uwsim.bridges.rosbridge.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.scenario import load
     from uwsim.scenario.read.assets import packaged_names
     from uwsim.station import Site, Station
 
-    if certfile is None:
-        need("--certfile", keyfile=keyfile)
+    accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
     load(scenario)  # a mistake is said here, not on the page
     if link is not None and link not in packaged_names("modems"):
         raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
     hub = Station(offered=scenario, link=link, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
     server = RosbridgeServer(
         None,
-        host=host,
         port=port,
-        origins=page or (),
-        token=token,
-        certfile=certfile,
-        keyfile=keyfile,
         guests=[hub],
         site=Site(hub, lambda request: token is None or has_token(request, token)),
+        **accessible,
     )
     with server, hub.serving(server.show):
         url = page_url(server.url, token)

@@ -95,12 +95,16 @@ class Tracks:
         return line(f"{name} {number}", "world", positions, PATH, 2.0, time_ns)
 
 
+Block = tuple[int, int, int]
+
+
 class MapBlocks:
     """The map's occupied voxels as cubes: an entity a block of 16 x 16 x 16, sent again when it has changed."""
 
     def __init__(self) -> None:
-        self._cells: dict[tuple[int, int, int], set[int]] = {}
+        self._cells: dict[Block, set[int]] = {}
         self._sequence = -1
+        self._newest: Reading | None = None
 
     def changed(self, reading: Reading) -> SceneUpdate | None:
         """Take a MapChanges message; return the blocks that changed, or None if it is older than what is known."""
@@ -111,7 +115,7 @@ class MapBlocks:
             deletions.append(SceneEntityDeletion(type=SceneEntityDeletionType.All))
         elif message.sequence <= self._sequence:
             return None
-        self._sequence = message.sequence
+        self._sequence, self._newest = message.sequence, reading
         touched = []
         ends = np.cumsum(message.counts)
         for (x, y, z), end, count in zip(message.blocks.reshape(-1, 3).tolist(), ends, message.counts, strict=True):
@@ -119,10 +123,19 @@ class MapBlocks:
             for cell in message.cells[end - count : end].tolist():
                 (cells.add if cell & OCCUPIED else cells.discard)(cell & (OCCUPIED - 1))
             touched.append((x, y, z))
-        entities = [self._entity(block, message, reading.time_ns) for block in touched]
-        return SceneUpdate(deletions=deletions, entities=entities)
+        return SceneUpdate(deletions=deletions, entities=self._entities(touched, reading))
 
-    def _entity(self, block: tuple[int, int, int], message: Any, time_ns: int) -> SceneEntity:
+    def whole(self) -> SceneUpdate | None:
+        """Return all blocks, for somebody who has none."""
+        if self._newest is None:
+            return None
+        deletions = [SceneEntityDeletion(type=SceneEntityDeletionType.All)]
+        return SceneUpdate(deletions=deletions, entities=self._entities(list(self._cells), self._newest))
+
+    def _entities(self, blocks: list[Block], reading: Reading) -> list[SceneEntity]:
+        return [self._entity(block, reading.message, reading.time_ns) for block in blocks]
+
+    def _entity(self, block: Block, message: Any, time_ns: int) -> SceneEntity:
         cells = np.array(sorted(self._cells[block]), np.int64)
         inside = np.column_stack([cells & 15, cells >> 4 & 15, cells >> 8 & 15])
         centres_m = (EDGE * np.array(block) + inside + 0.5) * message.resolution

@@ -2,31 +2,42 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
-import warnings
-from collections.abc import Callable, Sequence
-from ipaddress import ip_address
+import time
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import foxglove
-import orjson
-from foxglove import Schema, StatusLevel
-from foxglove.websocket import Capability, ChannelView, Client, ClientChannel, MessageSchema, Service, ServiceSchema
+from websockets.asyncio.server import ServerConnection
+from websockets.typing import Subprotocol
 
+from uwsim.admission import Admission, tls_context
+from uwsim.bridges.foxglove import protocol
+from uwsim.bridges.foxglove.conversation import converse
+from uwsim.bridges.foxglove.offers import Offers
+from uwsim.bridges.foxglove.outbox import Outbox, Room
+from uwsim.bridges.foxglove.protocol import Call
+from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.foxglove.shows import shows_of
-from uwsim.channels import Channel, keep_up, require_live
-from uwsim.channels import Service as ChannelService
-from uwsim.channels.cdr import schema
-from uwsim.channels.feed import Feed, Reading, Readings
+from uwsim.bridges.listener import Listener, refuse_late
+from uwsim.bridges.rosbridge.connection import Allowance
+from uwsim.channels import Channel, Service, keep_up, require_live
+from uwsim.channels.feed import Feed, Readings
 from uwsim.channels.messages import from_bytes, from_plain
-from uwsim.channels.outgoing import Line, Outgoing, queue_of
+from uwsim.channels.outgoing import Outgoing
 from uwsim.live import LiveSimulator
 
 PORT = 8765  # the app's default
-BACKLOG = 64  # messages that wait for a slow client; then the oldest give way
+CLIENTS_MAX = 32
+FRAME_BYTES_MAX = 1 << 18
 TIME_S = 0.05  # simulated, between two tellings of the time
-MESSAGE_BYTES_MAX = 1 << 20
+WORK_SHARE = 0.3  # of a core, for the frames of all clients together
+DROP_S = 2.0  # in which a client that is given up may still read why
 
 logger = logging.getLogger("uwsim.foxglove")
 
@@ -40,76 +51,76 @@ class FoxgloveServer:
     Topics carry CDR with ROS 2's schemas, so that panels treat them as a robot's; /scene/* are for the 3D panel.
     Clients may publish on the topics that the simulator hears, in CDR or JSON, and call its services in JSON. A topic
     is read while somebody subscribes to it. feed: shared with other sinks. live: None with the feed of a recording,
-    which hears nothing, and of whose scenes only the maps are there. port 0 chooses one, see `port`. Raises OSError if
-    it cannot listen, and warns (UserWarning) when others than this machine can connect.
+    which hears nothing, and of whose scenes only the maps are there. port 0 chooses one, see `port`. origins, token,
+    certfile, keyfile: who may connect, and encryption, as of a RosbridgeServer. Raises ValueError, OSError if it cannot
+    listen, and warns (UserWarning) when others than this machine can connect.
     """
 
     def __init__(
         self,
         live: LiveSimulator | None,
         channels: Sequence[Channel],
-        services: Sequence[ChannelService] = (),
+        services: Sequence[Service] = (),
         *,
         host: str = "127.0.0.1",
         port: int = PORT,
         feed: Readings | None = None,
+        origins: Iterable[str] = (),
+        token: str | None = None,
+        certfile: Path | str | None = None,
+        keyfile: Path | str | None = None,
     ) -> None:
-        if not 0 <= port <= 65535:
-            raise ValueError(f"port = {port}: must be in [0, 65535]")
-        _warn_beyond_loopback(host)
         self._live = live
-        self._feed = feed or Feed(require_live(live))
-        self._outgoing = Outgoing("uwsim-foxglove")
-        self._ends: dict[str, Callable[[], None]] = {}
-        self._subscribers: dict[str, set[int]] = {}
         self._inputs = {channel.name: channel for channel in channels if channel.direction == "in"}
-        self._outputs = {channel.name: channel for channel in channels if channel.direction == "out"}
-        self._heard: dict[tuple[int, int], tuple[Channel, str]] = {}
-        self._context = context = foxglove.Context()  # kept here: the SDK keeps it for nobody
-        self._logs = {channel.name: _log_of(channel, context) for channel in self._outputs.values()}
-        self._lines = {channel.name: Line(channel.name, queue_of(channel.type)) for channel in self._outputs.values()}
-        self._status = Line("status", 10)
-        self._shows = {show.topic: show for show in shows_of(live, channels, self._feed, self._outgoing, context)}
+        self._services = dict(enumerate(services, start=1))
+        self._sessions: set[Session] = set()
+        self._listener = Listener(
+            (host, port),
+            Admission(host, pages=origins, token=token, places=CLIENTS_MAX),
+            tls_context(certfile, keyfile),
+            name="uwsim-foxglove",
+            handle=self._handle,
+            clients=lambda: len(self._sessions),
+            main=self._serve,
+            subprotocols=[Subprotocol(name) for name in protocol.SUBPROTOCOLS],
+            max_size=FRAME_BYTES_MAX,
+            max_queue=4,
+            ping_timeout=40,
+        )
+        self._feed = feed or Feed(require_live(live))
+        self._room = Room()
+        self._outgoing = Outgoing("uwsim-foxglove-write")
+        self._offers = Offers(channels, self._feed, self._outgoing)
+        self._offers.complete(shows_of(live, channels, self._feed, self._outgoing, self._offers.send))
+        self._greeting = self._greet()
+        self._pool = ThreadPoolExecutor(4, thread_name_prefix="uwsim-foxglove-service")
         try:
-            self._server = foxglove.start_server(
-                name="uwsim",
-                host=host,
-                port=port,
-                context=context,
-                capabilities=[Capability.ClientPublish, Capability.Services, Capability.Time],
-                supported_encodings=["cdr", "json"],
-                services=[self._service(service) for service in services],
-                server_listener=self,
-                message_backlog_size=BACKLOG,
-            )
-        except Exception as error:  # the SDK's own
+            self._listener.start()
+        except OSError:
             self._outgoing.close()
-            raise OSError(f"cannot listen on {host}:{port}: {error}") from None
-        self._host = host
+            raise
         self._going_on = keep_up(live, channels)
-        self._end_clock = self._feed.tell_time(TIME_S, self._server.broadcast_time)
+        self._end_clock = self._feed.tell_time(TIME_S, self._tell_time)
 
     @property
     def port(self) -> int:
         """Where it listens."""
-        return self._server.port
+        return self._listener.port
 
     @property
     def url(self) -> str:
-        """The address that clients connect to."""
-        return f"ws://[{self._host}]:{self.port}" if ":" in self._host else f"ws://{self._host}:{self.port}"
+        """The address that clients connect to, without the token."""
+        return self._listener.url
 
     def close(self) -> None:
         """Close all connections and end the threads."""
         self._end_clock()
         for subscription in self._going_on:
             subscription.cancel()
-        for name in list(self._ends):
-            self._ends.pop(name)()
-        for show in self._shows.values():
-            show.end()
-        self._server.stop()
+        self._listener.stop()
+        self._offers.close()
         self._outgoing.close()
+        self._pool.shutdown(wait=False, cancel_futures=True)
 
     def __enter__(self) -> Self:
         return self
@@ -120,134 +131,121 @@ class FoxgloveServer:
         """Close."""
         self.close()
 
-    # What the SDK calls, on threads of its own:
+    # What a session needs:
 
-    def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        """Begin to read a topic; whoever comes later to a latched one gets its newest message."""
-        name = channel.topic.lstrip("/")
-        others = self._subscribers.setdefault(name, set())
-        is_first = not others
-        others.add(client.id)
-        if name in self._shows:
-            self._shows[name].begin()
-        elif is_first:
-            self._ends[name] = self._feed.listen(self._outputs[name], self._send)
-        elif self._outputs[name].latched and (newest := self._feed.newest(self._outputs[name])):
-            self._send(newest)
+    @property
+    def heard(self) -> str:
+        """The topics that the simulator hears."""
+        return f"/{', /'.join(self._inputs)}" if self._inputs else "none"
 
-    def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
-        """End to read a topic that nobody wants."""
-        name = channel.topic.lstrip("/")
-        others = self._subscribers.get(name, set())
-        others.discard(client.id)
-        if others:
+    def subscribe(self, session: Session, offer_id: int) -> None:
+        """Send a topic's messages to a session. Raises ValueError for an unknown topic."""
+        self._offers.subscribe(offer_id, session.outbox, session.subscriptions[offer_id])
+
+    def unsubscribe(self, session: Session, offer_id: int) -> None:
+        """Send no more of them."""
+        self._offers.unsubscribe(offer_id, session.outbox)
+
+    def input(self, topic: str) -> Channel | None:
+        """Return what hears a topic."""
+        return self._inputs.get(topic)
+
+    def apply(self, channel: Channel, encoding: str, data: bytes) -> None:
+        """Give a command. Raises ValueError, RuntimeError."""
+        message = (
+            from_bytes(data, channel.type) if encoding == "cdr" else from_plain(channel.type, protocol.read_json(data))
+        )
+        channel.apply(require_live(self._live), message)
+
+    def leave(self, channel: Channel) -> None:
+        """Let a channel know that nobody here commands by it any more, if so."""
+        named = [entry for session in self._sessions for entry in session.advertised.values() if entry is not None]
+        if channel.abandoned is not None and self._live is not None and all(one is not channel for one, _ in named):
+            try:
+                channel.abandoned(self._live)
+            except (ValueError, RuntimeError) as error:
+                logger.warning("topic '%s': %s", channel.name, error)
+
+    def call(self, call: Call, reply: Callable[[str | bytes], None]) -> None:
+        """Call a service on a thread of the pool, for it may wait for steps, and reply. Raises ValueError."""
+        service = self._services.get(call.service_id)
+        if service is None:
+            raise ValueError(f"service {call.service_id}: there is none")
+        request, loop = protocol.read_json(call.data), asyncio.get_running_loop()
+
+        def done(future: Future[dict[str, Any]]) -> None:
+            _on(loop, partial(reply, _answered(call, future)))
+
+        self._pool.submit(service.call, require_live(self._live), request).add_done_callback(done)
+
+    # On the network's thread:
+
+    def _greet(self) -> list[str]:
+        """Return the frames that begin each conversation."""
+        services = [(number, service.name, service.type) for number, service in self._services.items()]
+        frames = [
+            protocol.server_info("uwsim", str(time.time_ns() // 1_000_000)),
+            protocol.advertisement(self._offers.offers),
+        ]
+        return [*frames, protocol.services_advertisement(services)] if services else frames
+
+    async def _serve(self, listener: Listener, ready: Callable[[], None]) -> None:
+        self._work_s = Allowance(WORK_SHARE)
+        ready()
+        await listener.stopping.wait()
+
+    async def _handle(self, connection: ServerConnection) -> None:
+        if len(self._sessions) >= CLIENTS_MAX:  # others came while this one shook hands
+            await refuse_late(connection)
             return
-        if name in self._shows:
-            self._shows[name].end()
-        elif name in self._ends:
-            self._ends.pop(name)()
+        loop, wakes = asyncio.get_running_loop(), asyncio.Event()
+        dropping: set[asyncio.Task[None]] = set()
 
-    def on_client_advertise(self, client: Client, channel: ClientChannel) -> None:
-        """Take note of what a client wants to publish."""
-        name = channel.topic.lstrip("/")
-        target = self._inputs.get(name)
-        if target is None:
-            self._warn(f"topic '{channel.topic}': the simulator does not hear it; it hears /{', /'.join(self._inputs)}")
-        elif channel.encoding not in ("cdr", "json"):
-            self._warn(f"topic '{channel.topic}': encoding '{channel.encoding}': must be cdr or json")
-        elif _full(channel.schema_name) != target.type:
-            self._warn(f"topic '{channel.topic}' is {target.type}, not {channel.schema_name}")
-        else:
-            self._heard[client.id, channel.id] = target, channel.encoding
+        def wake() -> None:
+            if not wakes.is_set():
+                _on(loop, wakes.set)
 
-    def on_client_unadvertise(self, client: Client, client_channel_id: int) -> None:
-        """Forget it."""
-        self._heard.pop((client.id, client_channel_id), None)
+        def give_up(reason: str) -> None:
+            logger.warning("client %s is disconnected: %s", connection.remote_address, reason)
+            _on(loop, lambda: dropping.add(loop.create_task(_drop(connection, reason))))
 
-    def on_message_data(self, client: Client, client_channel_id: int, data: bytes) -> None:
-        """Apply a client's message."""
-        found = self._heard.get((client.id, client_channel_id))
-        if found is None:
-            return  # what is wrong with it was said when it was advertised
-        channel, encoding = found
+        session = Session(self, Outbox(self._room, wake, give_up))
+        self._sessions.add(session)
+        for frame in self._greeting:
+            session.outbox.reply(frame)
         try:
-            if len(data) > MESSAGE_BYTES_MAX:
-                raise ValueError(f"{len(data)} bytes: must be {MESSAGE_BYTES_MAX} at most")
-            message = from_bytes(data, channel.type) if encoding == "cdr" else from_plain(channel.type, _json(data))
-            channel.apply(require_live(self._live), message)
-        except (ValueError, RuntimeError) as error:
-            self._warn(f"/{channel.name}: {error}")
+            await converse(connection, session, wakes, self._work_s)
+        finally:
+            self._sessions.discard(session)
+            session.close()
 
-    def __getattr__(self, name: str) -> Any:
-        """Ignore what else the SDK may call."""
-        if name.startswith("on_"):
-            return lambda *_: None
-        raise AttributeError(name)
-
-    def _send(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread."""
-        name = reading.channel.name
-
-        def write() -> bool:
-            self._logs[name].log(bytes(reading.cdr), log_time=reading.time_ns)
-            return True
-
-        self._outgoing.offer(self._lines[name], write)
-
-    def _warn(self, text: str) -> None:
-        logger.warning("%s", text)
-
-        def tell() -> bool:
-            self._server.publish_status(text, StatusLevel.Warning)
-            return True
-
-        self._outgoing.offer(self._status, tell)  # to call it here, on the SDK's thread, might deadlock
-
-    def _service(self, service: ChannelService) -> Service:
-        def call(request: Any) -> bytes:
-            """Answer; an error's text goes to the caller."""
-            return orjson.dumps(service.call(require_live(self._live), _json(request.payload)), default=str)
-
-        anything = MessageSchema(
-            encoding="json", schema=Schema(name=service.type, encoding="jsonschema", data=b'{"type":"object"}')
-        )
-        return Service(
-            f"/{service.name}",
-            schema=ServiceSchema(service.type, request=anything, response=anything),
-            handler=call,
-        )
+    def _tell_time(self, time_ns: int) -> None:
+        """Take the time, on the simulator's thread."""
+        for session in list(self._sessions):
+            session.outbox.tell_time(time_ns)
 
 
-def _log_of(channel: Channel, context: foxglove.Context) -> foxglove.Channel:
-    found = schema(channel.type)
-    return foxglove.Channel(
-        f"/{channel.name}",
-        message_encoding="cdr",
-        schema=Schema(name=channel.type, encoding="ros2msg", data=found.text.encode()),
-        context=context,
-        metadata={"type_hash": found.type_hash, "description": channel.description},
-    )
-
-
-def _full(name: str) -> str:
-    """Return a type's name in ROS 2's spelling."""
-    return name if "/msg/" in name else name.replace("/", "/msg/", 1)
-
-
-def _json(data: bytes) -> Any:
+async def _drop(connection: ServerConnection, reason: str) -> None:
+    """Disconnect a client that does not read: it gets the reason if it reads on soon."""
     try:
-        found = orjson.loads(data or b"{}")
-    except ValueError as error:
-        raise ValueError(f"{data[:60]!r}: must be JSON ({error})") from None
-    if not isinstance(found, dict):
-        raise ValueError(f"{data[:60]!r}: must be an object in JSON")
-    return found
+        async with asyncio.timeout(DROP_S):
+            await connection.close(1008, reason[:120])
+    except TimeoutError:
+        connection.transport.abort()
 
 
-def _warn_beyond_loopback(host: str) -> None:
-    try:
-        is_local = host == "localhost" or ip_address(host).is_loopback
-    except ValueError:
-        is_local = False
-    if not is_local:
-        warnings.warn(f"{host}: everybody who can reach this address can steer the simulator", stacklevel=3)
+def _on(loop: asyncio.AbstractEventLoop, function: Callable[[], object]) -> None:
+    with suppress(RuntimeError):  # the loop has ended
+        loop.call_soon_threadsafe(function)
+
+
+def _answered(call: Call, done: Future[dict[str, Any]]) -> str | bytes:
+    """Return the answer; an error's text goes to the caller."""
+    if done.cancelled():
+        return protocol.call_failure(call, "the server stops")
+    error = done.exception()
+    if error is None:
+        return protocol.answer(call, done.result())
+    if not isinstance(error, ValueError | RuntimeError):
+        logger.error("a service failed", exc_info=error)
+    return protocol.call_failure(call, str(error) or type(error).__name__)

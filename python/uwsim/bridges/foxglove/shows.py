@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
-import foxglove
-from foxglove.channels import SceneUpdateChannel
 from foxglove.messages import SceneUpdate
 
 from uwsim.bridges.foxglove.places import Follow, Leave, told_places, true_places
@@ -18,31 +17,38 @@ from uwsim.live import LiveSimulator
 WAITING = 64  # updates: each builds on those before, so that none may be lost to a newer one soon
 
 
+Send = Callable[[int, bytes], object]
+"""Sends a message of a simulated time [ns]."""
+SendAll = Callable[[str, int, bytes], object]
+"""Sends a topic's message to all who subscribe to it."""
+
+
 class Show:
     """One topic of scenes. begin: somebody subscribes, first or later; end: nobody does any more."""
 
-    def __init__(self, topic: str, outgoing: Outgoing, context: foxglove.Context) -> None:
+    def __init__(self, topic: str, outgoing: Outgoing, send: SendAll) -> None:
         self.topic = topic
         self._outgoing = outgoing
         self._line = Line(topic, WAITING)
-        self._log = SceneUpdateChannel(f"/{topic}", context=context)
+        self._send = partial(send, topic)
 
-    def begin(self) -> None:
-        """Send all there is, and go on with what changes."""
+    def begin(self, newcomer: Send) -> None:
+        """Send all there is to a newcomer, and go on with what changes to all."""
 
     def end(self) -> None:
         """Send nothing more."""
 
-    def _offer(self, make: Callable[[], SceneUpdate | None], time_ns: int) -> None:
-        """Make a scene and send it, on the network's thread."""
+    def _offer(self, make: Callable[[], SceneUpdate | None], time_ns: int, newcomer: Send | None = None) -> None:
+        """Make a scene on the thread that writes, and send it to a newcomer alone, or to all."""
+        send = newcomer or self._send
 
         def write() -> bool:
             update = make()
             if update is not None:
-                self._log.log(update, log_time=time_ns)
+                send(time_ns, update.encode())
             return True
 
-        self._outgoing.offer(self._line, write)
+        self._outgoing.offer(Line(self.topic, 1) if newcomer else self._line, write)
 
 
 class StillShow(Show):
@@ -52,18 +58,18 @@ class StillShow(Show):
         self,
         topic: str,
         outgoing: Outgoing,
-        context: foxglove.Context,
+        send: SendAll,
         live: LiveSimulator,
         make: Callable[[], SceneUpdate],
     ) -> None:
-        super().__init__(topic, outgoing, context)
+        super().__init__(topic, outgoing, send)
         self._live = live
         self._make = make
         self._made: SceneUpdate | None = None
 
-    def begin(self) -> None:
+    def begin(self, newcomer: Send) -> None:
         """Send it."""
-        self._offer(self._scene, self._live.simulator.time_ns)
+        self._offer(self._scene, self._live.simulator.time_ns, newcomer)
 
     def _scene(self) -> SceneUpdate:
         if self._made is None:
@@ -75,18 +81,18 @@ class TrackShow(Show):
     """The vehicles' tracks since somebody first looked."""
 
     def __init__(
-        self, outgoing: Outgoing, context: foxglove.Context, live: LiveSimulator, listen: Callable[[Follow], Leave]
+        self, outgoing: Outgoing, send: SendAll, live: LiveSimulator, listen: Callable[[Follow], Leave]
     ) -> None:
-        super().__init__("scene/track", outgoing, context)
+        super().__init__("scene/track", outgoing, send)
         self._live = live
         self._listen = listen
         self._tracks = Tracks()
         self._leave: Leave | None = None
 
-    def begin(self) -> None:
+    def begin(self, newcomer: Send) -> None:
         """Send all segments, then those that grow."""
         time_ns = self._live.simulator.time_ns
-        self._offer(lambda: self._tracks.whole(time_ns), time_ns)
+        self._offer(lambda: self._tracks.whole(time_ns), time_ns, newcomer)
         if self._leave is None:
             self._leave = self._listen(self._grow)
 
@@ -103,21 +109,20 @@ class TrackShow(Show):
 class MapShow(Show):
     """The map of a vehicle, block by block."""
 
-    def __init__(
-        self, topic: str, outgoing: Outgoing, context: foxglove.Context, feed: Readings, channel: Channel
-    ) -> None:
-        super().__init__(topic, outgoing, context)
+    def __init__(self, topic: str, outgoing: Outgoing, send: SendAll, feed: Readings, channel: Channel) -> None:
+        super().__init__(topic, outgoing, send)
         self._feed = feed
         self._channel = channel
         self._blocks = MapBlocks()
+        self._time_ns = 0  # of the newest changes
         self._leave: Callable[[], None] | None = None
 
-    def begin(self) -> None:
+    def begin(self, newcomer: Send) -> None:
         """Send all blocks, then those that change."""
         if self._leave is None:
             self._leave = self._feed.listen(self._channel, self._take)
-        elif (newest := self._feed.newest(self._channel)) is not None:
-            self._take(newest)
+        else:
+            self._offer(self._blocks.whole, self._time_ns, newcomer)
 
     def end(self) -> None:
         """Listen no more."""
@@ -126,6 +131,7 @@ class MapShow(Show):
             self._leave = None
 
     def _take(self, reading: Reading) -> None:
+        self._time_ns = reading.time_ns
         self._offer(lambda: self._blocks.changed(reading), reading.time_ns)
 
 
@@ -134,25 +140,25 @@ def shows_of(
     channels: Sequence[Channel],
     feed: Readings,
     outgoing: Outgoing,
-    context: foxglove.Context,
+    send: SendAll,
 ) -> list[Show]:
     """Return the shows of a simulator; without one, those that follow from the channels alone."""
-    found = [] if live is None else _shows_of_world(live, channels, feed, outgoing, context)
+    found = [] if live is None else _shows_of_world(live, channels, feed, outgoing, send)
     for channel in channels:
         if channel.name.rpartition("/")[2] == "map_changes":
             prefix = channel.name.removesuffix("map_changes")
-            found.append(MapShow(f"scene/{prefix}map", outgoing, context, feed, channel))
+            found.append(MapShow(f"scene/{prefix}map", outgoing, send, feed, channel))
     return found
 
 
 def _shows_of_world(
-    live: LiveSimulator, channels: Sequence[Channel], feed: Readings, outgoing: Outgoing, context: foxglove.Context
+    live: LiveSimulator, channels: Sequence[Channel], feed: Readings, outgoing: Outgoing, send: SendAll
 ) -> list[Show]:
     scenario, has_link = live.simulator.scenario, live.simulator.link is not None
     alone = len(scenario.vehicles) == 1
     frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
     return [
-        StillShow("scene/lake", outgoing, context, live, lambda: lake(scenario)),
-        StillShow("scene/vehicles", outgoing, context, live, lambda: hulls(scenario, frames)),
-        TrackShow(outgoing, context, live, told_places(live, channels, feed) if has_link else true_places(live)),
+        StillShow("scene/lake", outgoing, send, live, lambda: lake(scenario)),
+        StillShow("scene/vehicles", outgoing, send, live, lambda: hulls(scenario, frames)),
+        TrackShow(outgoing, send, live, told_places(live, channels, feed) if has_link else true_places(live)),
     ]

@@ -1,26 +1,43 @@
-"""Who may connect: the browser's origin, the token, the number of clients, and where the server listens."""
+"""Who may connect to any server of uwsim: the browser's origin, the token, the number of clients, encryption."""
 
 from __future__ import annotations
 
 import hmac
 import ipaddress
+import logging
 import re
 import ssl
 import warnings
 from collections.abc import Iterable
 from http import HTTPStatus
 from pathlib import Path
+from typing import Any, Protocol
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.http11 import Request
 
 LOOPBACK_PAGE = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?", re.IGNORECASE)
+ORIGIN = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*://[^/?#@\s]*)/?")
+REFUSALS_LOGGED = 20
+
+logger = logging.getLogger("uwsim.admission")
+
+Refusal = tuple[HTTPStatus, str]
+
+
+class Fields(Protocol):
+    """The header fields of a request."""
+
+    def get_all(self, name: str, /) -> list[Any] | None:
+        """Return all values of a field; None or [] if there are none."""
 
 
 class Door:
     """Which pages of browsers may connect, and under which names of this machine.
 
-    pages: those besides this machine's own, such as "https://station.example:8080"; host: where the server listens.
+    pages: those besides this machine's own, such as "https://station.example:8080", or of desktop programs that are
+    made of pages, such as "app://station" or "file://", which every page that a browser opens from a file has; host:
+    where the server listens.
     Programs send no Origin: they may connect. A browser's page must be of this machine, of this server itself or one of
     `pages`; and the name by which it calls the server must be known, or be an address: else a page of somebody else
     whose name is made to point here would be taken for the server's own ("DNS rebinding"). Raises ValueError.
@@ -30,15 +47,17 @@ class Door:
         self._pages = set()
         self._names = {"localhost", host.lower()}
         for page in pages:
-            parts = urlsplit(page)
-            if parts.scheme not in ("http", "https") or not parts.hostname or parts.path not in ("", "/"):
+            origin, parts = ORIGIN.fullmatch(page), urlsplit(page)
+            is_web = parts.scheme in ("http", "https")
+            if origin is None or (is_web and not parts.hostname):
                 raise ValueError(f"origin = '{page}': must be such as 'https://station.example:8080'")
-            self._pages.add(page.rstrip("/").lower())
-            self._names.add(parts.hostname)
+            self._pages.add(origin[1].lower())
+            if is_web and parts.hostname:
+                self._names.add(parts.hostname)
 
-    def refusal(self, request: Request, *, names_matter: bool) -> tuple[HTTPStatus, str] | None:
+    def refusal(self, fields: Fields, *, names_matter: bool) -> Refusal | None:
         """Return why a request is refused, or None. names_matter: whether the Host must be known without an Origin."""
-        origins, hosts = request.headers.get_all("Origin"), request.headers.get_all("Host")
+        origins, hosts = fields.get_all("Origin") or [], fields.get_all("Host") or []
         if len(origins) > 1 or len(hosts) != 1:
             return HTTPStatus.BAD_REQUEST, "one Host and at most one Origin are expected\n"
         if (origins or names_matter) and not self._is_known(hosts[0]):
@@ -76,13 +95,44 @@ def has_token(request: Request, token: str) -> bool:
     return any(hmac.compare_digest(text.encode(), token.encode()) for text in offered)
 
 
-def refusal(request: Request, *, clients: int, limit: int, token: str | None) -> tuple[HTTPStatus, str] | None:
-    """Return why a client may not connect, or None."""
-    if clients >= limit:
-        return HTTPStatus.SERVICE_UNAVAILABLE, f"{limit} clients are connected, which is the most\n"
-    if token is not None and not has_token(request, token):
-        return HTTPStatus.UNAUTHORIZED, "the token is missing or wrong: connect to ws://HOST:PORT/?token=TOKEN\n"
-    return None
+class Admission:
+    """The door, the token and the number of places of one server. Raises ValueError."""
+
+    def __init__(self, host: str, *, pages: Iterable[str] = (), token: str | None = None, places: int) -> None:
+        check_token(token)
+        self.door = Door(pages, host)
+        self.token = token
+        self._places = places
+        self._logged: set[str] = set()
+
+    def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
+        """Return why a request is refused, or None; a refusal is logged.
+
+        clients: how many have a place; None for a request of a page or a file, whose site checks the token itself.
+        """
+        reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
+        if reason is None and clients is not None:
+            if clients >= self._places:
+                reason = HTTPStatus.SERVICE_UNAVAILABLE, f"{self._places} clients are connected, which is the most\n"
+            elif self.token is not None and not has_token(request, self.token):
+                reason = (
+                    HTTPStatus.UNAUTHORIZED,
+                    "the token is missing or wrong: connect to ws://HOST:PORT/?token=TOKEN\n",
+                )
+        if reason is not None:
+            self._log(reason[1].rstrip())
+        return reason
+
+    def _log(self, why: str) -> None:
+        """Log a refusal once, for a browser does not show its page why; a page must not fill the log."""
+        if why not in self._logged and len(self._logged) < REFUSALS_LOGGED:
+            self._logged.add(why)
+            logger.warning("a client was refused: %s", why.encode("ascii", "backslashreplace").decode())
+
+
+def is_socket(request: Request) -> bool:
+    """Return whether a request is for a WebSocket."""
+    return "websocket" in request.headers.get("Upgrade", "").lower()
 
 
 def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.SSLContext | None:
@@ -113,4 +163,4 @@ def warn_beyond_loopback(host: str, token: str | None, tls: bool) -> None:
     gaps = [] if token else ["anyone who reaches this machine can drive the vehicle (a token would prevent that)"]
     if not tls:
         gaps.append("everything is sent in plain text (a certificate would prevent that)")
-    warnings.warn(f"listening on {host}, beyond this machine" + "".join(f"; {gap}" for gap in gaps), stacklevel=3)
+    warnings.warn(f"listening on {host}, beyond this machine" + "".join(f"; {gap}" for gap in gaps), stacklevel=4)

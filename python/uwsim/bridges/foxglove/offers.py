@@ -1,0 +1,107 @@
+"""What clients may subscribe to: the simulator's channels in CDR, and scenes; and to whom each is sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+
+from foxglove.messages import SceneUpdate
+
+from uwsim.bridges.foxglove.outbox import Outbox
+from uwsim.bridges.foxglove.protocol import Offer
+from uwsim.bridges.foxglove.shows import Show
+from uwsim.channels import Channel
+from uwsim.channels.cdr import schema
+from uwsim.channels.feed import Reading, Readings
+from uwsim.channels.outgoing import Line, Outgoing, queue_of
+
+Sinks = tuple[tuple[Outbox, int], ...]
+"""Each with the client's own number of its subscription."""
+
+
+class Offers:
+    """The topics by number. All is called on the network's thread, but `send`."""
+
+    def __init__(self, channels: Iterable[Channel], feed: Readings, outgoing: Outgoing) -> None:
+        self._feed, self._outgoing = feed, outgoing
+        self._channels = {channel.name: channel for channel in channels if channel.direction == "out"}
+        self._shows: dict[str, Show] = {}
+        self._lines = {name: Line(name, queue_of(channel.type)) for name, channel in self._channels.items()}
+        self._sinks: dict[str, Sinks] = {}  # replaced as a whole, for another thread reads them
+        self._ends: dict[str, Callable[[], None]] = {}
+        self.offers: list[Offer] = []
+
+    def complete(self, shows: Sequence[Show]) -> None:
+        """Add the scenes, and number all topics."""
+        self._shows = {show.topic: show for show in shows}
+        found = [_of_channel(number, one) for number, one in enumerate(self._channels.values(), start=1)]
+        scene = SceneUpdate.get_schema()
+        for number, topic in enumerate(self._shows, start=len(found) + 1):
+            found.append(Offer(number, topic, "protobuf", scene.name, scene.encoding, scene.data))
+        self.offers = found
+
+    def subscribe(self, offer_id: int, outbox: Outbox, number: int) -> None:
+        """Send a topic to a client; whoever comes late to a latched one gets its newest message."""
+        name = self._name(offer_id)
+        before = self._sinks.get(name, ())
+        self._sinks[name] = (*before, (outbox, number))
+        try:
+            if name in self._shows:
+                self._shows[name].begin(lambda time_ns, data: outbox.put((number, time_ns, data), builds_up=True))
+            elif not before:
+                self._ends[name] = self._feed.listen(self._channels[name], self._queue)
+            elif self._channels[name].latched:
+                self._outgoing.offer(Line(name, 1), partial(self._catch_up, name, outbox, number))
+        except Exception:
+            self.unsubscribe(offer_id, outbox)
+            raise
+
+    def unsubscribe(self, offer_id: int, outbox: Outbox) -> None:
+        """Send it no more; a topic that nobody wants is not read."""
+        name = self._name(offer_id)
+        left = tuple(sink for sink in self._sinks.get(name, ()) if sink[0] is not outbox)
+        self._sinks[name] = left
+        if not left and name in self._shows:
+            self._shows[name].end()
+        elif not left and name in self._ends:
+            self._ends.pop(name)()
+
+    def close(self) -> None:
+        """Read nothing more."""
+        for name in list(self._ends):
+            self._ends.pop(name)()
+        for show in self._shows.values():
+            show.end()
+
+    def send(self, name: str, time_ns: int, data: bytes) -> None:
+        """Queue a message for all who subscribe to its topic. On any thread."""
+        builds_up = name in self._shows
+        for outbox, number in self._sinks.get(name, ()):
+            outbox.put((number, time_ns, data), builds_up=builds_up)
+
+    def _name(self, offer_id: int) -> str:
+        if not 1 <= offer_id <= len(self.offers):
+            raise ValueError(f"channel {offer_id}: there is none")
+        return self.offers[offer_id - 1].name
+
+    def _queue(self, reading: Reading) -> None:
+        """Take a reading, on the simulator's thread; it is encoded on another."""
+        name = reading.channel.name
+
+        def write() -> bool:
+            self.send(name, reading.time_ns, bytes(reading.cdr))
+            return True
+
+        self._outgoing.offer(self._lines[name], write)
+
+    def _catch_up(self, name: str, outbox: Outbox, number: int) -> bool:
+        newest = self._feed.newest(self._channels[name])
+        if newest is not None:
+            outbox.put((number, newest.time_ns, bytes(newest.cdr)))
+        return newest is not None
+
+
+def _of_channel(number: int, channel: Channel) -> Offer:
+    found = schema(channel.type)
+    metadata = {"type_hash": found.type_hash, "description": channel.description}
+    return Offer(number, channel.name, "cdr", channel.type, "ros2msg", found.text.encode(), metadata)

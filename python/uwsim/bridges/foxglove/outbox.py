@@ -1,0 +1,146 @@
+"""What waits to be sent to a client, bounded in bytes for each and for all.
+
+Two queues: what must arrive (the list of topics, answers, scenes, each of which builds on those before), and messages
+of topics, the oldest of which give way to newer ones. A client for which too much of the first kind waits is given up.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+
+from uwsim.bridges.foxglove import protocol
+
+REPLIES = 1000
+REPLIES_BYTES = 64 << 20  # a large map's scene takes some 10 MB
+MESSAGES = 64
+MESSAGES_BYTES = 16 << 20
+ALL_BYTES = 256 << 20
+OVERHEAD = 200  # bytes that an entry of a queue takes besides its content
+
+Frame = str | bytes
+Message = tuple[int, int, bytes]
+"""Subscription, time [ns], content: the content is shared by all clients that get it."""
+
+
+class Room:
+    """What the queues of all clients hold together."""
+
+    def __init__(self, limit: int = ALL_BYTES) -> None:
+        self.lock = threading.Lock()
+        self.limit = limit
+        self.taken = 0
+
+
+class _Queue:
+    """Frames in the order in which they came. Its users hold the room's lock."""
+
+    def __init__(self, room: Room, count: int, size: int) -> None:
+        self._room = room
+        self._count, self._size = count, size
+        self._entries: deque[tuple[int, Frame | Message]] = deque()
+        self.bytes = 0
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def has_room(self, size: int) -> bool:
+        """Return whether an entry fits; an empty queue takes one of any size."""
+        fits = self.bytes + size <= self._size and self._room.taken + size <= self._room.limit
+        return not self._entries or (len(self._entries) < self._count and fits)
+
+    def put(self, size: int, entry: Frame | Message) -> None:
+        self._entries.append((size, entry))
+        self.bytes += size
+        self._room.taken += size
+
+    def take(self) -> Frame | Message:
+        size, entry = self._entries.popleft()
+        self.bytes -= size
+        self._room.taken -= size
+        return entry
+
+    def clear(self) -> None:
+        self._room.taken -= self.bytes
+        self._entries.clear()
+        self.bytes = 0
+
+
+class Outbox:
+    """A client's queues. Its methods may be called on any thread, and nobody waits.
+
+    wake: called when there is something to send; give_up: with the reason, when too much waits. dropped: messages that
+    gave way to newer ones.
+    """
+
+    def __init__(self, room: Room, wake: Callable[[], None], give_up: Callable[[str], None]) -> None:
+        self._room, self._wake, self._give_up = room, wake, give_up
+        self._replies = _Queue(room, REPLIES, REPLIES_BYTES)
+        self._messages = _Queue(room, MESSAGES, MESSAGES_BYTES)
+        self._time_ns: int | None = None
+        self._is_closed = False
+        self.dropped = 0
+
+    @property
+    def bytes(self) -> int:
+        """How much waits."""
+        return self._replies.bytes + self._messages.bytes
+
+    def reply(self, frame: Frame) -> None:
+        """Queue what must arrive."""
+        self._must(len(frame) + OVERHEAD, frame)
+
+    def put(self, message: Message, *, builds_up: bool = False) -> None:
+        """Queue a topic's message. builds_up: later ones are of no use without it."""
+        size = len(message[2]) + OVERHEAD
+        if builds_up:
+            self._must(size, message)
+            return
+        with self._room.lock:
+            if self._is_closed:
+                return
+            while not self._messages.has_room(size):
+                self._messages.take()
+                self.dropped += 1
+            self._messages.put(size, message)
+        self._wake()
+
+    def tell_time(self, time_ns: int) -> None:
+        """Queue the time, instead of the one before."""
+        self._time_ns = time_ns
+        self._wake()
+
+    def take(self) -> Frame | None:
+        """Return the next frame, or None."""
+        with self._room.lock:
+            if self._replies:
+                found = self._replies.take()
+            elif self._time_ns is not None:
+                found, self._time_ns = protocol.time(self._time_ns), None
+            elif self._messages:
+                found = self._messages.take()
+            else:
+                return None
+        return protocol.message(*found) if isinstance(found, tuple) else found
+
+    def close(self) -> None:
+        """Drop everything, and take nothing more."""
+        with self._room.lock:
+            self._is_closed = True
+            self._replies.clear()
+            self._messages.clear()
+
+    def _must(self, size: int, entry: Frame | Message) -> None:
+        with self._room.lock:
+            if self._is_closed:
+                return
+            has_room = self._replies.has_room(size)
+            if has_room:
+                self._replies.put(size, entry)
+        if has_room:
+            self._wake()
+            return
+        reason = f"it reads too slowly: {len(self._replies)} answers and scenes of {self._replies.bytes} bytes wait"
+        self.close()
+        self._give_up(reason)

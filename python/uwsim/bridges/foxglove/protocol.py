@@ -1,0 +1,146 @@
+"""Foxglove's WebSocket protocol, the server's side: frames from values, values from frames.
+
+The protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Text frames are JSON objects with an `op`;
+binary frames begin with a byte that says what they are. All integers are little endian.
+"""
+
+from __future__ import annotations
+
+import struct
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import orjson
+
+SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+CAPABILITIES = ("clientPublish", "services", "time")
+ENCODINGS = ("cdr", "json")
+WARNING, ERROR = 1, 2
+MESSAGE, TIME, ANSWER = 1, 2, 3  # binary frames of the server
+PUBLISH, CALL = 1, 2  # binary frames of a client
+BINARY_SCHEMAS = ("protobuf", "flatbuffer")
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A topic that clients may subscribe to. schema: in an encoding of its own, such as ros2msg."""
+
+    id: int
+    name: str
+    encoding: str
+    schema_name: str
+    schema_encoding: str
+    schema: bytes
+    metadata: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Publication:
+    """A client's message on a channel that it has advertised."""
+
+    channel_id: int
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Call:
+    """A client's call of a service."""
+
+    service_id: int
+    call_id: int
+    encoding: str
+    data: bytes
+
+
+def server_info(name: str, session: str) -> str:
+    """Return the first frame of a conversation. session: another one makes the app forget what it has."""
+    return _text("serverInfo", name=name, capabilities=CAPABILITIES, supportedEncodings=ENCODINGS, sessionId=session)
+
+
+def advertisement(offers: Sequence[Offer]) -> str:
+    """Return the frame that lists topics."""
+    channels = [
+        {
+            "id": offer.id,
+            "topic": f"/{offer.name}",
+            "encoding": offer.encoding,
+            "schemaName": offer.schema_name,
+            "schemaEncoding": offer.schema_encoding,
+            "schema": _schema_text(offer),
+            **({"metadata": offer.metadata} if offer.metadata else {}),
+        }
+        for offer in offers
+    ]
+    return _text("advertise", channels=channels)
+
+
+def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
+    """Return the frame that lists services, each as number, name and type. Their requests are any JSON objects."""
+
+    def described(number: int, name: str, kind: str) -> dict[str, Any]:
+        schema = {"schemaName": kind, "schemaEncoding": "jsonschema", "schema": '{"type":"object"}'}
+        anything = {"encoding": "json", **schema}
+        return {"id": number, "name": f"/{name}", "type": kind, "request": anything, "response": anything}
+
+    return _text("advertiseServices", services=[described(*service) for service in services])
+
+
+def status(level: int, text: str) -> str:
+    """Return what the app shows as a problem."""
+    return _text("status", level=level, message=text)
+
+
+def call_failure(call: Call, why: str) -> str:
+    """Return the answer to a call that could not be made."""
+    return _text("serviceCallFailure", serviceId=call.service_id, callId=call.call_id, message=why)
+
+
+def answer(call: Call, response: dict[str, Any]) -> bytes:
+    """Return the answer to a call, in JSON."""
+    head = struct.pack("<BIII4s", ANSWER, call.service_id, call.call_id, 4, b"json")
+    return head + orjson.dumps(response, default=str)
+
+
+def message(subscription: int, time_ns: int, data: bytes) -> bytes:
+    """Return a topic's message."""
+    return struct.pack("<BIQ", MESSAGE, subscription, time_ns) + data
+
+
+def time(time_ns: int) -> bytes:
+    """Return the simulated time."""
+    return struct.pack("<BQ", TIME, time_ns)
+
+
+def read_binary(frame: bytes) -> Publication | Call:
+    """Return what a client's binary frame holds. Raises ValueError."""
+    if frame[:1] == bytes([PUBLISH]) and len(frame) >= 5:
+        return Publication(struct.unpack_from("<I", frame, 1)[0], frame[5:])
+    if frame[:1] == bytes([CALL]) and len(frame) >= 13:
+        service_id, call_id, length = struct.unpack_from("<III", frame, 1)
+        encoding, data = frame[13 : 13 + length], frame[13 + length :]
+        if len(encoding) == length <= 64:
+            return Call(service_id, call_id, encoding.decode("ascii", "replace"), data)
+    raise ValueError(f"frame: {len(frame)} bytes that begin with {frame[:13].hex() or 'nothing'}: no message, no call")
+
+
+def read_json(data: str | bytes) -> dict[str, Any]:
+    """Return the object that JSON holds; nothing counts as an empty one. Raises ValueError."""
+    try:
+        found = orjson.loads(data or b"{}")
+    except ValueError as error:
+        raise ValueError(f"{data[:60]!r}: must be JSON ({error})") from None
+    if not isinstance(found, dict):
+        raise ValueError(f"{data[:60]!r}: must be an object in JSON")
+    return found
+
+
+def _text(op: str, **values: Any) -> str:
+    return orjson.dumps({"op": op, **values}).decode()
+
+
+def _schema_text(offer: Offer) -> str:
+    if offer.schema_encoding in BINARY_SCHEMAS:
+        return b64encode(offer.schema).decode()
+    return offer.schema.decode()

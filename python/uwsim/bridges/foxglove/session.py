@@ -1,0 +1,208 @@
+"""One client's side of Foxglove's protocol, without a transport: frames go in, an outbox fills."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any, ClassVar, Protocol
+
+from uwsim.bridges.foxglove import protocol
+from uwsim.bridges.foxglove.outbox import Outbox
+from uwsim.bridges.foxglove.protocol import Call
+from uwsim.channels import Channel
+
+LISTS_MAX = 1000  # entries of one frame's list, and topics and channels of one client
+TEXT_BYTES_MAX = 1 << 17  # of a frame in JSON: an app's lists, with schemas, take some 10 kB
+MISTAKES_SHOWN = 10  # of one frame
+CALLS_MAX = 32  # of one client that are not answered yet
+MESSAGE_BYTES_MAX = 1 << 14  # of a command or a request: what Python makes of 16 kB of JSON takes up to 0.3 s
+NAME_MAX = 200
+
+logger = logging.getLogger("uwsim.foxglove")
+
+
+class Server(Protocol):
+    """What a session needs of the server; all is called on the network's thread."""
+
+    @property
+    def heard(self) -> str:
+        """The topics that the simulator hears, for messages of errors."""
+
+    def subscribe(self, session: Session, offer_id: int) -> None:
+        """Send a topic's messages to a session. Raises ValueError for an unknown topic."""
+
+    def unsubscribe(self, session: Session, offer_id: int) -> None:
+        """Send no more of them."""
+
+    def input(self, topic: str) -> Channel | None:
+        """Return what hears a topic."""
+
+    def apply(self, channel: Channel, encoding: str, data: bytes) -> None:
+        """Give a command. Raises ValueError, RuntimeError."""
+
+    def leave(self, channel: Channel) -> None:
+        """Take note that a session gives no more commands on a channel."""
+
+    def call(self, call: Call, reply: Callable[[str | bytes], None]) -> None:
+        """Call a service, and reply later. Raises ValueError."""
+
+
+class Session:
+    """A client. subscriptions: its own numbers, by those of topics."""
+
+    def __init__(self, server: Server, outbox: Outbox) -> None:
+        self._server = server
+        self.outbox = outbox
+        self.subscriptions: dict[int, int] = {}
+        self.advertised: dict[int, tuple[Channel, str] | None] = {}  # None: it was said what is wrong with it
+        self._open_calls = 0
+
+    def receive(self, frame: str | bytes) -> None:
+        """Do what a frame asks for. What is wrong with it is said by a status; raises nothing."""
+        try:
+            if isinstance(frame, str):
+                if len(frame) > TEXT_BYTES_MAX:
+                    raise ValueError(f"frame: {len(frame)} characters: must be {TEXT_BYTES_MAX} at most")
+                self._perform(protocol.read_json(frame))
+            else:
+                self._take(protocol.read_binary(frame))
+        except (ValueError, RuntimeError) as error:
+            self.complain(str(error))
+        except Exception:
+            logger.exception("a frame that we did not foresee")
+            self.complain("the server failed at this operation", protocol.ERROR)
+
+    def complain(self, text: str, level: int = protocol.WARNING) -> None:
+        """Show a problem in the app."""
+        logger.info("%s", text)
+        self.outbox.reply(protocol.status(level, text))
+
+    def close(self) -> None:
+        """Leave: nothing is sent any more, and what commands gave way to is told."""
+        self.outbox.close()
+        for offer_id in list(self.subscriptions):
+            self._server.unsubscribe(self, offer_id)
+        self.subscriptions.clear()
+        for channel_id in list(self.advertised):
+            self._unadvertise(channel_id)
+
+    def _perform(self, operation: dict[str, Any]) -> None:
+        name = operation.get("op")
+        if not isinstance(name, str) or name not in self._operations:
+            raise ValueError(f"op = {name!r:.40}: must be one of {', '.join(self._operations)}")
+        key, kind, perform = self._operations[name]
+        entries = operation.get(key)
+        if not isinstance(entries, list) or len(entries) > LISTS_MAX or {type(entry) for entry in entries} - {kind}:
+            raise ValueError(f"{name}.{key}: must be a list of up to {LISTS_MAX} of {kind.__name__}")
+        mistakes = []
+        for entry in entries:
+            try:
+                perform(self, entry)
+            except (ValueError, RuntimeError) as error:
+                mistakes.append(str(error))
+        for text in mistakes[:MISTAKES_SHOWN]:
+            self.complain(text)
+
+    def _take(self, received: protocol.Publication | Call) -> None:
+        if isinstance(received, Call):
+            self._call(received)
+            return
+        if received.channel_id not in self.advertised:
+            raise ValueError(f"channel {received.channel_id}: you have not advertised it")
+        found = self.advertised[received.channel_id]
+        if found is None:
+            return  # what is wrong with it was said when it was advertised
+        channel, encoding = found
+        try:
+            _check_size(received.data)
+            self._server.apply(channel, encoding, received.data)
+        except (ValueError, RuntimeError) as error:
+            self.complain(f"/{channel.name}: {error}")
+
+    def _subscribe(self, entry: dict[str, Any]) -> None:
+        number, offer_id = _number(entry, "id"), _number(entry, "channelId")
+        if number in self.subscriptions.values() or offer_id in self.subscriptions:
+            raise ValueError(f"subscription {number} of channel {offer_id}: you have one of that number or channel")
+        if not 0 <= number < 1 << 32:
+            raise ValueError(f"subscription {number}: must be in [0, 2^32)")
+        self.subscriptions[offer_id] = number
+        try:
+            self._server.subscribe(self, offer_id)
+        except (ValueError, RuntimeError):
+            del self.subscriptions[offer_id]
+            raise
+
+    def _unsubscribe(self, number: int) -> None:
+        offer_id = next((offer for offer, own in self.subscriptions.items() if own == number), None)
+        if offer_id is not None:
+            self._server.unsubscribe(self, offer_id)
+            del self.subscriptions[offer_id]
+
+    def _advertise(self, entry: dict[str, Any]) -> None:
+        number, topic = _number(entry, "id"), _text(entry, "topic")
+        encoding, kind = _text(entry, "encoding"), _text(entry, "schemaName")
+        if number in self.advertised or len(self.advertised) >= LISTS_MAX:
+            raise ValueError(f"channel {number}: it is advertised, or {LISTS_MAX} are, which is the most")
+        self.advertised[number] = None
+        target = self._server.input(topic.lstrip("/"))
+        if target is None:
+            raise ValueError(f"topic '{topic}': the simulator does not hear it; it hears {self._server.heard}")
+        if encoding not in protocol.ENCODINGS:
+            raise ValueError(f"topic '{topic}': encoding '{encoding}': must be one of {', '.join(protocol.ENCODINGS)}")
+        if _full(kind) != target.type:
+            raise ValueError(f"topic '{topic}' is {target.type}, not {kind}")
+        self.advertised[number] = target, encoding
+
+    def _unadvertise(self, number: int) -> None:
+        if number not in self.advertised:
+            raise ValueError(f"channel {number}: you have not advertised it")
+        found = self.advertised.pop(number)
+        if found is not None:
+            self._server.leave(found[0])
+
+    def _call(self, call: Call) -> None:
+        def reply(frame: str | bytes) -> None:
+            self._open_calls -= 1
+            self.outbox.reply(frame)
+
+        try:
+            _check_size(call.data)
+            if call.encoding != "json":
+                raise ValueError(f"encoding = '{call.encoding}': must be json")
+            if self._open_calls >= CALLS_MAX:
+                raise ValueError(f"{CALLS_MAX} calls are not answered yet, which is the most")
+            self._server.call(call, reply)
+            self._open_calls += 1
+        except (ValueError, RuntimeError) as error:
+            self.outbox.reply(protocol.call_failure(call, str(error)))
+
+    _operations: ClassVar[dict[str, tuple[str, type, Callable[[Session, Any], None]]]] = {
+        "subscribe": ("subscriptions", dict, _subscribe),
+        "unsubscribe": ("subscriptionIds", int, _unsubscribe),
+        "advertise": ("channels", dict, _advertise),
+        "unadvertise": ("channelIds", int, _unadvertise),
+    }
+
+
+def _number(entry: dict[str, Any], key: str) -> int:
+    found = entry.get(key)
+    if type(found) is not int:
+        raise ValueError(f"{key} = {found!r:.40}: must be a whole number")
+    return found
+
+
+def _text(entry: dict[str, Any], key: str) -> str:
+    found = entry.get(key)
+    if not isinstance(found, str) or len(found) > NAME_MAX:
+        raise ValueError(f"{key} = {found!r:.40}: must be a string of up to {NAME_MAX} characters")
+    return found
+
+
+def _check_size(data: bytes) -> None:
+    if len(data) > MESSAGE_BYTES_MAX:
+        raise ValueError(f"{len(data)} bytes: must be {MESSAGE_BYTES_MAX} at most")
+
+
+def _full(name: str) -> str:
+    """Return a type's name in ROS 2's spelling."""
+    return name if "/msg/" in name else name.replace("/", "/msg/", 1)
