@@ -9,6 +9,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from uwsim.bridges.ros1.guard import guard_sockets
+
 DEBIAN = Path("/usr/lib/python3/dist-packages")
 LOOPBACK = "127.0.0.1"
 INSTALL = "apt install python3-rospy"
@@ -27,10 +29,12 @@ def load_rospy() -> Any:
     if not {"ROS_IP", "ROS_HOSTNAME"} & os.environ.keys():
         os.environ["ROS_IP"] = LOOPBACK
     try:
-        return importlib.import_module("rospy")
+        rospy = importlib.import_module("rospy")
     except ImportError as error:
         version = ".".join(map(str, sys.version_info[:2]))
         raise ValueError(f"ROS 1: rospy cannot be imported by Python {version}: {error}; {INSTALL}") from None
+    guard_sockets()
+    return rospy
 
 
 def require_master() -> str:

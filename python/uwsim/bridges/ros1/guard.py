@@ -1,0 +1,65 @@
+"""Keeps pages of browsers out of the two sockets that rospy opens; see SECURITY.md."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import socket
+import struct
+from typing import Any
+
+from uwsim.admission import Door
+
+HEADER_BYTES_MAX = 1 << 16  # of the header that begins a connection; one with a message's definition takes a few kB
+HEADER_S = 10.0  # in which each part of it must come
+LOOPBACK = "127.0.0.1"
+
+
+def guard_sockets() -> None:
+    """Guard the sockets that rospy opens from now on, once."""
+    tcpros: Any = importlib.import_module("rospy.impl.tcpros_base")
+    if not hasattr(tcpros, "uwsim_guards"):
+        tcpros.uwsim_guards = True
+        _guard_xmlrpc(importlib.import_module("rosgraph.xmlrpc"))
+        _guard_tcpros(tcpros)
+
+
+def _guard_xmlrpc(xmlrpc: Any) -> None:
+    """Refuse requests of pages to the XML-RPC server.
+
+    It would take any page's POST: by `publisherUpdate` a page could make the node read its commands from a server of
+    the page's own, by `shutdown` end it.
+    """
+    door = Door((), os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or LOOPBACK)
+
+    class GuardedHandler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
+        def do_POST(self) -> None:  # noqa: N802
+            refusal = door.refusal(self.headers, names_matter=False)
+            if refusal is None:
+                super().do_POST()
+            else:
+                self.send_error(refusal[0], explain=refusal[1])
+
+    xmlrpc.SilenceableXMLRPCRequestHandler = GuardedHandler
+
+
+def _guard_tcpros(tcpros: Any) -> None:
+    """Bound the header that begins a connection, in bytes and in time.
+
+    rospy reads it before it accepts the next client. The first letters of a request of HTTP, taken for the header's
+    length, are 1 GB: a page that asks for something here would keep all others waiting.
+    """
+    read, refused = tcpros.read_ros_handshake_header, importlib.import_module("rosgraph.network").ROSHandshakeException
+
+    def read_short(sock: Any, buffer: Any, buff_size: int) -> Any:
+        timeout_s = sock.gettimeout()
+        sock.settimeout(HEADER_S)
+        begin = sock.recv(4, socket.MSG_PEEK)
+        (size,) = struct.unpack("<I", begin.ljust(4, b"\0"))
+        if size > HEADER_BYTES_MAX:
+            raise refused(f"a header of {size} bytes: must be {HEADER_BYTES_MAX} at most")
+        found = read(sock, buffer, buff_size)
+        sock.settimeout(timeout_s)
+        return found
+
+    tcpros.read_ros_handshake_header = read_short
