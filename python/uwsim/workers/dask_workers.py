@@ -31,6 +31,8 @@ SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,  # trials are counted here
     "distributed.deploy.lost-worker-timeout": "1d",  # by default one that takes 15 s to start again is not awaited
     "distributed.admin.tick.limit": "1h",  # a step of the simulator may hold Python's lock for longer than 3 s
+    "distributed.scheduler.http.routes": [],  # pages about the work, for whichever site asks
+    "distributed.worker.http.routes": [],
     "distributed.worker.profile.enabled": False,  # it looks at every thread a hundred times a second
 }
 
