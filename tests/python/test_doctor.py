@@ -91,6 +91,9 @@ def test_a_port_is_free_ours_or_taken():
         web.shutdown()
     with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
         assert servers.rosbridge_port(server.port).found == "uwsim serves here"
+    with RosbridgeServer(None, token="correct-horse") as server:
+        for look in (servers.rosbridge_port, servers.foxglove_port):
+            assert look(server.port) == servers.Finding(look(server.port).what, servers.LOCKED)
 
 
 def test_interfaces_and_buffers_are_looked_at(monkeypatch):

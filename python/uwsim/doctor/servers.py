@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import socket
+from http import HTTPStatus
 
-from websockets.exceptions import WebSocketException
+from websockets.exceptions import InvalidStatus, WebSocketException
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
@@ -13,6 +14,7 @@ from uwsim.doctor.finding import Finding
 
 ANSWER_S = 2.0
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")
+LOCKED = "taken, by a server that asks for a token, as uwsim serve --token does"
 
 
 def rosbridge_port(port: int) -> Finding:
@@ -20,7 +22,10 @@ def rosbridge_port(port: int) -> Finding:
     what = f"rosbridge, port {port}"
     if not _is_taken(port):
         return Finding(what, "free")
-    nodes = _rosbridge_nodes(port)
+    try:
+        nodes = _rosbridge_nodes(port)
+    except PermissionError:
+        return Finding(what, LOCKED)
     if nodes is None:
         return Finding(what, "taken, by something that is no rosbridge", "wrong", "end it, or uwsim serve --port N")
     if "/uwsim" in nodes:
@@ -36,7 +41,9 @@ def foxglove_port(port: int) -> Finding:
     try:
         with connect(f"ws://127.0.0.1:{port}", subprotocols=[FOXGLOVE], open_timeout=ANSWER_S, max_size=None) as socket:
             name = json.loads(socket.recv(ANSWER_S)).get("name", "")
-    except (OSError, ValueError, WebSocketException):
+    except (OSError, ValueError, WebSocketException) as error:
+        if _is_locked(error):
+            return Finding(what, LOCKED)
         return Finding(what, "taken, by no Foxglove server", "note", "end it, or uwsim serve --foxglove-port N")
     return Finding(what, f"{name or 'a Foxglove server'} serves here")
 
@@ -48,7 +55,7 @@ def _is_taken(port: int) -> bool:
 
 
 def _rosbridge_nodes(port: int) -> list[str] | None:
-    """Return the names of a rosbridge's nodes, or None if it is none."""
+    """Return the names of a rosbridge's nodes, or None if it is none. Raises PermissionError."""
     try:
         with connect(f"ws://127.0.0.1:{port}", open_timeout=ANSWER_S, max_size=None) as bridge:
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "doctor"}))
@@ -56,6 +63,11 @@ def _rosbridge_nodes(port: int) -> list[str] | None:
                 answer = json.loads(bridge.recv(ANSWER_S))
                 if answer.get("op") == "service_response":
                     return [str(name) for name in answer.get("values", {}).get("nodes", [])]
-    except (OSError, ValueError, AttributeError, WebSocketException):
-        pass
+    except (OSError, ValueError, AttributeError, WebSocketException) as error:
+        if _is_locked(error):
+            raise PermissionError(LOCKED) from None
     return None
+
+
+def _is_locked(error: Exception) -> bool:
+    return isinstance(error, InvalidStatus) and error.response.status_code == HTTPStatus.UNAUTHORIZED
