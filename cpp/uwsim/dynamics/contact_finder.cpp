@@ -5,6 +5,7 @@
 
 #include "uwsim/core/recently_made.h"
 #include "uwsim/dynamics/broad_phase.h"
+#include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/convex_contact.h"
 #include "uwsim/dynamics/solid_triangles.h"
 #include "uwsim/dynamics/surface_contact.h"
@@ -105,6 +106,7 @@ struct ContactFinder::Impl {
   std::shared_ptr<const FixedSurfaces> fixed;
   ConvexContact convex_contact;
   SurfaceContact surface_contact;
+  ContactBudget budget;
   std::vector<std::shared_ptr<const Body>> bodies;
   // Kept so that steps allocate nothing.
   SolidTriangles::Stack solids_stack;
@@ -120,6 +122,7 @@ struct ContactFinder::Impl {
     contacts->clear();
     for (std::size_t a = 0; a < moving.size(); ++a) {
       if (!moving[a].collides) continue;
+      budget.begin(a, 2 * bodies[a]->box.half_size_body_m);
       find_with_world(static_cast<int>(a), *bodies[a], moving[a]);
       for (std::size_t b = 0; b < a; ++b) {
         if (!moving[b].collides) continue;
@@ -138,16 +141,17 @@ struct ContactFinder::Impl {
     if (!fixed->broad_phase.may_touch(whole.low_m, whole.high_m)) return;
     first_of_pair = contacts->size();
     terrain_patch.clear();
-    if (const auto& terrain = fixed->world.terrain()) add_terrain(*terrain, whole.low_m, whole.high_m, terrain_patch);
-    const std::size_t solid_count = fixed->solids.find(whole.low_m, whole.high_m, solids_stack, solid_patches);
+    if (const auto& terrain = fixed->world.terrain())
+      add_terrain(*terrain, whole.low_m, whole.high_m, terrain_patch, budget);
+    const std::size_t solid_count = fixed->solids.find(whole.low_m, whole.high_m, solids_stack, solid_patches, budget);
     if (terrain_patch.triangles.empty() && solid_count == 0) return;
     for (const Piece& piece : body.pieces) {
       const Box box = piece.box.in_world(pose.position_m, rotation, reach_m);
       const PlacedShape placed{piece.shape, pose,       rotation, piece.box.middle_body_m, piece.box.half_size_body_m,
                                box.low_m,   box.high_m, reach_m};
-      add_all(a, surface_contact.find(placed, terrain_patch, SurfaceContact::Under::kSolid));
+      add_all(a, surface_contact.find(placed, terrain_patch, SurfaceContact::Under::kSolid, budget));
       for (std::size_t k = 0; k < solid_count; ++k)
-        add_all(a, surface_contact.find(placed, solid_patches[k], SurfaceContact::Under::kClosed));
+        add_all(a, surface_contact.find(placed, solid_patches[k], SurfaceContact::Under::kClosed, budget));
     }
   }
 
@@ -164,6 +168,7 @@ struct ContactFinder::Impl {
       const Box box_a = piece_a.box.in_world(pose_a.position_m, rotation_a, reach_m);
       for (const Piece& piece_b : bodies[b]->pieces) {
         if (!box_a.meets(piece_b.box.in_world(pose_b.position_m, rotation_b, 0))) continue;
+        budget.spend(ContactBudget::kTestsPerOverlap);
         for (const ContactPoint& found :
              convex_contact.with_shape(piece_a.shape, pose_a, piece_b.shape, pose_b, reach_m))
           add(static_cast<int>(a), static_cast<int>(b), found);
@@ -179,6 +184,7 @@ struct ContactFinder::Impl {
              known.normal_world.dot(found.normal_world) >= kSameNormal;
     };
     const auto first = contacts->begin() + static_cast<std::ptrdiff_t>(first_of_pair);
+    budget.spend(contacts->size() - first_of_pair);
     const auto known = std::find_if(first, contacts->end(), same);
     if (known != contacts->end() && gap_m >= known->gap_m - kDeeper_m) return;
     Contact& contact = known != contacts->end() ? *known : contacts->emplace_back();

@@ -41,7 +41,7 @@ class ContactFinder {
   double radius_m(std::size_t body) const;
 
   /// Replaces `contacts`. Bodies come in order, each with its contacts with terrain and solids, then with the bodies
-  /// before it. The caller sets friction and restitution.
+  /// before it. The caller sets friction and restitution. Throws ContactBudgetExceeded (contact_budget.h).
   void find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts);
 
  private:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/integrator.h"
 
 namespace uwsim {
@@ -106,7 +107,11 @@ void RigidBodyWorld::find_contacts() {
     if (rests) next_states_[k] = bodies_[k].state;
     moving_[k] = {bodies_[k].state.world_from_body, reach_m(k), !bodies_[k].held && !rests};
   }
-  finder_.find(moving_, contacts_);
+  try {
+    finder_.find(moving_, contacts_);
+  } catch (const ContactBudgetExceeded& error) {
+    throw InvalidValue("vehicle '" + bodies_[error.body].spec.name + "', " + error.what());
+  }
   for (Contact& contact : contacts_) combine_materials(contact);
 }
 

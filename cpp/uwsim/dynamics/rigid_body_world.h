@@ -57,7 +57,7 @@ class RigidBodyWorld {
   const Vector6d& acceleration_body(std::size_t body) const { return bodies_.at(body).acceleration_body; }
 
   /// One fixed step from `time_s`. Throws InvalidValue that names step, body and its last finite state when the motion
-  /// diverges; no body has moved then.
+  /// diverges, and one that names body and counts when its search for contacts costs too much; no body has moved then.
   void step(const WaterField& water, double time_s);
 
   /// Saves or restores the state of all bodies. Throws InvalidValue.

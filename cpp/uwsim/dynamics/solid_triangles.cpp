@@ -44,6 +44,7 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
   const MeshEdges* edges = nullptr;
   std::vector<SurfacePatch>* patches = nullptr;
   std::size_t count = 0;
+  std::size_t triangles = 0, most_triangles = 0;  // beyond the most they are only counted
 
   void Process(const btDbvtNode* leaf) override {
     const auto& tree = *static_cast<const Tree*>(leaf->data);
@@ -55,7 +56,7 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
     if (!patch.triangles.empty()) ++count;
   }
   void processTriangle(btVector3*, int, int triangle) override {
-    edges->add_triangle(static_cast<std::uint32_t>(triangle), (*patches)[count]);
+    if (++triangles <= most_triangles) edges->add_triangle(static_cast<std::uint32_t>(triangle), (*patches)[count]);
   }
 };
 
@@ -88,13 +89,15 @@ SolidTriangles::SolidTriangles(SolidTriangles&&) noexcept = default;
 SolidTriangles& SolidTriangles::operator=(SolidTriangles&&) noexcept = default;
 
 std::size_t SolidTriangles::find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, Stack& stack,
-                                 std::vector<SurfacePatch>& patches) const {
+                                 std::vector<SurfacePatch>& patches, ContactBudget& budget) const {
   Search search;
   search.low = to_bullet(low_world_m);
   search.high = to_bullet(high_world_m);
   search.patches = &patches;
+  search.most_triangles = budget.triangles_left();
   impl_->boxes.collideTVNoStackAlloc(impl_->boxes.m_root, btDbvtVolume::FromMM(search.low, search.high),
                                      stack.impl_->nodes, search);
+  budget.spend_on_triangles(search.triangles);
   return search.count;
 }
 

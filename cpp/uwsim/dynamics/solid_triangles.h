@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/surface_patch.h"
 #include "uwsim/world/world.h"
 
@@ -33,9 +34,9 @@ class SolidTriangles {
   SolidTriangles& operator=(SolidTriangles&&) noexcept;
 
   /// Writes one patch for each solid that has triangles whose bounding boxes overlap the box, in a fixed order, and
-  /// returns how many these are. `patches` only grows, so that its memory is used again.
+  /// returns how many these are. `patches` only grows, so that its memory is used again. Throws ContactBudgetExceeded.
   std::size_t find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, Stack& stack,
-                   std::vector<SurfacePatch>& patches) const;
+                   std::vector<SurfacePatch>& patches, ContactBudget& budget) const;
 
  private:
   struct Impl;

@@ -62,12 +62,17 @@ SurfaceContact::SurfaceContact() {
   found_.reserve(kReserved);
 }
 
-std::span<const ContactPoint> SurfaceContact::find(const PlacedShape& placed, const SurfacePatch& patch, Under under) {
+std::span<const ContactPoint> SurfaceContact::find(const PlacedShape& placed, const SurfacePatch& patch, Under under,
+                                                   ContactBudget& budget) {
   placed_ = &placed;
   under_ = under;
+  budget_ = &budget;
   found_.clear();
+  budget.spend(patch.triangles.size());
   find_close_triangles(patch);
   if (close_.empty()) return found_;
+  budget.spend(patch.edges.size() + patch.peaks.size());
+  budget.spend(close_.size() * placed.shape.polytope_body().corners_m.size());
   corners_world_m_.clear();
   for (const Eigen::Vector3d& corner : placed.shape.polytope_body().corners_m)
     corners_world_m_.push_back(placed.world_from_body.position_m + placed.rotation * corner);
@@ -143,6 +148,7 @@ void SurfaceContact::add_corner_at_solid(const Eigen::Vector3d& corner_m) {
 void SurfaceContact::add_peak(const SurfacePatch& patch, const SurfacePeak& peak) {
   if (!meets(placed_->low_m, placed_->high_m, peak.point_m, peak.point_m)) return;
   const Polytope& polytope = placed_->shape.polytope_body();
+  budget_->spend(polytope.faces.size());
   const auto height_over = [](const Polytope::Face& face, const Eigen::Vector3d& point) {
     return face.normal.dot(point) - face.offset_m;
   };
@@ -178,6 +184,7 @@ void SurfaceContact::add_peak(const SurfacePatch& patch, const SurfacePeak& peak
 void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   const Eigen::Vector3d to = edge.from_m + edge.length_m * edge.along;
   if (!meets(placed_->low_m, placed_->high_m, edge.from_m.cwiseMin(to), edge.from_m.cwiseMax(to))) return;
+  budget_->spend(corners_world_m_.size());
   // Nothing of the piece is near when its support along the edge's middle normal is not.
   double lowest_m = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& corner : corners_world_m_)
@@ -198,6 +205,7 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   const Eigen::Vector3d along = body_from_world * edge.along;
   const Eigen::Vector3d into[] = {body_from_world * edge.into[0], body_from_world * edge.into[1]};
   const Polytope& polytope = placed_->shape.polytope_body();
+  budget_->spend(polytope.edges.size());
   for (const Polytope::Edge& other : polytope.edges) {
     Eigen::Vector3d across = along.cross(other.along);
     const double side[] = {across.dot(other.into[0]), across.dot(other.into[1])};
@@ -233,7 +241,9 @@ void SurfaceContact::add_deep_overlap(const SurfaceTriangle& triangle) {
   std::array<Eigen::Vector3d, 3> in_body;
   for (std::size_t k = 0; k < 3; ++k)
     in_body[k] = placed_->rotation.transpose() * (triangle.corners_m[k] - placed_->world_from_body.position_m);
+  budget_->spend(placed_->shape.polytope_body().faces.size());
   if (is_separated(placed_->shape.polytope_body(), in_body)) return;
+  budget_->spend(ContactBudget::kTestsPerOverlap);
   for (const ContactPoint& found :
        convex_contact_.with_triangle(placed_->shape, placed_->world_from_body, triangle.corners_m, 0)) {
     if (found.distance_m >= -placed_->reach_m) continue;

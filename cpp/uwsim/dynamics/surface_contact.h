@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "uwsim/core/pose.h"
+#include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/convex_contact.h"
 #include "uwsim/dynamics/surface_patch.h"
 
@@ -34,8 +35,9 @@ class SurfaceContact {
 
   SurfaceContact();
 
-  /// The contacts, valid until the next call.
-  std::span<const ContactPoint> find(const PlacedShape& placed, const SurfacePatch& patch, Under under);
+  /// The contacts, valid until the next call. Throws ContactBudgetExceeded.
+  std::span<const ContactPoint> find(const PlacedShape& placed, const SurfacePatch& patch, Under under,
+                                     ContactBudget& budget);
 
  private:
   void find_close_triangles(const SurfacePatch& patch);
@@ -49,6 +51,7 @@ class SurfaceContact {
 
   const PlacedShape* placed_ = nullptr;
   Under under_ = Under::kSolid;
+  ContactBudget* budget_ = nullptr;
   std::vector<const SurfaceTriangle*> close_;
   std::vector<Eigen::Vector3d> corners_world_m_;
   std::vector<ContactPoint> found_;

@@ -12,11 +12,12 @@ namespace {
 class CellsInBox {
  public:
   CellsInBox(const Heightfield& terrain, const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
-             SurfacePatch& patch)
+             SurfacePatch& patch, ContactBudget& budget)
       : terrain_(terrain),
         low_m_(low_m),
         high_m_(high_m),
         patch_(patch),
+        budget_(budget),
         nx_(static_cast<std::ptrdiff_t>(terrain.nx())),
         ny_(static_cast<std::ptrdiff_t>(terrain.ny())) {
     // Heights are floats: four of them err by this together.
@@ -65,6 +66,7 @@ class CellsInBox {
   void add_cell(std::ptrdiff_t i, std::ptrdiff_t j, bool last_east, bool last_north) {
     const double highest = std::max({height(i, j), height(i + 1, j), height(i, j + 1), height(i + 1, j + 1)});
     if (highest < low_m_.z()) return;
+    budget_.spend_on_triangles(2);
     SurfaceTriangle& lower = patch_.triangles.emplace_back(std::array{node(i, j), node(i + 1, j), node(i, j + 1)});
     lower.bends = {east(i, j), north_west(i + 1, j), north(i, j)};
     const Eigen::Vector3d far = node(i + 1, j + 1);
@@ -106,6 +108,7 @@ class CellsInBox {
   const Heightfield& terrain_;
   const Eigen::Vector3d &low_m_, &high_m_;
   SurfacePatch& patch_;
+  ContactBudget& budget_;
   std::ptrdiff_t nx_, ny_;
   double flat_m_;
 };
@@ -113,8 +116,8 @@ class CellsInBox {
 }  // namespace
 
 void add_terrain(const Heightfield& terrain, const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
-                 SurfacePatch& patch) {
-  CellsInBox(terrain, low_world_m, high_world_m, patch).add_all();
+                 SurfacePatch& patch, ContactBudget& budget) {
+  CellsInBox(terrain, low_world_m, high_world_m, patch, budget).add_all();
 }
 
 }  // namespace uwsim

@@ -2,14 +2,15 @@
 
 #include <Eigen/Core>
 
+#include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/surface_patch.h"
 #include "uwsim/world/heightfield.h"
 
 namespace uwsim {
 
 /// Adds to `patch` the cells of the terrain that a box stands on or reaches into: those under or in it, and those that
-/// it is under.
+/// it is under. Throws ContactBudgetExceeded.
 void add_terrain(const Heightfield& terrain, const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
-                 SurfacePatch& patch);
+                 SurfacePatch& patch, ContactBudget& budget);
 
 }  // namespace uwsim
