@@ -16,11 +16,14 @@ from scipy.spatial import ConvexHull, QhullError
 
 from uwsim.atomic_file import write_atomically
 from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.scale import size_text
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 MAX_PIECES = 256
+MAX_STRETCH = 2.0
+"""Along each axis pieces may be so many times as long as the hull, or as short: they follow it within a few percent."""
 
 
 def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
@@ -30,7 +33,15 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
     in_body, _ = vehicle_hull(model)
     factor = np.ptp(in_body[:, 0]) / np.ptp(in_file[:, 0])
     shift = in_body.min(axis=0) - factor * in_file.min(axis=0)
-    return [factor * piece + shift for piece in load_pieces(model.collision_pieces, scale=model.mesh_scale)]
+    pieces = [factor * piece + shift for piece in load_pieces(model.collision_pieces, scale=model.mesh_scale)]
+    size_m, hull_m = np.ptp(np.concatenate(pieces), axis=0), np.ptp(in_body, axis=0)
+    if not np.all((size_m <= MAX_STRETCH * hull_m) & (size_m * MAX_STRETCH >= hull_m)):
+        raise ScenarioError(
+            f"collision pieces '{model.collision_pieces}': {size_text(size_m)} together, must be those of the hull of "
+            f"{size_text(hull_m)}: make them from its mesh with `uwsim decompose`",
+            at=("collision_pieces",),
+        )
+    return pieces
 
 
 def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:

@@ -9,6 +9,7 @@ from uwsim import _core
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.compressibility import STEP_M
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
+from uwsim.scenario.build.scale import require_plausible_density
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 
@@ -27,6 +28,8 @@ def craft(
     weights = trim_weights(model, body, trim, water_density_kg_m3)
     parameters = _core.CraftParameters()
     mass = mass_with_ballast(model, body, weights)
+    whole = "mass, trim and ballast"
+    require_plausible_density(model.name, mass[0], body.volume_m3, model.mesh_scale, whole)
     parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass
     parameters.added_mass = model.matrix("added_mass")
     parameters.linear_damping = model.matrix("linear_damping")

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.scenario.build.scale import require_plausible_density, require_plausible_volume
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
@@ -65,9 +66,12 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
 def _placed(model: VehicleModel) -> _Hull:
     file = model.mesh.stat() if model.mesh.is_file() else None
     version = (file.st_mtime_ns, file.st_size) if file else None
-    return _placed_hull(
+    hull = _placed_hull(
         model.mesh, version, model.mesh_scale, model.mesh_up, model.volume_m3, model.centre_of_buoyancy_m
     )
+    size_m = np.ptp(hull.vertices_m, axis=0)
+    require_plausible_volume(model.name, hull.solid.volume_m3, size_m, model.mesh_scale, model.mass_kg)
+    return hull
 
 
 @lru_cache(maxsize=64)
@@ -134,14 +138,15 @@ def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _S
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
     """Mass properties: those that the model gives, the rest from the hull as a solid of uniform density.
 
-    Raises ScenarioError, also if the centre of mass is outside the box round the hull.
+    Raises ScenarioError, also for a hull or a mean density of no vehicle, and a centre of mass outside the hull's box.
     """
     vertices, _, hull = _placed(model)
-    _require_mass_inside(model, np.stack([vertices.min(axis=0), vertices.max(axis=0)]))
     volume = hull.volume_m3
     density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
     mass = model.mass_kg if density is None else density * volume
     assert mass is not None  # the model has exactly one of the three
+    require_plausible_density(model.name, mass, volume, model.mesh_scale, "a mass")
+    _require_mass_inside(model, np.stack([vertices.min(axis=0), vertices.max(axis=0)]))
     given = model.inertia_kg_m2
     inertia = hull.inertia_m5 * mass / volume if given is None else np.asarray(given)
     return RigidBody(

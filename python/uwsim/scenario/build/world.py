@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.scale import require_fits, require_solid_fits
 from uwsim.scenario.build.start_pose import start_pose
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.scenario.build.vehicle import vehicle_errors_at
 from uwsim.scenario.build.water import build_water
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 def build_world(scenario: Scenario) -> _core.World:
@@ -27,11 +32,18 @@ def build_world(scenario: Scenario) -> _core.World:
     world.set_terrain(part.heights_m, part.spacing_m, part.origin_m)
     for index, obstacle in enumerate(scenario.obstacles):
         with found.noted(), errors_at("obstacles", index):
-            world.add_solid(obstacle.name, *obstacle_solid(obstacle, terrain))
+            solid = obstacle_solid(obstacle, terrain)
+            if obstacle.kind == "mesh":
+                require_solid_fits(obstacle.name, solid.vertices, terrain)
+            world.add_solid(obstacle.name, *solid)
     if scenario.station.mesh is not None:
         with found.noted(), errors_at("station", "mesh"):
-            world.add_solid("station", *station_mesh(scenario.station))
+            vertices, triangles = station_mesh(scenario.station)
+            require_solid_fits("station", vertices, terrain)
+            world.add_solid("station", vertices, triangles)
     for index, vehicle in enumerate(scenario.vehicles):
+        with found.noted(), vehicle_errors_at(scenario, index):
+            require_fits(vehicle.model.name, _hull(vehicle), terrain, vehicle.model.mesh_scale)
         point_m, _ = start_pose(scenario, vehicle)
         if (name := world.solid_around(point_m)) is not None:
             with found.noted(), errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
@@ -41,6 +53,14 @@ def build_world(scenario: Scenario) -> _core.World:
         fill_with_water(world, scenario)
     found.raise_any()
     return world
+
+
+def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
+    """Return the vertices of a vehicle's hull; none where it has none, which is found when the vehicle is built."""
+    try:
+        return vehicle_hull(vehicle.model)[0]
+    except ScenarioError:
+        return np.zeros((1, 3))
 
 
 def fill_with_water(world: _core.World, scenario: Scenario) -> None:

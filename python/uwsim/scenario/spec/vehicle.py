@@ -20,6 +20,11 @@ from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.sensor import Sensors
 
+DENSITIES_KG_M3 = (100.0, 10_000.0)
+"""Of whole vehicles: an empty pressure hull to a solid lump of metal."""
+VOLUMES_M3 = (1e-6, 1e5)
+"""Of hulls: a thimble to the largest submarine, twice over."""
+
 Force = Annotated[float, InRange(0, 1e6, "N")]
 Torque = Annotated[float, InRange(0, 1e6, "N m")]
 AlongMass = Annotated[float, InRange(0, 1e6, "kg")]
@@ -91,9 +96,9 @@ class VehicleModel(Model):
     collision_pieces: AssetFile | None = None
 
     mass_kg: Annotated[float, InRange(0.01, 1e6, "kg")] | None = None
-    density_kg_m3: Annotated[float, InRange(1, 20_000, "kg/m3")] | None = None
+    density_kg_m3: Annotated[float, InRange(*DENSITIES_KG_M3, "kg/m3")] | None = None
     buoyancy: Literal["neutral"] | None = None
-    volume_m3: Annotated[float, InRange(1e-6, 1e5, "m3")] | None = None
+    volume_m3: Annotated[float, InRange(*VOLUMES_M3, "m3")] | None = None
     centre_of_buoyancy_m: Point3 | None = None
     centre_of_mass_m: Point3
     inertia_kg_m2: tuple[Inertia, Inertia, Inertia] | None = None

@@ -1,0 +1,119 @@
+"""Whether meshes have the scale of their world: a mesh that was drawn in millimetres is a thousand times too large."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.vehicle import DENSITIES_KG_M3, VOLUMES_M3
+
+UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "feet": 0.3048}
+"""Units that meshes are drawn in, in metres."""
+LENGTHS_M = (0.2, 15.0)
+"""Of common vehicles, to guess a unit by."""
+HUGE_M = 50.0
+"""Few vehicles are longer; more is likely in another unit."""
+HUGE_OBSTACLE_M = 1000.0
+TERRAINS_ACROSS = 10.0
+"""An obstacle may be so many times as long as the terrain: a quay goes on beyond a test basin."""
+
+Floats = NDArray[np.float64]
+
+
+def size_text(size_m: Floats) -> str:
+    """Return `1.2 x 0.8 x 0.7 m`."""
+    return " x ".join(f"{side:.4g}" for side in size_m) + " m"
+
+
+def require_plausible_volume(
+    name: str, volume_m3: float, size_m: Floats, mesh_scale: float, mass_kg: float | None
+) -> None:
+    """Refuse a hull, with sides of size_m (3,), that encloses no vehicle's volume. Raises ScenarioError.
+
+    mass_kg: if the model gives it, it shows best which unit the mesh is in.
+    """
+    low, high = VOLUMES_M3
+    if low <= volume_m3 <= high:
+        return
+    if mass_kg is not None:
+        hint = _of_density(mass_kg / volume_m3, mesh_scale)
+    else:
+        hint = _of_size(float(size_m.max()), mesh_scale) if volume_m3 > high else _too_small(mesh_scale)
+    raise ScenarioError(
+        f"vehicle '{name}': its hull of {size_text(size_m)} encloses {volume_m3:.4g} m3: must be in "
+        f"[{low:g}, {high:g}] m3{hint}",
+        at=("mesh",),
+    )
+
+
+def require_plausible_density(name: str, mass_kg: float, volume_m3: float, mesh_scale: float, what: str) -> None:
+    """Refuse a mass that cannot be that of the hull. what: it consists of, for the message. Raises ScenarioError."""
+    density = mass_kg / volume_m3
+    low, high = DENSITIES_KG_M3
+    if low <= density <= high:
+        return
+    raise ScenarioError(
+        f"vehicle '{name}': {what} of {mass_kg:.4g} kg in a hull of {volume_m3:.4g} m3 makes {density:.4g} kg/m3: must "
+        f"be in [{low:g}, {high:g}] kg/m3{_of_density(density, mesh_scale)}",
+        at=("mesh",),
+    )
+
+
+def require_fits(name: str, hull_m: Floats, terrain: Terrain, mesh_scale: float) -> None:
+    """Refuse a hull, vertices (n, 3), that is longer than the terrain or has no room in its water.
+
+    terrain: all of it, though a window of it may be built. Raises ScenarioError.
+    """
+    size_m = np.ptp(hull_m, axis=0)
+    longest, deepest_m = float(size_m.max()), -terrain.lowest_m
+    x0, y0, x1, y1 = terrain.extent_m
+    if longest > max(x1 - x0, y1 - y0):
+        rule = f"must be shorter than the terrain, {x1 - x0:g} x {y1 - y0:g} m"
+    elif longest > HUGE_M and float(size_m.min()) > deepest_m:
+        rule = f"must have room in the water, which is {deepest_m:g} m deep at most"
+    else:
+        return
+    hint = _of_size(longest, mesh_scale)
+    raise ScenarioError(f"vehicle '{name}': its hull of {size_text(size_m)} {rule}{hint}", at=("mesh",))
+
+
+def require_solid_fits(name: str, vertices_m: Floats, terrain: Terrain) -> None:
+    """Refuse an obstacle's or the station's mesh that dwarfs the terrain. Raises ScenarioError."""
+    size_m = np.ptp(vertices_m, axis=0)
+    x0, y0, x1, y1 = terrain.extent_m
+    most_m = max(HUGE_OBSTACLE_M, TERRAINS_ACROSS * max(x1 - x0, y1 - y0))
+    if float(size_m.max()) > most_m:
+        raise ScenarioError(
+            f"'{name}': its mesh of {size_text(size_m)} must be at most {most_m:g} m long in a terrain of "
+            f"{x1 - x0:g} x {y1 - y0:g} m: is it in millimetres? scale: 0.001"
+        )
+
+
+def _of_size(longest_m: float, mesh_scale: float) -> str:
+    """Return the question of the unit for a hull that is too long; nothing for one that no unit explains."""
+    low, high = LENGTHS_M
+    units = [unit for unit, metres in UNITS.items() if low <= longest_m * metres <= high]
+    return "" if longest_m <= HUGE_M or not units else _question(units, mesh_scale)
+
+
+def _of_density(density_kg_m3: float, mesh_scale: float) -> str:
+    """Return the question of the unit that brings the density nearest to water's, if one makes it plausible."""
+    if density_kg_m3 > DENSITIES_KG_M3[1]:
+        return _too_small(mesh_scale) if mesh_scale != 1.0 else ": is the mass in kg and the mesh in metres?"
+    water, (low, high) = 1000.0, DENSITIES_KG_M3
+    unit, metres = min(UNITS.items(), key=lambda item: abs(math.log(density_kg_m3 / item[1] ** 3 / water)))
+    return _question([unit], mesh_scale) if low <= density_kg_m3 / metres**3 <= high else ""
+
+
+def _question(units: Sequence[str], mesh_scale: float) -> str:
+    scales = " or ".join(f"{mesh_scale * UNITS[unit]:g}" for unit in units)
+    return f": is its mesh in {' or '.join(units)}? mesh_scale: {scales}"
+
+
+def _too_small(mesh_scale: float) -> str:
+    return f": is mesh_scale = {mesh_scale:g} too small?"
