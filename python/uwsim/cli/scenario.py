@@ -92,10 +92,11 @@ def check(
         ),
     ] = "scenario",
 ) -> None:
-    """Check files, and tell what they will look like.
+    """Check files, and report what they will look like.
 
-    All mistakes of a file are told at once. If it has none, its world and vehicles are built, to tell what is where and
-    what may surprise. Exits with 1 if a file has a mistake.
+    All mistakes of a file are listed at once. If it has none, what it describes is built, to report what is where, how
+    each vehicle floats and steers, and what may surprise. Exits with 0 without a mistake, with 1 if a file has one, or
+    with --strict a warning, and with 2 for a wrong option.
     """
     from uwsim.scenario_check import check_file, check_part
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from uwsim.did_you_mean import did_you_mean
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.read.assets import find_yaml, shown_name
@@ -16,8 +14,8 @@ from uwsim.scenario.read.remainder import Remainder
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import what_holds
 from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
-from uwsim.scenario.schema import FILES
-from uwsim.scenario_check.scene import Scene, measured_scene
+from uwsim.scenario_check.report import CheckReport
+from uwsim.scenario_check.scene import measured_scene
 from uwsim.scenario_check.surprises import surprises
 from uwsim.simulator import Simulator
 from uwsim.survey.fly import survey_plan
@@ -28,27 +26,6 @@ STAND_INS: dict[str, Any] = {
     "vehicles": [{"name": "stand_in", "model": "rov", "start": {"position_m": [0, 0, 0]}}],
 }
 """For what is at fault and cannot be left out, so that the rest of the file can be checked."""
-
-
-@dataclass(frozen=True, eq=False)
-class CheckReport:
-    """The result. mistakes, warnings: one line each. scene: None for a file with mistakes."""
-
-    file: str
-    mistakes: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
-    scene: Scene | None = None
-    simulator: Simulator | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the report as plain values, for JSON."""
-        return {
-            "file": self.file,
-            "ok": not self.mistakes,
-            "mistakes": list(self.mistakes),
-            "warnings": list(self.warnings),
-            "scene": None if self.scene is None else self.scene.to_dict(),
-        }
 
 
 def check_file(source: str | Path) -> CheckReport:
@@ -74,19 +51,6 @@ def check_file(source: str | Path) -> CheckReport:
     notes = [str(each.message) for each in told if issubclass(each.category, UserWarning)]
     notes += [left_out] if left_out else []
     return CheckReport(document.name, (), (*dict.fromkeys(notes), *surprises(sim, scene)), scene, sim)
-
-
-def check_part(source: str | Path, kind: str) -> CheckReport:
-    """Check a file of a kind of uwsim.scenario.schema.FILES, such as a vehicle's. Raises ValueError for no kind."""
-    if kind not in FILES:
-        raise ValueError(f"kind '{kind}': must be one of {', '.join(FILES)}{did_you_mean(kind, FILES)}")
-    try:
-        path = find_yaml(source, kind if kind.endswith("s") else f"{kind}s")
-        document = read_yaml(path, shown_name(path))
-    except ScenarioError as error:
-        return CheckReport(str(source), error.mistakes)
-    holding = what_holds(FILES[kind], document.values, document, path.resolve().parent)
-    return CheckReport(document.name, tuple(holding.mistakes))
 
 
 def _survey_left_out(sim: Simulator) -> str | None:

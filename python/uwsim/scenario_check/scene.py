@@ -17,10 +17,15 @@ from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.build.station import exit_position
 from uwsim.scenario.build.surface_points import surface_points
+from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario_check.vehicle_figures import VehicleFigures, vehicle_figures
 from uwsim.simulator import Simulator
 
 CONTRAST = 0.02
 """The least contrast that is seen: Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53:214."""
+
+STILL_M_S = 0.005
+"""A slower current moves no vehicle that counts, and is shown as 0.00 m/s."""
 
 Floats = NDArray[np.float64]
 
@@ -39,11 +44,13 @@ class Bed:
 class ObstacleScene:
     """An obstacle. lowest_m, highest_m: z. clearance_m: its lowest point above the bed below it; negative: sunk in.
 
-    buried_share: of its surface, below the bed. above_water_share: of its surface.
+    size_m: along x, y and z of the world. buried_share: of its surface, below the bed. above_water_share: of its
+    surface.
     """
 
     name: str
     kind: str
+    size_m: tuple[float, float, float]
     lowest_m: float
     highest_m: float
     clearance_m: float
@@ -56,10 +63,10 @@ class ObstacleScene:
 class VehicleScene:
     """A vehicle at its start.
 
-    altitude_m: of its hull's lowest point above the bed. free_m: to the nearest surface; for a docked one, from the
-    dock's exit. radius_m: of a sphere round its hull. weight_n: in air.
-    net_buoyancy_n: deep in still water; positive: it rises. lift_n: what it can push up or down. holds_current: whether
-    it can stay where it is in the current at its start.
+    altitude_m: of its hull's lowest point above the bed; beside_terrain: whether a part of the hull is not over it.
+    free_m: to the nearest surface; for a docked one, from the dock's exit. radius_m: of a sphere round its hull.
+    weight_n: in air. net_buoyancy_n: deep in still water; positive: it rises. lift_n: what it can push up or down.
+    holds_current: whether it can stay where it is in the current at its start. figures: of its own file, in this water.
     """
 
     name: str
@@ -68,6 +75,7 @@ class VehicleScene:
     yaw_deg: float
     docked: bool
     altitude_m: float
+    beside_terrain: bool
     free_m: float
     radius_m: float
     weight_n: float
@@ -75,6 +83,7 @@ class VehicleScene:
     lift_n: tuple[float, float]
     current_m_s: float
     holds_current: bool
+    figures: VehicleFigures
 
 
 @dataclass(frozen=True)
@@ -92,15 +101,16 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; numbers that are not finite as None."""
-        plain: dict[str, Any] = _plain(asdict(self))
-        return plain
+        values: dict[str, Any] = plain(asdict(self))
+        return values
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return plain values, for JSON; numbers that are not finite as None."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -144,6 +154,7 @@ def _obstacle(sim: Simulator, index: int, terrain: Terrain) -> ObstacleScene:
     return ObstacleScene(
         name=obstacle.name,
         kind=obstacle.kind,
+        size_m=_three(np.ptp(vertices, axis=0)),
         lowest_m=float(vertices[:, 2].min()),
         highest_m=float(vertices[:, 2].max()),
         clearance_m=float(np.nanmin(every)) if not np.isnan(every).all() else math.nan,
@@ -167,13 +178,16 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
     current = np.asarray(water.velocity_m_s([position], 0.0)[0], np.float64)
     net_n = sim.vehicles[entry.name].control.net_buoyancy_n
     displaced_kg = float(water.density_at_kg_m3(0.0)) * rigid_body(entry.model, 1000.0).volume_m3
+    clear_m = hull[:, 2] - terrain.height_at(hull[:, :2])
+    density_kg_m3 = surface_density_kg_m3(sim.scenario.water)
     return VehicleScene(
         name=entry.name,
         model=entry.model.name,
         position_m=position,
         yaw_deg=float(np.degrees(yaw_rad)),
         docked=docked,
-        altitude_m=float(np.min(hull[:, 2] - terrain.height_at(hull[:, :2]))),
+        altitude_m=float(np.nanmin(clear_m)),
+        beside_terrain=bool(np.isnan(clear_m).any()),
         free_m=free_m,
         radius_m=radius_m,
         weight_n=displaced_kg * water.gravity_m_s2 - net_n,
@@ -181,7 +195,13 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
         lift_n=_lift_n(control),
         current_m_s=float(np.linalg.norm(current)),
         holds_current=_holds(control, float(np.linalg.norm(current))),
+        figures=vehicle_figures(entry.model, control, density_kg_m3, entry.trim),
     )
+
+
+def _three(values: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
 
 
 def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
@@ -191,7 +211,9 @@ def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
 
 
 def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
-    """Whether the thrusters can push the vehicle ahead through the water at a speed."""
+    """Whether the thrusters can push the vehicle ahead at a speed through the water; in still water they need not."""
+    if speed_m_s < STILL_M_S:
+        return True
     ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])
     needed = float(control.wrench_body(np.eye(3), ahead, np.zeros(6))[0])
     reached = control.reachable((needed, 0.0, 0.0, 0.0, 0.0, 0.0))[0]

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from uwsim.scenario.build.multibeam import multibeam_model
+from uwsim.scenario.build.scale import size_text
 from uwsim.scenario_check.scene import ObstacleScene, Scene, VehicleScene
+from uwsim.scenario_check.vehicle_surprises import vehicle_surprises
 from uwsim.simulator import Simulator
 
 SIGHT_M = 3.0
@@ -21,6 +23,9 @@ TRIM_SHARE = 0.004
 RISING_SHARE = 0.03
 """An operator leaves a vehicle a little buoyant, up to this share."""
 FREE_M = 0.1
+LONG_TERRAINS, TALL_M, TINY_M = 1.5, 100.0, 0.05
+"""What is longer than so many terrains (a wall round one is its diagonal), rises so far out of the water or is smaller
+than a fist may be in another unit."""
 
 
 def surprises(sim: Simulator, scene: Scene) -> tuple[str, ...]:
@@ -28,21 +33,23 @@ def surprises(sim: Simulator, scene: Scene) -> tuple[str, ...]:
     source = sim.scenario.source_file
     found: list[tuple[tuple[str | int, ...], str]] = []
     for index, obstacle in enumerate(scene.obstacles):
-        found += [(("obstacles", index), text) for text in _of_obstacle(obstacle)]
+        found += [(("obstacles", index), text) for text in _of_obstacle(obstacle, scene)]
     for index, vehicle in enumerate(scene.vehicles):
         found += [(("vehicles", index), text) for text in _of_vehicle(sim, scene, vehicle, index)]
     found += [(("vehicles", index), text) for index, text in _near_each_other(scene)]
     found += [(("station",), text) for text in _of_station(scene)]
     found += [(("survey",), text) for text in _of_survey(sim)]
+    found += [(("terrain",), text) for text in _of_bed(scene)]
     if scene.bed.dry_share > 0.9:
         found.append((("terrain",), f"{100 * scene.bed.dry_share:.0f} % of the terrain is above the water"))
     return tuple(f"{source.line_prefix(*keys)}{text}" for keys, text in found)
 
 
-def _of_obstacle(obstacle: ObstacleScene) -> Iterator[str]:
+def _of_obstacle(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
     name = f"{obstacle.kind} '{obstacle.name}'"
     if obstacle.beside_terrain:
         yield f"{name} reaches over the terrain's edge"
+    yield from (f"{name} {text}" for text in _of_scale(obstacle, scene))
     if obstacle.buried_share > HIDDEN:
         deep_m = -obstacle.clearance_m
         yield f"{name} is all below the bed, by up to {deep_m:.1f} m: nothing sees or meets it; {_hint(obstacle)}"
@@ -54,12 +61,24 @@ def _of_obstacle(obstacle: ObstacleScene) -> Iterator[str]:
         yield f"{name} hangs {obstacle.clearance_m:.1f} m above the bed; {_hint(obstacle)}"
 
 
+def _of_scale(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
+    west, south, east, north = scene.bed.extent_m
+    size, longest_m = size_text(np.array(obstacle.size_m)), max(obstacle.size_m)
+    question = "is its mesh in metres? see its scale" if obstacle.kind == "mesh" else "are its figures in metres?"
+    if longest_m > LONG_TERRAINS * max(east - west, north - south) or obstacle.highest_m > TALL_M:
+        yield f"is {size}, in a terrain of {east - west:g} x {north - south:g} m: {question}"
+    elif longest_m < TINY_M:
+        yield f"is only {size}: {question}"
+
+
 def _hint(obstacle: ObstacleScene) -> str:
     return "`on_bed: true` with z = 0 puts it on the bed"
 
 
 def _of_vehicle(sim: Simulator, scene: Scene, vehicle: VehicleScene, index: int) -> Iterator[str]:
     name, entry = f"vehicle '{vehicle.name}'", sim.scenario.vehicles[index]
+    if vehicle.beside_terrain:
+        yield f"{name} starts with a part of its hull over the terrain's edge"
     if vehicle.altitude_m < 0.0:
         yield f"{name} starts {-vehicle.altitude_m:.2f} m in the ground"
     elif vehicle.docked and vehicle.free_m < FREE_M:
@@ -69,6 +88,9 @@ def _of_vehicle(sim: Simulator, scene: Scene, vehicle: VehicleScene, index: int)
     if vehicle.position_m[2] > vehicle.radius_m:
         yield f"{name} starts {vehicle.position_m[2]:.1f} m above the water"
     yield from _of_trim(vehicle)
+    model_file = entry.model.source_file
+    for keys, text in vehicle_surprises(vehicle.figures):
+        yield f"{name}: {model_file.line_prefix(*keys) if keys else model_file.file_prefix}{text}"
     if not vehicle.holds_current:
         yield f"{name} cannot swim against the current at its start, {vehicle.current_m_s:.2f} m/s"
     if entry.model.cameras and scene.sight_m < SIGHT_M:
@@ -100,8 +122,17 @@ def _near_each_other(scene: Scene) -> Iterator[tuple[int, str]]:
                 yield index, f"vehicle '{one.name}' starts {apart_m:.2f} m from '{other.name}': their hulls may touch"
 
 
+def _of_bed(scene: Scene) -> Iterator[str]:
+    west, south, east, north = scene.bed.extent_m
+    relief_m, longest_m = scene.bed.highest_m - scene.bed.lowest_m, max(east - west, north - south)
+    if relief_m > longest_m:
+        yield f"its heights differ by {relief_m:.0f} m over {longest_m:.0f} m: are they in metres? see vertical_scale"
+
+
 def _of_station(scene: Scene) -> Iterator[str]:
-    if not scene.station_bed_m < 0.0 and any(vehicle.docked for vehicle in scene.vehicles):
+    if np.isnan(scene.station_bed_m):
+        yield "the station is beside the terrain"
+    elif scene.station_bed_m >= 0.0 and any(vehicle.docked for vehicle in scene.vehicles):
         yield f"the station stands on land, {scene.station_bed_m:.1f} m high"
 
 

@@ -2,18 +2,60 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from uwsim.scenario.build.control import floating_text
-from uwsim.scenario_check.check import CheckReport
+from uwsim.scenario.build.scale import size_text
+from uwsim.scenario_check.report import CheckReport
 from uwsim.scenario_check.scene import ObstacleScene, Scene, VehicleScene
+from uwsim.scenario_check.vehicle_figures import VehicleFigures
+from uwsim.scenario_check.vehicle_surprises import attitude_text
 
 
 def report_lines(report: CheckReport) -> list[str]:
     """Return the lines about a file without mistakes: what its scene looks like."""
     count = len(report.warnings)
     lines = [f"{report.file}: ok" + (f", {count} warning{'s' if count > 1 else ''}" if count else "")]
-    return lines + ([f"  {line}" for line in _scene_lines(report.scene)] if report.scene else [])
+    told = [*_scene_lines(report.scene)] if report.scene else []
+    if report.vehicle is not None:
+        told += vehicle_lines(report.vehicle)
+    return lines + [f"  {line}" for line in told]
+
+
+def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
+    """Yield what a vehicle's own file makes of it."""
+    yield (
+        f"{size_text(np.array(figures.size_m))}, {figures.volume_m3:.4g} m3, {figures.mass_kg:.4g} kg, in the mean "
+        f"{figures.density_kg_m3:.4g} kg/m3; in water of {figures.water_density_kg_m3:.4g} kg/m3 "
+        f"{floating_text(figures.net_buoyancy_n)}"
+    )
+    if figures.nose_down_deg is None or figures.roll_to_starboard_deg is None:
+        yield "trim: centres of mass and buoyancy coincide: nothing rights it in pitch and roll"
+    elif figures.righting_lever_m < 0.0:
+        yield (
+            f"trim: turns over: its centre of buoyancy is {-figures.righting_lever_m:.3g} m below its centre of mass; "
+            f"rests {attitude_text(figures.nose_down_deg, figures.roll_to_starboard_deg)}"
+        )
+    else:
+        yield (
+            f"trim: rests {attitude_text(figures.nose_down_deg, figures.roll_to_starboard_deg)}; its centre of "
+            f"buoyancy is {figures.righting_lever_m:.3g} m above its centre of mass, which rights it with "
+            f"{figures.righting_nm_rad:.3g} N m/rad"
+        )
+    steers = f"drives {', '.join(figures.drives) or 'nothing'}"
+    growth = figures.course_growth_1_s
+    if growth is not None:
+        steers += f"; its course under way {'dies out' if growth < 0.0 else 'grows'} at {abs(growth):.2g} /s"
+    yield steers
+    farthest = max(figures.mounts, key=lambda mount: mount.away_m, default=None)
+    if farthest is not None:
+        where = "all in the box round its hull"
+        if farthest.away_m > 0.0:
+            where = f"{farthest.label} is the farthest from its hull, by {farthest.away_m:.2f} m"
+        yield f"mounts: {len(figures.mounts)}; {where}"
 
 
 def _scene_lines(scene: Scene) -> Iterator[str]:
@@ -25,9 +67,11 @@ def _scene_lines(scene: Scene) -> Iterator[str]:
     )
     yield f"water: {scene.density_kg_m3:.4g} kg/m3 at the surface; cameras see some {scene.sight_m:.2g} m"
     x, y, _ = scene.station_m
-    yield f"station: ({x:g}, {y:g}) m, over {-scene.station_bed_m:.1f} m of water"
+    over = "beside the terrain" if math.isnan(scene.station_bed_m) else f"over {-scene.station_bed_m:.1f} m of water"
+    yield f"station: ({x:g}, {y:g}) m, {over}"
     for vehicle in scene.vehicles:
         yield _vehicle_line(vehicle)
+        yield from (f"  {line}" for line in vehicle_lines(vehicle.figures))
     for obstacle in scene.obstacles:
         yield _obstacle_line(obstacle)
 
