@@ -49,6 +49,21 @@ def test_a_neutral_hull_has_no_density_to_betray_it_but_its_volume_does(tmp_path
     assert len(told) == 3 and all("is mesh_scale = 0.001 too small?" in message for message in told)
 
 
+def test_a_published_volume_betrays_the_unit(tmp_path: Path) -> None:
+    told = refusals(tmp_path, scale=1e3, volume_m3=0.672)
+    assert len(told) == 3, told
+    assert all(
+        "lengths would scale by 0.001" in message and "is its mesh in millimetres?" in message for message in told
+    )
+
+
+def test_one_cause_gives_one_message(tmp_path: Path) -> None:
+    """A hull of 600 m in a terrain of 200 m has a density of no vehicle, too."""
+    model = vehicle_file(tmp_path, size_m=(6.0, 0.1, 0.1), scale=1e2, mass_kg=60.0, without=("buoyancy",))
+    mistakes = check_file(scenario_file(tmp_path, model)).mistakes
+    assert len(mistakes) == 1 and "is its mesh in centimetres?" in mistakes[0]
+
+
 def test_a_hull_that_has_no_room_in_its_world_is_refused(tmp_path: Path) -> None:
     """Of a volume that a vehicle may have: longer than the terrain of 200 m, or thicker than the water is deep."""
     shallow = {"source": "noise", "size_m": [200, 200], "spacing_m": 2, "bed_depth_m": 30}

@@ -245,6 +245,25 @@ def test_still_water_is_no_current_to_swim_against(speed_m_s: float, tmp_path: P
     assert "cannot swim against the current at its start, 0.30 m/s" in told
 
 
+@pytest.mark.parametrize(
+    ("water", "speed_m_s"),
+    [
+        ({"current": {"kind": "tidal", "amplitude_m_s": [4, 0, 0], "period_s": 7200}}, 3.9),  # slack at the start
+        ({"surface": {"kind": "airy", "amplitude_m": 2, "period_s": 9}}, None),  # orbits of 1.4 m/s are no current
+    ],
+)
+def test_a_tide_counts_as_a_current_and_waves_do_not(
+    water: dict[str, Any], speed_m_s: float | None, tmp_path: Path
+) -> None:
+    path = scenario_file(tmp_path, vehicle_file(tmp_path, max_force_n=[100, 300, 300]), water=water)
+    values = yaml.safe_load(path.read_text()) | {"mission_time_s": 3600}
+    values["vehicles"][0]["start"]["position_m"] = [0, 0, -1]
+    path.write_text(yaml.safe_dump(values))
+    told = [warning for warning in check_file(path).warnings if "cannot swim against" in warning]
+    assert len(told) == (speed_m_s is not None), told
+    assert all(f"{speed_m_s:.1f}" in warning for warning in told)
+
+
 def test_what_reaches_over_the_terrain_has_a_height_over_the_rest(tmp_path: Path) -> None:
     path = scenario_file(tmp_path, vehicle_file(tmp_path))
     values = yaml.safe_load(path.read_text())

@@ -17,7 +17,8 @@ from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.build.station import exit_position
 from uwsim.scenario.build.surface_points import surface_points
-from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.build.water import build_water, surface_density_kg_m3
+from uwsim.scenario.spec.water import StillSurface
 from uwsim.scenario_check.vehicle_figures import VehicleFigures, vehicle_figures
 from uwsim.simulator import Simulator
 
@@ -26,6 +27,9 @@ CONTRAST = 0.02
 
 STILL_M_S = 0.005
 """A slower current moves no vehicle that counts, and is shown as 0.00 m/s."""
+
+CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
+"""The current that is not exceeded in this share of the mission, at so many times: tides turn, gusts pass."""
 
 Floats = NDArray[np.float64]
 
@@ -66,7 +70,8 @@ class VehicleScene:
     altitude_m: of its hull's lowest point above the bed; beside_terrain: whether a part of the hull is not over it.
     free_m: to the nearest surface; for a docked one, from the dock's exit. radius_m: of a sphere round its hull.
     weight_n: in air. net_buoyancy_n: deep in still water; positive: it rises. lift_n: what it can push up or down.
-    holds_current: whether it can stay where it is in the current at its start. figures: of its own file, in this water.
+    current_m_s: at its start, see CURRENT_SHARE. holds_current: whether it can stay there in it. figures: of its own
+    file, in this water.
     """
 
     name: str
@@ -175,7 +180,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
         free_m = float(sim.scene.distance_m(hull[:: max(1, len(hull) // 2000)]).min())
     water = sim.world.water
     control = sim.vehicles[entry.name].control.model
-    current = np.asarray(water.velocity_m_s([position], 0.0)[0], np.float64)
+    current_m_s = _current_m_s(sim, position)
     net_n = sim.vehicles[entry.name].control.net_buoyancy_n
     displaced_kg = float(water.density_at_kg_m3(0.0)) * rigid_body(entry.model, 1000.0).volume_m3
     clear_m = hull[:, 2] - terrain.height_at(hull[:, :2])
@@ -193,10 +198,19 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
         weight_n=displaced_kg * water.gravity_m_s2 - net_n,
         net_buoyancy_n=net_n,
         lift_n=_lift_n(control),
-        current_m_s=float(np.linalg.norm(current)),
-        holds_current=_holds(control, float(np.linalg.norm(current))),
+        current_m_s=current_m_s,
+        holds_current=_holds(control, current_m_s),
         figures=vehicle_figures(entry.model, control, density_kg_m3, entry.trim),
     )
+
+
+def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
+    """Return the speed of the current there, without the orbits of waves, which take a vehicle to and fro."""
+    calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
+    water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
+    times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()
+    speeds = [float(np.linalg.norm(water.velocity_m_s([position_m], time_s))) for time_s in times_s]
+    return float(np.quantile(speeds, CURRENT_SHARE))
 
 
 def _three(values: Floats) -> tuple[float, float, float]:

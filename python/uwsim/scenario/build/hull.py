@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.build.scale import require_plausible_density, require_plausible_volume
+from uwsim.scenario.build.scale import question_of_factor, require_plausible_density, require_plausible_volume
 from uwsim.scenario.read.array_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
@@ -91,7 +91,8 @@ def _placed_hull(
         if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
             raise ScenarioError(
                 f"mesh '{path}': encloses {hull.volume_m3:.4g} m3, volume_m3 = {volume_m3:.4g} m3: lengths would scale "
-                f"by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale",
+                f"by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale"
+                f"{question_of_factor(factor, scale)}",
                 at=("volume_m3",),
             )
         centroid = hull.centroid_m

@@ -30,6 +30,12 @@ def size_text(size_m: Floats) -> str:
     return " x ".join(f"{side:.4g}" for side in size_m) + " m"
 
 
+def question_of_factor(factor: float, mesh_scale: float) -> str:
+    """Return the question of the unit by which lengths would scale; nothing where no unit explains it."""
+    unit = next((unit for unit, metres in UNITS.items() if 0.9 <= factor / metres <= 1.1), None)
+    return "" if unit is None else _question([unit], mesh_scale)
+
+
 def require_plausible_volume(
     name: str, volume_m3: float, size_m: Floats, mesh_scale: float, mass_kg: float | None
 ) -> None:

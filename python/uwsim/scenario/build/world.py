@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.scale import require_fits, require_solid_fits
 from uwsim.scenario.build.start_pose import start_pose
@@ -18,6 +18,8 @@ from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+
+FRESH_KG_M3 = 1000.0
 
 
 def build_world(scenario: Scenario) -> _core.World:
@@ -56,8 +58,9 @@ def build_world(scenario: Scenario) -> _core.World:
 
 
 def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
-    """Return the vertices of a vehicle's hull; none where it has none, which is found when the vehicle is built."""
+    """Return the vertices of a vehicle's hull; none of an unsound one, which is refused when the vehicle is built."""
     try:
+        rigid_body(vehicle.model, FRESH_KG_M3)
         return vehicle_hull(vehicle.model)[0]
     except ScenarioError:
         return np.zeros((1, 3))
