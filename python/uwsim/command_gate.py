@@ -1,13 +1,22 @@
-"""Whether a vehicle's commands take effect: its failsafe hears of each, and may have the controls."""
+"""Whether a vehicle's commands take effect: all stop comes before its failsafe, and that before everybody else."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import Protocol
+
+import numpy as np
+
+from uwsim.docking import DockedWarning
 
 
 class FailsafeWarning(UserWarning):
     """A vehicle has been commanded while its failsafe steers it, so that nothing happens."""
+
+
+class AllStopWarning(UserWarning):
+    """A vehicle has been commanded while all stop is set, so that nothing happens."""
 
 
 class FailsafeLike(Protocol):
@@ -40,31 +49,83 @@ class FailsafeLike(Protocol):
 
 
 class CommandGate:
-    """Stands between a vehicle's commands and its failsafe, if it has one. vehicle: its name."""
+    """Stands between a vehicle's actuators and every command that moves it.
 
-    def __init__(self, vehicle: str) -> None:
+    vehicle: its name. halt: stops its thrusters and puts its fins to neutral. is_driven: whether the present commands
+    would move it. all_stopped: whether all stop is set. stops: how often it has been set; what commands again and again
+    by itself ends when this changes. changed: is called when all stop is set or released.
+    """
+
+    def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
         self.failsafe: FailsafeLike | None = None
+        self.is_driven = False
+        self.all_stopped = False
+        self.stops = 0
+        self.changed: Callable[[bool], object] = lambda on: None
         self._vehicle = vehicle
+        self._halt = halt
         self._has_warned = False
+        self._has_warned_of_stop = False
+        self._has_warned_of_dock = False
+
+    def all_stop(self, on: bool) -> None:
+        """Set all stop, or release it. Raises ValueError."""
+        if not isinstance(on, bool | np.bool_):
+            raise ValueError(f"all_stop.on = {on!r}: must be True or False")
+        self.hears()
+        was_on = self.all_stopped
+        self.restore(all_stopped=bool(on))
+        if was_on != self.all_stopped:
+            self.changed(self.all_stopped)
+
+    def restore(self, *, all_stopped: bool) -> None:
+        """Continue with or without all stop."""
+        self.all_stopped = all_stopped
+        self._has_warned_of_stop = False
+        if all_stopped:
+            self.stops += 1
+            self.is_driven = False
+            self._halt()
+
+    def require_no_stop(self, command: str) -> None:
+        """Raise ValueError for a command that must not be given while all stop is set."""
+        if self.all_stopped:
+            raise ValueError(f"vehicle '{self._vehicle}': {command}: {STOPPED}")
 
     def hears(self) -> None:
         """Tell the failsafe that a command comes."""
         if self.failsafe is not None:
             self.failsafe.heard()
 
-    def yields(self) -> None:
-        """Let the failsafe's efforts stand if it steers: the command that has just been given has no effect."""
+    def yields(self, *, moves: bool) -> None:
+        """Undo the command that has just been given if all stop is set, or if the failsafe steers. moves: not all 0."""
         failsafe = self.failsafe
-        if failsafe is None or not failsafe.has_control:
-            return
-        failsafe.insist()
-        if not self._has_warned:
-            self._has_warned = True
+        self.is_driven = moves and not self.all_stopped
+        if self.all_stopped:
+            self._halt()
+            if moves and not self._has_warned_of_stop:
+                self._has_warned_of_stop = True
+                warnings.warn(f"vehicle '{self._vehicle}': {STOPPED}", AllStopWarning, stacklevel=3)
+        elif failsafe is not None and failsafe.has_control:
+            failsafe.insist()
+            if not self._has_warned:
+                self._has_warned = True
+                warnings.warn(
+                    f"vehicle '{self._vehicle}': its failsafe steers ({failsafe.state}: {failsafe.cause}): commands "
+                    "have no effect before override_failsafe()",
+                    FailsafeWarning,
+                    stacklevel=3,
+                )
+
+    def warn_of_dock(self) -> None:
+        """Warn, once, that the vehicle is commanded in its dock."""
+        if not self._has_warned_of_dock:
+            self._has_warned_of_dock = True
             warnings.warn(
-                f"vehicle '{self._vehicle}': its failsafe steers ({failsafe.state}: {failsafe.cause}): commands have "
-                "no effect before override_failsafe()",
-                FailsafeWarning,
-                stacklevel=3,
+                f"vehicle '{self._vehicle}' is docked: its commands have no effect before release(), undock() or "
+                "place()",
+                DockedWarning,
+                stacklevel=5,
             )
 
     def override(self) -> None:
@@ -72,3 +133,6 @@ class CommandGate:
         if self.failsafe is None:
             raise ValueError(f"vehicle '{self._vehicle}': override_failsafe: it has no failsafe")
         self.failsafe.override()
+
+
+STOPPED = "all stop is set: nothing moves the vehicle before all_stop(False) releases it"

@@ -77,6 +77,7 @@ class _Programs(_Kept):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, _Failsafe]
     faults: _Faults
+    all_stopped: list[str] = []  # of a state of an earlier version: none
 
 
 class _Event(_Kept):

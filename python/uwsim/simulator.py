@@ -294,9 +294,9 @@ class Simulator(Sealed):
     def save_state(self) -> bytes:
         """Save everything that the future depends on, except scenario and seed.
 
-        This is motion, commands, clocks, sensors' memories, lamps, cameras' aims and changed parameters. A Simulator of
-        the same scenario, seed and build that restores it gives the same poses, samples and pictures to the last bit.
-        The states of missions and maps are not included.
+        This is motion, commands, all stop, clocks, sensors' memories, lamps, cameras' aims and changed parameters. A
+        Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
+        the last bit. The states of missions and maps are not included.
         """
         lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
         aims = {name: head.save() for name, head in self._shared_scene.heads.items()}

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,7 @@ from uwsim import _core
 from uwsim.arguments import number, numbers_by_name, read_only
 from uwsim.cameras import Camera, Lamp
 from uwsim.command_gate import CommandGate, FailsafeLike
-from uwsim.docking import Dock, DockedWarning
+from uwsim.docking import Dock
 from uwsim.journal import Journal
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
@@ -29,6 +28,7 @@ from uwsim.sensors import Sensor, Sensors
 from uwsim.sonars.imaging import Acoustics
 from uwsim.sonars.mounted import ImagingSonar
 from uwsim.sonars.multibeam import Sonar
+from uwsim.thruster import Thruster
 
 if TYPE_CHECKING:
     from uwsim.estimation import Navigator, Start
@@ -36,14 +36,6 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 PLAIN = {float}
-
-
-@dataclass(frozen=True)
-class Thruster:
-    """A thruster's state: its command in [-1, 1] and its still-water thrust, which follows with a lag."""
-
-    command: float
-    thrust_n: float
 
 
 class Vehicle(Sealed):
@@ -73,6 +65,7 @@ class Vehicle(Sealed):
             "thrusters": "set_thrusters()",
             "fins": "set_fins()",
             "released": "release(), undock() or dock()",
+            "all_stopped": "all_stop()",
         }
     )
 
@@ -109,15 +102,13 @@ class Vehicle(Sealed):
         self._journal = journal
         for lamp in lamps.values():
             lamp.report_to(journal, spec.name)
-        self._commanded = False  # whether the present commands would move it
-        self._has_warned = False
         self._craft: _core.Craft = spec.craft
         self._last_motion = self._new_motion()
         self._last_panel: tuple[int, _core.Telemetry] | None = None
         self._navigation = OnboardNavigation(
             spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
         )
-        self.gate = CommandGate(spec.name)
+        self.gate = CommandGate(spec.name, partial(simulation.set_effort, index, *[0.0] * 6))
 
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()
@@ -157,26 +148,44 @@ class Vehicle(Sealed):
 
     def steer_silently(self, efforts: Sequence[float]) -> None:
         """Set efforts, saturated, without a note: what a program aboard does follows from what is noted already."""
-        self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
+        if not self.all_stopped:
+            self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
 
     def override_failsafe(self) -> None:
         """Take the vehicle back from its failsafe, which acts no more on this cause. ValueError if there is none."""
         self.gate.override()
         self._note("override_failsafe")
 
+    def all_stop(self, on: bool = True) -> None:
+        """Stop the thrusters and put the fins to neutral, whoever commands what, until False releases them. ValueError.
+
+        Until then commands have no effect, which an AllStopWarning tells once, and the dock keeps a docked vehicle.
+        After that it rests until the next command; a failsafe that steers goes on from there.
+        """
+        self.gate.all_stop(on)
+        self._note("all_stop", on=bool(on))
+
+    @property
+    def all_stopped(self) -> bool:
+        """Whether all stop is set."""
+        return self.gate.all_stopped
+
     def release(self) -> None:
-        """Leave the station; the mission time starts. Does nothing if already free."""
+        """Leave the station; the mission time starts. Nothing if already free; ValueError if all stop keeps it."""
+        if not self.released:
+            self.gate.require_no_stop("release")
         self._simulation.release(self._index)
         self._note("release")
 
     def undock(self) -> None:
         """Leave the station at once: release the vehicle and put it, at rest, at the dock's way out (station.exit_m).
 
-        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if it is not docked or the
-        water there is not free.
+        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if it is not docked, the
+        water there is not free, or all stop is set.
         """
         if self.released:
             raise ValueError(f"vehicle '{self.name}': undock: is not docked")
+        self.gate.require_no_stop("undock")
         with self._named_errors():
             self._dock.require_exit(self._index)
         self._put(_core.BodyState(self._dock.exit_world_m, self._dock.orientation_xyzw, np.zeros(6)))
@@ -194,7 +203,7 @@ class Vehicle(Sealed):
         with self._named_errors():
             self._dock.require_entry(self._index)
         self._simulation.dock(self._index, self._dock.position_world_m, self._dock.orientation_xyzw)
-        self._commanded = False
+        self.gate.is_driven = False
         self._note("dock")
 
     @contextmanager
@@ -229,8 +238,7 @@ class Vehicle(Sealed):
             efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
         self.gate.hears()
         self._simulation.set_effort(self._index, *efforts)
-        self.gate.yields()
-        self.__dict__["_commanded"] = any(efforts)  # faster than by __setattr__, which checks names
+        self.gate.yields(moves=any(efforts))
         if self._journal.observers:
             self._note("set_effort", **dict(zip(AXES, efforts, strict=True)))
 
@@ -267,8 +275,7 @@ class Vehicle(Sealed):
             parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
         self.gate.hears()
         self._simulation.set_wrench(self._index, np.array(parts))
-        self.gate.yields()
-        self._commanded = any(parts)
+        self.gate.yields(moves=any(parts))
         self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
@@ -276,8 +283,7 @@ class Vehicle(Sealed):
         pairs = numbers_by_name(commands, "thrusters", [name for name, _ in self._thruster_commands()])
         self.gate.hears()
         self._simulation.set_thrusters(self._index, pairs)
-        self.gate.yields()
-        self._commanded = any(value for _, value in pairs)
+        self.gate.yields(moves=any(value for _, value in pairs))
         self._note("set_thrusters", commands=dict(pairs))
 
     @property
@@ -298,8 +304,7 @@ class Vehicle(Sealed):
         pairs = numbers_by_name(angles_rad, "fins", list(self.fins), "rad")
         self.gate.hears()
         self._simulation.set_fins(self._index, pairs)
-        self.gate.yields()
-        self._commanded = self._commanded or any(value for _, value in pairs)
+        self.gate.yields(moves=self.gate.is_driven or any(value for _, value in pairs))
         self._note("set_fins", angles_rad=dict(pairs))
 
     @property
@@ -378,13 +383,8 @@ class Vehicle(Sealed):
 
     def warn_if_docked(self) -> None:
         """Warn, once, if the vehicle is commanded while its dock holds it. Simulator.step calls this."""
-        if self._commanded and not self._has_warned and not self.released:
-            self._has_warned = True
-            warnings.warn(
-                f"vehicle '{self.name}' is docked: its commands have no effect before release(), undock() or place()",
-                DockedWarning,
-                stacklevel=4,
-            )
+        if self.gate.is_driven and not self.released:
+            self.gate.warn_of_dock()
 
     @property
     def collisions(self) -> int:

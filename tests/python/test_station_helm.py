@@ -74,16 +74,26 @@ def test_efforts_hold_while_they_are_repeated_and_end_with_silence(flight):
         now[0] += 0.2
         assert drive(helm, now, surge=0.5)["success"]
         helm.beat()
-    assert given(live) == [(0, 0.5)]  # held: said once
+    held = [(10 * k, 0.5) for k in range(11)]
+    assert given(live) == held
     now[0] += 0.49
     helm.beat()
     assert live.rov.effort[0] == 0.5
     now[0] += 0.02
     helm.beat()
     live.read(lambda sim: None).result()
-    assert given(live) == [(0, 0.5), (100, 0.0)] and not live.rov.effort.any()
+    assert given(live) == [*held, (100, 0.0)] and not live.rov.effort.any()
     helm.beat()
-    assert len(given(live)) == 2
+    assert len(given(live)) == 12
+
+
+@pytest.mark.parametrize("effort", [0.0, 0.5])
+def test_what_the_pilot_asks_for_takes_effect_whoever_commanded_the_vehicle_meanwhile(flight, effort):
+    live, helm, now = flight
+    drive(helm, now, surge=effort)
+    live.command("set_effort", vehicle="rov", surge=-1.0).result(10.0)  # as by another client's /key
+    assert drive(helm, now, surge=effort)["success"]
+    assert live.rov.effort[0] == effort
 
 
 def test_a_command_that_was_held_up_is_refused_and_keeps_nothing_alive(flight):

@@ -65,13 +65,14 @@ class Channel:
 class Service:
     """A service. call: with the request as a dict of plain values; returns the response; may wait for steps.
 
-    Raises ValueError, whose text goes to the caller.
+    Raises ValueError, whose text goes to the caller. is_vital: it must not wait for calls of other services.
     """
 
     name: str
     type: str
     call: Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]
     description: str = ""
+    is_vital: bool = False
 
 
 def require_live(live: LiveSimulator | None) -> LiveSimulator:

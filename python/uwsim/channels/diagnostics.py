@@ -1,4 +1,4 @@
-"""/diagnostics: how well a live simulator holds its pace, as ROS's monitors show it."""
+"""/diagnostics: how well a live simulator holds its pace, and whether all stop is set, as ROS's monitors show it."""
 
 from __future__ import annotations
 
@@ -39,14 +39,32 @@ def diagnostics_channel(live: LiveSimulator) -> Channel:
             ],
         )
         return build.message(
-            "diagnostic_msgs/msg/DiagnosticArray", header=build.header(sim.time_ns, ""), status=[status]
+            "diagnostic_msgs/msg/DiagnosticArray",
+            header=build.header(sim.time_ns, ""),
+            status=[status, *_vehicles(sim)],
         )
 
     return Channel(
         "diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "out",
-        "the simulator's pace: speed, factor, lateness_s, slipped_s, paused; once a simulated second",
+        "the simulator's pace: speed, factor, lateness_s, slipped_s, paused; each vehicle's all stop; once a simulated "
+        "second",
         rate_hz=RATE_HZ, read=read,
     )  # fmt: skip
+
+
+def _vehicles(sim: Simulator) -> list[Any]:
+    """Return whether each vehicle obeys. Over a link its telemetry tells that, late."""
+    return [
+        build.message(
+            "diagnostic_msgs/msg/DiagnosticStatus",
+            level=WARN if vehicle.all_stopped else OK,
+            name=f"uwsim: {name}",
+            message="all stop is set: its thrusters are stopped" if vehicle.all_stopped else "it obeys commands",
+            hardware_id=name,
+            values=[],
+        )
+        for name, vehicle in (sim.vehicles.items() if sim.link is None else ())
+    ]
 
 
 def _judged(live: LiveSimulator, has_slipped: bool) -> tuple[int, str]:

@@ -7,6 +7,9 @@ LINK = "uwsim_msgs/msg/Link"
 SONAR_PING = "uwsim_msgs/msg/SonarPing"
 PLACED_PING = "uwsim_msgs/msg/PlacedPing"
 
+ALL_STOPPED = "all stop"
+"""The alarm in the telemetry of a vehicle whose all stop is set."""
+
 OWN_TYPES = {
     TELEMETRY: """\
 std_msgs/Header header
@@ -37,7 +40,7 @@ bool collision_warning
 uint32 collisions              # since the start
 string failsafe                # what the vehicle does by itself: hold, surface, return, go_on; empty: nothing
 string failsafe_cause          # silence, battery, leak, thruster, sensor
-string[] alarms                # what it notices about itself
+string[] alarms                # what it notices about itself; "all stop" while that is set
 """,
     MAP_CHANGES: """\
 std_msgs/Header header

@@ -13,6 +13,7 @@ from uwsim.channels.pictures import RATE_HZ, Pictures, Stream
 from uwsim.channels.source import Source
 from uwsim.channels.steering import require_link
 from uwsim.live import LiveSimulator
+from uwsim.live.commands import ALL_STOP
 from uwsim.simulator import Simulator
 
 SET_STREAM = "set_stream"
@@ -51,6 +52,12 @@ def vehicle_services(source: Source, sim: Simulator, pictures: Pictures, maps: M
             ("override_failsafe", "take the vehicle back from its failsafe"),
         )
     ]
+    found.append(
+        Service(
+            source.topic("all_stop"), SET_BOOL, _done(_all_stop(name)), is_vital=True,
+            description="true: stop the thrusters, against every command, until false releases it",
+        )
+    )  # fmt: skip
     for lamp in vehicle.lamps:
         found.append(Service(source.topic(f"lights/{lamp}"), SET_BOOL, _done(_lamp(name, lamp)), "switch the lamps"))
     for camera in vehicle.cameras:
@@ -93,6 +100,15 @@ def _done(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveSimu
         except (ValueError, OSError) as error:
             return {"success": False, "message": str(error)}
         return {"success": True, "message": message if isinstance(message, str) else ""}
+
+    return call
+
+
+def _all_stop(vehicle: str) -> Callable[[LiveSimulator, Request], object]:
+    def call(live: LiveSimulator, request: Request) -> object:
+        on = _field(request, "data", bool, None)
+        require_link(live, vehicle, ALL_STOP)
+        return live.command(ALL_STOP, vehicle=vehicle, on=on).result()
 
     return call
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Mapping
 from concurrent.futures import Future
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels.source import Source
+from uwsim.command_gate import CommandGate
 from uwsim.control.velocity_hold import VelocityHold
 from uwsim.live import LiveSimulator, Subscription
 from uwsim.simulator import Simulator
@@ -31,6 +33,7 @@ class Steering:
         self._source = source
         self._lock = threading.Lock()
         self._loop: Subscription | None = None
+        self._stops = 0  # of the vehicle, when the loop began
         self._wanted = np.zeros(6)
         self.by_keys = False
 
@@ -47,9 +50,11 @@ class Steering:
         return future
 
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Give a command that steers; a velocity is no longer held."""
+        """Give a command that steers; a velocity is no longer held. Raises ValueError while all stop is set."""
         if self._is_cut_off(live):
             return nothing_done()
+        if live.simulator.link is None and _moves(arguments):  # over a link nobody knows here what is set aboard
+            self._gate(live).require_no_stop(name)
         with self._lock:
             self.by_keys = False
             if self._loop is not None:
@@ -58,13 +63,17 @@ class Steering:
             return self._command(live, name, **arguments)
 
     def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
-        """Hold a velocity (6,), [m/s] and [rad/s], in body axes, from now on."""
+        """Hold a velocity (6,), [m/s] and [rad/s], in body axes. Raises ValueError while all stop is set."""
         if self._is_cut_off(live):
             return
+        gate = self._gate(live)
+        gate.require_no_stop("cmd_vel")
         with self._lock:
             self._wanted = velocity_body
             self.by_keys = False
+            self._end_if_stopped(gate)
             if self._loop is None or self._loop.cancelled:
+                self._stops = gate.stops
                 hold = VelocityHold(live.simulator.vehicles[self._source.name], CONTROL_S)
                 self._loop = live.every(CONTROL_S, lambda sim: hold, lambda hold: self._steer(live, hold))
 
@@ -72,8 +81,23 @@ class Steering:
         """Set the efforts of one control period, on the simulator's thread."""
         efforts = hold.efforts(self._wanted)
         with self._lock:
+            self._end_if_stopped(self._gate(live))
             if self._loop is not None:  # no other command has come meanwhile
                 self._command(live, "set_effort", **efforts)
+
+    def _gate(self, live: LiveSimulator) -> CommandGate:
+        return live.simulator.vehicles[self._source.name].gate
+
+    def _end_if_stopped(self, gate: CommandGate) -> None:
+        """Hold a velocity no longer if all stop has been set since, even if it is released again."""
+        if self._loop is not None and gate.stops != self._stops:
+            self._loop.cancel()
+            self._loop = None
+
+
+def _moves(arguments: Mapping[str, Any]) -> bool:
+    """Whether a command that steers asks for anything but zero."""
+    return any(np.any(list(each.values()) if isinstance(each, Mapping) else each) for each in arguments.values())
 
 
 def is_cut_off(sim: Simulator, vehicle: str) -> bool:

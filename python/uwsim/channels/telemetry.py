@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from uwsim.channels import build
 from uwsim.channels.channel import PANEL, Channel
 from uwsim.channels.estimate import has_estimate
-from uwsim.channels.own_types import TELEMETRY
+from uwsim.channels.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.channels.source import Source
 from uwsim.estimation import Navigator
 from uwsim.simulator import Simulator
@@ -68,7 +68,7 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
         collisions=vehicle.collisions,
         failsafe="" if failsafe is None else failsafe.state,
         failsafe_cause="" if failsafe is None else failsafe.cause,
-        alarms=[] if failsafe is None else list(failsafe.alarms),
+        alarms=[*([ALL_STOPPED] if vehicle.all_stopped else []), *(() if failsafe is None else failsafe.alarms)],
     )
 
 

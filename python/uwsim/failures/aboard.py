@@ -16,13 +16,16 @@ from uwsim.network import Network
 from uwsim.scenario import Scenario
 from uwsim.vehicle import Vehicle
 
+ALL_STOPPED = "all_stopped"
+
 
 class Aboard:
-    """The programs of a simulator, by name: its faults first, then the failsafes of its vehicles."""
+    """The programs of a simulator, by name: its faults first, then its vehicles' failsafes; and their all stop."""
 
     def __init__(self, faults: Faults) -> None:
         self._faults = faults
         self._programs: dict[str, Program] = {"faults": faults}
+        self._vehicles: Mapping[str, Vehicle] = {}
 
     def add_failsafes(
         self,
@@ -35,6 +38,9 @@ class Aboard:
         tick: Callable[[], int],
     ) -> dict[str, Failsafe]:
         """Give each vehicle the failsafe that the scenario or its own file says; return them by vehicle."""
+        self._vehicles = vehicles
+        for name, vehicle in vehicles.items():
+            vehicle.gate.changed = partial(_note_all_stop, events, tick, name)
         failsafes = {}
         for entry in scenario.vehicles:
             figures = entry.failsafe or entry.model.failsafe
@@ -85,13 +91,24 @@ class Aboard:
         self._faults.begin_anew(scenario)
         for program in self._programs.values():
             program.restart()
+        for vehicle in self._vehicles.values():
+            vehicle.gate.restore(all_stopped=False)
 
     def save(self) -> dict[str, Any]:
         """Return all that the future depends on, as JSON values."""
-        return {name: program.save() for name, program in self._programs.items()}
+        stopped = [name for name, vehicle in self._vehicles.items() if vehicle.all_stopped]
+        return {ALL_STOPPED: stopped, **{name: program.save() for name, program in self._programs.items()}}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
-        require_names("programs", state, self._programs)
+        require_names("programs", state, (ALL_STOPPED, *self._programs))
+        stopped = state[ALL_STOPPED]
+        require_names("all_stopped", {*self._vehicles, *stopped}, self._vehicles)
         for name, program in self._programs.items():
             program.restore(state[name])
+        for name, vehicle in self._vehicles.items():
+            vehicle.gate.restore(all_stopped=name in stopped)
+
+
+def _note_all_stop(events: EventLog, tick: Callable[[], int], vehicle: str, on: bool) -> None:
+    events.add(tick(), vehicle, "all_stop" if on else "all_stop_ends")

@@ -260,13 +260,16 @@ class Failsafe(Sealed):
         return order.index(then) > order.index(self._state) or (self._cause == SILENCE and then != "go_on")
 
     def _begin(self, tick: int, then: str, cause: str, **values: Any) -> None:
-        pose = self._steered.pose
-        x_m, y_m, z_m = pose.position_world_m.tolist()
         self._state, self._cause = then, cause
-        self._began = Beginning(x_m, y_m, z_m, float(pose.yaw_rad), tick * self._step_s)
+        self._began = self._beginning(tick)
         self._pilot = None
         self._next_control = NEVER if then == "go_on" else tick
         self._events.add(tick, self._vehicle.name, "failsafe", then=then, cause=cause, **values)
+
+    def _beginning(self, tick: int) -> Beginning:
+        pose = self._steered.pose
+        x_m, y_m, z_m = pose.position_world_m.tolist()
+        return Beginning(x_m, y_m, z_m, float(pose.yaw_rad), tick * self._step_s)
 
     def _end(self) -> None:
         if not self._state:
@@ -279,6 +282,9 @@ class Failsafe(Sealed):
         self._pilot = None
 
     def _steer(self, tick: int) -> None:
+        if self._vehicle.all_stopped:  # it begins where the vehicle is when that is released
+            self._began, self._pilot = self._beginning(tick), None
+            return
         pilot, time_s = self._take_pilot(), tick * self._step_s
         if self._state == "hold":
             manoeuvres.hold(pilot, self._began)

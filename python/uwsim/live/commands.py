@@ -14,6 +14,7 @@ from uwsim.simulator import Simulator
 from uwsim.vehicle import Vehicle
 
 T = TypeVar("T")
+ALL_STOP = "all_stop"
 
 
 def release(sim: Simulator, vehicle: str) -> None:
@@ -29,6 +30,11 @@ def undock(sim: Simulator, vehicle: str) -> None:
 def dock(sim: Simulator, vehicle: str) -> None:
     """Return to the station; see Vehicle.dock."""
     _vehicle(sim, vehicle).dock()
+
+
+def all_stop(sim: Simulator, vehicle: str, on: bool = True) -> None:
+    """Stop a vehicle against all other commands until released; see Vehicle.all_stop."""
+    _vehicle(sim, vehicle).all_stop(on)
 
 
 def inject_fault(sim: Simulator, kind: str, **figures: Any) -> None:
@@ -155,6 +161,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
         undock,
         dock,
         override_failsafe,
+        all_stop,
         inject_fault,
         end_fault,
         set_effort,

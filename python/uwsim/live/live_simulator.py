@@ -15,7 +15,7 @@ from typing import Any, Self, TypeVar
 from uwsim.arguments import plain
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
-from uwsim.live.commands import bound_command
+from uwsim.live.commands import ALL_STOP, bound_command
 from uwsim.live.log_navigation import LogNavigation
 from uwsim.live.pace import Pace, Speed
 from uwsim.live.requests import Request
@@ -244,7 +244,7 @@ class LiveSimulator:
         return threading.current_thread() is self._thread
 
     def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
-        request = Request(function, name, arguments)
+        request = Request(function, name, arguments, is_vital=name == ALL_STOP)
         if self._on_loop:  # a sink commands: that is between two steps
             self._loop.answer(request)
         else:

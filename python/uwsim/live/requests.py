@@ -18,10 +18,12 @@ class NotRunningError(RuntimeError):
 class Request:
     """A function of the simulator, to be called between two steps; the future receives its result or its error.
 
-    name, arguments: what the log says about it; None: it changes nothing and is not logged.
+    name, arguments: what the log says about it; None: it changes nothing and is not logged. is_vital: it is accepted
+    however many others wait.
     """
 
     function: Callable[[Simulator], Any]
     name: str | None = None
     arguments: dict[str, Any] = field(default_factory=dict)
     future: Future[Any] = field(default_factory=Future)
+    is_vital: bool = False

@@ -69,7 +69,7 @@ class StepLoop:
         """Queue a request. Raises NotRunningError, and RuntimeError if too many wait."""
         with self.lock:
             self._require_open()
-            if len(self._requests) >= REQUESTS_MAX:
+            if len(self._requests) >= (2 if request.is_vital else 1) * REQUESTS_MAX:
                 raise RuntimeError(f"{REQUESTS_MAX} commands wait for the next step already: more are refused")
             self._requests.append(request)
             self.lock.notify_all()

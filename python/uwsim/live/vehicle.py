@@ -88,6 +88,10 @@ class LiveVehicle:
         """Take the vehicle back from its failsafe; see Vehicle.override_failsafe."""
         self._command("override_failsafe")
 
+    def all_stop(self, on: bool = True) -> None:
+        """Stop the vehicle against all other commands until released; see Vehicle.all_stop."""
+        self._command("all_stop", on=on)
+
     def set_effort(
         self,
         surge: float = 0.0,

@@ -320,7 +320,9 @@ class AdaptiveLawnMower(Sealed):
         return self._command(heading_rad, (slower * east_m_s, slower * north_m_s), target_m)
 
     def _command(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> Wait:
-        """Steer; return one control period. Raises StoppedError if the battery is empty or the vehicle has capsized."""
+        """Steer; return one control period. Raises StoppedError if the vehicle cannot go on."""
+        if getattr(self.vehicle, "all_stopped", False):
+            raise StoppedError("all stop is set")
         if self.vehicle.telemetry().battery_percent <= 0.0:
             raise StoppedError("the battery is used up")
         if self.vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:

@@ -209,7 +209,9 @@ def steer(
 
 
 def _require_able(vehicle: OwnVehicle) -> None:
-    """Raise StoppedError if the battery is empty or the vehicle has capsized."""
+    """Raise StoppedError if all stop is set, the battery is empty or the vehicle has capsized."""
+    if vehicle.all_stopped:
+        raise StoppedError("all stop is set")
     if vehicle.telemetry().battery_percent <= 0.0:
         raise StoppedError("the battery is used up")
     if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:

@@ -152,6 +152,11 @@ class OwnVehicle(Sealed):
         """Whether it is free of the station."""
         return bool(self._hull.released)
 
+    @property
+    def all_stopped(self) -> bool:
+        """Whether all stop is set; False for a vehicle that does not tell."""
+        return bool(getattr(self._hull, "all_stopped", False))
+
     def release(self) -> None:
         """Let go of the station; the mission time starts."""
         self._hull.release()

@@ -10,8 +10,9 @@ from concurrent.futures import Future
 from typing import Any
 
 from uwsim.channels.guest import Values
-from uwsim.channels.steering import Steering
+from uwsim.channels.steering import Steering, require_link
 from uwsim.live import LiveSimulator, NotRunningError
+from uwsim.live.commands import ALL_STOP
 from uwsim.vehicle import AXES
 
 SILENCE_S = 0.5
@@ -44,8 +45,9 @@ class LeastDelay:
 class Helm:
     """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
 
-    repeats: efforts are given again although they are held: one before may have been lost on a link. `beat` must be
-    called at least twice a second, and when it says: it sets efforts to zero when commands have ceased.
+    Each command is given, also one that repeats the last: others may have commanded the vehicle since, its failsafe may
+    wait for a sign of life, and over a link one before may be lost. `beat` must be called at least twice a second, and
+    when it says: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(
@@ -53,12 +55,10 @@ class Helm:
         live: LiveSimulator,
         steering: Mapping[str, Steering],
         *,
-        repeats: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._live = live
         self._steering = steering
-        self._repeats = repeats
         self._clock = clock
         self._lock = threading.Lock()
         self._delay = LeastDelay()
@@ -67,9 +67,7 @@ class Helm:
 
     def drive(self, request: Values) -> Future[Values]:
         """Set efforts from a request (docs/station-wire.md). Raises ValueError."""
-        vehicle = request.get("vehicle")
-        if not isinstance(vehicle, str) or vehicle not in self._steering:
-            raise ValueError(f"vehicle = {str(vehicle)[:40]!r}: must be one of {', '.join(self._steering)}")
+        vehicle = self._named(request)
         efforts = {axis: _effort(request, axis) for axis in AXES}
         now_s = self._clock()
         with self._lock:
@@ -78,6 +76,20 @@ class Helm:
                 raise ValueError(f"the command came {age_s:.1f} s late: it was not obeyed")
             self._heard_s = now_s
             return self._set(vehicle, efforts, {"age_s": age_s})
+
+    def all_stop(self, request: Values, text: str = "") -> Future[Values]:
+        """Set or release all stop, by request["on"]; text: the answer's message. Raises ValueError."""
+        vehicle, on = self._named(request), wants_stop(request)
+        require_link(self._live, vehicle, ALL_STOP)
+        with self._lock:
+            self._efforts[vehicle] = ZERO  # all stop sets them to zero itself, and its release leaves them there
+        return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
+
+    def _named(self, request: Values) -> str:
+        vehicle = request.get("vehicle")
+        if not isinstance(vehicle, str) or vehicle not in self._steering:
+            raise ValueError(f"vehicle = {str(vehicle)[:40]!r}: must be one of {', '.join(self._steering)}")
+        return vehicle
 
     def beat(self) -> float:
         """Set efforts to zero if no command has come for SILENCE_S; return when to look again [s]."""
@@ -103,10 +115,6 @@ class Helm:
                     return
 
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
-        if efforts == self._efforts[vehicle] and not self._repeats:  # held anyway: the log need not repeat it
-            done: Future[Values] = Future()
-            done.set_result({"success": True, "message": "", "tick": self._live.tick, **answer})
-            return done
         future = self._steering[vehicle].give(self._live, "set_effort", **efforts)
         self._efforts[vehicle] = efforts
         return answered(self._live, future, answer)
@@ -123,6 +131,14 @@ def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = N
 
     future.add_done_callback(say)
     return said
+
+
+def wants_stop(request: Values) -> bool:
+    """Return whether all stop is to be set, as by default, or released. Raises ValueError."""
+    on = request.get("on", True)
+    if not isinstance(on, bool):
+        raise ValueError(f"on = {str(on)[:40]!r}: must be true or false")
+    return on
 
 
 def _effort(request: Values, axis: str) -> float:

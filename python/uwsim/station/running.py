@@ -26,13 +26,14 @@ from uwsim.station.views import View, Views, title
 from uwsim.vehicle import AXES
 
 STEERING = {
+    "all_stop",
     "link_send",
     "place",
     "set_effort",
     "set_wrench",
     "set_thrusters",
     "set_fins",
-}  # the pilot's hands do that: `drive`
+}  # the pilot's hands do that: `drive`, and anybody's: `all_stop`
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
 """Channels that the page shows, by how they end: a modem has no room for more, unless the scenario says so."""
 SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
@@ -69,7 +70,7 @@ class Running:
         self.far = live if self.carrier is None else self.carrier.remote()  # as pilots command it
         if self.carrier is not None:
             self.channels, self.services = with_scans(self.carrier.channels), self.carrier.over(self.services)
-        self.helm = Helm(self.far, self.table.steering, repeats=self.carrier is not None)
+        self.helm = Helm(self.far, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
         self.views = Views(live, self.table, node, stir, over_link=sim.link is not None, truth=truth)
         self.arrivals: Arrivals | None = None

@@ -16,6 +16,7 @@ from uwsim.bridges.remote.instruments import IMAGE, READERS, RemoteCamera, Remot
 from uwsim.bridges.remote.sonar import RemoteSonar
 from uwsim.bridges.remote.tree import RemoteTree
 from uwsim.channels import build
+from uwsim.channels.own_types import ALL_STOPPED
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
 
@@ -139,6 +140,16 @@ class RemoteVehicle:
         """Whether it is free of the station; True for a vehicle that does not tell."""
         panel = self._telemetry()
         return True if panel is None else bool(panel.released)
+
+    def all_stop(self, on: bool = True) -> None:
+        """Stop it against all other commands until False releases it. Raises ValueError, OSError."""
+        self._connection.call(f"{self._prefix}all_stop", data=bool(on))
+
+    @property
+    def all_stopped(self) -> bool:
+        """Whether all stop is set; False for a vehicle that does not tell."""
+        panel = self._telemetry()
+        return panel is not None and ALL_STOPPED in panel.alarms
 
     def release(self) -> None:
         """Let go of the station. Raises ValueError, OSError."""

@@ -1,0 +1,11 @@
+"""What a thruster does at a moment."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Thruster:
+    """A thruster's state: its command in [-1, 1] and its still-water thrust, which follows with a lag."""
+
+    command: float
+    thrust_n: float
