@@ -80,6 +80,14 @@ def test_what_a_client_publishes_and_calls_is_a_logged_command(client, live):
     assert {"undock", "set_effort"} <= {entry.name for entry in live.log}
 
 
+def test_all_stop_is_a_service_and_commands_meanwhile_are_refused(client, live):
+    assert client.call("/all_stop", {"data": True})["success"]
+    client.publish("/cmd_vel", "geometry_msgs/Twist", {"linear": {"x": 0.4}})
+    client.until(lambda: "all stop is set" in str(client.statuses))
+    assert live.rov.all_stopped and not live.rov.effort.any()
+    assert client.call("/all_stop", {"data": False})["success"] and not live.rov.all_stopped
+
+
 def test_a_mistake_is_told_to_the_client(client):
     client.publish("/cmd_tilt", "std_msgs/Float64", {"data": 99.0})
     client.until(lambda: client.statuses)

@@ -23,7 +23,7 @@ from uwsim.station import Station
 from uwsim.station.running import Running
 
 PAGE = (Path(__file__).parents[2] / "docs/link.md").read_text()
-OVER = {"station/drive", "station/command"}
+OVER = {"station/drive", "station/all_stop", "station/command"}
 """The station's services that put commands on the link: see the last test."""
 TOLD = ("track", "map")
 """Foxglove's scenes that are made of what has arrived: see test_foxglove."""
@@ -79,7 +79,7 @@ def test_every_order_to_a_vehicle_by_service_is_a_message_of_the_link() -> None:
     sim = Simulator("lake", link="tether")
     with LiveSimulator(sim, paused=True) as live, Carrier(live, served_channels(live)) as carrier:
         orders = [one for one in carrier.over(services(sim)) if is_order(one.name)]
-        assert {"release", "undock", "dock", "override_failsafe"} <= {one.name for one in orders}
+        assert {"release", "undock", "dock", "override_failsafe", "all_stop"} <= {one.name for one in orders}
         for order in orders:
             before = given(sim)
             assert order.call(live, {"data": True})["success"], order.name
@@ -95,6 +95,8 @@ def test_the_pilot_s_hands_and_commands_at_the_station_are_messages_of_the_link(
         running.carrier.start()
         running.helm.drive({"vehicle": "rov", "surge": 0.5}).result()
         assert given(sim) == 1 and not any(sim.rov.effort)
+        running.helm.all_stop({"vehicle": "rov"}).result()
+        assert given(sim) == 2 and not sim.rov.all_stopped
         for name in sorted(CARRIED & {"release", "undock", "dock"}):
             before = given(sim)
             running.far.command(name, vehicle="rov").result()

@@ -14,6 +14,7 @@ from uwsim.bridges.ros1.raw_types import read_message
 from uwsim.channels.build import message
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import to_bytes
+from uwsim.command_gate import STOPPED
 from uwsim.recording import Recorder
 from uwsim.recording.live_map import live_map
 
@@ -245,6 +246,48 @@ print(json.dumps([first.success, second.success, second.message, [t for t in sai
     first, second, why, said = json.loads(run_node(script, ros))
     assert first is True and second is False and "is not docked" in why
     assert "must be finite" in said[0]
+
+
+def test_all_stop_is_a_service_and_commands_meanwhile_are_refused(ros: dict[str, str]) -> None:
+    script = """
+import genpy, json, rospy, struct, time
+from geometry_msgs.msg import Pose
+from rosgraph_msgs.msg import Log
+rospy.init_node("stopper", anonymous=True)
+class Flag(genpy.Message):
+    _type, _md5sum, _full_text, _has_header = "std_srvs/SetBoolRequest", "x", "bool data", False
+    __slots__, _slot_types = ("data",), ("bool",)
+    def serialize(self, buff): buff.write(struct.pack("<B", self.data))
+    def deserialize(self, data): return self
+class Answer(genpy.Message):
+    _type, _md5sum, _full_text, _has_header = "std_srvs/SetBoolResponse", "x", "", False
+    __slots__, _slot_types = ("success", "message"), ("bool", "string")
+    def __init__(self, *a, **k): self.success, self.message = False, ""
+    def serialize(self, buff): pass
+    def deserialize(self, data):
+        self.success, self.message = bool(data[0]), data[5:].decode()
+        return self
+class SetBool:
+    _type, _md5sum = "std_srvs/SetBool", "09fb03525b03e7ea1fd3992bafd87e16"
+    _request_class, _response_class = Flag, Answer
+rospy.wait_for_service("/all_stop", 60)
+stop = rospy.ServiceProxy("/all_stop", SetBool)
+said = []
+rospy.Subscriber("/rosout", Log, lambda m: said.append(m.msg))
+key, ahead = rospy.Publisher("/key", Pose, queue_size=1), Pose()
+ahead.position.x = 1.0
+found = [stop(True).success]
+until = time.time() + 60
+while not any("all stop is set" in text for text in said) and time.time() < until:
+    key.publish(ahead)
+    time.sleep(0.1)
+found += [[text for text in said if "all stop is set" in text][:1], stop(False).success]
+key.publish(Pose())
+print(json.dumps(found))
+"""
+    stopped, refusals, released = json.loads(run_node(script, ros))
+    assert stopped and released
+    assert refusals == [f"/key: vehicle 'rov': set_effort: {STOPPED}"]
 
 
 def test_without_a_master_it_is_one_line(tmp_path: Path) -> None:

@@ -89,6 +89,24 @@ def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(nod
     assert "/cmd_tilt: cmd_tilt = 99.0 rad: must be in" in text
 
 
+def test_all_stop_is_set_and_released_by_a_message_and_commands_meanwhile_are_refused(node, other, live):
+    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+    twist = default_message("geometry_msgs/msg/Twist")
+    twist.linear.x = 0.4
+    other.say("cmd_vel", twist)
+    until(lambda: live.rov.effort.any(), "efforts")
+    other.say("all_stop", build.message("std_msgs/msg/Bool", data=True))
+    until(lambda: live.rov.all_stopped and not live.rov.effort.any(), "all stop")
+    other.say("cmd_vel", twist)
+    said: list[str] = []
+    until(
+        lambda: said.extend(log.msg for log in other.heard("rosout")) or "/cmd_vel: vehicle" in str(said), "a refusal"
+    )
+    assert "all stop is set" in str(said) and not live.rov.effort.any()
+    other.say("all_stop", build.message("std_msgs/msg/Bool", data=False))
+    until(lambda: not live.rov.all_stopped, "its release")
+
+
 def test_a_parameter_is_set_by_a_message_and_an_unknown_one_is_refused(node, other, live):
     other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
     value = build.message("rcl_interfaces/msg/ParameterValue", type=3, double_value=44.5)

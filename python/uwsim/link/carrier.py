@@ -19,11 +19,14 @@ from uwsim.link.rates import send_rates
 from uwsim.link.schedule import Schedule
 from uwsim.link.seen import seen_channels
 from uwsim.live import LiveSimulator
+from uwsim.live.commands import ALL_STOP
 from uwsim.network import STATION, Network
 from uwsim.simulator import Simulator
 
 COMMAND_LIFE_S = 5.0
 """After which a command that still waits is not sent any more, or after two rounds of all nodes."""
+VITAL_REPEATS = 2
+"""Of an all stop, which is not acknowledged either: three copies, of which any will do."""
 LISTENED_S = 2.0
 """For so long after somebody looked for a channel it is taken to be listened to."""
 ONCE_HZ = 1.0
@@ -134,7 +137,8 @@ class Carrier:
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
         """Send a command of uwsim.live.COMMANDS to a vehicle; the future resolves when it is queued."""
         topic, payload = remote.packed(name, arguments)
-        return self._send(vehicle, topic, payload, replaces=name in remote.REPLACED)
+        stops = name == ALL_STOP and arguments.get("on", True)
+        return self._send(vehicle, topic, payload, replaces=name in remote.REPLACED, is_vital=stops)
 
     def _heard(self, channel: Channel) -> Channel:
         one = self._carried.get(channel.name)
@@ -149,10 +153,12 @@ class Carrier:
         far = self.remote()
         return replace(channel, apply=apply, abandoned=None if abandoned is None else lambda live: abandoned(far))
 
-    def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool) -> Future[Any]:
+    def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
+        """Give the link a message. is_vital: it is sent however late, and again."""
+        repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
         future = self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
-            lifetime_s=self._command_life_s(), replaces=replaces, repeats=self._repeats(topic),
+            lifetime_s=None if is_vital else self._command_life_s(), replaces=replaces, repeats=repeats,
         )  # fmt: skip
         future.add_done_callback(lambda done: self._wake())
         return future

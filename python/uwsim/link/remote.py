@@ -10,7 +10,7 @@ from typing import Any
 
 from uwsim.arguments import plain
 from uwsim.live import LiveSimulator
-from uwsim.live.commands import bound_command
+from uwsim.live.commands import ALL_STOP, bound_command
 
 TOPIC = "command/"
 CARRIED = frozenset(
@@ -19,6 +19,7 @@ CARRIED = frozenset(
         "undock",
         "dock",
         "override_failsafe",
+        ALL_STOP,
         "set_effort",
         "set_wrench",
         "set_thrusters",
@@ -28,7 +29,7 @@ CARRIED = frozenset(
     )
 ) | {"aim_camera"}
 """Commands that a vehicle gets; the others, such as `place`, are for the simulator."""
-REPLACED = frozenset(("set_effort", "set_wrench", "set_thrusters", "set_fins", "aim"))
+REPLACED = frozenset(("set_effort", "set_wrench", "set_thrusters", "set_fins", "aim", ALL_STOP))
 """Commands whose next one takes their place while they wait."""
 
 

@@ -27,34 +27,43 @@ OPEN_CALLS_MAX = 100
 logger = logging.getLogger("uwsim.ros2")
 
 
+class _Lane:
+    """Threads on which calls wait for steps, and room for those that wait for a thread."""
+
+    def __init__(self, threads: int) -> None:
+        self.pool = ThreadPoolExecutor(threads, thread_name_prefix="uwsim-ros2-service")
+        self.free = threading.Semaphore(OPEN_CALLS_MAX)
+
+
 class ServiceTopics:
     """The channels that call services, and the threads on which calls wait for steps. say: tells of an answer."""
 
     def __init__(self, services: Sequence[Service], say: Say) -> None:
         self._say = say
-        self._pool = ThreadPoolExecutor(2, thread_name_prefix="uwsim-ros2-service")
-        self._free = threading.Semaphore(OPEN_CALLS_MAX)
+        self._usual, self._vital = _Lane(2), _Lane(1)
         self.channels = [self._channel(service) for service in services]
 
     def close(self) -> None:
         """Call nothing more."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        for lane in (self._usual, self._vital):
+            lane.pool.shutdown(wait=False, cancel_futures=True)
 
     def _channel(self, service: Service) -> Channel:
         kind = MESSAGE_OF.get(service.type, STRING)
+        lane = self._vital if service.is_vital else self._usual
 
         def call(live: LiveSimulator, message: Any) -> None:
             request = _request(kind, message)
-            if not self._free.acquire(blocking=False):
+            if not lane.free.acquire(blocking=False):
                 raise ValueError(f"{OPEN_CALLS_MAX} calls wait already: this one is refused")
-            self._pool.submit(service.call, live, request).add_done_callback(
-                lambda done: self._answer(service.name, done)
+            lane.pool.submit(service.call, live, request).add_done_callback(
+                lambda done: self._answer(lane, service.name, done)
             )
 
         return Channel(service.name, kind, "in", service.description, apply=call)
 
-    def _answer(self, name: str, done: Future[Request]) -> None:
-        self._free.release()
+    def _answer(self, lane: _Lane, name: str, done: Future[Request]) -> None:
+        lane.free.release()
         if done.cancelled():
             return
         error = done.exception()

@@ -36,6 +36,7 @@ class SimulatorNode:
         self._graph = graph
         self._loop = loop
         self._pool = ThreadPoolExecutor(4, thread_name_prefix="uwsim-service")
+        self._vital = ThreadPoolExecutor(1, thread_name_prefix="uwsim-vital")
         self._channels = {channel.name: channel for channel in channels if channel.direction == "out"}
         self._subscriptions: dict[str, Subscription] = {}
         self._arrived: deque[tuple[str, Any]] = deque(maxlen=WAITING)
@@ -68,7 +69,8 @@ class SimulatorNode:
         self._graph.on_demand.remove(self._demand)
         self._graph.on_abandoned.remove(self._abandon)
         self._graph.leave(NAME)
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        for pool in (self._pool, self._vital):
+            pool.shutdown(wait=False, cancel_futures=True)
 
     def _demand(self, name: str, wanted: bool) -> None:
         """Begin or end to read a channel."""
@@ -149,7 +151,8 @@ class SimulatorNode:
         def serve(arguments: Any, reply: Reply, caller: str) -> None:
             if not isinstance(arguments, dict):
                 raise ValueError(f"service '{service.name}': args must be an object")
-            future = self._pool.submit(service.call, self._live, arguments)
+            pool = self._vital if service.is_vital else self._pool
+            future = pool.submit(service.call, self._live, arguments)
             future.add_done_callback(lambda done: self._on_loop(_answer, done, reply))
 
         return serve

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from uwsim.channels import Channel, build
-from uwsim.channels.own_types import TELEMETRY
+from uwsim.channels.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.link.packing.panels import FLAGS, pack_failsafe, quantised, unpack_failsafe, value_of
 
 FIGURES = (
@@ -25,12 +25,13 @@ TURN_RAD = math.pi / 127  # roll, pitch and yaw
 
 
 def pack(message: Any) -> bytes:
-    """Return 31 bytes: position in cm, attitude to 1.4 degrees; no truth, deviations, commands and alarms."""
+    """Return 31 bytes: position in cm, attitude to 1.4 degrees; of alarms only all stop; no truth, commands."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     position = b"".join(_three_bytes(x) for x in message.position)
     turn = np.asarray(message.orientation, np.float64)
     angles_rad = Rotation.from_quat(turn).as_euler("ZYX") if np.linalg.norm(turn) > 0.5 else np.zeros(3)
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
+    flags |= (ALL_STOPPED in message.alarms) << len(FLAGS)
     lamps = sum(bool(lit) << bit for bit, lit in enumerate(message.lamps[:8]))
     figures = [quantised(float(getattr(message, name)), quantum, code) for name, code, quantum, _ in FIGURES]
     return HEAD.pack(
@@ -53,6 +54,7 @@ def unpack(data: bytes, channel: Channel) -> Any:
         true_position=unknown,
         orientation=turn.astype(np.float32),
         lamps=np.array([bool(lamps >> bit & 1) for bit in range(count)]),
+        alarms=[ALL_STOPPED] if flags >> len(FLAGS) & 1 else [],
         **told | {"is_truth": False},
         **dict.fromkeys(("angular_speed", "pressure", "distance_to_station", "link_delay"), math.nan),
         **unpack_failsafe(failsafe),
