@@ -11,8 +11,8 @@ from uwsim.channels.steering import require_link
 from uwsim.link.remote import CARRIED
 from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.station.control import CONTROLS
-from uwsim.station.helm import answered
-from uwsim.station.running import PILOTED
+from uwsim.station.helm import answered, wants_stop
+from uwsim.station.running import PILOTED, Running
 from uwsim.station.saves import saved_names
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class Services:
             ("take_control", self._take_control, "have the controls, if nobody has them"),
             ("hand_over", self._hand_over, "pass the controls on"),
             ("drive", self._drive, "set efforts, by the pilot"),
+            ("all_stop", self._all_stop, "stop a vehicle against all commands, by anybody; release it, by the pilot"),
             ("command", self._command, "give another command, by the pilot"),
             ("set_view", self._set_view, "change the rate, width and quality of a view"),
         )
@@ -81,6 +82,12 @@ class Services:
         self._station.lease.require_pilot(caller)
         return self._station.present().helm.drive(request)
 
+    def _all_stop(self, caller: str, request: Values) -> Future[Values]:
+        if not wants_stop(request):
+            self._station.lease.require_pilot(caller)
+        running = self._station.present()
+        return running.helm.all_stop(request, _sent(running))
+
     def _command(self, caller: str, request: Values) -> Future[Values]:
         self._station.lease.require_pilot(caller)
         name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
@@ -91,7 +98,7 @@ class Services:
         given = {str(key): value for key, value in arguments.items()}
         if name in CARRIED:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
-            text = f"Sent over {running.carrier.modem}" if running.carrier is not None else ""
+            text = _sent(running)
         return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given), text=text)
 
     def _set_view(self, caller: str, request: Values) -> Values:
@@ -127,6 +134,11 @@ class Services:
         said = CONTROLS[action](self._station, request)
         self._station.tell()
         return {"success": True, "message": said or "", "tick": live.tick}
+
+
+def _sent(running: Running) -> str:
+    """Return what is answered to a command that has been given to the link, if there is one."""
+    return "" if running.carrier is None else f"Sent over {running.carrier.modem}"
 
 
 def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:

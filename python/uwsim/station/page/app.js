@@ -169,7 +169,7 @@ function act(action, isPressed) {
   }
   if (!isPressed) return;
   const actions = {
-    stop: () => pilot.stop(),
+    stop: () => panel.allStop.press(),
     release: () => topbar.releaseOrDock(),
     frontOn: () => topbar.light('front', true),
     frontOff: () => topbar.light('front', false),

@@ -16,6 +16,7 @@ export const DRIVING = {
   'roll-': 'Roll to port',
   'roll+': 'Roll to starboard',
 };
+export const ALL_STOP = 'stop'; // acts even while a dialog is shown
 export const VEHICLE = {
   stop: 'All stop',
   release: 'Release or dock',

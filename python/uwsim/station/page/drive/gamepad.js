@@ -1,5 +1,7 @@
 // Gamepads with the standard mapping of https://www.w3.org/TR/gamepad: sticks as efforts, buttons as actions.
 
+import { ALL_STOP } from './bindings.js';
+
 const DEAD_ZONE = 0.12;
 // Sticks as on most ROVs: the left one climbs and turns, the right one goes ahead and sideways.
 const STICKS = [
@@ -53,7 +55,7 @@ export class Gamepads {
     }
     if (!isAllowed) {
       for (const axis of Object.keys(axes)) axes[axis] = 0;
-      pressed.clear();
+      for (const action of pressed) if (action !== ALL_STOP) pressed.delete(action);
     }
     for (const action of pressed) if (!this.#pressed.has(action)) this.#act(action, true);
     for (const action of this.#pressed) if (!pressed.has(action)) this.#act(action, false);

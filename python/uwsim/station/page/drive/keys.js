@@ -1,5 +1,5 @@
 // Held keys as efforts, and pressed keys as actions.
-import { DRIVING } from './bindings.js';
+import { ALL_STOP, DRIVING } from './bindings.js';
 
 const TYPING = 'input, select, textarea, [contenteditable]';
 
@@ -38,9 +38,9 @@ export class Keys {
   }
 
   #down(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.(TYPING) || !this.#allowed()) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.(TYPING)) return;
     const action = this.#bindings.actionOf(event.code);
-    if (!action) return;
+    if (!action || (action !== ALL_STOP && !this.#allowed())) return;
     if (event.target.matches?.('canvas') && event.code.startsWith('Arrow')) return; // they turn the 3D view
     const isButton = event.target.closest?.('button, a, summary');
     if (isButton && event.code === 'Space' && event.target.matches(':focus-visible')) return; // presses the button

@@ -1,5 +1,5 @@
 // Keys, gamepads and fingers become efforts: sent at once when they change, five times a second while held, zero when let go.
-import { AXES } from './bindings.js';
+import { ALL_STOP, AXES } from './bindings.js';
 import { Gamepads } from './gamepad.js';
 import { Keys } from './keys.js';
 import { Touch } from './touch.js';
@@ -24,13 +24,14 @@ export class Pilot extends EventTarget {
     super();
     this.station = station;
     this.vehicle = '';
+    const actNow = (action, isPressed) => (this.mayAct || action === ALL_STOP) && act(action, isPressed);
     this.keys = new Keys(bindings, {
-      act: (action, isPressed) => this.mayAct && act(action, isPressed),
+      act: actNow,
       changed: () => this.#read(),
       allowed: () => this.mayAct,
     });
     this.touch = new Touch({ changed: () => this.#read(), allowed: () => this.mayAct });
-    this.gamepads = new Gamepads((action, isPressed) => this.mayAct && act(action, isPressed));
+    this.gamepads = new Gamepads(actNow);
     addEventListener('blur', () => this.letGo());
     addEventListener('pagehide', () => this.letGo());
     document.addEventListener('visibilitychange', () => {

@@ -1,5 +1,6 @@
 // What the vehicle does by itself, why, what it notices about itself, and the button that takes it back.
 import { attempt, el, write } from '../dom.js';
+import { ALL_STOPPED } from './all_stop.js';
 
 const DOING = {
   hold: 'holds its place by itself',
@@ -44,7 +45,8 @@ export class Failsafe {
 
   // Show what the telemetry says. Servers of other versions may not tell.
   show(message, isStale) {
-    const { failsafe = '', failsafe_cause: cause = '', alarms = [] } = message ?? {};
+    const { failsafe = '', failsafe_cause: cause = '' } = message ?? {};
+    const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED);
     this.element.hidden = !failsafe && alarms.length === 0;
     this.element.classList.toggle('is-stale', isStale);
     this.element.dataset.kind = failsafe && failsafe !== 'go_on' ? 'steers' : 'tells';

@@ -2,6 +2,7 @@
 import { attitude } from '../attitude.js';
 import { clockText, el, fixed, write } from '../dom.js';
 import { Alarms } from './alarms.js';
+import { AllStop } from './all_stop.js';
 import { Bars } from './bars.js';
 import { Failsafe } from './failsafe.js';
 import { Link } from './link.js';
@@ -58,6 +59,7 @@ export class Panel {
 
   constructor(container, station, telemetry, pilot) {
     [this.station, this.telemetry, this.pilot] = [station, telemetry, pilot];
+    this.allStop = new AllStop(station, pilot);
     this.failsafe = new Failsafe(station);
     this.link = new Link(station);
     this.kind = el('small');
@@ -83,6 +85,7 @@ export class Panel {
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
     container.append(
+      this.allStop.element,
       this.failsafe.element,
       this.alarms.element,
       this.timed,
@@ -96,6 +99,7 @@ export class Panel {
   }
 
   begin(vehicle, description) {
+    this.allStop.begin(vehicle);
     this.failsafe.begin(vehicle);
     this.link.begin(vehicle, description.views);
     this.hasThrusters = vehicle.thrusters.length > 0; // else forces along and about the axes drive it
@@ -128,6 +132,7 @@ export class Panel {
     const { message, isStale, lag_s } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
     this.alarms.show(message, isStale);
+    this.allStop.show(message, isStale);
     this.failsafe.show(message, isStale);
     write(
       this.age,

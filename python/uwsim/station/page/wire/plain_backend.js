@@ -102,6 +102,10 @@ export class PlainBackend {
     return Promise.resolve({ success: true });
   }
 
+  allStop(vehicle, on) {
+    return this.#bridge.call(`${vehicle === 'vehicle' ? '/' : `/${vehicle}/`}all_stop`, { data: on });
+  }
+
   async control(action, { steps, speed, name } = {}) {
     if (action === 'quit') {
       location.search = '';

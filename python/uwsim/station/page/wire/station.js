@@ -98,6 +98,11 @@ export class Station extends EventTarget {
     return this.#backend.command(name, vehicle, args);
   }
 
+  // Set all stop, which anybody may, or release it, which the pilot may.
+  allStop(vehicle, on) {
+    return this.#backend.allStop(vehicle, on);
+  }
+
   control(action, args = {}) {
     return this.#backend.control(action, args);
   }

@@ -25,6 +25,10 @@ export class StationBackend {
     return this.#bridge.call('/station/command', { name, vehicle, args });
   }
 
+  allStop(vehicle, on) {
+    return this.#bridge.call('/station/all_stop', { vehicle, on });
+  }
+
   control(action, args) {
     return this.#bridge.call('/station/control', { action, ...args });
   }
