@@ -21,7 +21,7 @@ from uwsim.teleop import panel
 from uwsim.teleop.connection import Connection
 from uwsim.teleop.fan import draw_fan
 from uwsim.teleop.gamepad import Gamepads
-from uwsim.teleop.keys import HELP, HELP_TEXT, LESS, MARK, MORE, SERVICES, SWITCHES
+from uwsim.teleop.keys import ALL_STOP, END_STOP, HELP, HELP_TEXT, LESS, MARK, MORE, SERVICES, SWITCHES
 from uwsim.teleop.tapes import depth_tape, heading_tape
 from uwsim.teleop.terminal import KeyReleased, ReleaseDriver
 
@@ -62,6 +62,7 @@ class TeleopApp(App[None]):
         self.gamepads = gamepads
         self.marks: list[str] = []
         self._last_said = ""
+        self._was_stopped = False
         connection.say = self.tell
 
     def compose(self) -> ComposeResult:
@@ -77,7 +78,7 @@ class TeleopApp(App[None]):
                 yield Static(id="efforts")
                 yield Static(id="warnings")
                 yield RichLog(id="log", wrap=True, min_width=20, max_lines=200)
-        yield Static("w s a d q e b space: drive   x: stop   - =: effort   r u: release, undock   ?: keys", id="keys")
+        yield Static("w s a d q e b space: drive   x X: all stop, its end   - =: effort   ?: keys", id="keys")
 
     def on_mount(self) -> None:
         """Begin to listen and to draw; end as one should at signals."""
@@ -135,6 +136,9 @@ class TeleopApp(App[None]):
             self.connection.do(SWITCHES[character])
         elif character in SERVICES:
             self.connection.call(SERVICES[character])
+        elif character in (ALL_STOP, END_STOP):
+            self.hands.press(ALL_STOP)
+            self.connection.all_stop(on=character == ALL_STOP)
         elif character in (LESS, MORE):
             self.hands.change_share(-1 if character == LESS else 1)
         elif character == MARK:
@@ -171,6 +175,9 @@ class TeleopApp(App[None]):
         """Draw everything anew."""
         self.hands.beat()
         readout = self.connection.readout
+        if readout.all_stop and not self._was_stopped:
+            self.hands.drop()  # so that no key that is held moves the vehicle when all stop is released
+        self._was_stopped = readout.all_stop
         heading, fan, depth = (self.query_one(name, Static) for name in ("#heading", "#fan", "#depth"))
         heading.update(heading_tape(readout.heading_deg, heading.size.width))
         fan.update(draw_fan(readout.angles_rad, readout.ranges_m, fan.size.width, fan.size.height))

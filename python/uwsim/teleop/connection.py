@@ -21,6 +21,7 @@ from uwsim.teleop.keys import Function
 from uwsim.teleop.readout import PANELS, POSE, Readout, topics_to_hear
 
 PERIOD_S = 0.05  # at which the hands are asked
+STOP_AGAIN_S = 1.0  # until an all stop that has not been answered is asked for again
 REPEAT_S = 0.2  # at which unchanged efforts are said again
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # between attempts to connect
 ANSWER_S = 3.0  # for which a server may take to list its topics
@@ -51,8 +52,9 @@ class Connection:
         self._prefix = ""
         self._node: Node | None = None
         self._publish: Callable[[Any], None] = lambda message: None
-        self._sending = threading.Lock()  # guards the last four
+        self._sending = threading.Lock()  # guards the node, and what was said and asked for last
         self._efforts, self._tilt, self._said_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
+        self._stop_asked_s: float | None = None  # when all stop was asked for last, while it is not known to be set
         self._stopping = threading.Event()
         self._threads = [
             threading.Thread(target=run, name=f"uwsim-teleop-{name}", daemon=True)
@@ -98,6 +100,34 @@ class Connection:
                 self.say("not connected")
             else:
                 self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._tell_answer(service)))
+
+    def all_stop(self, *, on: bool) -> None:
+        """Set all stop, or release it. Until a server has set it, it is asked for again, in later connections, too."""
+        with self._sending:
+            if on and self._stop_asked_s is not None:
+                return  # the key repeats
+            self._stop_asked_s = -math.inf if on else None
+            if self._node is None:
+                self.say("not connected: all stop is sent as soon as it is" if on else "not connected")
+            elif on:
+                self._ask_to_stop()
+            else:
+                answered = self._tell_answer("release of all stop")
+                self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": False}))
+
+    def _ask_to_stop(self) -> None:
+        self._stop_asked_s = time.monotonic()
+        tell = self._tell_answer("all stop")
+
+        def answered(response: dict[str, Any]) -> None:
+            values = response.get("values")
+            is_refused = isinstance(values, dict) and not values.get("success", True)
+            if not (response.get("result") and is_refused):
+                with self._sending:  # it is set, or the server has no such service: the efforts are zero there
+                    self._stop_asked_s = None
+            tell(response)
+
+        self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": True}))
 
     def _tell_answer(self, service: str) -> Callable[[dict[str, Any]], None]:
         def tell(response: dict[str, Any]) -> None:
@@ -198,6 +228,8 @@ class Connection:
             with self._sending:
                 if self._node is None:
                     continue
+                if self._stop_asked_s is not None and time.monotonic() - self._stop_asked_s >= STOP_AGAIN_S:
+                    self._ask_to_stop()
                 due = self.hands.has_helm and time.monotonic() - self._said_s >= REPEAT_S
                 if tilt != self._tilt:
                     self._say_efforts(efforts, tilt)

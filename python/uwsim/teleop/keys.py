@@ -39,12 +39,12 @@ SWITCHES = {
 }
 SERVICES = {"u": "undock", "y": "dock", "z": "override_failsafe"}
 """Keys of services that this project's servers offer beside the published wire."""
-ALL_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "c", "m", "-", "=", "?"
+ALL_STOP, END_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "X", "c", "m", "-", "=", "?"
 
 HELP_TEXT = """\
 w s  ahead, astern        q e  turn to port, to starboard    a d  to port, to starboard
 b space  up, down         i k  nose down, up                 j l  roll to port, to starboard
-- =  less, more effort    x    all efforts to zero           c    zero, and give the helm away
+- =  less, more effort    x X  all stop, and its release     c    zero, and give the helm away
 r    release              u y  undock, dock                  m    mark this place
 [ ]  front light off, on  ; '  down light off, on            , .  tilt the sonar down, up
 z    override failsafe    ?    this help                     Ctrl-Q  quit"""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import ranging
+from uwsim.channels.own_types import ALL_STOPPED
 
 NAN = math.nan
 MODEL = 2  # of the sonar, until modelTrigger says another
@@ -44,6 +45,7 @@ class Readout:
     efforts: tuple[float, ...] = ()
     lamps: tuple[bool, ...] = ()
     released: bool | None = None
+    all_stop: bool = False
     warnings: tuple[str, ...] = ()
     link: str = ""
     link_fault: str = ""
@@ -76,12 +78,14 @@ def take_telemetry(readout: Readout, message: Any) -> None:
         readout.efforts = tuple(float(value) for value in message.efforts)
     readout.lamps = tuple(bool(value) for value in message.lamps)
     readout.released = bool(message.released)
+    readout.all_stop = ALL_STOPPED in message.alarms
     lit = {
         "FAR FROM STATION": message.range_warning,
         "NEAR THE SEABED": message.proximity_warning,
         "COLLISION": message.collision_warning,
     }
-    readout.warnings = tuple(name for name, on in lit.items() if on) + tuple(message.alarms)
+    alarms = ["ALL STOP: X releases it" if alarm == ALL_STOPPED else alarm for alarm in message.alarms]
+    readout.warnings = (*(name for name, on in lit.items() if on), *alarms)
     if message.failsafe:
         readout.warnings += (f"FAILSAFE: {message.failsafe} ({message.failsafe_cause}); z takes it back",)
 
