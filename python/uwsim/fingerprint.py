@@ -87,10 +87,10 @@ def machine() -> dict[str, str]:
 
 def _rougher(scenario: Scenario) -> Scenario:
     """Return the scenario in waves and gusts, its sonars in physics mode."""
-    data: dict[str, Any] = {key: getattr(scenario, key) for key in type(scenario).model_fields}
-    data["water"] = {**dict(scenario.water), **ROUGH_WATER}
+    data = scenario.given()
+    data["water"] = {**scenario.water.given(), **ROUGH_WATER}
     data["vehicles"] = [
-        {**dict(vehicle), "sonar": {**dict(vehicle.sonar), "mode": "physics"}} for vehicle in scenario.vehicles
+        {**vehicle.given(), "sonar": {**vehicle.sonar.given(), "mode": "physics"}} for vehicle in scenario.vehicles
     ]
     return validated(Scenario, data)
 

@@ -11,7 +11,9 @@ from uwsim.parameters import table
 from uwsim.parameters.edits import KIND, edited
 from uwsim.parameters.parameter import Parameter, plain
 from uwsim.parameters.tree import Node, Place, find, nodes
+from uwsim.scenario import dump
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 
 
@@ -212,6 +214,7 @@ class Parameters(Mapping[str, Any]):
         if node is not None and not node.place:
             raise ScenarioError(f"{name}: must be keys and values")
         into.pop(name, None)
+        value = dump.plain(value) if isinstance(value, Model) else value
         is_one_of_a_list = isinstance(value, Mapping) and node is not None and node.place in table.LISTS
         into[name] = [plain(value)] if is_one_of_a_list else plain(value)
 

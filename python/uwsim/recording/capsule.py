@@ -8,26 +8,28 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic_core import from_json
 
+from uwsim.recording.old_capsule import without_defaults
 from uwsim.scenario import Scenario
+from uwsim.scenario.dump import plain
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.validated import validated
 
 SCENARIO = "scenario.json"
 FILE = "$file"
+HOLDS, GIVEN = "$holds", "given"
+"""The mark of a scenario that holds only what it was given; without it, it holds every default."""
 NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
 """Of a file in a recording: nothing that would be written elsewhere than into the folder."""
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:
     """Return a scenario as named contents: SCENARIO, and each file that it names. Raises OSError."""
-    found = set(_paths(scenario.model_dump()))
-    names = {path: f"files/{k}/{path.name}" for k, path in enumerate(sorted(found))}
+    values = plain(scenario)
+    names = {path: f"files/{k}/{path.name}" for k, path in enumerate(sorted(set(_paths(values))))}
     files = {name: path.read_bytes() for path, name in names.items()}
-    plain = _plain(scenario.model_dump(), names)
-    return {SCENARIO: json.dumps(plain).encode(), **files}
+    return {SCENARIO: json.dumps({HOLDS: GIVEN, **_without_paths(values, names)}).encode(), **files}
 
 
 def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
@@ -38,8 +40,12 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")
-    plain = from_json(contents[SCENARIO])
-    return validated(Scenario, _with_files(plain, contents, folder))
+    values = from_json(contents[SCENARIO])
+    if isinstance(values, dict) and values.get(HOLDS) == GIVEN:
+        del values[HOLDS]
+    else:
+        values = without_defaults(values)
+    return validated(Scenario, _with_files(values, contents, folder))
 
 
 def fingerprint(scenario: Scenario) -> str:
@@ -50,20 +56,16 @@ def fingerprint(scenario: Scenario) -> str:
 def _paths(value: Any) -> list[Path]:
     if isinstance(value, Path):
         return [value]
-    items = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple | set) else ()
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     return [path for item in items for path in _paths(item)]
 
 
-def _plain(value: Any, names: Mapping[Path, str]) -> Any:
+def _without_paths(value: Any, names: Mapping[Path, str]) -> Any:
     if isinstance(value, Path):
         return {FILE: names[value], "path": str(value)}
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item, names) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, list | tuple | set | frozenset):
-        return [_plain(item, names) for item in value]
-    return value
+    if isinstance(value, dict):
+        return {key: _without_paths(item, names) for key, item in value.items()}
+    return [_without_paths(item, names) for item in value] if isinstance(value, list) else value
 
 
 def _with_files(value: Any, contents: Mapping[str, bytes], folder: Path) -> Any:

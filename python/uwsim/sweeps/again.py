@@ -6,13 +6,10 @@ import contextlib
 import io
 from pathlib import Path
 
-from ruamel.yaml import YAML
-
-from uwsim.atomic_file import write_atomically
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
 from uwsim.folder_lock import require_free
-from uwsim.scenario import Scenario
+from uwsim.scenario.dump import write_scenario
 from uwsim.survey.run import run_survey
 from uwsim.sweeps.job import Job
 
@@ -42,13 +39,3 @@ def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
         estimate=job.estimate, time_limit_s=job.time_limit_s, autosave_s=0.0, threads=1, report=report,
         record=folder / RECORDING,
     )  # fmt: skip
-
-
-def write_scenario(path: Path, scenario: Scenario) -> None:
-    """Write a scenario as a YAML file that stands by itself, apart from meshes and rasters. Raises OSError."""
-    text = io.StringIO()
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = False
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.dump(scenario.model_dump(mode="json", exclude_none=True), text)
-    write_atomically(path, text.getvalue().encode())

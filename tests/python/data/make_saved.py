@@ -16,12 +16,12 @@ from uwsim.flight.fly import fly
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 from uwsim.scenario import load
+from uwsim.scenario.dump import write_scenario
 from uwsim.survey.autosave import Autosave
 from uwsim.survey.checkpoint import Checkpoint
 from uwsim.survey.fly import fly_survey
 from uwsim.survey.request import SurveyRequest
 from uwsim.survey.run import run_survey
-from uwsim.sweeps.again import write_scenario
 
 SCENARIO, SEED = "scenario.yaml", 5
 MISSION = """from uwsim.missions import wait

@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -47,6 +47,21 @@ class Model(BaseModel):
             rule = "cannot be assigned: it is fixed; make another with model_copy(update={...})"
             raise AttributeError(f"{type(self).__name__}.{name} {rule}")
         super().__setattr__(name, value)
+
+    def given(self) -> dict[str, Any]:
+        """Return the fields that say more than their absence would, by name: those given, and the name of a variant."""
+        return {name: getattr(self, name) for name in type(self).model_fields if self._is_given(name)}
+
+    def _is_given(self, name: str) -> bool:
+        if name in self.model_fields_set:
+            return True
+        field = type(self).model_fields[name]
+        if get_origin(field.annotation) is Literal and len(get_args(field.annotation)) == 1:
+            return True
+        if field.default_factory is None:
+            return False
+        # A dict that was a default may have been filled since.
+        return bool(getattr(self, name) != field.get_default(call_default_factory=True, validated_data=self.__dict__))
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:

@@ -124,22 +124,23 @@ class Scenario(Model):
 
         vehicle_model: of the first vehicle. modem: of the link, by a packaged name or a path.
         """
-        data: dict[str, Any] = {key: getattr(self, key) for key in type(self).model_fields}
+        data = self.given()
         if seed is not None:
             data["seed"] = seed
         if mission_time_s is not None:
             data["mission_time_s"] = mission_time_s
         if modem is not None:
-            kept = self.link.model_fields_set - {"modem", "access"} if self.link else ()
-            data["link"] = {**{key: getattr(self.link, key) for key in kept}, "modem": modem}
+            kept = self.link.given() if self.link else {}
+            kept.pop("access", None)
+            data["link"] = {**kept, "modem": modem}
+        vehicles = [vehicle.given() for vehicle in self.vehicles]
         if sonar_model is not None or sonar_frequency_khz is not None:
             changes: dict[str, object] = {"frequency_khz": sonar_frequency_khz}
             if sonar_model is not None:
                 changes["model"] = sonar_model
-            data["vehicles"] = [
-                {**dict(vehicle), "sonar": {**dict(vehicle.sonar), **changes}} for vehicle in self.vehicles
-            ]
+            for values, vehicle in zip(vehicles, self.vehicles, strict=True):
+                values["sonar"] = {**vehicle.sonar.given(), **changes}
         if vehicle_model is not None:
-            first, *others = data["vehicles"]
-            data["vehicles"] = [{**dict(first), "model": vehicle_model}, *others]
+            vehicles[0]["model"] = vehicle_model
+        data["vehicles"] = vehicles
         return validated(Scenario, data).read_from(self._source_file)

@@ -15,6 +15,7 @@ from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRol
 WIRE_NUMBERS = (1, 4)
 BeamWidth = Annotated[float, InRange(0.01, 80, "deg")]
 NoiseLevel = Annotated[float, InRange(-100, 200, "dB")]
+DetectionThreshold = Annotated[float, InRange(-20, 60, "dB")]
 Receivers = Literal[1, 2]
 FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
 
@@ -43,9 +44,26 @@ class SonarNoise(Model):
     """
 
     level_db: NoiseLevel = 45.0
-    detection_threshold_db: Annotated[float, InRange(-20, 60, "dB")] = 13.0
+    detection_threshold_db: DetectionThreshold = 13.0
     false_detections: bool = True
     range: bool = True
+
+
+class SonarNoiseChanges(Model):
+    """Figures of SonarNoise that take the place of the model's; those left out are the model's.
+
+    level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio with a detection
+    probability of one half. false_detections: whether noise may be detected as a bottom. range: whether ranges err.
+    """
+
+    level_db: NoiseLevel | None = None
+    detection_threshold_db: DetectionThreshold | None = None
+    false_detections: bool | None = None
+    range: bool | None = None
+
+    def of(self, noise: SonarNoise) -> SonarNoise:
+        """Return a model's noise with these figures."""
+        return noise.model_copy(update={key: value for key, value in dict(self).items() if value is not None})
 
 
 class SonarBand(Model):

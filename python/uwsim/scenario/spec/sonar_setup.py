@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import PlainSerializer, PlainValidator, StrictBool, model_validator
+from pydantic import BeforeValidator, PlainSerializer, PlainValidator, StrictBool, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, NoseDown, broken
 from uwsim.scenario.spec.sonar import (
     WIRE_NUMBERS,
@@ -18,6 +20,7 @@ from uwsim.scenario.spec.sonar import (
     SonarMode,
     SonarModel,
     SonarNoise,
+    SonarNoiseChanges,
     load_sonar,
 )
 
@@ -26,12 +29,15 @@ SonarName = Annotated[str, AssetName("sonars")]
 
 
 def _sonar_model(value: object, info: ValidationInfo) -> object:
+    folder = (info.context or {}).get("folder")
     if isinstance(value, str | Path):
-        return load_sonar(value, folder=(info.context or {}).get("folder"))
+        return load_sonar(value, folder=folder)
+    if isinstance(value, Mapping):
+        return validated(SonarModel, value, folder=folder)
     if isinstance(value, SonarModel):
         return value
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        raise broken("must be a whole number, or a model's name or the path of its file")
+        raise broken("must be a whole number, a model's name or the path of its file, or the model itself")
     low, high = WIRE_NUMBERS
     if not low <= value <= high:
         raise broken(f"must be in [{low}, {high}]")
@@ -40,6 +46,10 @@ def _sonar_model(value: object, info: ValidationInfo) -> object:
 
 def _dumped(model: int | SonarModel) -> object:
     return model.model_dump() if isinstance(model, SonarModel) else model
+
+
+def _given_figures(value: object) -> object:
+    return value.given() if isinstance(value, SonarNoise) else value
 
 
 class SonarSetup(Model):
@@ -70,7 +80,7 @@ class SonarSetup(Model):
     rays_per_beam: Annotated[int, InRange(4, 64)] = 8
     tilt_rate_deg_s: Annotated[float, InRange(0.01, 1000, "deg/s")] | None = None
     gain_db: Annotated[float, InRange(-100, 100, "dB")] = 0.0
-    noise: SonarNoise | None = None
+    noise: Annotated[SonarNoiseChanges, BeforeValidator(_given_figures)] | None = None
     tilt_deg: NoseDown = 0.0
     on: StrictBool = True
 
@@ -104,8 +114,7 @@ class SonarSetup(Model):
         if self.tilt_rate_deg_s is not None:
             own["tilt_rate_deg_s"] = self.tilt_rate_deg_s
         if self.noise is not None:
-            chosen = {key: getattr(self.noise, key) for key in self.noise.model_fields_set}
-            own["noise"] = model.noise.model_copy(update=chosen)
+            own["noise"] = self.noise.of(model.noise)
         model = model.model_copy(update=own) if own else model
         return model if self.range_m is None else model.within(self.range_m)
 

@@ -1,0 +1,59 @@
+"""Scenarios of recordings that hold every field of every model, whether or not the scenario gave it.
+
+There the presence of a key says nothing. So those whose presence has a meaning are left out where they hold their
+default: the scenario then is built as it was for the recording. What cannot be known is whether a figure of
+`sonar.noise` or `link.carries` was given with just that value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from uwsim.scenario.dump import plain
+from uwsim.scenario.spec.control import Control
+from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.link import LinkSetup
+from uwsim.scenario.spec.sonar import SonarNoise
+from uwsim.scenario.spec.water import Water
+
+PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
+    ("vehicles", "model", "control"): (Control, ("surge", "sway", "heave", "roll", "pitch", "yaw")),
+    ("vehicles", "sonar", "noise"): (SonarNoise, tuple(SonarNoise.model_fields)),
+    ("link",): (LinkSetup, ("carries",)),
+}
+"""The keys, and where they are: lists are passed through."""
+BESIDE_PROFILE = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
+"""Keys of the water that are refused beside a profile."""
+
+
+def without_defaults(scenario: Any) -> Any:
+    """Return an old recording's scenario, changed in place, without those keys."""
+    for path, (model, keys) in PRESENCE.items():
+        for values in _at(scenario, path):
+            _leave_out(values, model, keys)
+    for water in _at(scenario, ("water",)):
+        if water.get("profile") is not None:
+            _leave_out(water, Water, BESIDE_PROFILE)
+    return scenario
+
+
+def _leave_out(values: dict[str, Any], model: type[Model], keys: tuple[str, ...]) -> None:
+    for key in keys:
+        if key in values and values[key] == _every_field(model.model_fields[key].default):
+            del values[key]
+
+
+def _every_field(value: Any) -> Any:
+    return plain(dict(value)) if isinstance(value, Model) else plain(value)
+
+
+def _at(value: Any, path: tuple[str, ...]) -> Iterator[dict[str, Any]]:
+    if isinstance(value, list):
+        for item in value:
+            yield from _at(item, path)
+    elif isinstance(value, dict):
+        if not path:
+            yield value
+        elif path[0] in value:
+            yield from _at(value[path[0]], path[1:])

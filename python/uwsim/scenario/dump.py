@@ -1,0 +1,50 @@
+"""A scenario as plain values and as a YAML file, from which an equal one is read.
+
+Only what was given is written, since the presence of a key may have a meaning that its value has not: a loop of an axis
+that nothing drives is refused (`control.sway`), so is a density beside `water.profile`, and each figure of
+`sonar.noise` takes the place of the model's.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from uwsim.atomic_file import write_atomically
+from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.scenario import Scenario
+
+
+def plain(value: Any) -> Any:
+    """Return a model or a part of one as dicts, lists, text, numbers, booleans, None and paths."""
+    if isinstance(value, Model):
+        return plain(value.given())
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(item) for item in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def write_scenario(path: Path, scenario: Scenario) -> None:
+    """Write a scenario as a YAML file that stands by itself, apart from meshes and rasters. Raises OSError."""
+    text = io.StringIO()
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None  # lists of numbers in one line
+    yaml.width = 120
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.dump(_with_text_for_paths(plain(scenario)), text)
+    write_atomically(path, text.getvalue().encode())
+
+
+def _with_text_for_paths(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _with_text_for_paths(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_with_text_for_paths(item) for item in value]
+    return str(value) if isinstance(value, Path) else value
