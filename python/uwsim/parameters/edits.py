@@ -72,7 +72,7 @@ class _Merge:
         return items
 
     def _merged_model(self, model: Model, edits: Edits) -> dict[str | int, Any]:
-        data: dict[str | int, Any] = dict(model.given())
+        data: dict[Any, Any] = model.given()
         kind = edits.below.get(KIND)
         if kind is not None and kind.value != getattr(model, KIND, None):
             data = {}  # another kind has other keys

@@ -15,7 +15,6 @@ from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.link import LinkSetup
 from uwsim.scenario.spec.sonar import SonarNoise
-from uwsim.scenario.spec.water import Water
 
 PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
     ("vehicles", "model", "control"): (Control, ("surge", "sway", "heave", "roll", "pitch", "yaw")),
@@ -24,24 +23,22 @@ PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
 }
 """The keys, and where they are: lists are passed through."""
 BESIDE_PROFILE = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
-"""Keys of the water that are refused beside a profile."""
+"""Keys of the water that a scenario with a profile cannot have given."""
 
 
 def without_defaults(scenario: Any) -> Any:
     """Return an old recording's scenario, changed in place, without those keys."""
     for path, (model, keys) in PRESENCE.items():
+        defaults = {key: _every_field(model.model_fields[key].default) for key in keys}
         for values in _at(scenario, path):
-            _leave_out(values, model, keys)
+            for key, default in defaults.items():
+                if key in values and values[key] == default:
+                    del values[key]
     for water in _at(scenario, ("water",)):
         if water.get("profile") is not None:
-            _leave_out(water, Water, BESIDE_PROFILE)
+            for key in BESIDE_PROFILE:
+                water.pop(key, None)
     return scenario
-
-
-def _leave_out(values: dict[str, Any], model: type[Model], keys: tuple[str, ...]) -> None:
-    for key in keys:
-        if key in values and values[key] == _every_field(model.model_fields[key].default):
-            del values[key]
 
 
 def _every_field(value: Any) -> Any:
