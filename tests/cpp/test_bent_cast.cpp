@@ -2,13 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
+#include <random>
+#include <set>
 #include <vector>
 
 #include "meshes.h"
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/sonar/water_sound.h"
+#include "uwsim/world/sea_water.h"
 
 namespace uwsim {
 namespace {
@@ -113,8 +119,79 @@ TEST(WaterSound, TheProfileFollowsTheWaterBetweenItsLevelsAndBelowThem) {
   water.select_sound_speed_equation("automatic");
   const SoundSpeedProfile brackish = sound_speed_profile(water);
   for (double depth = 0; depth < 60; depth += 0.3) {
-    EXPECT_NEAR(brackish.at(depth), water.sound_speed_m_s(-depth), 0.1) << depth;
+    EXPECT_NEAR(brackish.at(depth), water.sound_speed_m_s(-depth), 0.06) << depth;
   }
+}
+
+/// A water of the world, drawn at random: linear in depth, a table of a few levels, or a cast of many.
+class AnyWater {
+ public:
+  explicit AnyWater(std::uint64_t seed) : random_(seed) {}
+
+  Water draw(int kind) {
+    Water water;
+    water.bottom_depth_m = std::pow(11000.0, between(0, 1));
+    water.surface_temperature_deg_c = between(-2, 40);
+    water.bottom_temperature_deg_c = between(0, 1) < 0.3 ? water.surface_temperature_deg_c : between(-2, 40);
+    water.salinity_psu = between(0, 1) < 0.2 ? 0 : between(0, 42);
+    water.density_kg_m3 = sea_water_density_kg_m3(water.surface_temperature_deg_c, water.salinity_psu);
+    if (kind > 0) water.profile = std::make_shared<const WaterProfile>(levels(water, kind == 1 ? 7 : 200));
+    water.select_sound_speed_equation("automatic");
+    return water;
+  }
+  double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+
+ private:
+  std::vector<WaterLevel> levels(const Water& water, int most) {
+    std::set<double> depths = {between(0, 1) < 0.5 ? 0 : between(0, water.bottom_depth_m)};
+    const int count = static_cast<int>(between(1, most));
+    while (static_cast<int>(depths.size()) < count) depths.insert(between(0, water.bottom_depth_m));
+    std::vector<WaterLevel> levels;
+    double t = between(-2, 40), s = water.salinity_psu;
+    const double step = most > 10 ? 2 : 40;
+    for (const double depth : depths) {
+      levels.push_back({depth, t, s, sea_water_density_kg_m3(t, s)});
+      t = std::clamp(t + between(-step, step), -2.0, 40.0);
+      if (water.salinity_psu > 0) s = std::clamp(s + between(-step, step), 0.0, 42.0);
+    }
+    return levels;
+  }
+
+  std::mt19937_64 random_;
+};
+
+TEST(WaterSound, TenThousandWatersOfTheWorldHaveAProfileThatFollowsTheirEquation) {
+  AnyWater any(1);
+  double worst_m_s = 0;
+  for (int k = 0; k < 10000; ++k) {
+    const Water water = any.draw(k % 3);
+    SCOPED_TRACE(::testing::Message() << "water " << k << ": " << water.range().text());
+    std::optional<SoundSpeedProfile> profile;
+    ASSERT_NO_THROW(profile = sound_speed_profile(water));
+    for (int place = 0; place < 20; ++place) {
+      const double depth = place == 0 ? water.bottom_depth_m : any.between(0, water.bottom_depth_m);
+      worst_m_s = std::max(worst_m_s, std::abs(profile->at(depth) - water.sound_speed_m_s(-depth)));
+    }
+  }
+  EXPECT_LT(worst_m_s, 0.06);
+}
+
+TEST(WaterSound, TheDeepestLevelOfAnyBottomIsThatOfTheOcean) {
+  Water water;
+  for (const double bottom_m : {18.762875, 5.25, 0.001, 11999.99, 12000.0, std::nextafter(12000.0, 0)}) {
+    water.bottom_depth_m = bottom_m;
+    EXPECT_EQ(sound_speed_profile(water).layers().back().top_m, 12000) << bottom_m;
+  }
+}
+
+TEST(WaterSound, LevelsThatNearlyTouchHaveNoneBetween) {
+  Water water;
+  const double above = 100, below = std::nextafter(above, 200);
+  water.profile = std::make_shared<const WaterProfile>(std::vector{
+      WaterLevel{.depth_m = above, .temperature_deg_c = 30}, WaterLevel{.depth_m = below, .temperature_deg_c = 5}});
+  const SoundSpeedProfile profile = sound_speed_profile(water);
+  EXPECT_DOUBLE_EQ(profile.at(above), water.sound_speed_m_s(-above));
+  EXPECT_DOUBLE_EQ(profile.at(below), water.sound_speed_m_s(-below));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSlowest_m_s = 1300, kFastest_m_s = 1900;
 
 void check(std::span<const double> depths_m, std::span<const double> speeds_m_s) {
   require(!depths_m.empty(), "sound_speed_profile.depths_m", "none", "must have at least one level");
@@ -25,8 +26,8 @@ void check(std::span<const double> depths_m, std::span<const double> speeds_m_s)
             "must be in [0, 12000] m");
     require(k == 0 || depths_m[k] > depths_m[k - 1], path("depths_m"), with_unit(depths_m[k], "m"),
             "must be deeper than the level before");
-    require(speeds_m_s[k] >= 1300 && speeds_m_s[k] <= 1700, path("speeds_m_s"), with_unit(speeds_m_s[k], "m/s"),
-            "must be in [1300, 1700] m/s");
+    require(speeds_m_s[k] >= kSlowest_m_s && speeds_m_s[k] <= kFastest_m_s, path("speeds_m_s"),
+            with_unit(speeds_m_s[k], "m/s"), "must be in [1300, 1900] m/s");
   }
 }
 

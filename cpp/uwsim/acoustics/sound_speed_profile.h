@@ -21,7 +21,8 @@ struct SoundLayer {
 class SoundSpeedProfile {
  public:
   /// Throws InvalidValue, naming sound_speed_profile, unless depths [m] increase and are in [0, 12000], and speeds
-  /// [m/s], one for each depth, are in [1300, 1700].
+  /// [m/s], one for each depth, are in [1300, 1900]: water of -2..40 deg C and 0..45 psu has 1392 to 1777 m/s down to
+  /// 12 km by all equations of uwsim, and less than 1830 m/s under a column of 1300 kg/m3.
   SoundSpeedProfile(std::span<const double> depths_m, std::span<const double> speeds_m_s);
 
   /// The same speed at all depths.

@@ -11,8 +11,11 @@ namespace {
 
 constexpr double kDeepest_m = 12000;  // of all oceans
 
-/// Longest pieces in which the speed of sound is taken as linear, for an error of at most 0.05 m/s in each: its second
-/// derivative is at most 0.116 (m/s)/K^2 by temperature and 5e-7 (m/s)/m^2 by depth; by salinity it grows with S^1.5.
+/// A piece in which the speed of sound is taken as linear is halved until its middle is as right as this, or it is so
+/// short.
+constexpr double kWithin_m_s = 0.05, kShortest_m = 0.01;
+/// Pieces that are so in most water, to begin with: the second derivative is at most 0.116 (m/s)/K^2 by temperature and
+/// 5e-7 (m/s)/m^2 by depth; by salinity it grows with S^1.5.
 constexpr double kPiece_k = 1.8, kPiece_psu = 5, kPiece_m = 800;
 
 /// Depths between which temperature and salinity are linear.
@@ -28,12 +31,24 @@ std::vector<double> kinks_m(const Water& water) {
   return depths;
 }
 
-int pieces_between(const Water& water, double upper_m, double lower_m) {
+int pieces_to_begin_with(const Water& water, double upper_m, double lower_m) {
   if (water.gives_sound_speed()) return 1;
   const double kelvin = water.temperature_deg_c(-lower_m) - water.temperature_deg_c(-upper_m);
   const double psu = water.salinity_at_psu(-lower_m) - water.salinity_at_psu(-upper_m);
   return std::max(1, static_cast<int>(std::ceil(std::max(
                          {std::abs(kelvin) / kPiece_k, std::abs(psu) / kPiece_psu, (lower_m - upper_m) / kPiece_m}))));
+}
+
+/// Adds the levels below `upper_m`, down to `lower_m`, between which the speed of sound is linear enough.
+void add_levels(const Water& water, double upper_m, double lower_m, std::vector<double>& depths_m) {
+  const double middle_m = 0.5 * (upper_m + lower_m);
+  const double chord_m_s = 0.5 * (water.sound_speed_m_s(-upper_m) + water.sound_speed_m_s(-lower_m));
+  if (lower_m - upper_m > kShortest_m && std::abs(chord_m_s - water.sound_speed_m_s(-middle_m)) > kWithin_m_s) {
+    add_levels(water, upper_m, middle_m, depths_m);
+    add_levels(water, middle_m, lower_m, depths_m);
+  } else {
+    depths_m.push_back(lower_m);
+  }
 }
 
 }  // namespace
@@ -42,10 +57,13 @@ SoundSpeedProfile sound_speed_profile(const Water& water) {
   const std::vector<double> kinks = kinks_m(water);
   std::vector<double> depths = {kinks.front()};
   for (std::size_t k = 1; k < kinks.size(); ++k) {
-    const int pieces = pieces_between(water, kinks[k - 1], kinks[k]);
-    for (int piece = 1; piece <= pieces; ++piece) {
-      depths.push_back(kinks[k - 1] + (kinks[k] - kinks[k - 1]) * piece / pieces);
+    const double upper = kinks[k - 1], lower = kinks[k];
+    const int pieces = pieces_to_begin_with(water, upper, lower);
+    for (int piece = 1; piece < pieces; ++piece) {
+      const double depth = upper + (lower - upper) * piece / pieces;
+      if (depth > depths.back() && depth < lower) add_levels(water, depths.back(), depth, depths);  // despite rounding
     }
+    add_levels(water, depths.back(), lower, depths);
   }
   std::vector<double> speeds;
   for (const double depth : depths) speeds.push_back(water.sound_speed_m_s(-depth));

@@ -6,7 +6,11 @@
 
 namespace uwsim {
 
-/// The water's speed of sound by depth, at levels that are close enough for linear interpolation to be within 0.05 m/s.
+/// The water's speed of sound by depth, at levels that are close enough for linear interpolation to be within 0.06 m/s.
+/// From bottom_depth_m, or the profile's last level, down to the ocean's deepest bed at 12 km, temperature and salinity
+/// are constant and the equation, beyond its range of validity if need be, adds the pressure: so a ray that runs beside
+/// the terrain bends as the water does, and none that stays above the bed depends on it. A profile that gives the speed
+/// of sound keeps that of its last level below it.
 SoundSpeedProfile sound_speed_profile(const Water& water);
 
 /// Francois-Garrison absorption by depth from the water's temperature and salinity, down to the ocean's deepest bed: in

@@ -19,7 +19,7 @@ void check(const WaterLevel& level, const std::string& path) {
   require_in(level.salinity_psu, 0, 45, "salinity_psu", "must be in [0, 45] psu");
   require_in(level.density_kg_m3, 900, 1300, "density_kg_m3", "must be in [900, 1300] kg/m3");
   if (level.sound_speed_m_s != 0)
-    require_in(level.sound_speed_m_s, 1300, 1700, "sound_speed_m_s", "must be in [1300, 1700] m/s");
+    require_in(level.sound_speed_m_s, 1300, 1900, "sound_speed_m_s", "must be in [1300, 1900] m/s");
 }
 
 double interpolated(double a, double b, double fraction) { return a + fraction * (b - a); }
