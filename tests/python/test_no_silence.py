@@ -103,7 +103,8 @@ def test_no_property_of_the_water_can_be_assigned(sim: Simulator) -> None:
 def test_the_water_of_a_simulator_reads_as_it_is(sim: Simulator) -> None:
     water, spec = sim.world.water, sim.scenario.water
     np.testing.assert_array_equal(water.current_world_m_s, spec.current_world_m_s)
-    assert (water.salinity_psu, water.density_kg_m3) == (spec.salinity_psu, spec.density_kg_m3)
+    state = sim.parameters["water.salinity_psu"], sim.parameters["water.density_kg_m3"]
+    assert (water.salinity_psu, water.density_kg_m3) == state == (0.0, spec.density_kg_m3)
     with pytest.raises(AttributeError, match=r"world\.water: a running simulator's world is fixed"):
         sim.world.water = water
     with pytest.raises(AttributeError, match=r"world\.add_solid: a running simulator's world is fixed"):

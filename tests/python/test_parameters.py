@@ -10,12 +10,18 @@ import pytest
 
 from parameter_world import VARIANTS, observed, world
 from uwsim import Scenario, Simulator
-from uwsim.parameters.idle import ONE_WATER
 from uwsim.parameters.tree import nodes
+from uwsim.scenario.spec.water import ONE_WATER
 
 SEEN_ONLY = ("optics.", "station.", ".cameras.", ".lamps.")
 OTHER: dict[str, Any] = {
     "water.sound_speed_equation": "medwin",
+    "water.density_kg_m3": 1017.0,  # these agree with the salinity beside them
+    "water.profile.surface.density_kg_m3": 1009.0,
+    "water.profile.bottom.density_kg_m3": 1017.0,
+    "water.profile.levels.0.density_kg_m3": 1007.0,
+    "water.profile.levels.1.density_kg_m3": 1017.0,
+    "water.profile.levels.1.salinity_psu": 22.0,
     "warnings.range_m": 1.0,
     "warnings.proximity_m": 0.1,
     "optics.jerlov": "5C",

@@ -28,7 +28,7 @@ def deep(trim: str, density: float, tmp_path: Path) -> Path:
     return cove(
         tmp_path,
         ("model: rov\n    start: station", f"model: bluerov2_heavy\n    start: {{position_m: [-16, -4, -4]}}{trim}"),
-        ("water:\n", f"water:\n  density_kg_m3: {density}\n  compressible: false\n"),
+        ("  density_kg_m3: 1000\n", f"  density_kg_m3: {density}\n  compressible: false\n"),
         ("    sonar: {model: 2, tilt_deg: 20}\n", ""),
     )
 

@@ -12,6 +12,7 @@ from uwsim.control import Controller
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.task import AXES
 from uwsim.scenario import control_settings
+from uwsim.scenario.build.water import surface_density_kg_m3
 
 Floats = NDArray[np.float64]
 
@@ -55,7 +56,7 @@ class Pid:
 
     def __init__(self, episodes: Episodes, place_world_m: Floats, heading_rad: float = 0.0) -> None:
         entry = episodes.batch.scenario.vehicles[0]
-        settings = control_settings(entry.model, episodes.batch.scenario.water.density_kg_m3)
+        settings = control_settings(entry.model, surface_density_kg_m3(episodes.batch.scenario.water))
         self._episodes = episodes
         self._place, self._heading = place_world_m, heading_rad
         self._members = [_Member() for _ in range(episodes.n)]

@@ -8,7 +8,6 @@ from typing import Any
 
 from uwsim.parameters.effective import effective
 from uwsim.parameters.figures import sensor_figures
-from uwsim.parameters.idle import ONE_WATER
 from uwsim.parameters.tree import Place
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
@@ -16,7 +15,7 @@ from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
-from uwsim.scenario.spec.water import Water
+from uwsim.scenario.spec.water import ONE_WATER, Water
 
 KIND = "kind"
 UNSET = object()

@@ -11,6 +11,7 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 
 NO_FORCES = (0.0,) * 6
 
@@ -24,7 +25,16 @@ def effective(owner: Model, field: str, scenario: Scenario) -> Any:
         return own or Noise(std=owner.noise_std or 0.0)
     if own is None and isinstance(owner, VehicleModel):
         return _of_vehicle(owner, field, scenario)
+    if own is None and isinstance(owner, Water | WaterLevel | LinearEnd):
+        return _of_water(owner, field)
     return own
+
+
+def _of_water(water: Water | WaterLevel | LinearEnd, field: str) -> float | None:
+    if isinstance(water, Water) and water.profile is not None:
+        return None
+    following = {"density_kg_m3": water.state().density, "salinity_psu": water.state().salinity}
+    return following.get(field)
 
 
 def _of_sonar(setup: SonarSetup, field: str, own: Any) -> Any:

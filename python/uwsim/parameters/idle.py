@@ -8,9 +8,8 @@ from uwsim.scenario.spec.optics import Optics
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import VehicleModel
-from uwsim.scenario.spec.water import TableProfile, Water
+from uwsim.scenario.spec.water import ONE_WATER, TableProfile, Water
 
-ONE_WATER = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
 OF_PHYSICS_MODE = ("bending", "rays_per_beam", "noise")
 
 

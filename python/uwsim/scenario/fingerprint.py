@@ -16,6 +16,12 @@ from pydantic.fields import FieldInfo
 
 from uwsim import _core
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
+
+ONCE_BY_DEFAULT = {(Water, "density_kg_m3"): 1000.0} | {
+    (kind, "salinity_psu"): 0.0 for kind in (Water, WaterLevel, LinearEnd)
+}
+"""Defaults of the first version where a value follows from others now: water that has them is still the same."""
 
 
 def scenario_fingerprint(scenario: Scenario) -> str:
@@ -51,8 +57,10 @@ def warn_of_other_build(what: str, build: str) -> None:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, BaseModel):
-        kept = [name for name, field in type(value).model_fields.items() if _counts(field, getattr(value, name))]
-        return {name: _plain(getattr(value, name)) for name in kept}
+        held = {name: _in_effect(value, name) for name in type(value).model_fields}
+        return {
+            name: _plain(held[name]) for name, field in type(value).model_fields.items() if _counts(field, held[name])
+        }
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
@@ -64,6 +72,16 @@ def _plain(value: Any) -> Any:
     if value is None or isinstance(value, str | int | float):
         return value
     raise TypeError(f"a scenario's field is a {type(value).__name__}: convert it to plain values here")
+
+
+def _in_effect(model: BaseModel, name: str) -> Any:
+    """Return a field's value, or its present default where it has that of the first version."""
+    value = getattr(model, name)
+    if (type(model), name) not in ONCE_BY_DEFAULT or (isinstance(model, Water) and model.profile is not None):
+        return value
+    assert isinstance(model, Water | WaterLevel | LinearEnd)
+    followed = model.state().salinity if name == "salinity_psu" else model.state().density
+    return None if followed == ONCE_BY_DEFAULT[type(model), name] else followed
 
 
 def _counts(field: FieldInfo, value: Any) -> bool:

@@ -29,6 +29,7 @@ from uwsim.scenario.spec.water import (
     Water,
     WaterLevel,
 )
+from uwsim.scenario.spec.water_state import WaterState
 
 LINEAR_LEVELS = 17  # enough for linear pieces to follow EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
 
@@ -38,20 +39,22 @@ Floats = NDArray[np.float64]
 def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
     """Build the water. bottom_depth_m: of the terrain's deepest point, the default of depths. Raises ScenarioError."""
     native = _core.Water()
-    native.density_kg_m3 = water.density_kg_m3
+    state = water.state(bottom_depth_m)
+    native.density_kg_m3 = state.density
     native.surface_temperature_deg_c = water.surface_temperature_deg_c
     native.bottom_temperature_deg_c = water.bottom_temperature_deg_c
     native.bottom_depth_m = bottom_depth_m
-    native.salinity_psu = water.salinity_psu
+    native.salinity_psu = state.salinity
     native.compressible = water.compressible
     native.current_world_m_s = steady_current_m_s(water)
     try:
+        _require_agreement(state, "water.", at=("density_kg_m3",))
         native.waves = _waves(water, bottom_depth_m, seed)
         for index, spec in enumerate(water.current):
             if not isinstance(spec, UniformCurrent):
                 native.add_current(_current(spec, seed + index))
         if water.profile is not None:
-            native.profile = _profile(water.profile, bottom_depth_m)
+            native.profile = _profile(water, water.profile, bottom_depth_m)
             native.density_kg_m3 = native.density_at_kg_m3(0.0)
             native.salinity_psu = native.salinity_at_psu(0.0)
         native.check()
@@ -111,16 +114,14 @@ def steady_current_m_s(water: Water) -> Floats:
 def surface_density_kg_m3(water: Water) -> float:
     """Density at the surface, which a neutral vehicle is trimmed to. Raises ScenarioError."""
     if water.profile is None:
-        return water.density_kg_m3
-    if isinstance(water.profile, LinearProfile):
-        end = water.profile.surface
-        return _density(end.density_kg_m3, end.temperature_deg_c, end.salinity_psu)
-    top = _levels(water.profile)[0]
-    return _density(top.density_kg_m3, top.temperature_deg_c, top.salinity_psu)
+        return water.state().density
+    top = water.profile.surface if isinstance(water.profile, LinearProfile) else _levels(water.profile)[0]
+    return top.state().density
 
 
-def _density(given_kg_m3: float | None, temperature_deg_c: float, salinity_psu: float) -> float:
-    return given_kg_m3 or _core.sea_water_density_kg_m3(temperature_deg_c, salinity_psu)
+def _require_agreement(state: WaterState, where: str, at: tuple[str | int, ...] = ()) -> None:
+    if rule := state.broken_rule:
+        raise ScenarioError(f"{where}density_kg_m3 = {state.density_kg_m3:g} kg/m3: {rule}", at=at)
 
 
 def _current(current: CurrentSpec, seed: int) -> _core.Current:
@@ -139,16 +140,19 @@ def _current(current: CurrentSpec, seed: int) -> _core.Current:
         raise ScenarioError(f"current '{current.file}': {error}") from None
 
 
-def _profile(spec: ProfileSpec, bottom_depth_m: float) -> _core.WaterProfile:
+def _profile(water: Water, spec: ProfileSpec, bottom_depth_m: float) -> _core.WaterProfile:
     if isinstance(spec, LinearProfile):
         return _linear(spec, spec.bottom_depth_m or bottom_depth_m)
     levels = _levels(spec)
+    states = [level.state(in_place=not water.compressible) for level in levels]
+    for index, state in enumerate(states):
+        _require_agreement(state, f"profile '{spec.file}': levels[{index}].")
     speeds = [level.sound_speed_m_s for level in levels]
     return _core.WaterProfile(
         [level.depth_m for level in levels],
         [level.temperature_deg_c for level in levels],
-        [level.salinity_psu for level in levels],
-        [_density(level.density_kg_m3, level.temperature_deg_c, level.salinity_psu) for level in levels],
+        [state.salinity for state in states],
+        [state.density for state in states],
         speeds if speeds[0] is not None else None,
     )
 
@@ -156,7 +160,7 @@ def _profile(spec: ProfileSpec, bottom_depth_m: float) -> _core.WaterProfile:
 def _linear(spec: LinearProfile, bottom_depth_m: float) -> _core.WaterProfile:
     down = np.linspace(0.0, 1.0, LINEAR_LEVELS)
     temperature = np.interp(down, (0, 1), (spec.surface.temperature_deg_c, spec.bottom.temperature_deg_c))
-    salinity = np.interp(down, (0, 1), (spec.surface.salinity_psu, spec.bottom.salinity_psu))
+    salinity = np.interp(down, (0, 1), (spec.surface.state().salinity, spec.bottom.state().salinity))
     if spec.surface.density_kg_m3 is not None and spec.bottom.density_kg_m3 is not None:
         ends = [0, -1]
         density = [spec.surface.density_kg_m3, spec.bottom.density_kg_m3]

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated, Literal
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, StrictBool, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    StrictBool,
+    model_serializer,
+    model_validator,
+)
 
 from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, broken
+from uwsim.scenario.spec.water_state import DEEPEST_M, SALTIEST_PSU, WaterState
 
 Celsius = Annotated[float, InRange(-2, 40, "deg C")]
-Salinity = Annotated[float, InRange(0, 45, "psu")]
+Salinity = Annotated[float, InRange(0, SALTIEST_PSU, "psu")]
 Density = Annotated[float, InRange(900, 1100, "kg/m3")]
-SoundSpeed = Annotated[float, InRange(1300, 1700, "m/s")]
-Depth = Annotated[float, InRange(0, 12_000, "m")]
-BottomDepth = Annotated[float, InRange(0.1, 12_000, "m")]
+SoundSpeed = Annotated[float, InRange(1300, 1900, "m/s")]
+Depth = Annotated[float, InRange(0, DEEPEST_M, "m")]
+BottomDepth = Annotated[float, InRange(0.1, DEEPEST_M, "m")]
 MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
 Velocity = tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond]
 Deviation = Annotated[float, InRange(0, 5, "m/s")]
@@ -167,15 +175,20 @@ CurrentSpecs = Annotated[
 class WaterLevel(Model):
     """The water at a depth.
 
-    depth_m, temperature_deg_c, salinity_psu: of the level. density_kg_m3: at atmospheric pressure; by default it
-    follows from the others (EOS-80). sound_speed_m_s: at all levels or none; by default from the others.
+    depth_m, temperature_deg_c: of the level. salinity_psu, density_kg_m3: as those of one water. sound_speed_m_s: at
+    all levels or none; by default from the others.
     """
 
     depth_m: Depth
     temperature_deg_c: Celsius
-    salinity_psu: Salinity = 0.0
+    salinity_psu: Salinity | None = None
     density_kg_m3: Density | None = None
     sound_speed_m_s: SoundSpeed | None = None
+
+    def state(self, *, in_place: bool = False) -> WaterState:
+        """Return its density and its salinity. in_place: whether the density was measured at its depth."""
+        depth_m = self.depth_m if in_place else 0.0
+        return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
 
 class TableProfile(Model):
@@ -222,12 +235,16 @@ class LinearProfile(Model):
 class LinearEnd(Model):
     """One end of a linear profile.
 
-    temperature_deg_c, salinity_psu: there. density_kg_m3: at both ends or none; by default it follows (EOS-80).
+    temperature_deg_c: there. salinity_psu, density_kg_m3: as those of one water; the density at both ends or none.
     """
 
     temperature_deg_c: Celsius
-    salinity_psu: Salinity = 0.0
+    salinity_psu: Salinity | None = None
     density_kg_m3: Density | None = None
+
+    def state(self, depth_m: float = 0.0) -> WaterState:
+        """Return its density and its salinity. depth_m: at which the density was measured; 0: at the surface."""
+        return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
 
 LinearProfile.model_rebuild()
@@ -235,22 +252,27 @@ LinearProfile.model_rebuild()
 ProfileSpec = Annotated[TableProfile | LinearProfile, Field(discriminator="kind")]
 
 
+ONE_WATER = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
+"""What a profile gives instead."""
+
+
 class Water(Model):
     """The water; by default still, of one density, and without current.
 
-    density_kg_m3, salinity_psu: of all the water, unless a profile gives them; densities are those at atmospheric
-    pressure. surface_temperature_deg_c, bottom_temperature_deg_c: linear between the surface and the terrain's deepest
-    point, unless a profile gives them. compressible: whether pressure includes the compression by the water's own
-    weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the water; one that is not
-    valid in it is refused. surface: flat, or with waves. current_world_m_s: a current that is the same everywhere.
-    current: others; all add up, to 10 m/s at most, gusts counted at three sigma. profile:
-    temperature, salinity, density and sound speed by depth.
+    density_kg_m3: of all the water, at atmospheric pressure; by default it follows from the surface's temperature and
+    the salinity (EOS-80). salinity_psu: of all the water; by default 0, or what gives a density that fresh water does
+    not have. Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c:
+    linear between the surface and the terrain's deepest point. compressible: whether pressure includes the compression
+    by the water's own weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the
+    water; one that is not valid in it is refused. surface: flat, or with waves. current_world_m_s: a current that is
+    the same everywhere. current: others; all add up, to 10 m/s at most, gusts counted at three sigma. profile:
+    temperature, salinity, density and sound speed by depth, instead of the first four.
     """
 
-    density_kg_m3: Density = 1000.0
+    density_kg_m3: Density | None = None
     surface_temperature_deg_c: Celsius = 15.0
     bottom_temperature_deg_c: Celsius = 6.0
-    salinity_psu: Salinity = 0.0
+    salinity_psu: Salinity | None = None
     compressible: StrictBool = True
     sound_speed_equation: SoundSpeedEquation = "automatic"
     current_world_m_s: Velocity = (0.0, 0.0, 0.0)
@@ -262,7 +284,40 @@ class Water(Model):
     @classmethod
     def _is_told_once(cls, data: object) -> object:
         if isinstance(data, Mapping) and data.get("profile") is not None:
-            for key in ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu"):
-                if key in data:
+            for key in ONE_WATER:
+                if data.get(key) is not None:
                     raise broken("must not be given beside profile, which gives it", at=(key,), value=data[key])
         return data
+
+    @model_serializer(mode="wrap")
+    def _without_what_the_profile_gives(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out the defaults that the validator would refuse beside a profile."""
+        data: dict[str, Any] = plain(self)
+        return data if self.profile is None else {key: item for key, item in data.items() if key not in ONE_WATER}
+
+    @model_validator(mode="after")
+    def _agrees_with_itself(self) -> Water:
+        for at, state in self._states():
+            if rule := state.broken_rule:
+                raise broken(rule, at=(*at, "density_kg_m3"), value=state.density_kg_m3, unit="kg/m3")
+        return self
+
+    def state(self, bottom_depth_m: float = DEEPEST_M) -> WaterState:
+        """Return its density and its salinity, without a profile."""
+        temperatures = self.surface_temperature_deg_c, self.bottom_temperature_deg_c
+        return WaterState(self.density_kg_m3, self.salinity_psu, temperatures, self._measured_at(bottom_depth_m))
+
+    def _measured_at(self, depth_m: float) -> float:
+        return 0.0 if self.compressible else depth_m
+
+    def _states(self) -> Iterator[tuple[tuple[str | int, ...], WaterState]]:
+        """Yield what is given here, and its place; levels in a file are read later."""
+        if isinstance(self.profile, LinearProfile):
+            yield ("profile", "surface"), self.profile.surface.state()
+            bottom_m = self._measured_at(self.profile.bottom_depth_m or DEEPEST_M)
+            yield ("profile", "bottom"), self.profile.bottom.state(bottom_m)
+        elif self.profile is not None:
+            for index, level in enumerate(self.profile.levels or ()):
+                yield ("profile", "levels", index), level.state(in_place=not self.compressible)
+        else:
+            yield (), self.state()

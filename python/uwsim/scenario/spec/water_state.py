@@ -1,0 +1,77 @@
+"""Density, temperature and salinity of water: what follows from what (EOS-80), and whether they agree."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from uwsim import _core
+
+TOLERANCE_KG_M3 = 5.0
+"""How far a given density may be from that of the temperature and the salinity.
+
+Fresh water that is rounded to 1000 kg/m3 is off by up to 4.4 from 0 to 30 deg C, a sea of 35 psu that is rounded to
+1025 by up to 3.3, and a density measured in place 1 km down by 4.6. A sea taken for fresh water is off by 26.
+"""
+SALTIEST_PSU = 45.0
+DEEPEST_M = 12_000.0
+_PA_PER_M = 1e4
+
+
+class WaterState(NamedTuple):
+    """What a scenario gives of some water. density_kg_m3, salinity_psu: None where they follow.
+
+    temperatures_deg_c: of its ends. depth_m: under which the density may have been measured; 0 for those at atmospheric
+    pressure.
+    """
+
+    density_kg_m3: float | None
+    salinity_psu: float | None
+    temperatures_deg_c: tuple[float, ...]
+    depth_m: float = 0.0
+
+    @property
+    def salinity(self) -> float:
+        """The salinity given; else 0 if no density is, or fresh water has it; else the nearest that has it [psu]."""
+        if self.salinity_psu is not None:
+            return self.salinity_psu
+        if self.density_kg_m3 is None or self.density_kg_m3 <= self._at_top(0.0) + TOLERANCE_KG_M3:
+            return 0.0
+        low, high = 0.0, SALTIEST_PSU
+        while high - low > 1e-9:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._at_top(middle) < self.density_kg_m3 else (low, middle)
+        return high
+
+    @property
+    def density(self) -> float:
+        """The density given, else that of the first temperature and the salinity [kg/m3]."""
+        return self._at_top(self.salinity) if self.density_kg_m3 is None else self.density_kg_m3
+
+    @property
+    def broken_rule(self) -> str:
+        """The rule that the density breaks beside the salinity, or nothing."""
+        if self.density_kg_m3 is None or self.salinity_psu is None:
+            return ""
+        low, high = self._density_of(self.salinity_psu)
+        if low - TOLERANCE_KG_M3 <= self.density_kg_m3 <= high + TOLERANCE_KG_M3:
+            return ""
+        return (
+            f"must be within {TOLERANCE_KG_M3:g} kg/m3 of {_span(low, high)} kg/m3, which salinity_psu = "
+            f"{self.salinity_psu:g} psu gives at {_span(*sorted(self.temperatures_deg_c))} deg C; leave one of them out"
+        )
+
+    def _at_top(self, salinity_psu: float) -> float:
+        return _core.sea_water_density_kg_m3(self.temperatures_deg_c[0], salinity_psu)
+
+    def _density_of(self, salinity_psu: float) -> tuple[float, float]:
+        """Return the least density of water of this salinity, and the greatest, which is under pressure."""
+        pressure_pa = _PA_PER_M * self.depth_m
+        return (
+            min(_core.sea_water_density_kg_m3(t, salinity_psu) for t in self.temperatures_deg_c),
+            max(_core.sea_water_density_kg_m3(t, salinity_psu, pressure_pa) for t in self.temperatures_deg_c),
+        )
+
+
+def _span(*ends: float) -> str:
+    low, high = f"{ends[0]:.5g}", f"{ends[-1]:.5g}"
+    return low if low == high else f"{low} to {high}"
