@@ -10,7 +10,8 @@ EXIT_CODES = {
     "sweep, fleet",
     USAGE: "an unknown command, option or word, a number out of bounds, or what would be without effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
-    INCOMPLETE: "survey: coverage is below --min-coverage; run: the mission ended early",
+    INCOMPLETE: "survey: coverage is below --min-coverage; run: the mission ended early; replay: the recording was cut "
+    "off",
     INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes end so with 0 once they run",
 }
 """The meaning of each code; USAGE is typer's own."""

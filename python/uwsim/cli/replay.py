@@ -11,7 +11,7 @@ import typer
 from uwsim.cli.access import Certfile, Keyfile, Page, Token, access
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.bridges import Bridges, Foxglove, FoxglovePort, Ros1, Ros2, RosDistro, RosDomain, RosPeers, RosReach
-from uwsim.cli.exit_codes import FAILED
+from uwsim.cli.exit_codes import FAILED, INCOMPLETE
 from uwsim.cli.options import Threads, need
 
 
@@ -57,8 +57,9 @@ def replay(
     """Repeat a recorded run and compare every message.
 
     The run is flown again with its scenario, seed and commands, and must give the same bytes. Exits with 1 at the first
-    difference, which it names. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to
-    ROS 2, ROS 1 and Foxglove.
+    difference, which it names, and for a file that is damaged; with 4 if all is the same up to where the recording was
+    cut off. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to ROS 2, ROS 1 and
+    Foxglove.
     """
     from uwsim.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer
@@ -92,11 +93,14 @@ def replay(
 
     result = repeat(opened, from_s=from_s, until_s=until_s, threads=threads, on_time=pacer.wait)
     if not opened.complete:
-        typer.echo(f"{recording}: was cut off; its messages up to there are compared", err=True)
+        typer.echo(f"{recording}: was cut off, as by a kill; its messages up to there are compared", err=True)
     for topic, count in sorted(result.left_out.items()):
         typer.echo(f"/{topic}: {count} messages are not in the recording", err=True)
     if result.difference is not None:
         typer.echo(f"not the same: {result.difference}")
+        raise typer.Exit(FAILED)
+    if not result.messages and not result.state_compared:
+        typer.echo(f"{recording}: nothing was compared: no message of the replay is in it", err=True)
         raise typer.Exit(FAILED)
     if result.not_compared:
         typer.echo(f"not compared: {', '.join(result.not_compared)}", err=True)
@@ -105,3 +109,5 @@ def replay(
         f"the same bytes: {result.messages.total():,} messages of {len(result.messages)} channels{state}, "
         f"{result.commands:,} commands, until {result.sim.time_s:g} s"
     )
+    if not opened.complete:
+        raise typer.Exit(INCOMPLETE)

@@ -56,3 +56,8 @@ class BagSink:
             with contextlib.suppress(Exception):
                 self._writer.abort()
             raise
+
+    def abandon(self) -> None:
+        """Close after an error of writing, with the index if there is room for it."""
+        with contextlib.suppress(Exception):
+            self.close({})

@@ -9,10 +9,14 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import re
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from mcap.data_stream import RecordBuilder
+from mcap.records import Metadata
 from mcap.writer import CompressionType, Writer
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
@@ -21,6 +25,7 @@ from ruamel.yaml import YAML
 from uwsim.channels import Channel
 from uwsim.channels.cdr import schema
 from uwsim.channels.feed import Reading
+from uwsim.recording.records import HEAD_BYTES
 
 CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
@@ -29,6 +34,10 @@ VERSION = "1"
 """Of the metadata and attachments. To raise it makes the recordings that users have unreadable."""
 LIVE, SURVEY = "live", "survey"
 """Kinds of runs: the pings of a survey tell all that its sonar said."""
+PROFILE = "ros2"
+LIBRARY = re.compile("uwsim(?:, start ([0-9a-f]{8}))?")
+"""What the header names as the writer: with the checksum of the metadata at the start, which after a kill no other
+covers; the recordings of earlier builds are without, and have no checksum of all data at their end."""
 ROSBAG2_VERSION = 9
 FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's infinite duration
 DEPTH = 10
@@ -43,18 +52,21 @@ class McapSink:
         self._path = path
         self._file = path.open("xb")
         # LZ4 takes a tenth of zstd's time, and every reader of MCAP knows it.
-        self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4)
+        self._writer = Writer(
+            self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4, enable_data_crcs=True
+        )
         self._ids: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, Channel] = {}
         self._counts: dict[str, int] = {}
         self._first_ns, self._last_ns = 2**63 - 1, 0
+        self._flushed = 0  # bytes
         try:
-            self._writer.start(profile="ros2", library="uwsim")
+            self._writer.start(profile=PROFILE, library=f"uwsim, start {_checksum(START, start):08x}")
             self._writer.add_metadata(START, dict(start))
             for name, content in attachments.items():
                 self._writer.add_attachment(0, 0, name, "application/octet-stream", content)
-            self._writer.flush()  # type: ignore[no-untyped-call]
+            self.flush()
         except BaseException:
             self._file.close()
             with contextlib.suppress(OSError):
@@ -84,6 +96,7 @@ class McapSink:
     def flush(self) -> None:
         """End the chunk and hand it to the operating system. Raises OSError."""
         self._writer.flush()  # type: ignore[no-untyped-call]
+        self._flushed = self._file.tell()
 
     def close(self, end: Mapping[str, str]) -> None:
         """Write metadata and index, and close. Raises OSError."""
@@ -93,6 +106,19 @@ class McapSink:
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.flush()
             os.fsync(self._file.fileno())
+
+    def abandon(self) -> None:
+        """Close after an error of writing, and cut the file off after the last flush.
+
+        What was written since lacks what found no room: with more behind it, it would be no file that was cut off, but
+        a damaged one.
+        """
+        kept = os.dup(self._file.fileno())
+        with contextlib.suppress(OSError):
+            self._file.close()
+        with contextlib.suppress(OSError):
+            os.ftruncate(kept, self._flushed)
+        os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
         """Return what `ros2 bag info` shows; as in the metadata.yaml of a folder."""
@@ -158,6 +184,13 @@ def qos(channel: Channel) -> Qos:
 def is_latched(metadata: Mapping[str, str]) -> bool:
     """Whether a channel's metadata say that late listeners get its newest message."""
     return any(profile.durability == QosDurability.TRANSIENT_LOCAL for profile in parse_qos(metadata[QOS]))
+
+
+def _checksum(name: str, metadata: Mapping[str, str]) -> int:
+    """Return the CRC-32 of a metadata record's content."""
+    record = RecordBuilder()
+    Metadata(name, dict(metadata)).write(record)
+    return zlib.crc32(record.end()[HEAD_BYTES:])  # type: ignore[no-untyped-call]
 
 
 def _yaml(value: Any) -> str:

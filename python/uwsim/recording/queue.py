@@ -64,14 +64,10 @@ class WritingQueue:
             self._ends = True
             self._changed.notify_all()
         self._thread.join()
-        if self.error is None:
-            self._sink.close(end)
-            return
-        try:
-            self._sink.close(end)
-        except Exception as second:  # of a sink that is broken already
-            logger.debug("closing a broken recording: %s", second)
-        raise self.error
+        if self.error is not None:
+            self._sink.abandon()
+            raise self.error
+        self._sink.close(end)
 
     def _write_all(self) -> None:
         flush_at_s = time.monotonic() + FLUSH_S

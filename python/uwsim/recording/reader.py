@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import struct
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, NamedTuple
-
-from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, Chunk, Footer, Message, Metadata, Schema
-from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from uwsim.channels.cdr import encode, schema
 from uwsim.channels.message_types import resolve
@@ -19,10 +13,13 @@ from uwsim.channels.messages import from_bytes
 from uwsim.channels.own_types import OWN_TYPES
 from uwsim.recording import tables
 from uwsim.recording.commands import COMMANDS, Command, command_of
+from uwsim.recording.contents import Contents, DataReader, read_messages
 from uwsim.recording.mcap_sink import END, START, SURVEY, VERSION, metadata_of
 from uwsim.recording.metadata import End, Start, checked
 from uwsim.recording.ping_channel import NAME as PINGS
 from uwsim.recording.pings import taken_ping
+from uwsim.recording.records import CutOffError, Message, RecordFile
+from uwsim.recording.summary import read_summary
 
 if TYPE_CHECKING:
     import pandas
@@ -30,9 +27,6 @@ if TYPE_CHECKING:
     import xarray
 
     from uwsim.recording.derived import Derived, Make
-
-DAMAGED = (McapError, CRCValidationError, struct.error, RuntimeError, UnicodeDecodeError, EOFError, OverflowError)
-"""What reading a damaged or cut file raises; RuntimeError is lz4's, OverflowError that of a length beyond all files."""
 
 
 class ChannelInfo(NamedTuple):
@@ -69,22 +63,19 @@ class Recording:
     def __init__(self, path: str | Path) -> None:
         """Read everything but the messages. Raises ValueError for a file that is no recording, OSError."""
         self.path = Path(path)
-        self.end: End | None = None
-        self.attachments: dict[str, bytes] = {}
-        self.complete = False
-        self._channels: dict[int, Channel] = {}
-        self._schemas: dict[int, Schema] = {}
-        self._counts: dict[int, int] = {}
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': a bag of ROS 1 cannot be read here; record .mcap instead")
-        with self.path.open("rb") as file:
-            said = self._read_frame(file)
+        contents = _read_contents(self.path)
+        said = contents.metadata
         if START not in said:
             raise ValueError(f"recording '{path}': was not written by uwsim, or holds nothing yet")
         self._require_our_version(said[START])
+        self.complete, self.attachments = contents.complete, contents.attachments
+        self._channels, self._schemas = contents.channels, contents.schemas
+        self._counts, self._chunks = contents.counts, contents.chunks
         try:
             self.start = checked(Start, said[START])
-            self.end = checked(End, said[END]) if END in said else None
+            self.end = checked(End, said[END]) if END in said and contents.is_whole else None
         except ValueError as error:
             raise ValueError(f"recording '{path}': {error}") from None
         self._require_our_types()
@@ -160,21 +151,15 @@ class Recording:
         wanted = self._numbers(name for name in names if name in self.channels) if names else set(self._channels)
         makers = self._derived.makers(made) if made and self._derived is not None else {}
         sources = self._numbers((PINGS,)) if makers else set()
-        for record in self._read_messages(wanted | sources):
-            recorded = self._recorded(record)
-            if record.channel_id in wanted:
+        read = wanted | sources
+        for message in read_messages(self.path, [chunk for chunk in self._chunks if chunk.channels & read]):
+            if message.channel_id not in read:
+                continue
+            recorded = self._recorded(message)
+            if message.channel_id in wanted:
                 yield recorded
-            if record.channel_id in sources:
+            if message.channel_id in sources:
                 yield from self._made(recorded, makers)
-
-    def _read_messages(self, wanted: Collection[int]) -> Iterator[Message]:
-        with self.path.open("rb") as file:
-            for chunk in _records(file, chunks=True):
-                if not isinstance(chunk, Chunk):
-                    continue
-                for record in breakup_chunk(chunk):
-                    if isinstance(record, Message) and record.channel_id in wanted:
-                        yield record
 
     def _made(self, ping: Recorded, makers: Mapping[str, Make]) -> Iterator[Recorded]:
         """Yield what follows from a ping."""
@@ -206,10 +191,10 @@ class Recording:
             raise ValueError(f"recording '{self.path}': topic '{topic}': must be one of {names}")
         return name
 
-    def _recorded(self, record: Message) -> Recorded:
-        channel = self._channels[record.channel_id]
+    def _recorded(self, message: Message) -> Recorded:
+        channel = self._channels[message.channel_id]
         kind = self._schemas[channel.schema_id].name
-        return Recorded(channel.topic.removeprefix("/"), kind, record.log_time, record.data)
+        return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, message.data)
 
     def _numbers(self, names: Iterable[str]) -> set[int]:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
@@ -236,53 +221,25 @@ class Recording:
                     f"build that wrote it, {self.start.build}"
                 )
 
-    def _read_frame(self, file: IO[bytes]) -> dict[str, dict[str, str]]:
-        """Read channels, counts and attachments; return the metadata by name."""
-        said = {}
-        for record in _records(file):
-            if isinstance(record, Channel):
-                self._channels.setdefault(record.id, record)
-            elif isinstance(record, Schema):
-                self._schemas.setdefault(record.id, record)
-            elif isinstance(record, Message):
-                self._counts[record.channel_id] = self._counts.get(record.channel_id, 0) + 1
-            elif isinstance(record, Attachment):
-                self.attachments[record.name] = record.data
-            elif isinstance(record, Metadata):
-                said[record.name] = record.metadata
-            elif isinstance(record, Footer):
-                self.complete = True
-        return said
-
 
 def _fields(text: str) -> list[str]:
     """Return the lines of a message's definition, without its comments, which may be written anew."""
     return [line for each in text.splitlines() if (line := " ".join(each.split("#")[0].split()))]
 
 
-class _Bounded:
-    """A file that is not read beyond its end: a damaged length would else allocate as much memory as it says."""
-
-    def __init__(self, file: IO[bytes]) -> None:
-        self._file = file
-        self._size = os.fstat(file.fileno()).st_size
-
-    def read(self, size: int) -> bytes:
-        """Return so many bytes. Raises EOFError if there are fewer."""
-        if size > self._size - self._file.tell():
-            raise EOFError
-        return self._file.read(size)
-
-
-def _records(file: IO[bytes], *, chunks: bool = False) -> Iterator[Any]:
-    """Yield the records of a file up to its end, or to where it is cut off. chunks: do not take them apart."""
-    try:
-        for record in StreamReader(_Bounded(file), emit_chunks=True, validate_crcs=False).records:  # type: ignore[arg-type]
-            if isinstance(record, Chunk):
-                parts = breakup_chunk(record, validate_crc=True)  # also finds out whether it is whole
-                if not chunks:
-                    yield from parts
-                    continue
-            yield record
-    except DAMAGED:
-        return
+def _read_contents(path: Path) -> Contents:
+    """Read a file up to its end, or to where it is cut off. Raises ValueError if it is damaged, OSError."""
+    with path.open("rb") as opened:
+        file = RecordFile(path, opened)
+        data = DataReader(file)
+        contents = data.contents
+        try:
+            if not file.magic():
+                raise ValueError(f"recording '{path}': was not written by uwsim: its first bytes are not MCAP's")
+            data.read()
+            read_summary(file, contents)
+            contents.complete = True
+        except CutOffError:
+            if contents.metadata and not contents.is_ours:
+                raise file.damaged("it is cut off, and its header is not uwsim's") from None
+        return contents

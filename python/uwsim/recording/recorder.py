@@ -289,11 +289,12 @@ class Recorder:
         queue, sink = self._queue, self._sink
         if queue is None or sink is None:
             return
-        topic, data = reading.channel.name, sink.encode(reading)
-        with self._lock:  # messages that are heard come from other threads
+        topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
+        with self._lock:  # messages that are heard come from other threads; the numbers of a topic are in order
             item = (topic, reading.time_ns, self._sequences[topic], data)
             self._sequences[topic] += 1
-        if not queue.put(item, waits=self._may_wait(), needed=needed):
+            is_put = queue.put(item, waits=waits, needed=needed)
+        if not is_put:
             if not self.dropped:
                 logger.warning("%s: messages are left out: writing is too slow", self.path)
             self.dropped[topic] += 1

@@ -26,3 +26,6 @@ class Sink(Protocol):
 
     def close(self, end: Mapping[str, str]) -> None:
         """Write what belongs at the end, and close. Raises OSError."""
+
+    def abandon(self) -> None:
+        """Close after an error of writing, and keep what can be read."""

@@ -1,0 +1,268 @@
+"""The records of a recording's file: read one by one, each with its place, so that damage is found and named.
+
+MCAP frames each record as a kind, a length and a content. A process that is killed leaves the beginning of a file, so
+that the last record is cut off; anything else that cannot be read is damage.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any, NamedTuple, cast
+
+from mcap import records as kinds
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.stream_reader import get_chunk_data_stream
+
+MAGIC = b"\x89MCAP0\r\n"
+CHUNK_BYTES_MAX = 1 << 32
+"""Of an unpacked chunk. A damaged number would else have as much memory allocated as it says."""
+FIRST = len(MAGIC)
+"""Where the first record is."""
+_HEAD = struct.Struct("<BQ")  # kind, length of the content
+HEAD_BYTES = _HEAD.size
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, times of recording and of publishing
+_PEEKED = 1 << 16  # bytes of a record that is cut off: those that its lengths are in
+_UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, EOFError, OverflowError, MemoryError)
+"""What a damaged content raises; RuntimeError is lz4's, ValueError also that of bytes that are no text."""
+
+
+class Layout(NamedTuple):
+    """A kind of record. parts: of its content; a number of bytes, or, if negative, of those of a length before it."""
+
+    name: str
+    parser: Any
+    parts: tuple[int, ...]
+
+
+LAYOUTS = {
+    Opcode.HEADER: Layout("the header", kinds.Header, (-4, -4)),
+    Opcode.FOOTER: Layout("the footer", kinds.Footer, (20,)),
+    Opcode.SCHEMA: Layout("schema", kinds.Schema, (2, -4, -4, -4)),
+    Opcode.CHANNEL: Layout("channel", kinds.Channel, (4, -4, -4, -4)),
+    Opcode.CHUNK: Layout("chunk", kinds.Chunk, (28, -4, -8)),
+    Opcode.MESSAGE_INDEX: Layout("message index", kinds.MessageIndex, (2, -4)),
+    Opcode.CHUNK_INDEX: Layout("chunk index", kinds.ChunkIndex, (32, -4, 8, -4, 16)),
+    Opcode.ATTACHMENT: Layout("attachment", kinds.Attachment, (16, -4, -4, -8, 4)),
+    Opcode.ATTACHMENT_INDEX: Layout("attachment index", kinds.AttachmentIndex, (40, -4, -4)),
+    Opcode.STATISTICS: Layout("the statistics", kinds.Statistics, (42, -4)),
+    Opcode.METADATA: Layout("metadata", kinds.Metadata, (-4, -4)),
+    Opcode.METADATA_INDEX: Layout("metadata index", kinds.MetadataIndex, (16, -4)),
+    Opcode.SUMMARY_OFFSET: Layout("summary offset", kinds.SummaryOffset, (17,)),
+    Opcode.DATA_END: Layout("the end of the data", kinds.DataEnd, (4,)),
+}
+"""The kinds that a recording has. Messages are in chunks, with the schemas and channels that they need."""
+
+
+class CutOffError(Exception):
+    """The file ends before the record does, as after a kill."""
+
+
+class Message(NamedTuple):
+    """A message in a chunk. offset: of its record in the unpacked chunk."""
+
+    channel_id: int
+    sequence: int
+    time_ns: int
+    data: bytes
+    offset: int
+
+
+class Record(NamedTuple):
+    """A record as it is in the file from start on. number: of its kind, from 1."""
+
+    kind: int
+    number: int
+    start: int
+    content: bytes
+
+    @property
+    def length(self) -> int:
+        """How many bytes it takes."""
+        return HEAD_BYTES + len(self.content)
+
+    @property
+    def head(self) -> bytes:
+        """The bytes before its content."""
+        return _HEAD.pack(self.kind, len(self.content))
+
+    @property
+    def place(self) -> str:
+        """What it is, and where."""
+        return _place(self.kind, self.number, self.start, self.start + self.length)
+
+    @contextmanager
+    def named(self, file: RecordFile) -> Iterator[None]:
+        """Make of each ValueError that of a damaged file, with the record's place."""
+        try:
+            yield
+        except ValueError as error:
+            raise file.damaged(f"{self.place}: {error}") from None
+
+    def parsed(self) -> Any:
+        """Return the record by its kind. Raises ValueError if its content is no such record."""
+        return _parsed(LAYOUTS[Opcode(self.kind)].parser, self.content)
+
+
+def _place(kind: int, number: int, start: int, end: int) -> str:
+    name = LAYOUTS[Opcode(kind)].name
+    return f"{name}{'' if name.startswith('the ') else f' {number}'} (bytes {start:,} to {end - 1:,})"
+
+
+class RecordFile:
+    """A file that is read record by record.
+
+    position: in the file. checksum: the CRC-32 of all that was read since it was last set to 0.
+    """
+
+    def __init__(self, path: Path, file: IO[bytes]) -> None:
+        self.path = path
+        self.position = 0
+        self.checksum = 0
+        self._file = file
+        self._size = os.fstat(file.fileno()).st_size
+        self._numbers: dict[int, int] = {}
+
+    def damaged(self, what: str) -> ValueError:
+        """Return the error of a damaged file."""
+        return ValueError(f"recording '{self.path}': damaged: {what}")
+
+    def magic(self) -> bool:
+        """Return whether those bytes come next with which every MCAP file begins and ends.
+
+        Raises CutOffError if the file ends within them.
+        """
+        found = self._read(min(len(MAGIC), self._size - self.position))
+        if len(found) < len(MAGIC) and MAGIC.startswith(found):
+            raise CutOffError
+        return found == MAGIC
+
+    @property
+    def is_at_end(self) -> bool:
+        """Whether nothing follows."""
+        return self.position == self._size
+
+    def record(self) -> Record:
+        """Read the next record. Raises CutOffError, ValueError."""
+        start = self.position
+        if self._size - start < HEAD_BYTES:
+            if self._ends_whole:
+                raise self.damaged(f"no record is at bytes {start:,} to {self._size - 1:,}")
+            raise CutOffError
+        kind, length = _HEAD.unpack(self._read(HEAD_BYTES))
+        if kind not in LAYOUTS:
+            raise self.damaged(f"at byte {start:,}: 0x{kind:02x} is no kind of record of a recording")
+        number = self._numbers[kind] = self._numbers.get(kind, 0) + 1
+        if length > self._size - self.position:
+            self._require_cut_off(kind, number, start, length)
+            raise CutOffError
+        return Record(kind, number, start, self._read(length))
+
+    @property
+    def _ends_whole(self) -> bool:
+        """Whether the file ends as one does that was finished."""
+        if self._size < 2 * len(MAGIC):
+            return False
+        here = self._file.tell()
+        self._file.seek(-len(MAGIC), os.SEEK_END)
+        last = self._file.read(len(MAGIC))
+        self._file.seek(here)
+        return last == MAGIC
+
+    def _require_cut_off(self, kind: int, number: int, start: int, length: int) -> None:
+        """Raise ValueError if a record's length is wrong, rather than its end missing."""
+        peeked = self._file.read(min(_PEEKED, self._size - self.position))
+        expected = _length(LAYOUTS[Opcode(kind)].parts, peeked)
+        if self._ends_whole or expected not in (None, length):
+            where = _place(kind, number, start, self._size)
+            raise self.damaged(f"{where}: its length of {length:,} bytes is wrong")
+
+    def _read(self, size: int) -> bytes:
+        data = self._file.read(size)
+        if len(data) < size:
+            raise CutOffError
+        self.position += size
+        self.checksum = zlib.crc32(data, self.checksum)
+        return data
+
+
+def unpacked(chunk: kinds.Chunk) -> bytes:
+    """Return a chunk's content. Raises ValueError if it is damaged."""
+    if chunk.uncompressed_size > CHUNK_BYTES_MAX:
+        raise ValueError(f"its size of {chunk.uncompressed_size:,} bytes is too large")
+    try:
+        stream, length = get_chunk_data_stream(chunk)
+        data = stream.read(length)
+    except _UNREADABLE as error:
+        raise ValueError(f"it cannot be unpacked: {error or type(error).__name__}") from None
+    if len(data) != chunk.uncompressed_size:
+        raise ValueError(f"it holds {len(data):,} bytes, not {chunk.uncompressed_size:,}")
+    return data
+
+
+def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:
+    """Yield what an unpacked chunk holds. Raises ValueError for what is no record."""
+    at = 0
+    while at < len(data):
+        if len(data) - at < HEAD_BYTES:
+            raise ValueError("its last record is cut off")
+        kind, length = _HEAD.unpack_from(data, at)
+        begin, end = at + HEAD_BYTES, at + HEAD_BYTES + length
+        if end > len(data):
+            raise ValueError("its last record is cut off")
+        if kind == Opcode.MESSAGE:
+            if length < _MESSAGE.size:
+                raise ValueError("a message of it is too short")
+            channel_id, sequence, time_ns, _ = _MESSAGE.unpack_from(data, begin)
+            yield Message(channel_id, sequence, time_ns, data[begin + _MESSAGE.size : end], at)
+        elif kind in (Opcode.CHANNEL, Opcode.SCHEMA):
+            yield _parsed(LAYOUTS[Opcode(kind)].parser, data[begin:end])
+        else:
+            raise ValueError(f"0x{kind:02x} is no kind of record in a chunk")
+        at = end
+
+
+class _Strict:
+    """A content that is not read beyond its end."""
+
+    def __init__(self, content: bytes) -> None:
+        self._content = content
+        self.position = 0
+
+    def read(self, size: int) -> bytes:
+        """Return so many bytes. Raises EOFError if there are fewer."""
+        if size > len(self._content) - self.position:
+            raise EOFError("it ends early")
+        self.position += size
+        return self._content[self.position - size : self.position]
+
+
+def _parsed(parser: Any, content: bytes) -> Any:
+    stream = _Strict(content)
+    try:
+        record = parser.read(ReadDataStream(cast(IO[bytes], stream)))
+    except _UNREADABLE as error:
+        raise ValueError(f"it cannot be read: {error or type(error).__name__}") from None
+    if stream.position != len(content):
+        raise ValueError(f"it has {len(content) - stream.position:,} bytes too many")
+    return record
+
+
+def _length(parts: tuple[int, ...], content: bytes) -> int | None:
+    """Return the length that a content has by the lengths in it; None if they are not all there."""
+    at = 0
+    for part in parts:
+        if part > 0:
+            at += part
+            continue
+        prefix = content[at : at - part]
+        if len(prefix) < -part:
+            return None
+        at += -part + int.from_bytes(prefix, "little")
+    return at
