@@ -1,5 +1,6 @@
 """Pictures on the wall clock: those that are late are left out, and nobody waits for them."""
 
+from collections.abc import Callable
 from threading import Event
 from types import SimpleNamespace
 
@@ -16,13 +17,15 @@ class SlowCamera:
         self.may_end = Event()
         self.begun: list[int] = []
 
-    def snapshot(self) -> int:
-        return self.sim.time_ns // PERIOD_NS
+    def later(self) -> Callable[[], SimpleNamespace]:
+        at = self.sim.time_ns // PERIOD_NS
 
-    def capture(self, at: int) -> SimpleNamespace:
-        self.begun.append(at)
-        assert self.may_end.wait(60)
-        return SimpleNamespace(jpeg=lambda quality: str(at).encode())
+        def capture() -> SimpleNamespace:
+            self.begun.append(at)
+            assert self.may_end.wait(60)
+            return SimpleNamespace(jpeg=lambda quality: str(at).encode())
+
+        return capture
 
 
 def test_a_late_picture_is_read_once_when_it_is_ready_and_none_is_begun_before() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +26,18 @@ Floats = NDArray[np.float64]
 CLEARANCE_M = 0.3  # of a camera that follows a vehicle, above the ground
 Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
+
+
+@dataclass(eq=False)
+class _Lens:
+    """The native camera, built on first use: its table of rays takes time."""
+
+    name: str
+    mount: CameraMount
+
+    @cached_property
+    def core(self) -> _core.Camera:
+        return core_camera(self.name, self.mount)
 
 
 class Camera(Sealed):
@@ -59,7 +73,7 @@ class Camera(Sealed):
         self._head = PanTiltHead(name, mount.pan_tilt) if mount.pan_tilt is not None else None
         if self._head is not None:
             scene.heads[name] = self._head
-        self._core: _core.Camera | None = None  # built on first use: its table of rays takes time
+        self._lens = _Lens(name, mount)
 
     def __repr__(self) -> str:
         return f"<Camera '{self.name}', {self.info.width} x {self.info.height} pixels>"
@@ -67,7 +81,7 @@ class Camera(Sealed):
     def change(self, mount: CameraMount) -> None:
         """Go on with another mount. Simulator.parameters calls this."""
         if mount != self.mount:
-            self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount), "_core": None}
+            self._refit(mount)
 
     def capture(
         self,
@@ -174,7 +188,7 @@ class Camera(Sealed):
         height = height or max(1, round(width * self.mount.height / self.mount.width))
         mount = self.mount.model_copy(update={"width": width, "height": height})
         other = copy(self)
-        other.__dict__.update(mount=mount, info=_camera_info(self.name, mount), _core=None)
+        other._refit(mount)
         return other
 
     def ray_table(self, *, distort: bool = True) -> NDArray[np.float32]:
@@ -182,11 +196,20 @@ class Camera(Sealed):
 
         distort: as pictures with the effect `distortion` have it. The bends of `wobble` are not in it.
         """
-        return self._native().ray_table(distort)
+        return self._lens.core.ray_table(distort)
 
     def snapshot(self) -> Snapshot:
         """Keep the present, for a `capture` later or on another thread."""
         return self._scene.snapshot(with_lamps=True)
+
+    def later(self) -> Callable[[], Frame]:
+        """Keep the present; return what captures it whenever it is called, on any thread.
+
+        Unlike with a snapshot, the camera's own parameters and the scene's are kept, too.
+        """
+        kept, snapshot = copy(self), self.snapshot()
+        kept._scene = self._scene.kept()
+        return lambda: kept.capture(at=snapshot)
 
     def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
         """Return the packets of rays that a picture casts through the world, and its origin (3,), for benchmarks."""
@@ -201,7 +224,7 @@ class Camera(Sealed):
         snapshot = at or scene.snapshot(with_lamps=not geometry_only)
         position, orientation, world_from_camera = self._pose(snapshot)
         picture = scene.core.render(
-            self._native(),
+            self._lens.core,
             core_optics(snapshot.optics),
             position,
             orientation,
@@ -218,10 +241,9 @@ class Camera(Sealed):
         )
         return picture, snapshot.time_ns, world_from_camera
 
-    def _native(self) -> _core.Camera:
-        if self._core is None:
-            self._core = core_camera(self.name, self.mount)
-        return self._core
+    def _refit(self, mount: CameraMount) -> None:
+        self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount)}
+        self._lens = _Lens(self.name, mount)
 
     def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
         """Return the camera's position (3,), orientation x, y, z, w (4,) and both as (4, 4)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -35,6 +36,19 @@ class Snapshot:
     aims_rad: Mapping[str, tuple[float, float]]
 
 
+@dataclass(eq=False)
+class _Native:
+    """The native scene, built when the first picture is taken."""
+
+    scenario: Scenario
+    world: _core.World
+    rays: _core.RayScene
+
+    @cached_property
+    def core(self) -> _core.CameraScene:
+        return camera_scene(self.scenario, self.world, self.rays)
+
+
 class SharedScene:
     """The scene that a simulator's cameras look at.
 
@@ -58,16 +72,21 @@ class SharedScene:
         self._world = world
         self._rays = rays
         self._simulation = simulation
+        self._native = _Native(scenario, world, rays)
 
-    @cached_property
+    @property
     def core(self) -> _core.CameraScene:
         """The native scene: the world with its materials, and the vehicles' hulls. Raises ScenarioError."""
-        return camera_scene(self._scenario, self._world, self._rays)
+        return self._native.core
+
+    def kept(self) -> SharedScene:
+        """Return the scene with its present materials, hulls and water, whatever changes later."""
+        return copy(self)
 
     def restart(self, scenario: Scenario) -> None:
         """Begin anew with a scenario that differs from the first in its seed alone: its own lamps and light."""
         if scenario.seed != self._scenario.seed:
-            self.__dict__.pop("core", None)
+            self._native = _Native(scenario, self._world, self._rays)
         self._scenario = scenario
         self.optics = scenario.optics
         for switches in self.lamps:
@@ -84,7 +103,7 @@ class SharedScene:
             np.array_equal(hull, vehicle_hull(old.model)[0]) for hull, old in zip(hulls, before.vehicles, strict=True)
         )
         if scenario.water != before.water or not same_hulls:
-            self.__dict__.pop("core", None)
+            self._native = _Native(scenario, self._world, self._rays)
         self._scenario = scenario
         self.optics = scenario.optics
         for switches, vehicle in zip(self.lamps, scenario.vehicles, strict=True):

@@ -105,10 +105,10 @@ class Pictures:
         """Return the picture of the last period, or None if none was due."""
 
         def begin(stream: Stream) -> Callable[[], Picture]:
-            snapshot = camera.snapshot()
+            capture = camera.later()
 
             def take() -> Picture:
-                frame = camera.capture(at=snapshot)
+                frame = capture()
                 return Picture(frame, _jpeg(frame, stream), stream)
 
             return take

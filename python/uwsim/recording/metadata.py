@@ -35,13 +35,17 @@ class Start(BaseModel):
 
 
 class End(BaseModel):
-    """A run as it is known when its recording ends in order. dropped: messages of each channel that were left out."""
+    """A run as it is known when its recording ends in order. dropped: messages of each channel that were left out.
+
+    on_wall_clock: whether it ever was; unlike the start's it holds for all of the run.
+    """
 
     model_config = ConfigDict(frozen=True)
 
     tick: NonNegativeInt
     state: str
     dropped: Json[dict[str, NonNegativeInt]] = {}
+    on_wall_clock: Json[bool] = False
     notes: Json[dict[str, Any]] = {}
 
 

@@ -137,6 +137,15 @@ class Recording:
         return {} if self.end is None else self.end.dropped
 
     @property
+    def was_on_wall_clock(self) -> bool:
+        """Whether steps may not have waited for pictures: then what was ready when depends on the machine.
+
+        After a kill nobody knows.
+        """
+        end = self.end
+        return self.start.on_wall_clock or end is None or bool(end.on_wall_clock)
+
+    @property
     def notes(self) -> dict[str, Any]:
         """Values that belong to the whole run; those that are known at its end are missing if it was cut off."""
         return (self.end or self.start).notes

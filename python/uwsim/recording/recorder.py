@@ -85,6 +85,7 @@ class Recorder:
         self._notes = dict(notes or {})
         self.dropped: Counter[str] = Counter()
         self._sequences: Counter[str] = Counter()
+        self._on_wall_clock = False  # ever since the start
         self._written = list(written)
         self._patterns = topics, without
         self._lock = threading.Lock()
@@ -226,6 +227,7 @@ class Recorder:
             "tick": str(sim.tick),
             "state": state_digest(sim),
             "dropped": json.dumps(self.dropped),
+            "on_wall_clock": json.dumps(self._on_wall_clock),
             "notes": json.dumps(self._notes),
         }
 
@@ -290,6 +292,7 @@ class Recorder:
         if queue is None or sink is None:
             return
         topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
+        self._on_wall_clock |= not waits
         with self._lock:  # messages that are heard come from other threads; the numbers of a topic are in order
             item = (topic, reading.time_ns, self._sequences[topic], data)
             self._sequences[topic] += 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 import warnings
 import weakref
@@ -24,14 +23,13 @@ from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.difference import differences
 from uwsim.recording.mcap_sink import SURVEY
+from uwsim.recording.moments import Moments
 from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Recorded, Recording
 from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
 from uwsim.recording.watch import JUMPS, Watch
 from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
 from uwsim.simulator import Simulator
-
-LATE_KEPT = 256  # pictures of a channel that are remembered for comparison
 
 OnTime = Callable[[int], None]
 """Called with the simulated time before each recorded message is compared: may wait, to keep a pace."""
@@ -118,10 +116,10 @@ class _Replay:
         self.result = ReplayResult(sim)
         self._epoch = 0  # jumps of time so far
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
-        self._late_said: dict[str, deque[bytes]] = defaultdict(lambda: deque(maxlen=LATE_KEPT))
         self._is_survey = recording.start.kind == SURVEY
         start = recording.start
         known = channels(sim, origin=start.origin, truth=start.truth)
+        pictures = [channel for channel in known if channel.late]
         if start.through_link:
             known = seen_channels(sim, known)
         for key, stream in start.streams.items():
@@ -130,20 +128,26 @@ class _Replay:
             known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
         unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # it holds pings from before the recording
-        chosen = [c for c in chosen if not (c.pieced and start.on_wall_clock) and c.type not in unlike]
+        on_wall_clock = recording.was_on_wall_clock
+        chosen = [c for c in chosen if not (c.pieced and on_wall_clock) and c.type not in unlike]
         self._compared = {channel.name for channel in chosen}
         own = {COMMANDS, *(channel.name for channel in known if channel.direction == "in")}
         own |= {NAME} if self._is_survey else set()
         self.result.not_compared = sorted(recording.channels.keys() - self._compared - own)
-        self._late = {channel.name for channel in chosen if channel.late and start.on_wall_clock}
+        self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
         self._may_lack = bool(recording.dropped) or not recording.complete
-        self._watch = Watch(sim, chosen, self._take, self._jumped)
+        late = recording.messages(*self._late) if self._late else ()
+        self._moments = Moments(sim, pictures, table_of(sim).pictures, (one for one in late if one.time_ns >= from_ns))
+        watched = [channel for channel in chosen if channel.name not in self._late]
+        self._watch = Watch(sim, watched, self._take, self._jumped)
 
     def run(self, until_ns: int | None) -> ReplayResult:
         self._watch.start()
+        self._moments.start()
         try:
             ended = self._repeat(until_ns)
         finally:
+            self._moments.stop()
             self._watch.stop()
         end = self._recording.end
         if ended and end and self.result.difference is None:
@@ -191,6 +195,7 @@ class _Replay:
             give(self._sim, command)
         except ValueError as error:
             raise ValueError(f"recording '{self._recording.path}': tick {command.tick}: {error}") from None
+        self._moments.again()
 
     def _advance(self, tick: int) -> None:
         if tick > self._sim.tick:
@@ -201,17 +206,15 @@ class _Replay:
 
     def _take(self, channel: Channel, message: Any) -> None:
         data = bytes(encode(message))
-        if channel.name in self._late:
-            self._late_said[channel.name].append(hashlib.blake2b(data).digest())
-        elif self._sim.time_ns >= self._from_ns:
+        if self._sim.time_ns >= self._from_ns:
             self._said[channel.name].append((self._epoch, self._sim.time_ns, data))
 
     def _compare(self, recorded: Recorded) -> None:
         topic, now = recorded.topic, (self._epoch, recorded.time_ns)
         where = f"tick {recorded.time_ns // self._recording.step_ns}, /{topic}"
         if topic in self._late:
-            if hashlib.blake2b(recorded.data).digest() not in self._late_said[topic]:
-                self.result.difference = f"{where}: no picture of the replay is the recorded one"
+            if not self._moments.shows(recorded):
+                self.result.difference = f"{where}: the replay sees another picture at the time of its stamp"
             self.result.messages[topic] += 1
             return
         said = self._said[topic]

@@ -45,7 +45,7 @@ class Watch:
     @property
     def due_tick(self) -> int:
         """The next tick at which a channel is due."""
-        return min(subscription.due_tick for subscription in self._subscriptions)
+        return min((subscription.due_tick for subscription in self._subscriptions), default=NEVER_NS)
 
     def observe(self) -> None:
         """Read the channels that are due."""

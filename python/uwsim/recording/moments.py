@@ -1,0 +1,87 @@
+"""Moments: renders in a replay what a recording's pictures show, at the moments that they show."""
+
+from __future__ import annotations
+
+import hashlib
+from bisect import bisect_left, bisect_right
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from uwsim.channels import Channel
+from uwsim.channels.cdr import encode
+from uwsim.channels.pictures import Pictures
+from uwsim.recording.reader import Recorded
+from uwsim.recording.watch import JUMPS, NEVER_NS
+from uwsim.simulator import Simulator
+
+
+class Moments:
+    """An observer that renders pictures when the simulator comes to the times of their stamps.
+
+    On the wall clock a picture is begun by whoever reads first after the last is ready, so that its moment depends on
+    the machine and on all who read; the recorded stamps alone tell it. A command of the same tick may have come before
+    or after: pictures are rendered before and after each. What a picture shows depends on its moment alone, whichever
+    topics carry it.
+    """
+
+    def __init__(
+        self, sim: Simulator, channels: Iterable[Channel], pictures: Pictures, recorded: Iterable[Recorded]
+    ) -> None:
+        """channels: those that give pictures. recorded: the messages to render."""
+        self._sim = sim
+        self._pictures = pictures
+        self._by_kind: dict[tuple[str, str], Channel] = {}
+        for channel in channels:
+            self._by_kind.setdefault((channel.type, channel.frame_id), channel)
+        step_ns = round(sim.step_s * 1e9)
+        self._due: dict[int, set[tuple[str, str]]] = defaultdict(set)
+        for each in recorded:
+            header = each.message.header
+            stamp_ns = header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+            self._due[stamp_ns // step_ns].add((each.type, header.frame_id))
+        self._ticks: Sequence[int] = sorted(self._due)
+        self._seen: set[bytes] = set()
+        self.due_tick = NEVER_NS
+
+    def start(self) -> None:
+        """Render what is due now, and watch from now on."""
+        self.again()
+        self._sim.journal.attach(self)
+
+    def stop(self) -> None:
+        """Watch no more."""
+        self._sim.journal.detach(self)
+
+    def observe(self) -> None:
+        """Render what is due."""
+        self.again()
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """After a jump of time be due where it goes on."""
+        if name in JUMPS:
+            self._be_due(bisect_left(self._ticks, self._sim.tick))
+
+    def again(self) -> None:
+        """Render what is due now, also if it was rendered already: after a command it may look otherwise."""
+        tick = self._sim.tick
+        self._be_due(bisect_right(self._ticks, tick))
+        if tick not in self._due:
+            return
+        self._pictures.forget()  # so that readings get pictures of the present
+        for kind in self._due[tick]:
+            channel = self._by_kind.get(kind)
+            message = None if channel is None else channel.read(self._sim)
+            if message is not None:
+                self._seen.add(_digest(kind[0], encode(message)))
+
+    def shows(self, recorded: Recorded) -> bool:
+        """Whether a recorded picture was rendered, to the last byte."""
+        return _digest(recorded.type, recorded.data) in self._seen
+
+    def _be_due(self, place: int) -> None:
+        self.due_tick = self._ticks[place] if place < len(self._ticks) else NEVER_NS
+
+
+def _digest(kind: str, data: bytes | memoryview) -> bytes:
+    return hashlib.blake2b(data, key=kind.encode()[:64], digest_size=16).digest()
