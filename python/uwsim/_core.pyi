@@ -2343,6 +2343,8 @@ class NavigationFilter:
     An error-state Kalman filter (Sola 2017) on an IMU and its aids. Readings may come late and in any order: the
     result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.
     """
+
+    save_version: typing.ClassVar[int] = 2
     def __init__(
         self,
         *,
@@ -2355,10 +2357,12 @@ class NavigationFilter:
         force_bias: BiasModel,
         rate_limit: typing.SupportsFloat | typing.SupportsIndex = ...,
         force_limit: typing.SupportsFloat | typing.SupportsIndex = ...,
+        averaging_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
         period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,
-        force_limit: the most that an axis can tell.
+        force_limit: the most that an axis can tell. averaging_s: the time before a sample over which its force is
+        the mean; 0: that of an instant.
         """
     def add_acoustic_fix(
         self,
@@ -2430,9 +2434,10 @@ class NavigationFilter:
         """
         Scalars of its readings that were used, and that were outliers.
         """
-    def restore(self, bytes: bytes) -> None:
+    def restore(self, bytes: bytes, version: typing.SupportsInt | typing.SupportsIndex) -> None:
         """
-        Raises ValueError for bytes that are not of a filter with the same aids.
+        version: of the bytes, save_version of the build that saved them. Raises ValueError for an unknown version
+        and for bytes that are not of a filter with the same aids.
         """
     def save(self) -> bytes: ...
     def start(

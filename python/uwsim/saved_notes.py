@@ -88,7 +88,15 @@ class _Event(_Kept):
     values: dict[str, Any]
 
 
+class _Figures(_Kept):
+    silence_ns: Annotated[int, Field(gt=0, lt=2**63)]
+    gravity_m_s2: Annotated[FiniteFloat, Field(gt=0)]
+    density_kg_m3: Annotated[FiniteFloat, Field(gt=0)]
+
+
 class _Estimate(_Kept):
+    version: Literal[1, 2] = 1  # of `filter`; 1 has no figures
+    figures: _Figures | None = None
     filter: Base64Bytes
     imu_ns: Nanoseconds
     from_ns: dict[str, Nanoseconds]

@@ -158,6 +158,11 @@ class Sensor(Sealed, Generic[R]):
         self._source.close()
 
     @property
+    def averaging_s(self) -> float:
+        """The time before a sample over which its accelerations are the mean, the simulator's step, seconds."""
+        return self._step_s
+
+    @property
     def time_ns(self) -> int:
         """Simulated time, nanoseconds."""
         return self._simulation.time_ns

@@ -1,8 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "uwsim/core/check.h"
 #include "uwsim/estimation/navigation_filter.h"
@@ -44,6 +49,97 @@ TEST(NavigationFilter, LevelTurnsOnACircle) {
   filter.catch_up();
   EXPECT_LT(filter.position_body_origin_m().norm(), 0.02);  // a whole circle of 5 m radius
   EXPECT_NEAR(filter.velocity_body_m_s().x(), 1, 1e-3);
+}
+
+using Rate = std::function<Eigen::Vector3d(double)>;
+
+/// Turns of up to 2 rad/s: about any axis, to and fro, from rest, and about axes that turn themselves.
+std::vector<std::pair<std::string, Rate>> turns() {
+  std::vector<std::pair<std::string, Rate>> made;
+  const auto add = [&](std::string name, Rate rate) { made.emplace_back(std::move(name), std::move(rate)); };
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1),
+                                      Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(-1, 2, 1), Eigen::Vector3d(1, -1, 3)}) {
+    for (const double speed : {-2.0, 0.3, 1.0, 2.0}) {
+      const Eigen::Vector3d w = speed * axis.normalized();
+      add("steady " + std::to_string(w.x()) + " " + std::to_string(w.y()) + " " + std::to_string(w.z()),
+          [w](double) { return w; });
+    }
+    const Eigen::Vector3d w = 2 * axis.normalized();
+    add("to and fro", [w](double t) { return Eigen::Vector3d(std::sin(3 * t) * w); });
+    add("from full swing", [w](double t) { return Eigen::Vector3d(std::cos(2 * t) * w); });
+    add("from rest", [w](double t) { return Eigen::Vector3d(std::min(t, 1.0) * w); });
+  }
+  for (const double f : {0.3, 1.0, 3.0}) {
+    add("tumbling " + std::to_string(f),
+        [f](double t) { return Eigen::Vector3d(2 * std::sin(f * t), 2 * std::cos(f * t), 0); });
+    add("tumbling and turning " + std::to_string(f),
+        [f](double t) { return Eigen::Vector3d(1.4 * std::sin(f * t), 1.2 * std::cos(1.3 * f * t + 0.4), 0.7); });
+  }
+  return made;
+}
+
+/// The turn over a step in many small parts, fourth order in each.
+Eigen::Quaterniond turned(const Rate& rate, double t, double dt) {
+  constexpr int kParts = 10;
+  const double h = dt / kParts, early = 0.5 - std::sqrt(3.0) / 6;
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  for (int k = 0; k < kParts; ++k) {
+    const Eigen::Vector3d a = rate(t + (k + early) * h), b = rate(t + (k + 1 - early) * h);
+    q = q * rotation_by(0.5 * h * (a + b) + std::sqrt(3.0) / 12 * h * h * a.cross(b));
+  }
+  return q;
+}
+
+struct Spin {
+  double imu_ahead_m = 0;    ///< of the body's origin, which stays where it is
+  std::uint64_t odd_ns = 0;  ///< readings that say nothing fall so long after every tenth sample
+  double averaging_s = 0;    ///< if not 0, samples are means over a step, along the axes of its end
+};
+
+/// The largest false velocity of the body's origin in 10 s of a turn without noise [m/s].
+double false_velocity(const Rate& rate, const Spin& spin) {
+  const Eigen::Vector3d arm(spin.imu_ahead_m, 0, 0), up(0, 0, kGravity);
+  ImuErrors exact;
+  exact.averaging_s = spin.averaging_s;
+  NavigationFilter filter(exact, arm, kGravity);
+  const int depth = filter.add_aid(depth_aid({}, 1e6, {}));
+  const auto at_imu = [&](double t) { return Eigen::Vector3d(rate(t).cross(arm)); };
+  FilterStart start;
+  start.velocity_world_m_s = at_imu(0);
+  filter.start(start);
+  constexpr double kDt = 1e-9 * kStep_ns, kTiny = 1e-4;
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  double worst = 0;
+  for (std::uint64_t k = 1; k <= 2000; ++k) {
+    const double t = static_cast<double>(k) * kDt;
+    const Eigen::Vector3d before = q * at_imu(t - kDt), w = rate(t);
+    q = (q * turned(rate, t - kDt, kDt)).normalized();
+    const Eigen::Vector3d spinning_up = (rate(t + kTiny) - rate(t - kTiny)) / (2 * kTiny);
+    Eigen::Vector3d acceleration = spinning_up.cross(arm) + w.cross(w.cross(arm));
+    if (spin.averaging_s > 0) acceleration = (at_imu(t) - q.conjugate() * before) / kDt;
+    const Eigen::Vector3d force = acceleration + q.conjugate() * up;
+    const std::array<double, 6> sample = {w.x(), w.y(), w.z(), force.x(), force.y(), force.z()};
+    filter.add_imu(k * kStep_ns, sample.data());
+    const double nothing = 0;
+    if (k % 10 == 1 && spin.odd_ns > 0) {
+      const std::uint64_t odd = (k - 1) * kStep_ns + spin.odd_ns;
+      filter.add_reading(depth, odd, odd, &nothing);
+    }
+    filter.catch_up();
+    worst = std::max(worst, filter.velocity_body_m_s().norm());
+  }
+  return worst;
+}
+
+/// A body that turns on the spot, told by an IMU without errors, stays where it is.
+TEST(NavigationFilter, ATurnWithoutNoiseMakesNoVelocity) {
+  for (const auto& [name, rate] : turns()) {
+    EXPECT_LT(false_velocity(rate, {}), 1e-3) << name;
+    EXPECT_LT(false_velocity(rate, {.odd_ns = 1'700'000}), 1e-3) << name << ", with readings between samples";
+    EXPECT_LT(false_velocity(rate, {.imu_ahead_m = 0.3}), 1e-3) << name << ", the IMU 0.3 m ahead";
+    EXPECT_LT(false_velocity(rate, {.imu_ahead_m = 0.3, .averaging_s = 0.005}), 1e-3)
+        << name << ", the IMU 0.3 m ahead, its samples means";
+  }
 }
 
 /// With nothing but white noise of the accelerometer of density s, velocity is a random walk: std s sqrt(t), and
@@ -95,6 +191,37 @@ TEST(NavigationFilter, OneHeadingTellsNothingOfTheFieldAcrossIt) {
   const int across = kAidBias + 2;
   EXPECT_NEAR(std::sqrt(filter.state().covariance(across, across)), kIron, 0.01 * kIron);
   EXPECT_NEAR(filter.state().aid_bias[across - kAidBias], 0, 0.1 * kIron);
+}
+
+/// A field of the vehicle's own that points up turns the compass of a vehicle that has pitched down by its share along
+/// the ground: a yaw that was sure while it was level must not follow it.
+TEST(NavigationFilter, AFieldUpwardsIsNotTakenForATurnWhenTheVehiclePitches) {
+  constexpr double kUpwards = 0.03, kNoise = 0.005, kPitchRate = 0.5, kDown_s = 2;
+  ImuErrors errors;
+  errors.rate_std = 1e-4;
+  NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
+  const int compass = filter.add_aid(heading_aid(Eigen::Vector3d::UnitX(), kNoise, {}, 0.02, EIGEN_PI / 2));
+  filter.start(known(0, 0, 0.002));
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  double pitch = 0;
+  for (std::uint64_t k = 1; k <= 12000; ++k) {
+    const double t = 1e-9 * static_cast<double>(k * kStep_ns), since = t - 20;
+    pitch = kPitchRate * std::clamp(since, 0.0, kDown_s);
+    const double rate = since > 0 && since <= kDown_s ? kPitchRate : 0;
+    const std::array<double, 6> imu = {0, rate, 0, -kGravity * std::sin(pitch), 0, kGravity * std::cos(pitch)};
+    filter.add_imu(k * kStep_ns, imu.data());
+    const double reading = kUpwards * std::sin(pitch) + kNoise * normal(random);
+    if (k % 4 == 0) filter.add_reading(compass, k * kStep_ns, k * kStep_ns, &reading);
+    filter.catch_up();
+  }
+  const FilterState& state = filter.state();
+  const Eigen::AngleAxisd down(pitch, Eigen::Vector3d::UnitY());
+  const Eigen::AngleAxisd error(state.orientation.conjugate() * down);
+  const Eigen::Vector3d attitude = error.angle() * error.axis();
+  const Eigen::Matrix3d covariance = state.covariance.block<3, 3>(kAttitude, kAttitude);
+  EXPECT_LT(attitude.dot(covariance.inverse() * attitude), 11.3);  // chi-square, 3 degrees of freedom, 1 in 100
+  EXPECT_LT(attitude.norm(), 0.3 * kUpwards * std::sin(pitch));
 }
 
 /// Fixes that come late and out of order give the state that they give in time, to the last bit.

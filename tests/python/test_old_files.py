@@ -53,9 +53,10 @@ def test_a_saved_estimate_is_restored_and_goes_on(v1: Path) -> None:
         sim.restore_state((v1 / "estimate.state").read_bytes())
         estimate = sim.rov.estimate
         assert estimate.time_s == 2.0
-        saved_m = np.array([-1.52161272, 0.07169189, -2.01342177])  # as it was when the file was written
-        np.testing.assert_allclose(estimate.pose.position_world_m, saved_m, atol=1e-8)
-        np.testing.assert_allclose(estimate.position_std_m, [0.06634749, 0.05744256, 0.01897241], atol=1e-8)
+        # As it was when the file was written, by a filter of first order that knew no field upwards.
+        saved_m, std_m = [-1.52161272, 0.07169189, -2.01342177], [0.06634749, 0.05744256, 0.01897241]
+        np.testing.assert_allclose(estimate.pose.position_world_m, saved_m, atol=1e-5)
+        np.testing.assert_allclose(estimate.position_std_m, std_m, atol=1e-6)
         sim.advance(1.0)
         error_m = estimate.pose.position_world_m - sim.rov.pose.position_world_m
         assert (np.abs(error_m) < 5.0 * estimate.position_std_m).all()

@@ -5,11 +5,13 @@ import numpy as np
 from uwsim import Simulator
 from uwsim.validate import estimation
 from uwsim.validate.after_contact import contact_checks
+from uwsim.validate.turning_flights import turning_checks
 
 
 def test_the_filter_is_as_sure_of_itself_as_it_may_be(monkeypatch) -> None:
     monkeypatch.setattr(estimation, "LEGS", 9)
     monkeypatch.setattr(estimation, "DROP_OUT_AFTER_S", 30.0)
+    monkeypatch.setattr("uwsim.validate.turning_flights.turning_checks", lambda seeds: [])
     checks = estimation.run(seeds=5)
     assert [check.name for check in checks if not check.passed] == []
 
@@ -31,3 +33,7 @@ def test_the_closed_form_grows_with_the_cube_of_time_at_last() -> None:
 
 def test_after_contacts_the_filter_errs_by_no_more_than_it_says() -> None:
     assert [check for check in contact_checks(Simulator("lake"), seeds=4) if not check.passed] == []
+
+
+def test_a_vehicle_that_rolls_pitches_and_tumbles_knows_where_it_is() -> None:
+    assert [check for check in turning_checks(seeds=8) if not check.passed] == []

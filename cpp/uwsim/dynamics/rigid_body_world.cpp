@@ -26,6 +26,19 @@ BodySpec checked(BodySpec spec) {
   return spec;
 }
 
+/// nu' over a step, from the change of both velocities along the axes of the world. The plain difference of nu is along
+/// axes that turn: it belongs to the middle of the step, and added to w x v of its end it makes an acceleration that is
+/// not there, dt/2 w x (w x v) for a body that turns on a straight way, which whoever integrates it takes for motion.
+Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s) {
+  const Eigen::Quaterniond now_from_before =
+      now.world_from_body.orientation.conjugate() * before.world_from_body.orientation;
+  Vector6d rate;
+  rate << (now.linear_body_m_s() - now_from_before * before.linear_body_m_s()) / step_s -
+              now.angular_body_rad_s().cross(now.linear_body_m_s()),
+      (now.angular_body_rad_s() - now_from_before * before.angular_body_rad_s()) / step_s;
+  return rate;
+}
+
 }  // namespace
 
 void BodySpec::check() const {
@@ -81,7 +94,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   // All bodies move, or none when the step fails.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& body = bodies_[k];
-    body.acceleration_body = (next_states_[k].velocity_body - body.state.velocity_body) / step_s_;
+    body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
     body.state = next_states_[k];
   }
 }

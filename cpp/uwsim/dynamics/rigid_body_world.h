@@ -53,7 +53,8 @@ class RigidBodyWorld {
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }
   /// Whether the body touched anything in the last step.
   bool in_contact(std::size_t body) const { return bodies_.at(body).in_contact; }
-  /// Mean nu' over the last step, contacts included [m/s^2, rad/s^2].
+  /// Mean nu' over the last step, contacts included, such that nu' + w x v is the mean acceleration along the axes of
+  /// its end [m/s^2, rad/s^2].
   const Vector6d& acceleration_body(std::size_t body) const { return bodies_.at(body).acceleration_body; }
 
   /// One fixed step from `time_s`. Throws InvalidValue that names step, body and its last finite state when the motion

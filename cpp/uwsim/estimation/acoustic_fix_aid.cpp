@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "uwsim/estimation/aid.h"
+#include "uwsim/estimation/figures.h"
 
 namespace uwsim {
 namespace {
@@ -29,6 +30,13 @@ class AcousticFixAid final : public Aid {
     correct_along(state, along, sight, range_std_ * range_std_);
     correct_along(state, across.dot(fix - expected(state)), across, sideways * sideways);
     correct_along(state, up.dot(fix - expected(state)), up, sideways * sideways);
+  }
+
+  void exchange_figures(StateArchive& archive) override {
+    exchange_numbers(archive, lever_);
+    exchange_numbers(archive, station_);
+    exchange_not_negative(archive, range_std_);
+    exchange_not_negative(archive, bearing_std_);
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "uwsim/core/state_archive.h"
 #include "uwsim/estimation/filter_state.h"
 
 namespace uwsim {
@@ -26,10 +27,14 @@ class Aid {
   virtual int width() const = 0;
   /// The models of its biases, which become errors of the filter.
   virtual std::vector<BiasModel> biases() const { return {}; }
+  /// How many of them, from the first, version 1 of the saved state has.
+  virtual int biases_in_version_1() const { return static_cast<int>(biases().size()); }
   /// The errors that it sees: doubt acts on these three.
   virtual ErrorIndex seen() const = 0;
   /// Corrects `state` by a reading (width(),) scalar by scalar.
   virtual void correct(FilterState& state, const double* reading) const = 0;
+  /// Saves or restores the figures that it was made with. Throws InvalidValue.
+  virtual void exchange_figures(StateArchive& archive) = 0;
 
   /// Where its counts and its biases are in the state; set by NavigationFilter.
   int index = 0, first_bias = 0;
@@ -45,7 +50,7 @@ std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen
 /// Depth, (1,) [m, positive down].
 std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias);
 /// The angle of `axis_body` from east, counter-clockwise, (1,) [rad]; `north_rad`: that of magnetic north. `iron_std`:
-/// the vehicle's own field across it, each axis, as a share of the earth's horizontal field.
+/// the vehicle's own field along each body axis, as a share of the earth's horizontal field.
 std::unique_ptr<Aid> heading_aid(const Eigen::Vector3d& axis_body, double std, const BiasModel& bias, double iron_std,
                                  double north_rad);
 /// Position from a station along east, north and up, (3,) [m], with errors along and across the line of sight.

@@ -1,4 +1,5 @@
 #include "uwsim/estimation/aid.h"
+#include "uwsim/estimation/figures.h"
 
 namespace uwsim {
 namespace {
@@ -21,6 +22,12 @@ class DepthAid final : public Aid {
     h.segment<3>(kAttitude) = up_body.cross(lever_);
     h[first_bias] = 1;
     Aid::correct(state, reading[0] - expected, h, variance_);
+  }
+
+  void exchange_figures(StateArchive& archive) override {
+    exchange_numbers(archive, lever_);
+    exchange_not_negative(archive, variance_);
+    exchange_bias(archive, bias_);
   }
 
  private:

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "uwsim/estimation/aid.h"
+#include "uwsim/estimation/figures.h"
 
 namespace uwsim {
 namespace {
@@ -20,6 +21,13 @@ class DopplerAid final : public Aid {
     for (int k = 0; k < width(); ++k) {
       if (std::isfinite(reading[k])) correct_beam(state, k, reading[k]);
     }
+  }
+
+  void exchange_figures(StateArchive& archive) override {
+    exchange_numbers(archive, beams_);
+    exchange_numbers(archive, lever_);
+    exchange_not_negative(archive, variance_);
+    exchange_bias(archive, bias_);
   }
 
  private:

@@ -36,6 +36,17 @@ struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };
 
+/// The IMU as of the state's time, between two samples by interpolation; biases included, body axes of that time.
+struct LastSample {
+  Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero(), force_m_s2 = Eigen::Vector3d::Zero();
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::uint64_t time_ns = kNone;  ///< of the newest sample that the state has reached since it began or coasted
+  /// The change of the rate over the interval before that sample, and the interval's length; 0: not known.
+  Eigen::Vector3d rate_slope_rad_s2 = Eigen::Vector3d::Zero();
+  double slope_s = 0;
+  double guessed_s = 0;  ///< how long the rate before the first sample was taken for that sample's
+};
+
 /// The state of an error-state Kalman filter (Sola 2017, "Quaternion kinematics for the error-state Kalman filter"):
 /// the motion of the IMU's centre, and the covariance of its errors. World ENU; body axes of REP 103. The attitude's
 /// error is local: true attitude = orientation * Exp(error).
@@ -47,13 +58,13 @@ struct FilterState {
   Eigen::Vector3d rate_bias_rad_s = Eigen::Vector3d::Zero(), force_bias_m_s2 = Eigen::Vector3d::Zero();
   ErrorVector aid_bias;  ///< by the index of its error - kAidBias
   ErrorMatrix covariance;
-  Eigen::Vector3d measured_rate_rad_s = Eigen::Vector3d::Zero();  ///< the newest of the gyroscope, body axes
+  LastSample sample;
   std::array<AidCounts, kMaxAids> counts;
   std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and when last
   std::uint64_t restarted_ns = 0;            ///< when it began anew last
 
   int errors() const { return static_cast<int>(covariance.rows()); }
-  Eigen::Vector3d rate_rad_s() const { return measured_rate_rad_s - rate_bias_rad_s; }
+  Eigen::Vector3d rate_rad_s() const { return sample.rate_rad_s - rate_bias_rad_s; }
   /// Moves the error into the state.
   void add(const ErrorVector& error);
 };

@@ -2,13 +2,15 @@
 #include <numbers>
 
 #include "uwsim/estimation/aid.h"
+#include "uwsim/estimation/figures.h"
 
 namespace uwsim {
 namespace {
 
-/// The yaw of a compass's x axis. With the vehicle's own field (i_x, i_y), as a share of the earth's horizontal field,
-/// and the angle a from the compass's x to magnetic north, yaw is measured too small by i_y cos a - i_x sin a (Groves
-/// 2013, ch. 6.1): turning tells it from an error of the attitude.
+/// The yaw of a compass's x axis. With the vehicle's own field i, body axes, as a share of the earth's horizontal
+/// field, and the direction n of magnetic north, yaw is measured too small by (n x R i)_z (Groves 2013, ch. 6.1):
+/// level, turning tells it from an error of the attitude; the field upwards counts as soon as the vehicle rolls or
+/// pitches.
 class HeadingAid final : public Aid {
  public:
   HeadingAid(const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std, double north_rad)
@@ -17,8 +19,9 @@ class HeadingAid final : public Aid {
   int width() const override { return 1; }
   std::vector<BiasModel> biases() const override {
     const BiasModel iron{.turn_on_std = iron_std_};
-    return {bias_, iron, iron};
+    return {bias_, iron, iron, iron};
   }
+  int biases_in_version_1() const override { return 3; }  // the field upwards is missing
   ErrorIndex seen() const override { return kAttitude; }
 
   void correct(FilterState& state, const double* reading) const override {
@@ -27,15 +30,25 @@ class HeadingAid final : public Aid {
     if (level < 1e-4) return;  // it points straight up or down
     // By the expected yaw, not the measured one, whose noise would be in `sees` as it is in the residual: readings at
     // one heading would then tell of a field that is not there.
-    const double yaw = std::atan2(ahead.y(), ahead.x()), north = north_rad_ - yaw;
-    const Eigen::Vector3d sees(1, std::sin(north), -std::cos(north));
-    const double expected = yaw + sees.dot(state.aid_bias.segment<3>(first_bias - kAidBias));
+    const double yaw = std::atan2(ahead.y(), ahead.x());
+    const Eigen::Vector3d east_of_north(std::sin(north_rad_), -std::cos(north_rad_), 0);
+    Eigen::Vector4d sees;
+    sees << 1, state.orientation.conjugate() * east_of_north;
+    const double expected = yaw + sees.dot(state.aid_bias.segment<4>(first_bias - kAidBias));
     ErrorVector h = ErrorVector::Zero(state.errors());
     // d yaw = (a_x da_y - a_y da_x) / level, da = -R [axis]x error.
     const Eigen::Vector3d turned = state.orientation.conjugate() * Eigen::Vector3d(-ahead.y(), ahead.x(), 0);
     h.segment<3>(kAttitude) = axis_.cross(turned) / level;
-    h.segment<3>(first_bias) = sees;
+    h.segment<4>(first_bias) = sees;
     Aid::correct(state, std::remainder(reading[0] - expected, 2 * std::numbers::pi), h, variance_);
+  }
+
+  void exchange_figures(StateArchive& archive) override {
+    exchange_numbers(archive, axis_);
+    exchange_not_negative(archive, variance_);
+    exchange_bias(archive, bias_);
+    exchange_not_negative(archive, iron_std_);
+    archive(north_rad_);
   }
 
  private:

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "uwsim/core/check.h"
+#include "uwsim/estimation/figures.h"
+
 namespace uwsim {
 namespace {
 
@@ -15,6 +18,8 @@ constexpr double kShockTurn_rad = 0.05;
 // A vehicle without an IMU: assumed, of the order of an ROV's manoeuvres.
 constexpr double kCoastForceDensity = 0.3;                 // (m/s)/sqrt(s)
 const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are righted
+
+constexpr double kEven = 1.5;  // ratio up to which two intervals count as even
 
 /// The variance that white noise of a sampled quantity adds to its integral over dt.
 double integrated(double sample_std, double period_s, double least_density, double dt_s) {
@@ -40,6 +45,61 @@ void transport(ErrorMatrix& p, double dt, const Eigen::Matrix3d& velocity_from_a
   p.middleCols<3>(kAttitude) -= dt * p.middleCols<3>(kRateBias);
 }
 
+/// Before the first sample: its angular velocity, and its force along the same axes of the world.
+void guess_before(FilterState& state, const ImuSample& first) {
+  const double ahead_s = seconds_between(state.time_ns, first.time_ns);
+  state.sample.rate_rad_s = first.rate_rad_s;
+  state.sample.force_m_s2 = rotation_by(ahead_s * (first.rate_rad_s - state.rate_bias_rad_s)) * first.force_m_s2;
+}
+
+/// The IMU at `time_ns`, between the state's time and the next sample's.
+ImuSample between(const FilterState& state, const ImuSample& next, std::uint64_t time_ns) {
+  if (time_ns == next.time_ns) return next;
+  const double whole = seconds_between(state.time_ns, next.time_ns), passed = seconds_between(state.time_ns, time_ns);
+  const double share = passed / whole;
+  const Eigen::Vector3d rate = (1 - share) * state.sample.rate_rad_s + share * next.rate_rad_s;
+  const Eigen::Vector3d turning = rate - state.rate_bias_rad_s;
+  const Eigen::Vector3d before = rotation_by(-passed * turning) * state.sample.force_m_s2;
+  const Eigen::Vector3d after = rotation_by((whole - passed) * turning) * next.force_m_s2;
+  return {rate, (1 - share) * before + share * after, time_ns};
+}
+
+/// How the rate's slope up to the next sample differs from a straight line through the last two, integrated over the
+/// part from the state's time to `time_ns`: the parabola through three samples. Not where they are spaced unevenly, as
+/// after a gap, since slopes over short intervals are of noise.
+Eigen::Vector3d bend(const LastSample& last, const Eigen::Vector3d& slope, double whole, double from, double to) {
+  const auto integral = [whole](double t) { return t * t * (t / 3 - whole / 2); };
+  if (last.slope_s == 0 || whole > kEven * last.slope_s || last.slope_s > kEven * whole) return Eigen::Vector3d::Zero();
+  return (slope - last.rate_slope_rad_s2) / (whole + last.slope_s) * (integral(to) - integral(from));
+}
+
+/// The turn from the state's time to that of `now`, on the way to the next sample; keeps what the next turn needs.
+Eigen::Vector3d turned(FilterState& state, const ImuSample& now, const ImuSample& next) {
+  LastSample& last = state.sample;
+  const double dt = seconds_between(state.time_ns, now.time_ns);
+  const Eigen::Vector3d rate = last.rate_rad_s - state.rate_bias_rad_s,
+                        rate_now = now.rate_rad_s - state.rate_bias_rad_s;
+  Eigen::Vector3d turn = 0.5 * dt * (rate + rate_now) + dt * dt / 12 * rate.cross(rate_now);
+  if (last.time_ns == LastSample::kNone) {
+    last.guessed_s += dt;
+  } else {
+    const double whole = seconds_between(last.time_ns, next.time_ns),
+                 from = seconds_between(last.time_ns, state.time_ns);
+    const Eigen::Vector3d slope = (next.rate_rad_s - last.rate_rad_s) / (whole - from);
+    turn += bend(last, slope, whole, from, from + dt);
+    // What the guess before the first sample missed if the rate grew as it does now.
+    if (last.guessed_s > 0 && last.guessed_s <= kEven * whole) turn -= 0.5 * last.guessed_s * last.guessed_s * slope;
+    last.guessed_s = 0;
+    if (now.time_ns == next.time_ns) {
+      last.rate_slope_rad_s2 = slope;
+      last.slope_s = whole;
+    }
+  }
+  if (now.time_ns == next.time_ns) last.time_ns = next.time_ns;
+  last.rate_rad_s = now.rate_rad_s;
+  return turn;
+}
+
 void grow(ErrorMatrix& p, int first, double variance) {
   for (int k = first; k < first + 3; ++k) p(k, k) += variance;
 }
@@ -48,11 +108,11 @@ void grow(ErrorMatrix& p, int first, double variance) {
 
 /// Within a shock the samples say little: the velocity that is left is not known, and the angular velocity changed at
 /// some time between two samples, which as a step at a random time errs by its change times dt / sqrt(12).
-void Inertial::grow_by_shock(FilterState& state, double dt, const ImuSample& sample) const {
+void Inertial::grow_by_shock(FilterState& state, double dt, const ImuSample& next) const {
   constexpr double kReached = 1 - 1e-9;
-  const bool spins = sample.rate_rad_s.norm() >= kReached * imu_.rate_limit;
-  if (!spins && sample.force_m_s2.norm() < kReached * imu_.force_limit) return;
-  const double step = (sample.rate_rad_s - state.measured_rate_rad_s).norm() * dt / std::sqrt(12.0);
+  const bool spins = next.rate_rad_s.norm() >= kReached * imu_.rate_limit;
+  if (!spins && next.force_m_s2.norm() < kReached * imu_.force_limit) return;
+  const double step = (next.rate_rad_s - state.sample.rate_rad_s).norm() * dt / std::sqrt(12.0);
   grow(state.covariance, kVelocity, kShockVelocity_m_s * kShockVelocity_m_s);
   grow(state.covariance, kAttitude, step * step + (spins ? kShockTurn_rad * kShockTurn_rad : 0));
 }
@@ -76,31 +136,51 @@ void Inertial::age_biases(FilterState& state, double dt, const std::vector<BiasM
   }
 }
 
-void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSample& sample,
+void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSample& next,
                        const std::vector<BiasModel>& aid_biases) const {
   const double dt = seconds_between(state.time_ns, time_ns);
-  const Eigen::Vector3d turn =
-      dt * (0.5 * (state.measured_rate_rad_s + sample.rate_rad_s) - state.rate_bias_rad_s);  // mean of both ends
-  const Eigen::Vector3d force = sample.force_m_s2 - state.force_bias_m_s2;
-  const Eigen::Matrix3d midway = (state.orientation * rotation_by(0.5 * turn)).toRotationMatrix();
-  const Eigen::Vector3d gain = dt * (midway * force - Eigen::Vector3d(0, 0, gravity_m_s2_));
+  if (state.sample.time_ns == LastSample::kNone) guess_before(state, next);
+  const ImuSample now = between(state, next, time_ns);
+  grow_by_shock(state, dt, next);
+  const Eigen::Matrix3d before = state.orientation.toRotationMatrix();
+  const Eigen::Vector3d turn = turned(state, now, next);
+  state.orientation = (state.orientation * rotation_by(turn)).normalized();
+  const Eigen::Matrix3d after = state.orientation.toRotationMatrix();
+  // A sample that is a mean is of the middle of its averaging time, so that the later one counts for more.
+  const double share = 0.5 * (1 + imu_.averaging_s / dt);
+  const Eigen::Matrix3d turn_forces = share * after;
+  const Eigen::Matrix3d turn_earlier = (1 - share) * before;
+  const Eigen::Vector3d force_world = turn_earlier * (state.sample.force_m_s2 - state.force_bias_m_s2) +
+                                      turn_forces * (now.force_m_s2 - state.force_bias_m_s2);
+  const Eigen::Vector3d gain = dt * (force_world - Eigen::Vector3d(0, 0, gravity_m_s2_));
   state.position_m += dt * (state.velocity_m_s + 0.5 * gain);
   state.velocity_m_s += gain;
-  state.orientation = (state.orientation * rotation_by(turn)).normalized();
-  grow_by_shock(state, dt, sample);
-  state.measured_rate_rad_s = sample.rate_rad_s;
+  state.sample.force_m_s2 = now.force_m_s2;
   state.time_ns = time_ns;
   ErrorMatrix& p = state.covariance;
-  transport(p, dt, -dt * midway * cross_matrix(force), -dt * midway, rotation_by(-turn).toRotationMatrix());
+  // R [f]x e = [R f]x R e, at both ends with the error e of the attitude at the beginning.
+  transport(p, dt, -dt * cross_matrix(force_world) * before, -dt * (turn_earlier + turn_forces),
+            rotation_by(-turn).toRotationMatrix());
   grow(p, kVelocity, integrated(imu_.force_std, imu_.period_s, kLeastForceDensity, dt));
   grow(p, kAttitude, integrated(imu_.rate_std, imu_.period_s, kLeastRateDensity, dt));
   age_biases(state, dt, aid_biases);
 }
 
+void Inertial::exchange_figures(StateArchive& archive) {
+  for (double* value : {&imu_.rate_std, &imu_.force_std, &imu_.period_s, &imu_.averaging_s, &gravity_m_s2_}) {
+    exchange_not_negative(archive, *value);
+  }
+  exchange_bias(archive, imu_.rate_bias);
+  exchange_bias(archive, imu_.force_bias);
+  exchange_any(archive, imu_.rate_limit);
+  exchange_any(archive, imu_.force_limit);
+  require(imu_.averaging_s <= imu_.period_s, "state.averaging_s", imu_.averaging_s, "must be at most the period");
+}
+
 void Inertial::coast(FilterState& state, std::uint64_t time_ns, const std::vector<BiasModel>& aid_biases) const {
   const double dt = seconds_between(state.time_ns, time_ns);
   state.position_m += dt * state.velocity_m_s;
-  state.measured_rate_rad_s = state.rate_bias_rad_s;
+  state.sample = {.rate_rad_s = state.rate_bias_rad_s};
   state.time_ns = time_ns;
   ErrorMatrix& p = state.covariance;
   transport(p, dt, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity());

@@ -26,6 +26,8 @@ constexpr std::size_t kForgetFrom = 2048;  // events; they are moved down togeth
 NavigationFilter::NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2)
     : inertial_(imu, gravity_m_s2), imu_body_m_(imu_body_m) {
   require(imu.period_s > 0, "imu.period_s", imu.period_s, "must be positive");
+  require(imu.averaging_s >= 0 && imu.averaging_s <= imu.period_s, "imu.averaging_s", imu.averaging_s,
+          "must be from 0 to period_s");
   require(gravity_m_s2 > 0, "gravity_m_s2", gravity_m_s2, "must be positive");
 }
 
@@ -114,6 +116,15 @@ void NavigationFilter::restart() {
 void NavigationFilter::add_imu(std::uint64_t time_ns, const double* rate_and_force) {
   Event event{time_ns, kImu, {}};
   std::copy_n(rate_and_force, 6, event.values);
+  require(!checkpoints_.empty(), "filter", "not started", "start() comes first");
+  FilterState& first = checkpoints_.front().state;
+  if (time_ns == first.time_ns && time_ns == present_.time_ns) {  // where the first interval begins
+    const double* v = event.values;
+    first.sample.rate_rad_s = present_.sample.rate_rad_s = {v[0], v[1], v[2]};
+    first.sample.force_m_s2 = present_.sample.force_m_s2 = {v[3], v[4], v[5]};
+    first.sample.time_ns = present_.sample.time_ns = time_ns;
+    return;
+  }
   insert(event);
 }
 
@@ -185,7 +196,7 @@ void NavigationFilter::advance(const Event& inertial, std::uint64_t time_ns) {
     inertial_.coast(present_, time_ns, aid_biases_);
   } else {
     const double* v = inertial.values;
-    inertial_.advance(present_, time_ns, {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}, aid_biases_);
+    inertial_.advance(present_, time_ns, {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, inertial.time_ns}, aid_biases_);
   }
 }
 

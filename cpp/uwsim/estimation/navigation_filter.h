@@ -30,6 +30,9 @@ struct FilterStart {
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
+  /// Of what save() returns. 2: with the figures of its instruments, the IMU's last sample, and all
+  /// three axes of a compass's hard iron.
+  static constexpr std::uint64_t kVersion = 2;
 
   /// `imu_body_m`: where the IMU is on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
@@ -58,8 +61,8 @@ class NavigationFilter {
 
   /// Everything that the future depends on. A filter with the same aids that restores it continues alike.
   std::string save();
-  /// Throws InvalidValue for bytes that do not fit.
-  void restore(std::string_view bytes);
+  /// Throws InvalidValue for bytes that do not fit, and for an unknown version.
+  void restore(std::string_view bytes, std::uint64_t version = kVersion);
 
  private:
   static constexpr int kImu = -1, kSilence = -2;
@@ -86,7 +89,8 @@ class NavigationFilter {
   void forget();
   void forget_all_but(std::size_t checkpoints_from);
   std::size_t last_before_horizon() const;
-  void exchange(StateArchive& archive);
+  void exchange(StateArchive& archive, std::uint64_t version);
+  void exchange_figures(StateArchive& archive);
 
   Inertial inertial_;
   Eigen::Vector3d imu_body_m_;

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "uwsim/estimation/aid.h"
+#include "uwsim/estimation/figures.h"
 
 namespace uwsim {
 namespace {
@@ -24,6 +25,11 @@ class OrientationAid final : public Aid {
       h[first_bias + k] = 1;
       Aid::correct(state, residual - state.aid_bias[first_bias - kAidBias + k], h, variance_);
     }
+  }
+
+  void exchange_figures(StateArchive& archive) override {
+    exchange_not_negative(archive, variance_);
+    exchange_bias(archive, bias_);
   }
 
  private:

@@ -1,18 +1,22 @@
-#include <bit>
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/estimation/figures.h"
 #include "uwsim/estimation/navigation_filter.h"
 
 namespace uwsim {
 namespace {
 
-template <typename Values>
-void exchange_numbers(StateArchive& archive, Values&& values) {
-  for (Eigen::Index k = 0; k < values.size(); ++k) archive(values.data()[k]);
+void exchange_sample(StateArchive& archive, LastSample& sample) {
+  exchange_numbers(archive, sample.force_m_s2);
+  archive(sample.time_ns);
+  exchange_numbers(archive, sample.rate_slope_rad_s2);
+  archive(sample.slope_s);
+  archive(sample.guessed_s);
 }
 
-void exchange_state(StateArchive& archive, FilterState& state) {
+/// Version 1 has no more of the IMU than its newest angular velocity: the rest begins at the next sample.
+void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t version) {
   archive(state.time_ns);
   exchange_numbers(archive, state.position_m);
   exchange_numbers(archive, state.velocity_m_s);
@@ -21,7 +25,8 @@ void exchange_state(StateArchive& archive, FilterState& state) {
   exchange_numbers(archive, state.force_bias_m_s2);
   exchange_numbers(archive, state.aid_bias);
   exchange_numbers(archive, state.covariance);
-  exchange_numbers(archive, state.measured_rate_rad_s);
+  exchange_numbers(archive, state.sample.rate_rad_s);
+  if (version >= 2) exchange_sample(archive, state.sample);
   for (AidCounts& counts : state.counts) {
     archive(counts.accepted);
     archive(counts.rejected);
@@ -32,13 +37,43 @@ void exchange_state(StateArchive& archive, FilterState& state) {
   archive(state.restarted_ns);
 }
 
+/// Adds error `k`, of which nothing but its variance is known.
+void put_in(FilterState& state, int k, double variance) {
+  const int after = state.errors() - k;
+  const ErrorVector bias = state.aid_bias;
+  const ErrorMatrix p = state.covariance;
+  state.aid_bias.resize(bias.size() + 1);
+  state.aid_bias << bias.head(k - kAidBias), 0, bias.tail(after);
+  state.covariance.setZero(p.rows() + 1, p.rows() + 1);
+  state.covariance.topLeftCorner(k, k) = p.topLeftCorner(k, k);
+  state.covariance.topRightCorner(k, after) = p.topRightCorner(k, after);
+  state.covariance.bottomLeftCorner(after, k) = p.bottomLeftCorner(after, k);
+  state.covariance.bottomRightCorner(after, after) = p.bottomRightCorner(after, after);
+  state.covariance(k, k) = variance;
+}
+
 }  // namespace
 
-void NavigationFilter::exchange(StateArchive& archive) {
-  archive.same("filter's errors", static_cast<std::uint64_t>(kAidBias + aid_biases_.size()));
+void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
+  FilterState& state = checkpoints_.front().state;
+  std::vector<int> lacking;  // the errors that version 1 lacks, in their order
+  for (const auto& aid : aids_) {
+    const int biases = static_cast<int>(aid->biases().size());
+    for (int k = version == 1 ? aid->biases_in_version_1() : biases; k < biases; ++k) {
+      lacking.push_back(aid->first_bias + k);
+    }
+  }
+  if (!lacking.empty()) {
+    const auto errors = state.errors() - static_cast<Eigen::Index>(lacking.size());
+    state.aid_bias.resize(errors - kAidBias);
+    state.covariance.resize(errors, errors);
+  }
+  archive.same("filter's errors", static_cast<std::uint64_t>(state.errors()));
   archive.same("filter's aids", aids_.size());
   archive(too_late_);
-  exchange_state(archive, checkpoints_.front().state);
+  if (version >= 2) exchange_figures(archive);
+  exchange_state(archive, state, version);
+  for (const int k : lacking) put_in(state, k, aid_biases_[static_cast<std::size_t>(k - kAidBias)].variance());
   std::uint64_t count = events_.size();
   archive(count);
   if (archive.restoring()) events_.clear();
@@ -49,12 +84,19 @@ void NavigationFilter::exchange(StateArchive& archive) {
     archive(source);
     require(source < aids_.size() + 2, "state.source", source, "must be that of an aid");
     event.source = static_cast<int>(source) + kSilence;
-    for (double& value : event.values) {
-      auto bits = std::bit_cast<std::uint64_t>(value);  // NaN for a lost beam
-      archive(bits);
-      value = std::bit_cast<double>(bits);
-    }
+    for (double& value : event.values) exchange_any(archive, value);  // NaN for a lost beam
     if (archive.restoring()) events_.push_back(event);
+  }
+}
+
+/// It keeps to the figures that it was made with, whatever those of a filter that restores its state.
+void NavigationFilter::exchange_figures(StateArchive& archive) {
+  inertial_.exchange_figures(archive);
+  aid_biases_.clear();
+  for (const auto& aid : aids_) {
+    aid->exchange_figures(archive);
+    const std::vector<BiasModel> biases = aid->biases();
+    aid_biases_.insert(aid_biases_.end(), biases.begin(), biases.end());
   }
 }
 
@@ -63,14 +105,16 @@ std::string NavigationFilter::save() {
   catch_up();
   forget_all_but(last_before_horizon());
   StateArchive archive;
-  exchange(archive);
+  exchange(archive, kVersion);
   return archive.bytes();
 }
 
-void NavigationFilter::restore(std::string_view bytes) {
+void NavigationFilter::restore(std::string_view bytes, std::uint64_t version) {
+  require(version >= 1 && version <= kVersion, "state.version", version,
+          "must be 1 or 2: another version of uwsim saved it, in a format that this one lacks");
   start({});
   StateArchive archive(bytes);
-  exchange(archive);
+  exchange(archive, version);
   archive.finish();
   present_ = checkpoints_.front().state;
   next_ = changed_ = 0;

@@ -106,12 +106,12 @@ class Compass:
         """See Aid."""
         figures = sensor.spec.parameters
         level_ut = figures["field_ut"][0] * math.cos(math.radians(figures["inclination_deg"][0]))
-        iron_ut = math.hypot(*figures["hard_iron_ut"][:2])
+        iron_ut = math.hypot(*figures["hard_iron_ut"])
         return filter_.add_heading(
             body_from_sensor(sensor).apply([1.0, 0.0, 0.0]),
             white_std(sensor, "heading"),
             bias_model(sensor, "heading"),
-            iron_ut / math.sqrt(2.0) / level_ut,
+            iron_ut / math.sqrt(3.0) / level_ut,
             magnetic_north_rad(sensor),
         )
 

@@ -7,6 +7,7 @@ import json
 import math
 import threading
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +76,7 @@ class Navigator(Sealed):
             force_bias=bias_model(self._imu, "linear_acceleration"),
             rate_limit=limit(self._imu, "angular_velocity"),
             force_limit=limit(self._imu, "linear_acceleration"),
+            averaging_s=getattr(self._imu, "averaging_s", 0.0),
         )
         self._indices = {
             name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
@@ -101,7 +103,8 @@ class Navigator(Sealed):
             velocity_world_m_s=np.asarray(start.velocity_world_m_s, float),
             velocity_std_m_s=start.velocity_std_m_s,
         )
-        self._listen(dict.fromkeys([IMU, *self._aids], now_ns + 1), now_ns)
+        # The IMU's present sample is where its first interval begins.
+        self._listen({**dict.fromkeys(self._aids, now_ns + 1), IMU: now_ns}, now_ns)
 
     def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
         """Take samples from now on. from_ns: of each sensor; imu_ns: until when the filter knows the IMU's."""
@@ -236,12 +239,23 @@ class Navigator(Sealed):
         """Save the state, for `restore`."""
         with self._lock:
             filter_ = base64.b64encode(self._current().save()).decode()
-            return json.dumps({"filter": filter_, "imu_ns": self._imu_ns, "from_ns": self._from_ns})
+            figures = {
+                "silence_ns": self._silence_ns,
+                "gravity_m_s2": self._around.gravity_m_s2,
+                "density_kg_m3": self._around.density_kg_m3,
+            }
+            times = {"imu_ns": self._imu_ns, "from_ns": self._from_ns}
+            return json.dumps({"version": self._filter.save_version, "filter": filter_, **times, "figures": figures})
 
     def restore(self, saved: str) -> None:
         """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
         state = json.loads(saved)
         require_names("from_ns", state["from_ns"], self._from_ns)
         with self._lock:
-            self._filter.restore(base64.b64decode(state["filter"]))
+            self._filter.restore(base64.b64decode(state["filter"]), state.get("version", 1))
+            if figures := state.get("figures"):
+                self._silence_ns = figures["silence_ns"]
+                self._around = replace(
+                    self._around, gravity_m_s2=figures["gravity_m_s2"], density_kg_m3=figures["density_kg_m3"]
+                )
             self._listen(state["from_ns"], state["imu_ns"])

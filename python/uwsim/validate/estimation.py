@@ -41,9 +41,12 @@ def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
     if out is not None:
         _draw(nees, drifts, out / "estimation.png")
-    from uwsim.validate.after_contact import contact_checks  # here, since that builds on this
+    from uwsim.validate.after_contact import contact_checks  # here, since these build on this
+    from uwsim.validate.turning_flights import turning_checks
 
-    return [*consistency_checks(nees), *drop_out_checks(drifts), *contact_checks(sim, seeds)]
+    return [
+        *consistency_checks(nees), *turning_checks(seeds), *drop_out_checks(drifts), *contact_checks(sim, seeds)
+    ]  # fmt: skip
 
 
 def start_navigation(
@@ -88,10 +91,10 @@ def nees_of(error: Array, covariance: Array, part: slice) -> float:
     return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
 
 
-def consistency_checks(nees: Array) -> list[Check]:
-    """Return the checks of NEES, (flights, looks, 1 + PARTS)."""
+def consistency_checks(nees: Array, how: str = "") -> list[Check]:
+    """Return the checks of NEES, (flights, looks, 1 + PARTS). how: they were flown."""
     flights, looks = nees.shape[:2]
-    group = f"NEES of {flights} flights"
+    group = f"NEES of {flights} {how} flights" if how else f"NEES of {flights} flights"
     mean = nees.mean(axis=0)
     low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
     inside = float(np.mean((mean[:, 0] > low) & (mean[:, 0] < high)))
