@@ -64,9 +64,7 @@ class CommandGate:
         self.changed: Callable[[bool], object] = lambda on: None
         self._vehicle = vehicle
         self._halt = halt
-        self._has_warned = False
-        self._has_warned_of_stop = False
-        self._has_warned_of_dock = False
+        self._warned: set[type[Warning]] = set()
 
     def all_stop(self, on: bool) -> None:
         """Set all stop, or release it. Raises ValueError."""
@@ -79,9 +77,9 @@ class CommandGate:
             self.changed(self.all_stopped)
 
     def restore(self, *, all_stopped: bool) -> None:
-        """Continue with or without all stop."""
+        """Continue with or without all stop, and warn again."""
         self.all_stopped = all_stopped
-        self._has_warned_of_stop = False
+        self._warned.clear()
         if all_stopped:
             self.stops += 1
             self.is_driven = False
@@ -103,13 +101,11 @@ class CommandGate:
         self.is_driven = moves and not self.all_stopped
         if self.all_stopped:
             self._halt()
-            if moves and not self._has_warned_of_stop:
-                self._has_warned_of_stop = True
+            if moves and self._warns_first(AllStopWarning):
                 warnings.warn(f"vehicle '{self._vehicle}': {STOPPED}", AllStopWarning, stacklevel=3)
         elif failsafe is not None and failsafe.has_control:
             failsafe.insist()
-            if not self._has_warned:
-                self._has_warned = True
+            if self._warns_first(FailsafeWarning):
                 warnings.warn(
                     f"vehicle '{self._vehicle}': its failsafe steers ({failsafe.state}: {failsafe.cause}): commands "
                     "have no effect before override_failsafe()",
@@ -119,14 +115,19 @@ class CommandGate:
 
     def warn_of_dock(self) -> None:
         """Warn, once, that the vehicle is commanded in its dock."""
-        if not self._has_warned_of_dock:
-            self._has_warned_of_dock = True
+        if self._warns_first(DockedWarning):
             warnings.warn(
                 f"vehicle '{self._vehicle}' is docked: its commands have no effect before release(), undock() or "
                 "place()",
                 DockedWarning,
                 stacklevel=5,
             )
+
+    def _warns_first(self, kind: type[Warning]) -> bool:
+        """Return whether this is the first warning of its kind since the last restore or change of all stop."""
+        is_first = kind not in self._warned
+        self._warned.add(kind)
+        return is_first
 
     def override(self) -> None:
         """Take the vehicle back. Raises ValueError if there is no failsafe."""

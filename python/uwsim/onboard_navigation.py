@@ -34,9 +34,9 @@ def new_navigator(
 
 
 class OnboardNavigation:
-    """One vehicle's Navigator, kept up to date as the simulator runs, and started anew when the vehicle is moved.
+    """One vehicle's Navigator, kept up to date as the simulator runs, and restarted when the vehicle is moved.
 
-    make(start): makes the Navigator. start: what is known now. end_streams: ends those of the vehicle's sensors.
+    make(start): makes the Navigator. start: what is known now.
     """
 
     def __init__(
@@ -99,10 +99,16 @@ class OnboardNavigation:
         """Save the Navigator's state; None if it has not begun."""
         return None if self._navigator is None else self._navigator.save()
 
+    def end(self) -> None:
+        """Be as before it began: the next look starts another Navigator."""
+        self._navigator = None
+        self.due_tick = 0
+        self._journal.detach(self)
+
     def restore(self, saved: str | None) -> None:
-        """Continue from a saved state; without one, start anew. Raises ValueError."""
+        """Continue from a saved state; without one it had not begun. Raises ValueError."""
         if saved is None:
-            self.restart()
+            self.end()
             return
         if self._navigator is None:
             self._navigator = self._make(self._start())

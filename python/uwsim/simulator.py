@@ -288,7 +288,7 @@ class Simulator(Sealed):
         self._shared_scene.restart(scenario)
         self._scenario = scenario
         self.parameters.restart(scenario)
-        self._restore_navigation({})
+        self._resume_vehicles({})
         self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
@@ -337,10 +337,12 @@ class Simulator(Sealed):
                 self.vehicles[name].lamps[lamp].set_silently(on)
         for name, aim in notes["cameras"].items():
             self._shared_scene.heads[name].restore(aim)
-        self._restore_navigation(notes["estimates"])
+        self._resume_vehicles(notes["estimates"])
 
-    def _restore_navigation(self, estimates: dict[str, str]) -> None:
+    def _resume_vehicles(self, estimates: dict[str, str]) -> None:
         for name, rov in self.vehicles.items():
+            commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
+            rov.gate.is_driven = any(commands)
             for sensor in rov.sensors.values():
                 sensor.end_streams()
             rov.navigation.restore(estimates.get(name))

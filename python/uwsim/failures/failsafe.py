@@ -116,6 +116,7 @@ class Failsafe(Sealed):
         self._overridden: set[str] = set()
         self._began = Beginning(0.0, 0.0, 0.0, 0.0, 0.0)
         self._pilot = None
+        self._steered.last = ZERO
         self._alarms = Alarms(self._model, self.figures)
         self._next_look = 0
         self._next_control = NEVER
