@@ -51,7 +51,7 @@ def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEA
             {
                 "name": "gusts",
                 "seed": seed,
-                "water": {"current": gusts},
+                "water": {"density_kg_m3": 1000.0, "current": gusts},
                 "terrain": {"source": "noise", "size_m": [400, 400], "spacing_m": 50, "bed_depth_m": BED_DEPTH_M},
                 "station": {"position_m": list(station_m)},
                 "vehicles": [{"name": "rov", "model": model, "start": {"position_m": list(START_M)}}],
