@@ -123,20 +123,21 @@ void bind_estimation(py::module_& m) {
       "An error-state Kalman filter (Sola 2017) on an IMU and its aids. Readings may come late and in any order: the\n"
       "result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.");
   filter
-      .def(py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
-                       double force_std, const BiasModel& rate_bias, const BiasModel& force_bias, double rate_limit,
-                       double force_limit, double averaging_s) {
-             const ImuErrors imu{rate_std,  force_std,  period_s,   averaging_s,
-                                 rate_bias, force_bias, rate_limit, force_limit};
-             return std::make_unique<NavigationFilter>(imu, imu_body_m, gravity_m_s2);
-           }),
-           py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
-           py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
-           py::arg("rate_limit") = std::numeric_limits<double>::infinity(),
-           py::arg("force_limit") = std::numeric_limits<double>::infinity(), py::arg("averaging_s") = 0.0,
-           "period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,\n"
-           "force_limit: the most that an axis can tell. averaging_s: the time before a sample over which its force is\n"
-           "the mean; 0: that of an instant.")
+      .def(
+          py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
+                      double force_std, const BiasModel& rate_bias, const BiasModel& force_bias, double rate_limit,
+                      double force_limit, double averaging_s) {
+            const ImuErrors imu{rate_std,  force_std,  period_s,   averaging_s,
+                                rate_bias, force_bias, rate_limit, force_limit};
+            return std::make_unique<NavigationFilter>(imu, imu_body_m, gravity_m_s2);
+          }),
+          py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
+          py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
+          py::arg("rate_limit") = std::numeric_limits<double>::infinity(),
+          py::arg("force_limit") = std::numeric_limits<double>::infinity(), py::arg("averaging_s") = 0.0,
+          "period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,\n"
+          "force_limit: the most that an axis can tell. averaging_s: the time before a sample over which its force is\n"
+          "the mean; 0: that of an instant.")
       .def(
           "start",
           [](NavigationFilter& f, std::uint64_t time_ns, const py::object& position_world_m,
