@@ -135,7 +135,8 @@ def test_who_asks_and_does_not_read_is_disconnected(server):
     with connect(server, max_queue=1) as asker, connect(server) as witness:
         assert works(asker) and works(witness)  # both are in the server's list
         asker.send('{"op": "set_level", "level": "error"}')
-        question = json.dumps({"op": "call_service", "service": "/nobody", "args": {}, "id": "x" * 90_000})
+        arguments = {"name": "unknown", "default": "x" * 90_000}  # which is the answer
+        question = json.dumps({"op": "call_service", "service": "/rosapi/get_param", "args": arguments})
         before = len(server.sessions)
         try:
             for _ in range(2000):

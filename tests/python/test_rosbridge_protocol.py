@@ -23,11 +23,11 @@ class Client:
 
     def __init__(self, graph, name="/client", **options):
         self.now_s = 0.0
-        self.given_up = False
+        self.given_up = ""
         self.session = Session(graph, name, clock=lambda: self.now_s, give_up=self.give_up, **options)
 
-    def give_up(self):
-        self.given_up = True
+    def give_up(self, reason):
+        self.given_up = reason
 
     def send(self, op=None, **fields):
         self.session.receive(json.dumps({"op": op, **fields}) if op else fields["frame"])
@@ -271,13 +271,14 @@ def test_a_service_cannot_be_taken_over(pair):
         ('{"op": "subscribe", "topic": "t", "compression": "zip"}', "compression = 'zip': must be one of"),
         ('{"op": "subscribe", "topic": "t", "throttle_rate": -1}', "throttle_rate = -1 ms"),
         ('{"op": "subscribe", "topic": "t", "throttle_rate": NaN}', "throttle_rate = nan"),
-        ('{"op": "subscribe", "topic": "t", "id": {}}', "id = {}: must be a string"),
+        ('{"op": "subscribe", "topic": "t", "id": {}}', "id = dict: must be a string"),
         ('{"op": "fragment", "id": "1", "data": "x", "num": 5, "total": 2}', "fragment.num = 5"),
         ('{"op": "fragment", "id": "1", "data": "x", "num": 0, "total": 1000000000}', "fragment.total"),
         ('{"op": "set_level", "level": "loud"}', "level = 'loud'"),
         ('{"op": "x", "a": ' + "[" * 40 + "]" * 40 + "}", "nested more than 32 deep"),
-        ("[" * 100_000, "not JSON"),
-        ("NaN" + "[" * 100_000, "not JSON"),
+        ("[" * 3000, "not JSON"),
+        ("NaN" + "[" * 3000, "not JSON"),
+        ("[" * 100_000, "100000 lists and objects: must be 20000 at most"),
         (cbor2.dumps([1]), "must be a JSON object, or a CBOR map"),
         (b"\x9b" + b"\xff" * 8, "more items than it has bytes"),
         (b"\x5b" + b"\xff" * 8, "ends too early"),
@@ -285,6 +286,8 @@ def test_a_service_cannot_be_taken_over(pair):
         (b"\xc5\x82\x1b\x7f\xff\xff\xff\xff\xff\xff\xff\x01", "CBOR tag 5"),
         (b"\x81" * 200 + b"\x01", "nested more than 32 deep"),
         (b"\x9f\xff", "indefinite length"),
+        ('{"op": "status", "id": "\\ud800", "a": NaN}', "half a surrogate pair"),
+        ('{"op": "publish", "topic": "t", "a": [' + "NaN," * 60_000 + "1]}", "bytes with NaN or Infinity: must be 200000 at most"),
         (b"\x01\x01", "bytes after its end"),
         (b"\xd8\x55\x43abc", "CBOR"),
         (b"", "ends too early"),
@@ -325,7 +328,7 @@ def test_limits_hold(graph):
     assert "must be 1000 at most" in client.send(frame="x" * 1001).complaint()
     for _ in range(10):
         client.send("call_service", service="none")
-    assert client.given_up and len(client.received()) == 3
+    assert client.given_up == "3 answers wait to be read, which is the most" and client.received() == []
 
 
 def test_who_leaves_leaves_nothing_behind(graph):

@@ -2,6 +2,8 @@
 
 A missing field, or a null one, gets its default; but null for a floating-point number is NaN, as it leaves us. An
 error names the field's path, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
+
+What a list will make is charged to a meter before it is made, and the work is done in slices.
 """
 
 from __future__ import annotations
@@ -16,6 +18,13 @@ from typing import Any
 import cbor2
 import numpy as np
 
+from uwsim.channels.message_cost import (
+    SLICE_NUMBERS,
+    SLICE_OBJECTS,
+    Meter,
+    cost_of,
+    element_cost,
+)
 from uwsim.channels.message_out import (
     BYTES,
     NUMBERS,
@@ -26,7 +35,7 @@ from uwsim.channels.message_out import (
 )
 from uwsim.channels.message_types import TIMES, Field, Kind, Ros, fields, shortened, typestore
 
-Reader = Callable[[Any, str], Any]  # value, path
+Reader = Callable[[Any, str, Meter], Any]  # value, path, what counts
 
 SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # of times, in ROS 1 and elsewhere
 IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's, which nobody reads
@@ -38,12 +47,14 @@ _BIG_ENDIAN = {65: ">u2", 66: ">u4", 67: ">u8", 73: ">i2", 74: ">i4", 75: ">i8",
 _ARRAYS |= {tag: np.dtype(name) for tag, name in _BIG_ENDIAN.items()}
 
 
-def from_plain(name: str, plain: Any, path: str = "msg") -> Any:
+def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = None) -> Any:
     """Return the message of type `name` that plain values describe, in ROS 1's or ROS 2's spelling of fields.
 
-    Raises ValueError, which names path, value and rule.
+    meter: bounds what is made; None: nothing does. Raises ValueError, which names path, value and rule.
     """
-    return _reader(name)(plain, path)
+    meter = Meter() if meter is None else meter
+    meter.charge(cost_of(name), 1, path)
+    return _reader(name)(plain, path, meter)
 
 
 def typed_array(tag: cbor2.CBORTag) -> np.ndarray[Any, np.dtype[Any]]:
@@ -68,7 +79,7 @@ def _reader(name: str) -> Reader:
     ignored = IGNORED.get(name, ())
     wanted = {field.attribute: field.kind for field in fields(name, 2) if field.attribute}
 
-    def read(value: Any, path: str) -> Any:
+    def read(value: Any, path: str, meter: Meter) -> Any:
         if value is None:
             return default_message(name)
         if not isinstance(value, dict):
@@ -78,7 +89,7 @@ def _reader(name: str) -> Reader:
             if key in known:
                 attribute, read_value, field = known[key]
                 if part is not None or (field.kind.length is None and field.kind.base.startswith("float")):
-                    found[attribute] = read_value(part, f"{path}.{key}")
+                    found[attribute] = read_value(part, f"{path}.{key}", meter)
             elif key not in ignored:
                 rule = f"{name} has no such field; it has: {', '.join(wanted) or 'none'}"
                 raise ValueError(f"{path}.{shortened(key)[:40].strip(chr(39))}: {rule}")
@@ -98,21 +109,21 @@ def _value_reader(kind: Kind) -> Reader:
     if kind.length is not None:
         return _array_reader(kind) if kind.base in NUMBERS or kind.base == "bool" else _list_reader(kind)
     if kind.is_message:
-        return lambda value, path: _reader(kind.base)(value, path)
+        return lambda value, path, meter: _reader(kind.base)(value, path, meter)
     return _scalar_reader(kind)
 
 
 def _scalar_reader(kind: Kind) -> Reader:
     base = kind.base
     if base in ("string", "wstring"):
-        return lambda value, path: _read_string(value, path, kind)
+        return lambda value, path, _: _read_string(value, path, kind)
     if base == "bool":
-        return _read_bool
+        return lambda value, path, _: _read_bool(value, path)
     if base.startswith("float"):
-        return lambda value, path: _read_float(value, path, base)
+        return lambda value, path, _: _read_float(value, path, base)
     limits = np.iinfo(numpy_type(base))
     low, high = int(limits.min), int(limits.max)
-    return lambda value, path: _read_int(value, path, base, low, high)
+    return lambda value, path, _: _read_int(value, path, base, low, high)
 
 
 def _read_string(value: Any, path: str, kind: Kind) -> str:
@@ -156,11 +167,20 @@ def _read_int(value: Any, path: str, base: str, low: int, high: int) -> int:
 def _list_reader(kind: Kind) -> Reader:
     read_one = _value_reader(Kind(kind.base, None, 0))
 
-    def read(value: Any, path: str) -> list[Any]:
+    def read(value: Any, path: str, meter: Meter) -> list[Any]:
         if not isinstance(value, list):
             raise ValueError(f"{path} = {shortened(value)}: must be a list ({kind.base}[])")
         _check_length(len(value), path, kind)
-        return [read_one(element, f"{path}[{k}]") for k, element in enumerate(value)]
+        cost = element_cost(kind)
+        if not kind.length:  # a list of fixed length is in its message's cost
+            meter.charge(cost, len(value), path)
+        step = max(1, SLICE_OBJECTS // max(1, cost.objects))
+        found = []
+        for k, element in enumerate(value):
+            if k and k % step == 0:
+                meter.pause()
+            found.append(read_one(element, f"{path}[{k}]", meter))
+        return found
 
     return read
 
@@ -168,11 +188,30 @@ def _list_reader(kind: Kind) -> Reader:
 def _array_reader(kind: Kind) -> Reader:
     element = np.dtype(bool) if kind.base == "bool" else numpy_type(kind.base)
 
-    def read(value: Any, path: str) -> np.ndarray[Any, np.dtype[Any]]:
+    def read(value: Any, path: str, meter: Meter) -> np.ndarray[Any, np.dtype[Any]]:
+        if not kind.length:
+            meter.charge(element_cost(kind), _count(value), path)
+        if isinstance(value, list):
+            _check_length(len(value), path, kind)
+            return from_list(value, path, meter)
         array = _bytes_or_array(value, path, kind)
         if array.ndim != 1:
             raise ValueError(f"{path}: must be a flat list of {kind.base}")
         _check_length(len(array), path, kind)
+        return convert(array, value, path, 0)
+
+    def from_list(value: list[Any], path: str, meter: Meter) -> np.ndarray[Any, np.dtype[Any]]:
+        found = np.zeros(len(value), element)
+        for start in range(0, len(value), SLICE_NUMBERS):
+            if start:
+                meter.pause()
+            part = value[start : start + SLICE_NUMBERS]
+            found[start : start + len(part)] = convert(_numbers(part, kind), part, path, start)
+        return found
+
+    def convert(
+        array: np.ndarray[Any, np.dtype[Any]], value: Any, path: str, start: int
+    ) -> np.ndarray[Any, np.dtype[Any]]:
         if not len(array):
             return np.zeros(0, element)
         if kind.base == "bool":
@@ -182,11 +221,21 @@ def _array_reader(kind: Kind) -> Reader:
         else:
             good = _all_in_range(array, element)
         if not good:
-            raise ValueError(f"{path}{_first_bad(value, kind)}: must be {_rule(element)}, each ({kind.base}[])")
+            wrong = _first_bad(value, kind, start)
+            raise ValueError(f"{path}{wrong}: must be {_rule(element)}, each ({kind.base}[])")
         with np.errstate(over="ignore"):  # beyond a float32 is infinite
             return array.astype(element)
 
     return read
+
+
+def _count(value: Any) -> int:
+    """Return how many numbers a value may hold: of base64 four characters hold three."""
+    if isinstance(value, cbor2.CBORTag):
+        return len(value.value) if isinstance(value.value, bytes) else 0
+    if isinstance(value, np.ndarray):
+        return int(value.size)
+    return len(value) * 3 // 4 if isinstance(value, str) else len(value) if isinstance(value, list | bytes) else 0
 
 
 def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
@@ -201,16 +250,21 @@ def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dty
             raise ValueError(f"{path}: a string of {len(value)} characters: must be base64 ({kind.base}[])") from None
     if isinstance(value, np.ndarray):
         return value
-    if not isinstance(value, list):
-        raise ValueError(f"{path} = {shortened(value)}: must be a list ({kind.base}[])")
-    if kind.base.startswith("float") and None in value:
+    raise ValueError(f"{path} = {shortened(value)}: must be a list ({kind.base}[])")
+
+
+def _numbers(value: list[Any], kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
+    """Return numbers as NumPy chooses to hold them, or an array of strings if not all are numbers."""
+    types = set(map(type, value))
+    if kind.base.startswith("float") and type(None) in types:
         value = [np.nan if v is None else v for v in value]
+        types = types - {type(None)} | {float}
     try:
         # Types are asked before NumPy is, for it would make numbers of true and false.
-        wrong = not {type(v) for v in value} <= ({bool} if kind.base == "bool" else {int, float})
-        return np.array(value if not wrong else ["no numbers"] * len(value))
+        wrong = not types <= ({bool} if kind.base == "bool" else {int, float})
+        return np.array(["no number"] if wrong else value)
     except (ValueError, OverflowError):
-        return np.array(["no numbers"] * len(value))
+        return np.array(["no number"])
 
 
 def _all_in_range(array: np.ndarray[Any, np.dtype[Any]], element: np.dtype[Any]) -> bool:
@@ -230,14 +284,14 @@ def _rule(element: np.dtype[Any]) -> str:
     return f"a whole number in [{limits.min}, {limits.max}]"
 
 
-def _first_bad(value: Any, kind: Kind) -> str:
-    """Return `[index] = value` of the first element that breaks the rule."""
+def _first_bad(value: Any, kind: Kind, start: int) -> str:
+    """Return `[index] = value` of the first element that breaks the rule. start: index of the value's first element."""
     read_one = _scalar_reader(Kind(kind.base, None, 0))
     for k, element in enumerate(value if isinstance(value, list) else ()):
         try:
-            read_one(element, "")
+            read_one(element, "", Meter())
         except ValueError:
-            return f"[{k}] = {shortened(element)}"
+            return f"[{start + k}] = {shortened(element)}"
     return ""
 
 

@@ -192,5 +192,7 @@ def kind_of(description: Any) -> Kind:
 
 def shortened(value: object) -> str:
     """Return a value as an error message shows it."""
+    if isinstance(value, str):
+        value = value[:61]  # what is longer would be written whole before it is cut
     text = repr(value) if isinstance(value, str | int | float | bool | None) else type(value).__name__
     return text if len(text) <= 60 else f"{text[:57]}..."

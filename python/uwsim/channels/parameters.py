@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from uwsim.channels.channel import Service
+from uwsim.channels.message_types import shortened
 from uwsim.live import LiveSimulator
 
 Request = dict[str, Any]
@@ -84,12 +85,12 @@ def _answered(act: Any) -> Request:
 def _text(request: Request, name: str, default: str | None) -> str:
     value = request.get(name, default)
     if not isinstance(value, str):
-        raise ValueError(f"{name} = {value!r:.40}: must be given, as a string")
+        raise ValueError(f"{name} = {shortened(value)}: must be given, as a string")
     return value
 
 
 def _names(request: Request) -> list[Any]:
     names = request.get("names", [])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise ValueError(f"names = {names!r:.40}: must be a list of strings")
+        raise ValueError(f"names = {shortened(names)}: must be a list of strings")
     return names

@@ -9,15 +9,20 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 import cbor2
+import numpy as np
 import orjson
 from PIL import Image
 
+from uwsim.channels.message_cost import held_bytes
 from uwsim.channels.messages import Ros, to_bytes, to_plain
 
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
 Frame = str | bytes
 """A frame of a WebSocket: str as text, bytes as binary."""
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
+LARGE_BYTES = 1 << 16
+"""A message that holds more is encoded off the network's thread, and keeps one encoding at a time."""
+SLICE_NUMBERS = 1 << 16  # of an array, written at once
 
 
 def to_json(operation: dict[str, Any]) -> str:
@@ -31,9 +36,20 @@ def to_json(operation: dict[str, Any]) -> str:
 def _plain(value: Any) -> Any:
     if isinstance(value, bytes):  # of a client's CBOR
         return base64.b64encode(value).decode("ascii")
-    if hasattr(value, "tolist"):  # an array that orjson does not write, such as a big-endian one
+    if isinstance(value, np.ndarray) and not value.dtype.isnative:
+        return value.astype(value.dtype.newbyteorder("="))
+    if hasattr(value, "tolist"):  # what else orjson does not write
         return value.tolist()
     raise TypeError(f"Type is not JSON serializable: {type(value).__name__}")
+
+
+def _in_slices(value: Any) -> Any:
+    """Write an array of a large message, so many numbers at a time: one call may not take long."""
+    if not isinstance(value, np.ndarray) or value.ndim != 1:
+        return orjson.Fragment(orjson.dumps(value, default=_plain, option=JSON_OPTIONS))
+    starts = range(0, max(1, len(value)), SLICE_NUMBERS)
+    slices = (np.ascontiguousarray(value[start : start + SLICE_NUMBERS]) for start in starts)
+    return orjson.Fragment(b"[" + b",".join(orjson.dumps(part, option=JSON_OPTIONS)[1:-1] for part in slices) + b"]")
 
 
 def to_png(text: str) -> str:
@@ -48,15 +64,32 @@ def to_png(text: str) -> str:
 
 
 class Sample:
-    """One message of a topic, and the frames that were made of it. time_ns: when it was received, for cbor-raw."""
+    """One message of a topic, and the frames that were made of it. time_ns: when it was received, for cbor-raw.
 
-    __slots__ = ("_frames", "message", "time_ns")
+    size: bytes that it holds, if they are known. holders: see Account.hold.
+    """
+
+    __slots__ = ("_frames", "_size", "holders", "message", "time_ns")
     builds_up = False
 
-    def __init__(self, message: Any, time_ns: int = 0) -> None:
+    def __init__(self, message: Any, time_ns: int = 0, size: int | None = None) -> None:
         self.message = message
         self.time_ns = time_ns
+        self.holders = 0
+        self._size = size
         self._frames: dict[Any, Any] = {}
+
+    @property
+    def size(self) -> int:
+        """Return about what it holds in memory: the message, and as much again for what is encoded of it."""
+        if self._size is None:
+            self._size = 0 if self.message is None else held_bytes(self.message)
+        return 2 * self._size
+
+    @property
+    def is_large(self) -> bool:
+        """Whether it takes long to encode."""
+        return self.size > LARGE_BYTES
 
     @property
     def is_taken(self) -> bool:
@@ -72,26 +105,35 @@ class Sample:
         key = (topic, ros, compression)
         frame: Frame | None = self._frames.get(key)
         if frame is None:
-            frame = self._frames[key] = self._encode(topic, ros, compression)
+            frame = self._encode(topic, ros, compression)
+            if self.is_large:
+                self._frames.clear()  # each subscriber may spell the topic as nobody else does
+            self._frames[key] = frame
         return frame
 
     def _encode(self, topic: str, ros: Ros, compression: Compression) -> Frame:
         if compression in ("cbor", "cbor-raw"):
             return b"".join((_cbor_head(topic), self._body(ros, compression)))
-        text = f'{{"op":"publish","topic":{to_json_string(topic)},"msg":{self._body(ros, "none")}}}'
+        head = f'{{"op":"publish","topic":{to_json_string(topic)},"msg":'.encode()
+        text = b"".join((head, self._body(ros, "none"), b"}")).decode()
         return to_png(text) if compression == "png" else text
 
-    def _body(self, ros: Ros, compression: Compression) -> Any:
+    def _body(self, ros: Ros, compression: Compression) -> bytes:
         """Encode the message alone: topics have several spellings, such as with a slash and without."""
+        if self.is_large:
+            return self._encode_body(ros, compression)
         key = (ros, compression)
-        body = self._frames.get(key)
+        body: bytes | None = self._frames.get(key)
         if body is None:
             body = self._frames[key] = self._encode_body(ros, compression)
         return body
 
-    def _encode_body(self, ros: Ros, compression: Compression) -> Any:
+    def _encode_body(self, ros: Ros, compression: Compression) -> bytes:
         if compression == "none":
-            return orjson.dumps(to_plain(self.message, ros), option=JSON_OPTIONS).decode()
+            if self.is_large:
+                return orjson.dumps(to_plain(self.message, ros), default=_in_slices)
+            text = orjson.dumps(to_plain(self.message, ros), option=JSON_OPTIONS)
+            return bytes(memoryview(text))  # a copy: orjson's own keeps a buffer that may be ten times as long
         if compression == "cbor":
             return cbor2.dumps(to_plain(self.message, ros, "cbor"))
         secs, nsecs = divmod(self.time_ns, 10**9)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
+from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.channels.message_types import shortened
 
 
 class Fragments:
-    """The messages that one client has begun. They are few and small: see Limits."""
+    """The messages that one client has begun. They are few and small: see Limits. account: of what is kept of them."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, account: Account) -> None:
         self._limits = limits
+        self._account = account
         self._begun: dict[str, list[str | None]] = {}
 
     def add(self, operation: dict[str, Any]) -> str | None:
@@ -21,20 +25,33 @@ class Fragments:
         if not isinstance(identity, str | int) or not isinstance(data, str):
             raise ValueError("fragment: id and data must be strings")
         if not (type(total) is int and 1 <= total <= self._limits.fragments):
-            raise ValueError(f"fragment.total = {total!r:.40}: must be in [1, {self._limits.fragments}]")
+            raise ValueError(f"fragment.total = {shortened(total)}: must be in [1, {self._limits.fragments}]")
         if not (type(number) is int and 0 <= number < total):
-            raise ValueError(f"fragment.num = {number!r:.40}: must be in [0, {total - 1}]")
-        parts = self._begun.pop(str(identity), None)
+            raise ValueError(f"fragment.num = {shortened(number)}: must be in [0, {total - 1}]")
+        key = str(identity)
+        parts = self._forget(key)
         if parts is None or len(parts) != total:
             parts = [None] * total
         parts[number] = data
-        self._begun[str(identity)] = parts  # last: the longest untouched one comes first
         if sum(len(part) for part in parts if part is not None) > self._limits.frame_bytes:
-            del self._begun[str(identity)]
             raise ValueError(f"fragments: more than {self._limits.frame_bytes} bytes in all")
-        if len(self._begun) > self._limits.fragmented_messages:
-            del self._begun[next(iter(self._begun))]
-        if any(part is None for part in parts):
-            return None
-        del self._begun[str(identity)]
-        return "".join(part for part in parts if part is not None)
+        if all(part is not None for part in parts):
+            return "".join(part for part in parts if part is not None)
+        if len(self._begun) >= self._limits.fragmented_messages:
+            self._forget(next(iter(self._begun)))
+        if not self._account.has_room(_size(parts)):
+            raise ValueError("fragments: no room to keep them: too much waits for you, or for all clients")
+        self._account.take(_size(parts))
+        self._begun[key] = parts  # last: the longest untouched one comes first
+        return None
+
+    def _forget(self, key: str) -> list[str | None] | None:
+        parts = self._begun.pop(key, None)
+        if parts is not None:
+            self._account.give(_size(parts))
+        return parts
+
+
+def _size(parts: list[str | None]) -> int:
+    """Return what the parts of a message take."""
+    return sys.getsizeof(parts) + sum(sys.getsizeof(part) for part in parts if part is not None)

@@ -11,7 +11,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from uwsim.bridges.rosbridge.encoding import Sample
-from uwsim.channels.messages import from_plain, resolve, spelled
+from uwsim.bridges.rosbridge.ledger import Account, Ledger
+from uwsim.channels.message_types import shortened
+from uwsim.channels.messages import resolve, spelled
 
 LOGGER = logging.getLogger("uwsim.rosbridge")
 
@@ -25,21 +27,33 @@ Handler = Callable[[Any, Reply, str], None]
 def plain_name(name: object, what: str = "topic") -> str:
     """Return a name without its leading slash, by which "/scan" and "scan" meet. Raises ValueError."""
     if not isinstance(name, str) or not 1 <= len(name) <= 256 or not name.strip("/"):
-        raise ValueError(f"{what} = {name!r:.40}: must be a name")
+        raise ValueError(f"{what} = {shortened(name)}: must be a name")
     if not name.isprintable() or " " in name:
-        raise ValueError(f"{what} = {name!r:.40}: must be a name without spaces")
+        raise ValueError(f"{what} = {shortened(name)}: must be a name without spaces")
     return name.lstrip("/")
 
 
 @dataclass(eq=False)
 class Topic:
-    """One topic. publishers: by owner, whether latched. sinks: of subscribers, by owner and key."""
+    """One topic. publishers: by owner, whether latched. sinks: of subscribers, by owner and key.
+
+    latched: the newest latched message; latched_by: whose it is, and whose account it is kept on.
+    """
 
     name: str
     type: str | None = None
     publishers: dict[str, bool] = field(default_factory=dict)
     sinks: dict[tuple[str, Any], Sink] = field(default_factory=dict)
     latched: Sample | None = None
+    latched_by: tuple[str, Account] | None = None
+
+    def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
+        """Keep a sample for those who come later, instead of the one before. owner: None for this process's own."""
+        if self.latched is not None and self.latched_by is not None:
+            self.latched_by[1].drop(self.latched)
+        self.latched, self.latched_by = sample, owner
+        if sample is not None and owner is not None:
+            owner[1].hold(sample)
 
 
 @dataclass(eq=False)
@@ -57,10 +71,12 @@ class Graph:
 
     on_demand: each is called with a topic's name and whether anybody subscribes to it now, when that changes. on_leave:
     each is called with an owner who has left. on_abandoned: each is called with a topic's name when the last owner who
-    published on it does no longer. silence_s: for how long nothing at all has come from an owner.
+    published on it does no longer. silence_s: for how long nothing at all has come from an owner. ledger: of what is
+    kept for clients.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, ledger: Ledger | None = None) -> None:
+        self.ledger = ledger or Ledger()
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.nodes: dict[str, None] = {}
@@ -76,28 +92,30 @@ class Graph:
         return topic
 
     def unadvertise(self, owner: str, name: str) -> None:
-        """Take an owner from a topic's publishers. What was latched goes with the last of them."""
+        """Take an owner from a topic's publishers. What was latched goes with its owner, or the last who latches."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.publishers.pop(owner, None) is None:
             raise ValueError(f"topic '{name}': you do not advertise it")
-        if not any(topic.publishers.values()):
-            topic.latched = None
+        if not any(topic.publishers.values()) or (topic.latched_by is not None and topic.latched_by[0] == owner):
+            topic.latch(None)
         if not topic.publishers:
             for tell in self.on_abandoned:
                 tell(topic.name)
         self._forget_if_unused(topic)
 
-    def read_message(self, owner: str, name: str, plain: Any) -> tuple[Topic, Any]:
-        """Check what a client wants to publish against the topic's type; return the topic and the message."""
+    def typed_topic(self, name: Any) -> Topic:
+        """Return a topic on which a client wants to publish. Raises ValueError unless its type is known."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.type is None:
             raise ValueError(f"topic '{name}': advertise it first, for its type is not known")
-        return topic, from_plain(topic.type, plain)
+        return topic
 
-    def publish(self, topic: Topic, sample: Sample, latch: bool = False) -> None:
-        """Hand a sample to a topic's subscribers."""
+    def publish(
+        self, topic: Topic, sample: Sample, latch: bool = False, owner: tuple[str, Account] | None = None
+    ) -> None:
+        """Hand a sample to a topic's subscribers. owner: whose it is if it is latched."""
         if latch:
-            topic.latched = sample
+            topic.latch(sample, owner)
         for sink in list(topic.sinks.values()):
             sink(sample)
 

@@ -1,20 +1,37 @@
 """The messages that wait to be sent to one client: answers first, then each subscription's messages, in bounded memory.
 
-A client that does not read loses the oldest messages of its own subscriptions, and nobody else notices. Messages of
-several topics leave in the order in which they came, unless one is throttled.
+A client that does not read loses the oldest messages of its own subscriptions, and nobody else notices; if too many
+bytes wait nevertheless, it is disconnected. Messages of several topics leave in the order in which they came, unless
+one is throttled.
 """
 
 from __future__ import annotations
 
+import sys
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from uwsim.bridges.rosbridge.encoding import Compression, Frame, Sample
+from uwsim.bridges.rosbridge.ledger import Account
+from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.messages import Ros
 
 DEFAULT_QUEUE = 10
 LARGE_QUEUE = 8
+
+
+class Parcel(NamedTuple):
+    """A message that is due, to be encoded as its subscriber wants it: that may take long, and may be done anywhere."""
+
+    sample: Sample
+    topic: str
+    ros: Ros
+    compression: Compression
+
+    def encode(self) -> Frame:
+        """Return the frame."""
+        return self.sample.frame(self.topic, self.ros, self.compression)
 
 
 class Mailbox:
@@ -42,7 +59,9 @@ class Mailbox:
         self.drops_early = throttle_s > 0 and length == 0
         default = 1 if large or self.drops_early else DEFAULT_QUEUE
         longest = min(length, LARGE_QUEUE) if large else length
-        self.samples: deque[tuple[int, Sample]] = deque(maxlen=longest or default)
+        self.longest = longest or default
+        self.samples: deque[tuple[int, Sample]] = deque()
+        self.bytes = 0
         self.next_s = float("-inf")
         self.lost = 0
         self._credit = credit
@@ -58,53 +77,88 @@ class Mailbox:
         """Give credit back."""
         self._unacknowledged = max(0, self._unacknowledged - count)
 
-    def put(self, order: int, sample: Sample, now_s: float) -> None:
-        """Queue a sample; the oldest one gives way."""
+    def put(self, order: int, sample: Sample, now_s: float, account: Account, most_bytes: float) -> None:
+        """Queue a sample; the oldest ones give way if there are too many, or too many bytes."""
         if self.drops_early and now_s < self.next_s and not sample.builds_up:
             return
         if sample.builds_up:
-            self.samples.clear()  # the new one says what they would have said
-        elif len(self.samples) == self.samples.maxlen:
+            self.clear(account)  # the new one says what they would have said
+        while self.samples and (len(self.samples) >= self.longest or self.bytes + sample.size > most_bytes):
             self.lost += 1
+            self._pop(account)
         self.samples.append((order, sample))
+        self.bytes += sample.size
+        account.hold(sample)
 
-    def take(self, now_s: float) -> Frame:
-        """Encode the oldest sample."""
+    def take(self, now_s: float, account: Account) -> Parcel:
+        """Take the oldest sample out."""
         self.next_s = now_s + self.throttle_s
         self._unacknowledged += 1
-        sample, self._cursor = self.samples.popleft()[1].after(self._cursor)
-        return sample.frame(self.topic, self.ros, self.compression)
+        sample, self._cursor = self._pop(account).after(self._cursor)
+        return Parcel(sample, self.topic, self.ros, self.compression)
+
+    def clear(self, account: Account) -> None:
+        """Drop what waits."""
+        while self.samples:
+            self._pop(account)
+
+    def _pop(self, account: Account) -> Sample:
+        sample = self.samples.popleft()[1]
+        self.bytes -= sample.size
+        account.drop(sample)
+        return sample
 
 
 class Outbox:
-    """A client's queues. wake is called when there is something to send, give_up when too many answers wait."""
+    """A client's queues. wake: called when there is something to send. account: of what waits, and of who must go."""
 
-    def __init__(
-        self, replies: int, clock: Callable[[], float], wake: Callable[[], None], give_up: Callable[[], None]
-    ) -> None:
-        self._limit = replies
+    def __init__(self, limits: Limits, account: Account, clock: Callable[[], float], wake: Callable[[], None]) -> None:
+        self._limits = limits
+        self._account = account
         self._clock = clock
         self._replies: deque[Frame] = deque()
         self._mailboxes: dict[Any, Mailbox] = {}
         self._order = 0
         self._wake = wake
-        self._give_up = give_up
+        self._is_shut = False
 
     def reply(self, frame: Frame) -> None:
         """Queue an answer. If too many wait, the client asks on and does not read: it is given up."""
-        if len(self._replies) >= self._limit:
-            self._give_up()
-        else:
-            self._replies.append(frame)
-            self._wake()
+        if self._is_shut:
+            return
+        if len(self._replies) >= self._limits.replies:
+            self._account.give_up(f"{len(self._replies)} answers wait to be read, which is the most")
+            return
+        self._replies.append(frame)
+        self._account.take(sys.getsizeof(frame))
+        if self._account.is_over:
+            self._check_bytes()
+        self._wake()
+
+    def _check_bytes(self) -> None:
+        """Give a client up for which too much waits; a single message may be as large as it is."""
+        waiting = len(self._replies) + sum(len(mailbox.samples) for mailbox in self._mailboxes.values())
+        if waiting > 1:
+            size, most = self._account.bytes / 1e6, self._account.limit / 1e6
+            self._account.give_up(f"{size:.0f} MB wait to be read, of {most:.0f} that may: you read too slowly")
 
     def open(self, key: Any, mailbox: Mailbox) -> None:
         """Add a subscription's queue, or replace it."""
+        self.close(key)
         self._mailboxes[key] = mailbox
 
     def close(self, key: Any) -> None:
         """Drop a subscription's queue with what waits in it."""
-        self._mailboxes.pop(key, None)
+        mailbox = self._mailboxes.pop(key, None)
+        if mailbox is not None:
+            mailbox.clear(self._account)
+
+    def shut(self) -> None:
+        """Drop all that waits, and take nothing more."""
+        self._is_shut = True
+        for key in list(self._mailboxes):
+            self.close(key)
+        self._replies.clear()
 
     def acknowledge(self, key: Any, count: int) -> None:
         """Take note that a subscription's client has dealt with messages."""
@@ -118,7 +172,9 @@ class Outbox:
         mailbox = self._mailboxes.get(key)
         if mailbox is not None:
             self._order += 1
-            mailbox.put(self._order, sample, self._clock())
+            mailbox.put(self._order, sample, self._clock(), self._account, self._limits.mailbox_bytes)
+            if self._account.is_over:
+                self._check_bytes()
             self._wake()
 
     @property
@@ -126,16 +182,23 @@ class Outbox:
         """Messages that gave way to newer ones, of the present subscriptions."""
         return sum(mailbox.lost for mailbox in self._mailboxes.values())
 
-    def take(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame; or None and the seconds until a throttled one is due, None if nothing waits."""
+    def pick(self) -> tuple[Frame | Parcel | None, float | None]:
+        """Return what is to be sent next; or None and the seconds until a throttled message is due, None if never."""
         if self._replies:
-            return self._replies.popleft(), None
+            frame = self._replies.popleft()
+            self._account.give(sys.getsizeof(frame))
+            return frame, None
         now_s = self._clock()
         waiting = [mailbox for mailbox in self._mailboxes.values() if mailbox.samples and not mailbox.is_blocked]
         due = [mailbox for mailbox in waiting if mailbox.next_s <= now_s]
         if due:
-            return min(due, key=_age).take(now_s), None
+            return min(due, key=_age).take(now_s, self._account), None
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
+
+    def take(self) -> tuple[Frame | None, float | None]:
+        """Return the next frame, encoded here and now, as pick does."""
+        found, delay_s = self.pick()
+        return found.encode() if isinstance(found, Parcel) else found, delay_s
 
 
 def _age(mailbox: Mailbox) -> int:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any
 
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.parse import parse_value
 from uwsim.live import LiveSimulator
 from uwsim.parameters import Parameters as SimulatorParameters
 
 MOST = 10_000
 LONGEST = 100_000  # characters of a value's JSON
+VALUE_LIMITS = Limits(frame_bytes=LONGEST)
+MOST_BYTES = 16 << 20  # of all names and values
 
 
 class Parameters:
@@ -22,6 +27,7 @@ class Parameters:
 
     def __init__(self, present: Mapping[str, str], live: Callable[[], LiveSimulator | None] = lambda: None) -> None:
         self._values = dict(present)
+        self._bytes = sum(_size(name, text) for name, text in present.items())
         self._live = live
 
     def names(self) -> list[str]:
@@ -53,20 +59,30 @@ class Parameters:
         if not isinstance(text, str) or len(text) > LONGEST:
             raise ValueError(f"parameter '{name}': the value must be JSON as a string of {LONGEST} characters at most")
         try:
-            value = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise ValueError(f"parameter '{name}': not JSON ({error})") from None
+            value = parse_value(text, VALUE_LIMITS)
+        except ValueError as error:
+            raise ValueError(f"parameter '{name}': {error}") from None
         live = self._live()
         if live is not None and self._in_simulator(name):
             return live.command("set_parameter", name=name.replace("/", "."), value=value)
         if name not in self._values and len(self._values) >= MOST:
             raise ValueError(f"parameter '{name}': there are {MOST}, which is the most")
-        self._values[name] = text
+        grown = self._bytes + _size(name, text) - (_size(name, self._values[name]) if name in self._values else 0)
+        if grown > MOST_BYTES:
+            raise ValueError(f"parameter '{name}': all would have {grown} bytes: must be {MOST_BYTES} at most")
+        self._values[name], self._bytes = text, grown
         return None
 
     def delete(self, name: str) -> None:
         """Remove a parameter of the store. Raises ValueError if there is none."""
         if self._in_simulator(name):
             raise ValueError(f"parameter '{name}': it is the simulator's: reset it with simulation/reset_parameters")
-        if self._values.pop(name, None) is None:
+        text = self._values.pop(name, None)
+        if text is None:
             raise ValueError(f"parameter '{name}': there is none of this name")
+        self._bytes -= _size(name, text)
+
+
+def _size(name: str, text: str) -> int:
+    """Return the bytes that a value takes with its name."""
+    return sys.getsizeof(name) + sys.getsizeof(text)

@@ -3,20 +3,51 @@
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Callable
 from typing import Any
 
 import cbor2
 import orjson
 
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.weigh import walk_cbor, weigh
+from uwsim.channels.message_cost import Meter
 from uwsim.channels.messages import typed_array
 
-TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would also make numbers, patterns and references of other tags
-_ENDS = 0xFF
+SLOW_BYTES = 200_000
+"""Most of a frame with NaN or Infinity, which a decoder five times as slow must read."""
 
 
 def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
-    """Return the object that a frame holds. Raises ValueError in words unless it is one."""
-    value = _from_cbor(frame, nesting) if isinstance(frame, bytes) else _from_json(frame)
+    """Return the object that a frame of a peer that is trusted holds. Raises ValueError in words unless it is one."""
+    if isinstance(frame, bytes):
+        walk_cbor(frame, nesting, math.inf)
+    return _decode(frame, nesting, math.inf)
+
+
+def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
+    """Return the object that a client's frame holds, and what counts on from there. Raises ValueError likewise.
+
+    pause: for the meter.
+    """
+    weight = weigh(frame, limits)
+    meter = Meter(limits.cost_of(len(frame)), weight.bytes, limits.objects, pause)
+    meter.pause()
+    operation = _decode(frame, limits.nesting, SLOW_BYTES, remembers=weight.remembers)
+    meter.pause()
+    return operation, meter
+
+
+def parse_value(text: str, limits: Limits) -> Any:
+    """Return the value of any kind that JSON within a client's string holds. Raises ValueError."""
+    value = _from_json(text, SLOW_BYTES, remembers=weigh(text, limits).remembers)
+    check_nesting(value, limits.nesting)
+    return value
+
+
+def _decode(frame: str | bytes, nesting: int, slow_bytes: float, *, remembers: bool = False) -> dict[str, Any]:
+    value = _from_cbor(frame) if isinstance(frame, bytes) else _from_json(frame, slow_bytes, remembers=remembers)
     if not isinstance(value, dict):
         raise ValueError("frame: must be a JSON object, or a CBOR map")
     # Depth is at most the number of opening brackets: a scan has few, and a thousand numbers that need no look.
@@ -39,20 +70,26 @@ def check_nesting(value: Any, nesting: int) -> None:
     raise ValueError(f"frame: nested more than {nesting} deep")
 
 
-def _from_json(text: str) -> Any:
-    try:
-        return orjson.loads(text)
-    except orjson.JSONDecodeError as error:
-        if "NaN" not in text and "Infinity" not in text:
-            raise ValueError(f"frame: not JSON ({error})") from None
+def _from_json(text: str, slow_bytes: float, *, remembers: bool = False) -> Any:
+    """Decode a text. remembers: with one string for each key, however often it comes, and no tree in between."""
+    if not remembers:
+        try:
+            return orjson.loads(text)
+        except orjson.JSONDecodeError as error:
+            if "NaN" not in text and "Infinity" not in text:
+                raise ValueError(f"frame: not JSON ({error})") from None
+        if len(text) > slow_bytes:
+            raise ValueError(
+                f"frame: {len(text)} bytes with NaN or Infinity: must be {slow_bytes} at most; null is NaN"
+            )
     try:
         return json.loads(text)  # Python's own json writes NaN and Infinity, which JSON lacks: so does roslibpy
     except (ValueError, RecursionError) as error:
         raise ValueError(f"frame: not JSON ({error})") from None
 
 
-def _from_cbor(data: bytes, nesting: int) -> Any:
-    _check_cbor(data, nesting)
+def _from_cbor(data: bytes) -> Any:
+    """Decode what walk_cbor has found good."""
     try:
         return cbor2.loads(data, tag_hook=_array_of)
     except Exception as error:  # cbor2's own, and what typed_array raises inside it
@@ -62,38 +99,3 @@ def _from_cbor(data: bytes, nesting: int) -> Any:
 def _array_of(*arguments: Any) -> Any:
     """Make a tag's array; cbor2 passes the tag last, or first, depending on its version."""
     return typed_array(next(a for a in arguments if isinstance(a, cbor2.CBORTag)))
-
-
-def _check_cbor(data: bytes, nesting: int) -> None:
-    """Walk over the items' heads (RFC 8949, appendix C): lengths fit the data, nesting is bounded, tags are arrays'."""
-    at, size = 0, len(data)
-    open_items = [1]  # items still to come, of the frame and of each container around the present place
-    while open_items:
-        if open_items[-1] == 0:
-            open_items.pop()
-            continue
-        if at >= size:
-            raise ValueError("frame: CBOR that ends too early")
-        open_items[-1] -= 1
-        major, info, at = data[at] >> 5, data[at] & 31, at + 1
-        if info > 27:
-            raise ValueError("frame: CBOR of indefinite length, which is not accepted")
-        width = 1 << (info - 24) if info >= 24 else 0
-        argument = int.from_bytes(data[at : at + width], "big") if width else info
-        at += width
-        if major in (2, 3):
-            at += argument
-        elif major in (4, 5):
-            if argument > size - at:  # an item takes a byte at least
-                raise ValueError("frame: CBOR that announces more items than it has bytes")
-            open_items.append(argument * (2 if major == 5 else 1))
-        elif major == 6:
-            if argument not in TYPED_ARRAYS:
-                raise ValueError(f"frame: CBOR tag {argument}: only typed arrays of RFC 8746 are accepted")
-            open_items.append(1)
-        if at > size:
-            raise ValueError("frame: CBOR that ends too early")
-        if len(open_items) > 2 * nesting + 2:
-            raise ValueError(f"frame: nested more than {nesting} deep")
-    if at != size:
-        raise ValueError("frame: CBOR with bytes after its end")

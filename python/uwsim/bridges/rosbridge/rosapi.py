@@ -8,15 +8,18 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import cache
 from typing import Any, NamedTuple
 
 from uwsim.bridges.rosbridge.graph import Graph, Handler, plain_name
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.type_details import message_details, part_details
-from uwsim.channels.message_types import message_text
+from uwsim.channels.message_types import message_text, shortened
 from uwsim.channels.messages import Ros, resolve, spelled
 
 OWNER = "/rosapi"
+MOST_TEXT = 1 << 20
+"""Characters of all definitions in one answer."""
 STANDARD = {  # std_srvs, which simulators' own services have
     "std_srvs/Empty": ("", ""),
     "std_srvs/SetBool": ("bool data\n", "bool success\nstring message\n"),
@@ -68,7 +71,7 @@ def _reply_done(done: Future[Any], reply: Callable[[bool, Any], None]) -> None:
 def _text(arguments: dict[str, Any], key: str) -> str:
     value = arguments.get(key)
     if not isinstance(value, str):
-        raise ValueError(f"args.{key} = {value!r:.40}: must be a string")
+        raise ValueError(f"args.{key} = {shortened(value)}: must be a string")
     return value
 
 
@@ -168,7 +171,21 @@ def _topics(types: dict[str, str]) -> dict[str, Any]:
 
 
 def _full_texts(types: dict[str, str], ros: Ros) -> list[str]:
-    return [message_text(resolve(type_name)[0], ros) for type_name in types.values()]
+    texts = []
+    room = MOST_TEXT
+    for type_name in types.values():
+        texts.append(_full_text(type_name, ros))
+        room -= len(texts[-1])
+        if room < 0:
+            raise ValueError(
+                f"the definitions of {len(types)} topics have more than {MOST_TEXT} characters: ask by type"
+            )
+    return texts
+
+
+@cache
+def _full_text(type_name: str, ros: Ros) -> str:
+    return message_text(resolve(type_name)[0], ros)
 
 
 def _parameter_queries(parameters: Parameters) -> dict[str, Query]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -14,9 +15,10 @@ from websockets.asyncio.server import ServerConnection
 
 from uwsim.admission import Admission, tls_context
 from uwsim.bridges.listener import STOP_S, Listener, Site, refuse_late
-from uwsim.bridges.rosbridge.connection import Allowance, HeardConnection, converse
+from uwsim.bridges.rosbridge.connection import Desk, HeardConnection, converse
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.guest_node import GuestNode
+from uwsim.bridges.rosbridge.ledger import Ledger
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.rosapi import offer_rosapi
@@ -97,9 +99,11 @@ class RosbridgeServer:
             self.services = services(live.simulator)
         self.sessions: dict[str, Session] = {}
         self._connections: dict[str, HeardConnection] = {}
+        self._going: set[asyncio.Future[None]] = set()
         self._numbers = itertools.count(1)
         self._loop: asyncio.AbstractEventLoop | None = None
         self._node: SimulatorNode | None = None
+        self._pool: ThreadPoolExecutor | None = None
 
     @property
     def port(self) -> int:
@@ -119,6 +123,8 @@ class RosbridgeServer:
     def stop(self) -> None:
         """Close all connections and end the thread."""
         self._listener.stop()
+        if self._pool is not None:  # after the last session, which still works while the listener closes it
+            self._pool.shutdown(wait=False, cancel_futures=True)
 
     def __enter__(self) -> Self:
         return self.start()
@@ -132,9 +138,10 @@ class RosbridgeServer:
     async def _serve(self, listener: Listener, ready: Callable[[], None]) -> None:
         loop = self._loop = asyncio.get_running_loop()
         ros1_typestore(), typestore()  # a third of a second, which the first client should not wait for
-        self.graph = Graph()
+        self.graph = Graph(Ledger(self._limits.total_bytes))
         self.graph.silence_s = lambda name: self._connections[name].silent_s if name in self._connections else 0.0
-        self._work_s = Allowance(self._limits.work_share)
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="uwsim-rosbridge-desk")
+        self._desk = Desk(self._limits, self._pool)
         if self._live is not None:
             self._node = SimulatorNode(self._live, self.channels, self.services, self.graph, loop)
         has_time = self._live is not None or bool(self._guests)
@@ -193,11 +200,16 @@ class RosbridgeServer:
             agent=agent,
             limits=self._limits,
             wake=wakes.set,
-            give_up=connection.transport.abort,  # a closing handshake would wait behind what is not read
+            give_up=lambda reason: self._dismiss(connection, reason),
         )
         self.sessions[name], self._connections[name] = session, connection
         try:
-            await converse(connection, session, wakes, self._limits, self._work_s)
+            await converse(connection, session, wakes, self._limits, self._desk)
         finally:
             del self.sessions[name], self._connections[name]
             session.close()
+
+    def _dismiss(self, connection: HeardConnection, reason: str) -> None:
+        task = asyncio.ensure_future(connection.dismiss(reason))
+        self._going.add(task)
+        task.add_done_callback(self._going.discard)

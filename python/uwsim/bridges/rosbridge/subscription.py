@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, get_args
 from uwsim.bridges.rosbridge.encoding import Compression
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.outbox import Mailbox
-from uwsim.channels.message_types import NEWEST_ONLY
+from uwsim.channels.message_types import NEWEST_ONLY, shortened
 from uwsim.channels.messages import Ros
 
 COMPRESSIONS: tuple[str, ...] = get_args(Compression)
@@ -36,14 +36,14 @@ def read_options(operation: dict[str, Any], limits: Limits) -> Options:
     length = operation.get("queue_length") or 0
     compression: Any = operation.get("compression") or "none"
     if not _is_number(throttle_ms) or not 0 <= throttle_ms <= 1e9:
-        raise ValueError(f"throttle_rate = {throttle_ms!r:.40} ms: must be in [0, 1e9]")
+        raise ValueError(f"throttle_rate = {shortened(throttle_ms)} ms: must be in [0, 1e9]")
     if not _is_number(length) or length < 0:
-        raise ValueError(f"queue_length = {length!r:.40}: must not be negative")
+        raise ValueError(f"queue_length = {shortened(length)}: must not be negative")
     if compression not in COMPRESSIONS:
-        raise ValueError(f"compression = {compression!r:.40}: must be one of {', '.join(COMPRESSIONS)}")
+        raise ValueError(f"compression = {shortened(compression)}: must be one of {', '.join(COMPRESSIONS)}")
     credit = operation.get("credit")
     if credit is not None and (type(credit) is not int or not 1 <= credit <= CREDIT_MAX):
-        raise ValueError(f"credit = {credit!r:.40}: must be in [1, {CREDIT_MAX}]")
+        raise ValueError(f"credit = {shortened(credit)}: must be in [1, {CREDIT_MAX}]")
     return Options(throttle_ms / 1000.0, int(min(length, limits.queue_length)), compression, credit)
 
 

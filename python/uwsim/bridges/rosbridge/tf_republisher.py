@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply, Topic
+from uwsim.channels.message_types import shortened
 from uwsim.channels.messages import default_message, to_plain
 
 OWNER = "/tf2_web_republisher"
@@ -29,6 +30,7 @@ ACTIVE = 1  # actionlib_msgs/GoalStatus
 MOST = 100  # requests at a time
 MOST_FRAMES = 1000
 FRAMES_DEEP = 64
+LONGEST_NAME = 256  # of a frame or a goal; what has a longer one is left out, or refused
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class TfRepublisher:
     def __init__(self, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._graph = graph
         self._loop = loop
-        self._parents: dict[str, tuple[str, Transform]] = {}
+        self._parents: dict[str, tuple[str, Any]] = {}  # and the stamped transform, made when it is asked for
         self._requests: list[Request] = []
         self._numbers = itertools.count()
         graph.nodes[OWNER] = None
@@ -115,14 +117,17 @@ class TfRepublisher:
 
     def _learn(self, sample: Sample) -> None:
         for stamped in sample.message.transforms:
-            moved, turned = stamped.transform.translation, stamped.transform.rotation
-            quaternion = np.array([turned.x, turned.y, turned.z, turned.w])
-            length = float(np.linalg.norm(quaternion))
-            child = stamped.child_frame_id.lstrip("/")
-            if not 0.5 < length < 2.0 or (len(self._parents) >= MOST_FRAMES and child not in self._parents):
-                continue  # no rotation
-            transform = Transform(np.array([moved.x, moved.y, moved.z]), Rotation.from_quat(quaternion), stamped.header)
-            self._parents[child] = stamped.header.frame_id.lstrip("/"), transform
+            child, parent = stamped.child_frame_id.lstrip("/"), stamped.header.frame_id.lstrip("/")
+            is_new = child not in self._parents
+            if (
+                len(child) > LONGEST_NAME
+                or len(parent) > LONGEST_NAME
+                or (is_new and len(self._parents) >= MOST_FRAMES)
+            ):
+                continue
+            turned = stamped.transform.rotation
+            if 0.25 < turned.x**2 + turned.y**2 + turned.z**2 + turned.w**2 < 4.0:  # else it is no rotation
+                self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
         """Say what has changed, then be due again; end when nobody has listened for long."""
@@ -176,12 +181,18 @@ class TfRepublisher:
         found = {frame: IDENTITY}
         ancestor, transform = frame, IDENTITY
         while ancestor in self._parents and len(found) < FRAMES_DEEP:
-            ancestor, step = self._parents[ancestor]
+            ancestor, stamped = self._parents[ancestor]
             if ancestor in found:
                 break  # a loop
-            transform = step * transform
+            transform = _transform(stamped) * transform
             found[ancestor] = transform
         return found
+
+
+def _transform(stamped: Any) -> Transform:
+    moved, turned = stamped.transform.translation, stamped.transform.rotation
+    rotation = Rotation.from_quat([turned.x, turned.y, turned.z, turned.w])
+    return Transform(np.array([moved.x, moved.y, moved.z]), rotation, stamped.header)
 
 
 def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
@@ -198,6 +209,9 @@ def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
         raise ValueError("args.source_frames: must be a list of 100 frames at most")
     if not isinstance(target, str):
         raise ValueError("args.target_frame: must be a frame")
+    longest = max(len(name) for name in (*frames, target, goal_id))
+    if longest > LONGEST_NAME:
+        raise ValueError(f"args: a name of {longest} characters: must have {LONGEST_NAME} at most")
     timeout = arguments.get("timeout")
     patience_s = 2.0
     if isinstance(timeout, dict):
@@ -218,7 +232,7 @@ def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
 def _number(values: dict[str, Any], key: str, default: float) -> float:
     value = values.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"args.{key} = {value!r:.40}: must be a number")
+        raise ValueError(f"args.{key} = {shortened(value)}: must be a number")
     return float(value)
 
 

@@ -1,0 +1,187 @@
+"""What a client's frame will cost once it is decoded, from a scan of its characters or of its items' heads.
+
+A list of nothing is two characters, or one byte, and seventy in memory. So the scan comes first: what holds too many
+objects, or would take too many times its own size, is refused before anything is made of it.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.channels.message_cost import NUMBER_BYTES, SLOT_BYTES, STRING_BYTES
+
+CONTAINER_BYTES = 184  # of an object with up to five members, the garbage collector's share included
+MEMBER_BYTES = 48  # of an object beyond that
+KEY_BYTES = 176  # of a key that the decoder remembers
+NODE_BYTES = 16  # of the tree that orjson makes first; it asks for twelve times the text, and uses that much a value
+KEY_ENDS = 8  # characters at either end, by which keys are told apart
+ITEMS_PER_OBJECT = 5  # of CBOR, whose walk takes a microsecond an item
+SLOW_VALUES = 200_000  # for a decoder that takes 80 ns for each
+TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would also make numbers, patterns and references of other tags
+
+
+class Load(NamedTuple):
+    """What a frame holds. values: elements and members. strings: values, and keys of which each is a string anew.
+
+    keys: those that are remembered. nodes: what a tree of the text has, if there is one.
+    """
+
+    containers: int
+    strings: int
+    members: int
+    values: int
+    keys: int = 0
+    nodes: int = 0
+
+    def decoded_bytes(self, frame: str | bytes) -> int:
+        """Return an upper bound of the memory that the frame takes, with what is made of it."""
+        texts = (2 if isinstance(frame, bytes) or frame.isascii() else 3) * sys.getsizeof(frame)
+        own = CONTAINER_BYTES * self.containers + STRING_BYTES * self.strings + KEY_BYTES * self.keys
+        many = MEMBER_BYTES * max(0, self.members - 5 * self.containers)
+        numbers = max(0, self.values - self.containers - self.strings)
+        if isinstance(frame, str):  # Python has small numbers once, and others have three characters at least
+            numbers = min(numbers, max(0, (len(frame) - 2 * numbers) // 2))
+        return texts + own + many + SLOT_BYTES * self.values + NUMBER_BYTES * numbers
+
+
+class Weight(NamedTuple):
+    """What a frame takes once it is decoded, at most. remembers: whether only if the decoder makes each key once."""
+
+    bytes: int
+    remembers: bool
+
+
+def weigh(frame: str | bytes, limits: Limits) -> Weight:
+    """Return what a frame will take. Raises ValueError if that is too much for its size.
+
+    CBOR is checked on the way: lengths fit the data, nesting is bounded, tags are arrays'.
+    """
+    allowed, remembers = limits.cost_of(len(frame)), False
+    if isinstance(frame, bytes):
+        load = walk_cbor(frame, limits.nesting, limits.objects)
+    else:
+        load = _quick_load(frame)
+        remembers = _is_too_much(load, frame, limits)
+        if remembers:
+            load = exact_load(frame)
+            if load.containers <= limits.objects and load.values > SLOW_VALUES:
+                raise ValueError(f"frame: {load.values} values in many objects: must be {SLOW_VALUES} at most")
+    if load.containers > limits.objects:
+        raise ValueError(f"frame: {load.containers} lists and objects: must be {limits.objects} at most")
+    if load.strings > limits.strings:
+        raise ValueError(f"frame: {load.strings} strings: must be {limits.strings} at most")
+    needed = load.decoded_bytes(frame)
+    if _is_too_much(load, frame, limits):
+        rule = f"must take {allowed / 1e6:.1f} MB of memory at most"
+        raise ValueError(f"frame: takes {needed / 1e6:.1f} MB decoded: one of {len(frame)} bytes {rule}")
+    return Weight(needed, remembers)
+
+
+def _is_too_much(load: Load, frame: str | bytes, limits: Limits) -> bool:
+    needed = load.decoded_bytes(frame) + NODE_BYTES * load.nodes
+    too_many = load.containers > limits.objects or load.strings > limits.strings
+    return too_many or needed > limits.cost_of(len(frame))
+
+
+def _quick_load(text: str) -> Load:
+    """Return an upper bound: characters within strings are counted, too, and all keys as if each were a string anew."""
+    containers = text.count("{") + text.count("[")
+    commas, colons, quotes = text.count(","), text.count(":"), text.count('"')
+    values = commas + containers + 1
+    # Where a key is taken for a string value there is a value more: it must not hide a number.
+    return Load(containers, quotes // 2, colons, values + quotes // 2, nodes=values + quotes // 2)
+
+
+def exact_load(text: str) -> Load:
+    """Return what a JSON text holds, characters within its strings left out."""
+    data = np.frombuffer(text.encode(errors="replace"), np.uint8)
+    quotes = _quotes(data)
+    bounds = np.flatnonzero(quotes)
+    outside = np.cumsum(quotes, dtype=np.uint8) & 1 == 0
+    containers = int((((data == ord("{")) | (data == ord("["))) & outside).sum())
+    commas = int(((data == ord(",")) & outside).sum())
+    colons = np.flatnonzero((data == ord(":")) & outside)
+    strings = max(0, len(bounds) // 2 - len(colons))
+    keys = _distinct_keys(data, bounds, colons)
+    return Load(containers, strings, len(colons), commas + containers + 1, keys)
+
+
+def _quotes(data: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return where strings begin and end: at quotation marks after an even number of backslashes."""
+    quotes: np.ndarray[tuple[int], np.dtype[np.bool_]] = data == ord('"')
+    strokes = data == ord("\\")
+    if strokes.any():
+        places = np.flatnonzero(strokes)
+        first = np.r_[True, np.diff(places) > 1]
+        run_starts = places[first]
+        run_lengths = np.diff(np.r_[np.flatnonzero(first), len(places)])
+        after = (run_starts + run_lengths)[run_lengths % 2 == 1]
+        quotes[after[after < len(data)]] = False
+    return quotes
+
+
+def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
+    """Return how many keys differ in length, or at either end: to differ only between, they must be long."""
+    closing = np.searchsorted(bounds, colons) - 1
+    closing = closing[closing >= 1]
+    starts, ends = bounds[closing - 1] + 1, bounds[closing]
+    signs = (ends - starts).astype(np.uint64)
+    for k in range(KEY_ENDS):
+        for place in (starts + k, ends - 1 - k):
+            signs = signs * np.uint64(0x9E3779B97F4A7C15) + np.where(
+                (place >= starts) & (place < ends), data[np.clip(place, 0, len(data) - 1)], 0
+            ).astype(np.uint64)
+    return len(np.unique(signs))
+
+
+def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
+    """Walk over the items' heads (RFC 8949, appendix C): lengths fit the data, nesting is bounded, tags are arrays'.
+
+    Ends with a ValueError as soon as there are more lists and maps than `objects`, or five times as many items.
+    """
+    at, size = 0, len(data)
+    containers = strings = members = items = 0
+    open_items = [1]  # items still to come, of the frame and of each container around the present place
+    while open_items:
+        if open_items[-1] == 0:
+            open_items.pop()
+            continue
+        if at >= size:
+            raise ValueError("frame: CBOR that ends too early")
+        open_items[-1] -= 1
+        items += 1
+        major, info, at = data[at] >> 5, data[at] & 31, at + 1
+        if info > 27:
+            raise ValueError("frame: CBOR of indefinite length, which is not accepted")
+        width = 1 << (info - 24) if info >= 24 else 0
+        argument = int.from_bytes(data[at : at + width], "big") if width else info
+        at += width
+        if major in (2, 3):
+            at += argument
+            strings += 1
+        elif major in (4, 5):
+            if argument > size - at:  # an item takes a byte at least
+                raise ValueError("frame: CBOR that announces more items than it has bytes")
+            containers += 1
+            count = argument * (2 if major == 5 else 1)
+            members += argument if major == 5 else 0
+            if containers > objects or items + count > ITEMS_PER_OBJECT * objects:
+                most = ITEMS_PER_OBJECT * objects
+                raise ValueError(f"frame: CBOR of more than {objects} lists, maps and arrays, or {most} items")
+            open_items.append(count)
+        elif major == 6:
+            if argument not in TYPED_ARRAYS:
+                raise ValueError(f"frame: CBOR tag {argument}: only typed arrays of RFC 8746 are accepted")
+            containers += 1  # an array takes as much
+            open_items.append(1)
+        if at > size:
+            raise ValueError("frame: CBOR that ends too early")
+        if len(open_items) > 2 * nesting + 2:
+            raise ValueError(f"frame: nested more than {nesting} deep")
+    if at != size:
+        raise ValueError("frame: CBOR with bytes after its end")
+    return Load(containers, strings, members, items)
