@@ -3,6 +3,7 @@
 import gc
 import json
 import logging
+import socket
 import time
 import weakref
 
@@ -257,3 +258,28 @@ def test_a_slow_reader_is_told_why_it_must_go(caplog):
             if closed.value.rcvd is not None:  # not where the connection had to be cut
                 assert closed.value.rcvd.code == 1008 and "you read too slowly" in closed.value.rcvd.reason
         wait(lambda: len(server.sessions) == 1 and server.graph.ledger.bytes == 0)
+
+
+def test_a_message_in_very_many_frames_is_refused():
+    """Each frame of a message is an object, even an empty one."""
+    with RosbridgeServer(None) as server, websocket(server.url) as client:
+        with pytest.raises(ConnectionClosed) as closed:
+            client.send("" for _ in range(5000))
+            client.recv(10.0)
+        assert closed.value.rcvd is not None and "more than 1000 frames" in closed.value.rcvd.reason
+
+
+def test_pongs_that_nobody_reads_are_bounded():
+    handshake = (
+        "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+    )
+    ping = b"\x89\xfd" + bytes(4) + b"x" * 125
+    with RosbridgeServer(None) as server, socket.create_connection(("127.0.0.1", server.port)) as client:
+        client.settimeout(60.0)
+        client.sendall(handshake.encode())
+        wait(lambda: len(server.sessions) == 1)
+        with pytest.raises(ConnectionError):
+            for _ in range(400):
+                client.sendall(ping * 1000)
+        wait(lambda: not server.sessions)
