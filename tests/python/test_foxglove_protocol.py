@@ -204,6 +204,18 @@ def test_a_message_is_bounded_before_it_is_read(server: FoxgloveServer) -> None:
     assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009  # too big
 
 
+def test_a_command_of_many_messages_is_refused_before_they_are_made(live: LiveSimulator) -> None:
+    kind, heard = "std_msgs/msg/Float64MultiArray", list[object]()
+    numbers = Channel("numbers", kind, "in", "numbers", apply=lambda live, message: heard.append(message))
+    with FoxgloveServer(live, [numbers], port=0) as server:
+        client = Plain(server.url)
+        advertised = {"id": 1, "topic": "/numbers", "encoding": "json", "schemaName": kind}
+        client.send({"op": "advertise", "channels": [advertised]})
+        dimensions = b'{"layout":{"dim":[' + b",".join([b"{}"] * 5000) + b"]}}"
+        client.send(struct.pack("<BI", protocol.PUBLISH, 1) + dimensions)
+        assert "a message of more than 500 messages" in client.next("status")["message"] and not heard
+
+
 def test_a_frame_of_mistakes_is_answered_in_brief() -> None:
     box, unknown = (
         Outbox(Room(), lambda: None, lambda reason: None),

@@ -28,6 +28,7 @@ from uwsim.bridges.listener import Listener, refuse_late
 from uwsim.bridges.rosbridge.connection import Allowance
 from uwsim.channels import Channel, Service, keep_up, require_live
 from uwsim.channels.feed import Feed, Readings
+from uwsim.channels.message_cost import Meter
 from uwsim.channels.messages import from_bytes, from_plain
 from uwsim.channels.outgoing import Outgoing
 from uwsim.live import LiveSimulator
@@ -35,6 +36,7 @@ from uwsim.live import LiveSimulator
 PORT = 8765  # the app's default
 CLIENTS_MAX = 32
 FRAME_BYTES_MAX = 1 << 18
+COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # what a command in JSON may take, and messages within it
 TIME_S = 0.05  # simulated, between two tellings of the time
 WORK_SHARE = 0.3  # of a core, for the frames of all clients together
 DROP_S = 2.0  # in which a client that is given up may still read why
@@ -84,7 +86,7 @@ class FoxgloveServer:
             main=self._serve,
             subprotocols=[Subprotocol(name) for name in protocol.SUBPROTOCOLS],
             max_size=FRAME_BYTES_MAX,
-            max_queue=4,
+            max_queue=0,  # one frame waits
             ping_timeout=40,
         )
         self._feed = feed or Feed(require_live(live))
@@ -152,9 +154,11 @@ class FoxgloveServer:
 
     def apply(self, channel: Channel, encoding: str, data: bytes) -> None:
         """Give a command. Raises ValueError, RuntimeError."""
-        message = (
-            from_bytes(data, channel.type) if encoding == "cdr" else from_plain(channel.type, protocol.read_json(data))
-        )
+        if encoding == "cdr":
+            message = from_bytes(data, channel.type)
+        else:  # two characters can ask for a message of a kilobyte
+            meter = Meter(COST_BYTES, objects=OBJECTS_MAX)
+            message = from_plain(channel.type, protocol.read_json(data), meter=meter)
         channel.apply(require_live(self._live), message)
 
     def leave(self, channel: Channel) -> None:

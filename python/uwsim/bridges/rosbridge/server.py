@@ -86,7 +86,7 @@ class RosbridgeServer:
             main=self._serve,
             site=site,
             max_size=self._limits.frame_bytes,
-            max_queue=4,
+            max_queue=0,  # one frame waits, of many clients together 2 MiB each
             create_connection=HeardConnection,
             ping_interval=PING_S if guests else 20,
             ping_timeout=PONG_S if guests else 40,
