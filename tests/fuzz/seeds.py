@@ -68,7 +68,6 @@ worst: 3
 TRACK = b"time_s,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad\n0,1,2,-3,0.1,0,0\n0.5,1.5,2,-3,0.2,0,0.01\n"
 COMMANDS: dict[str, dict[str, Any]] = {
     "override_failsafe": {"vehicle": "rov"},
-    "all_stop": {"vehicle": "rov", "on": True},
     "set_effort": {"vehicle": "rov", "surge": 0.5, "yaw": -0.2},
     "set_wrench": {"vehicle": "rov", "force_body_n": [10.0, 0.0, 0.0]},
     "set_thrusters": {"vehicle": "rov", "commands": {}},
@@ -95,6 +94,7 @@ COMMANDS: dict[str, dict[str, Any]] = {
     "reset": {"seed": 3},
     "undock": {"vehicle": "rov"},
     "release": {"vehicle": "rov"},
+    "all_stop": {"vehicle": "rov", "on": True},
 }
 FRAMES = (
     {"op": "advertise", "topic": "/t", "type": "std_msgs/String", "latch": True},

@@ -22,6 +22,7 @@ SOUND: dict[str, Any] = {
 }
 OPEN_WATER: dict[str, Any] = {
     "name": "open_water",
+    "water": {"density_kg_m3": 1000},  # as check_part assumes for a vehicle alone
     "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 2, "bed_depth_m": 60},
 }
 
