@@ -76,7 +76,7 @@ def test_a_method_of_another_kind_is_refused(tmp_path: Path) -> None:
         ("kind: forward_looking, field_of_view_deg: wide", "field_of_view_deg = 'wide': must be a number"),
         ("kind: forward_looking, frequency_hz: -5", r"frequency_hz = -5.*: must be in"),
         ("kind: single_beam, strengths_db: 3", "strengths_db = 3: must be a strength in dB for each surface"),
-        ("kind: single_beam, figures: {wings: 2}", "figures.wings: unknown figure of a single_beam"),
+        ("kind: single_beam, figures: {wings: 2}", "figures.wings: unknown parameter of a single_beam"),
         ("kind: single_beam, figures: {looks: 17}", r"looks = 17: must be in \[0, 16\]"),
         ("kind: single_beam, position_m: [0, 0]", "position_m"),
     ],

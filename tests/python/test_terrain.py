@@ -173,7 +173,7 @@ def test_complex_numbers_are_refused_as_elevations(kind: str, tmp_path: Path) ->
 
 def test_a_raster_must_be_placed_and_large_enough(tmp_path: Path) -> None:
     Image.fromarray(GRID.astype(np.uint8)).save(tmp_path / "plain.tif")
-    with pytest.raises(ScenarioError, match="does not say where and how large its cells are"):
+    with pytest.raises(ScenarioError, match="has no position or size of its cells"):
         build_terrain(raster(tmp_path / "plain.tif"))
     with pytest.raises(ScenarioError, match="reaches beyond the raster: choose a smaller size_m"):
         build_terrain(raster(write_asc(tmp_path / "a.asc", GRID), size_m=[500, 100]))

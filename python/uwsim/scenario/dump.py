@@ -1,8 +1,8 @@
-"""A scenario as plain values and as a YAML file, from which an equal one is read.
+"""A scenario as plain values and as a YAML file, which reads back as an equal scenario.
 
-Only what was given is written, since the presence of a key may have a meaning that its value has not: a loop of an axis
-that nothing drives is refused (`control.sway`), so is a density beside `water.profile`, and each figure of
-`sonar.noise` takes the place of the model's.
+Only given values are written, since giving a key may matter even if its value is the default: gains of an axis without
+actuators are refused (`control.sway`), as is a density beside `water.profile`, and each value of `sonar.noise`
+overrides the model's.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def plain(value: Any) -> Any:
 
 
 def write_scenario(path: Path, scenario: Scenario) -> None:
-    """Write a scenario as a YAML file that stands by itself, apart from meshes and rasters. Raises OSError."""
+    """Write a scenario as one YAML file, complete apart from meshes and rasters. Raises OSError."""
     text = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None  # lists of numbers in one line

@@ -1,4 +1,4 @@
-"""Fingerprints of a scenario, with every file that it names, and of this build: a saved state belongs to both."""
+"""Fingerprints of a scenario, including every file that it names, and of this build: a saved state needs both."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 ONCE_BY_DEFAULT = {(Water, "density_kg_m3"): 1000.0} | {
     (kind, "salinity_psu"): 0.0 for kind in (Water, WaterLevel, LinearEnd)
 }
-"""Defaults of the first version where a value follows from others now: water that has them is still the same."""
+"""The first version's defaults of values that are now derived from others: water with these values is unchanged."""
 
 
 def scenario_fingerprint(scenario: Scenario) -> str:
-    """Digest all of the scenario, its seed and the content of its files included, to 16 hexadecimal digits.
+    """Return a digest of the scenario, including its seed and its files' contents: 16 hexadecimal digits.
 
-    A field that has its default is left out, so that a field that is new in this version changes no fingerprint.
-    Raises OSError if a file that the scenario names is gone.
+    A field with its default value is left out, so that fields added in new versions change no fingerprint. Raises
+    OSError if a file that the scenario names is gone.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
@@ -40,7 +40,7 @@ class BuildWarning(UserWarning):
 
 @functools.cache
 def build_fingerprint() -> str:
-    """Digest the native module, which computes the steps, to 16 hexadecimal digits."""
+    """Return a digest of the native module, which computes the steps: 16 hexadecimal digits."""
     return _digest(Path(_core.__file__).read_bytes())
 
 
@@ -48,7 +48,7 @@ def warn_of_other_build(what: str, build: str) -> None:
     """Warn if a file was saved by another build."""
     if build != build_fingerprint():
         warnings.warn(
-            f"{what} is of another build of uwsim ({build}, this is {build_fingerprint()}): it goes on, but not "
+            f"{what} is of another build of uwsim ({build}, this is {build_fingerprint()}): it continues, but not "
             "necessarily to the same bits",
             BuildWarning,
             stacklevel=3,
@@ -75,7 +75,7 @@ def _plain(value: Any) -> Any:
 
 
 def _in_effect(model: BaseModel, name: str) -> Any:
-    """Return a field's value, or its present default where it has that of the first version."""
+    """Return a field's value, or its current default if it has that of the first version."""
     value = getattr(model, name)
     if (type(model), name) not in ONCE_BY_DEFAULT or (isinstance(model, Water) and model.profile is not None):
         return value
@@ -85,7 +85,7 @@ def _in_effect(model: BaseModel, name: str) -> Any:
 
 
 def _counts(field: FieldInfo, value: Any) -> bool:
-    """Whether a field's value says more than the lack of it: it has no default, is not it, or is a variant's name."""
+    """Return whether a field's value carries information: no default, not equal to it, or a variant's name."""
     if field.is_required() or get_origin(field.annotation) is Literal:
         return True
     default = field.get_default(call_default_factory=True, validated_data={})

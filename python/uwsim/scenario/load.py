@@ -1,4 +1,4 @@
-"""From a scenario's name or path to the checked scenario."""
+"""Loading of a checked scenario by name or path."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def load(source: str | Path | Scenario) -> Scenario:
-    """Return a scenario from a packaged name ("lake"), the path of a YAML file, or itself.
+    """Return a scenario from a packaged name ("lake"), the path of a YAML file, or a Scenario itself.
 
-    Files that the YAML file names are sought relative to it, then among the packaged assets; the vehicles' files are
-    read, too. Raises ScenarioError, one line that names file, line, key, value, unit and rule.
+    Files named in the YAML file are looked up relative to it, then among the packaged assets; the vehicles' files are
+    read, too. Raises ScenarioError: one line with file, line, key, value, unit and rule.
     """
     if isinstance(source, Scenario):
         return source

@@ -1,4 +1,4 @@
-"""A new scenario's file, to edit: from the commented template, or from a packaged scenario."""
+"""New scenario files to edit, from the commented template or a packaged scenario."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from uwsim.scenario.spec.fields import NAME
 def new_scenario(name: str, out: Path | None = None, like: str | None = None, overwrite: bool = False) -> Path:
     """Write NAME.yaml into the working folder, or `out`, and return its path.
 
-    like: a packaged scenario to begin with, instead of the template. Its first line names the schema, so that editors
-    complete and check. Raises ValueError, FileExistsError; ScenarioError for an unknown `like`.
+    like: a packaged scenario to start from, instead of the template. The file's first line names the schema, so that
+    editors complete and check it. Raises ValueError, FileExistsError; ScenarioError for an unknown `like`.
     """
     if not NAME.fullmatch(name):
         raise ValueError(f"name '{name}': must be a letter followed by at most 39 letters, digits, '-' or '_'")

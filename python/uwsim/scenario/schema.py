@@ -1,6 +1,6 @@
-"""JSON Schemas of scenario files and their parts, from the models that check them: for editors and other programs.
+"""JSON Schemas of scenario files and their parts, generated from the models: for editors and other programs.
 
-They hold keys, types, ranges and choices. Rules that join several keys or need a file are known to `check` alone.
+They contain keys, types, ranges and choices. Rules that combine keys or need a file are checked by `check` alone.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FILES: dict[str, Any] = {
     "sensors": SensorSet,
     "modem": ModemModel,
 }
-"""What a file can be: by the name of its schema."""
+"""The kinds of files, by the name of their schema."""
 
 PARTS: dict[str, Any] = {
     **FILES,
@@ -76,17 +76,17 @@ def schema(part: str = "scenario") -> JsonSchemaValue:
 
 
 def schema_file(part: str) -> Path:
-    """Return the packaged schema of a kind of FILES, for an editor."""
+    """Return the path of a packaged schema, for an editor. part: one of FILES."""
     return assets_folder() / "schema" / f"{part}.json"
 
 
 class _Draft7(GenerateJsonSchema):
-    """What pydantic writes, with the keywords of draft 7 where 2020-12 has others."""
+    """pydantic's generator, with draft 7's keywords instead of those of 2020-12."""
 
     schema_dialect = "http://json-schema.org/draft-07/schema#"
 
     def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
-        """Lists of a fixed length have `items` for each place, or one for all places if they are alike."""
+        """Return lists of a fixed length with `items` for each place, or one for all places if they are alike."""
         made = super().tuple_schema(schema)
         places = made.pop("prefixItems", None)
         if places is None:
@@ -96,12 +96,12 @@ class _Draft7(GenerateJsonSchema):
         return made | {"items": places, "additionalItems": False}
 
     def dict_schema(self, schema: core_schema.DictSchema) -> JsonSchemaValue:
-        """Return mappings by name: a key that is no name is refused."""
+        """Return mappings by name: a key that is not a name is refused."""
         made = super().dict_schema(schema)
         return made | {"additionalProperties": False} if "patternProperties" in made else made
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
-        """Return a union without OpenAPI's `discriminator`, which is unknown to JSON Schema."""
+        """Return a union without OpenAPI's `discriminator`, which JSON Schema does not have."""
         made = super().tagged_union_schema(schema)
         made.pop("discriminator", None)
         return made

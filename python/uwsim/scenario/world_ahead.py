@@ -1,4 +1,4 @@
-"""Makes the ray trees of a packaged scenario's world on a thread, while the caller imports what else it needs."""
+"""Builds the ray trees of a packaged scenario's world on a thread, while the caller imports other modules."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from uwsim.scenario.load import load, packaged_scenarios
 
 
 def make_world_ahead(scenario: str | Path) -> None:
-    """Begin to make the trees; the Simulator that needs them waits for them, since equal worlds share theirs.
+    """Start building the trees; a Simulator that needs them waits for them, since equal worlds share theirs.
 
-    Only for a packaged scenario: what is wrong with a user's own should be told once, by the Simulator.
+    Only for a packaged scenario: mistakes in a user's own should be reported once, by the Simulator.
     """
     if str(scenario) in packaged_scenarios():
         threading.Thread(target=_make, args=(str(scenario),), name="world-ahead").start()
 
 
 def _make(scenario: str) -> None:
-    with suppress(ValueError, OSError, MemoryError):  # the Simulator meets the same, and tells
+    with suppress(ValueError, OSError, MemoryError):  # the Simulator raises the same error
         _core.RayScene(build_world(load(scenario)))

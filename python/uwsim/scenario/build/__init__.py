@@ -1,1 +1,1 @@
-"""From a checked scenario to the objects of the native core: all of this conversion is here."""
+"""Conversion of a checked scenario to objects of the native core; none of it is done elsewhere."""

@@ -1,4 +1,4 @@
-"""A vehicle's mass with its trim and its ballast: rigid bodies as one."""
+"""A vehicle's mass with trim weights and ballast, combined into one rigid body."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 Floats = NDArray[np.float64]
 GRAVITY_M_S2 = _core.Water().gravity_m_s2
 MAX_TAKEN_OFF = 0.5
-"""The largest share of its mass that trimming may take off a vehicle."""
+"""The largest share of a vehicle's mass that trimming may remove."""
 
 
 class PointMass(NamedTuple):
-    """mass_kg: negative where weights are taken off. position_m: (3,), body frame."""
+    """mass_kg: negative for weights that are removed. position_m: (3,), body frame."""
 
     mass_kg: float
     position_m: Floats
 
 
 def trim_weights(model: VehicleModel, body: RigidBody, trim: Trim | None, water_density_kg_m3: float) -> PointMass:
-    """Return the weights that trim the body: rho V - B / g - m. Raises ScenarioError where no operator could."""
+    """Return the weights that trim the body: rho V - B / g - m. Raises ScenarioError if they are unrealistic."""
     if trim is None:
         return PointMass(0.0, body.centre_of_mass_m)
     displaced_kg = water_density_kg_m3 * body.volume_m3
@@ -35,7 +35,7 @@ def trim_weights(model: VehicleModel, body: RigidBody, trim: Trim | None, water_
         most_n = (displaced_kg - (1.0 - MAX_TAKEN_OFF) * body.mass_kg) * GRAVITY_M_S2
         raise ScenarioError(
             f"vehicle '{model.name}': trim.net_buoyancy_n = {trim.net_buoyancy_n:g} N: must be at most {most_n:.4g} N "
-            f"in this water: it would take {-added_kg:.3g} kg off its {body.mass_kg:.4g} kg, more than half",
+            f"in this water: it would remove {-added_kg:.3g} kg of its {body.mass_kg:.4g} kg, more than half",
             at=("trim", "net_buoyancy_n"),
         )
     at = body.centre_of_mass_m if trim.position_m is None else np.asarray(trim.position_m)
@@ -60,6 +60,6 @@ def mass_with_ballast(model: VehicleModel, body: RigidBody, trim: PointMass) -> 
         inertia = inertia + part.mass_kg * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     smallest, middle, largest = np.linalg.eigvalsh(inertia)
     if smallest <= 0.0 or largest > (smallest + middle) * (1.0 + 1e-9):
-        rule = f"{-trim.mass_kg:.3g} kg cannot be taken off there: the rest would be no body; choose a nearer place"
+        rule = f"{-trim.mass_kg:.3g} kg cannot be removed there: no physical body would remain; choose a nearer place"
         raise ScenarioError(f"vehicle '{model.name}': trim.position_m: {rule}", at=("trim", "position_m"))
     return mass, centre, inertia

@@ -1,4 +1,4 @@
-"""From the specs of cameras and lamps to the native core's: lens, image sensor, lamps."""
+"""Cameras and lamps for the native core, from their specs: lens, image sensor, lamps."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 Floats = NDArray[np.float64]
 
 CHASE_LENGTHS = np.array([2.0, 0.8])
-"""Distances of a chase camera behind and above the hull's middle, in diagonals of the hull."""
+"""Distances of a chase camera behind and above the hull's centre, in hull diagonals."""
 
 
 def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
-    """Return the rotation from what is mounted to what carries it, (4,) as x, y, z, w."""
+    """Return the rotation from the mounted part's frame to its carrier's, (4,) as x, y, z, w."""
     return of_yaw_pitch_roll_deg(yaw_pitch_roll_deg)
 
 
 def intrinsic_matrix(mount: CameraMount) -> Floats:
-    """Return the (3, 3) intrinsic matrix K, in pixels; square pixels, the principal point in the middle."""
+    """Return the (3, 3) intrinsic matrix K, in pixels; square pixels, principal point in the image centre."""
     focal = 0.5 * mount.width / np.tan(np.radians(0.5 * mount.horizontal_fov_deg))
     return np.array([[focal, 0, 0.5 * (mount.width - 1)], [0, focal, 0.5 * (mount.height - 1)], [0, 0, 1]])
 
@@ -54,7 +54,7 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
 
 
 def chase_camera(model: VehicleModel) -> CameraMount:
-    """Return the camera that follows the vehicle from behind and above, unless its file has another `chase`."""
+    """Return the default camera that follows the vehicle from behind and above; its file may define another `chase`."""
     vertices_m, _ = vehicle_hull(model)
     low, high = vertices_m.min(axis=0), vertices_m.max(axis=0)
     behind, above = CHASE_LENGTHS * float(np.linalg.norm(high - low))
@@ -69,6 +69,6 @@ def chase_camera(model: VehicleModel) -> CameraMount:
 
 
 def core_lamp(lamps: Lamps, position_m: Floats, orientation_xyzw: Floats) -> _core.SpotLamp:
-    """Return one of the lamps on a switch, at its pose in the world."""
+    """Return one lamp of a switch, at its pose in the world."""
     half_angle_rad = float(np.radians(lamps.half_angle_deg))
     return _core.SpotLamp(position_m, orientation_xyzw, lamps.flux_lm, half_angle_rad, lamps.soft_share, lamps.colour)

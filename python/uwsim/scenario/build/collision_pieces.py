@@ -1,8 +1,8 @@
-"""Collision shapes made of several convex pieces, which follow the hollows that a convex hull would fill.
+"""Collision shapes made of several convex pieces, which keep the hollows that a single convex hull fills.
 
 CoACD (Wei et al. 2022, ACM Trans. Graph. 41(4)) takes ten seconds to a minute to decompose a hull of 2,000 triangles,
-too long to wait for at every start. So it is done once (`uwsim decompose`), and the pieces are an asset beside the
-mesh that they were made from; loading them does not need CoACD.
+too long for every start. So the decomposition is done once (`uwsim decompose`), and the pieces are an asset beside the
+mesh; loading them does not need CoACD.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 MAX_PIECES = 256
 MAX_STRETCH = 2.0
-"""Along each axis pieces may be so many times as long as the hull, or as short: they follow it within a few percent."""
+"""Range of the ratio of the pieces' extent to the hull's along each axis: pieces match a hull within a few percent."""
 
 
 def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
-    """A vehicle's collision pieces in the body frame, scaled and moved like its mesh. Raises ScenarioError."""
+    """Return a vehicle's collision pieces in the body frame, scaled and moved like its mesh. Raises ScenarioError."""
     assert model.collision_pieces is not None
     in_file, _ = load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up)
     in_body, _ = vehicle_hull(model)
@@ -45,9 +45,9 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
 
 
 def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:
-    """Corners (n, 3) of each convex piece: the hull of each connected part of the file's mesh. Raises ScenarioError.
+    """Return the corners (n, 3) of each convex piece: the hull of each connected part of the file's mesh.
 
-    path: any file that load_mesh reads, z up. scale: the scale of the mesh that the pieces stand for.
+    path: any file that load_mesh reads, z up. scale: the scale of the mesh they were made from. Raises ScenarioError.
     """
     vertices, triangles = load_mesh(path, scale=scale, up="z")
     count = len(vertices)
@@ -64,9 +64,9 @@ def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:
 def decompose(
     vertices: Vertices, triangles: Triangles, *, threshold: float = 0.1, max_pieces: int = 24, seed: int = 0
 ) -> list[Vertices]:
-    """Approximate convex decomposition of a closed mesh by CoACD: corners (n, 3) of each piece.
+    """Return the corners (n, 3) of each piece of a closed mesh's approximate convex decomposition, by CoACD.
 
-    threshold: concavity that may remain, relative to the mesh's size. The same seed gives the same pieces.
+    threshold: the concavity that may remain, relative to the mesh's size. The same seed gives the same pieces.
     Raises ScenarioError if CoACD is not installed.
     """
     try:
@@ -89,7 +89,7 @@ def decompose(
 
 
 def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) -> None:
-    """Write the pieces as objects of one OBJ file, which any modelling program can show."""
+    """Write the pieces as objects of one OBJ file, which any modelling program can open."""
     import trimesh
 
     lines = [f"# convex pieces of {made_from}: uwsim decompose (CoACD)"]

@@ -1,4 +1,4 @@
-"""What a controller needs to know of a vehicle, from its file: the model of its motion, gains and limits."""
+"""Control settings from a vehicle's file: a model of its motion, gains and limits."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True, eq=False)
 class ControlSettings:
-    """A vehicle's model and gains, as its file gives them.
+    """A vehicle's motion model and gains, as its file gives them.
 
-    thrusters: how many drive it; 0 if it is driven by forces along its axes.
+    thrusters: their number; 0 for a vehicle that is driven by forces along its axes.
     """
 
     model: _core.ControlModel
@@ -30,7 +30,7 @@ class ControlSettings:
 
     @property
     def net_buoyancy_n(self) -> float:
-        """What lifts the vehicle deep in still water when nothing drives it; negative: it sinks."""
+        """Net force on the vehicle deep in still water with thrusters off; positive: it rises."""
         return -float(self.model.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))[2])
 
     def __repr__(self) -> str:
@@ -39,16 +39,16 @@ class ControlSettings:
 
 
 def floating_text(net_buoyancy_n: float) -> str:
-    """Return `rises by 2.0 N` or the like."""
+    """Return text such as `rises by 2.0 N`."""
     if abs(net_buoyancy_n) < 0.05:
         return "balanced in the water"
     return f"{'rises' if net_buoyancy_n > 0.0 else 'sinks'} by {abs(net_buoyancy_n):.1f} N"
 
 
 def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 1000.0) -> ControlSettings:
-    """Return the settings of a vehicle: a packaged name, a file or a model, in water of a density.
+    """Return the control settings of a vehicle: a packaged name, a file or a model. density_kg_m3: of the water.
 
-    Raises ScenarioError, also for gains of an axis that nothing drives.
+    Raises ScenarioError, also for gains of an axis without actuators.
     """
     model = vehicle if isinstance(vehicle, VehicleModel) else load_vehicle(vehicle)
     return built_settings(model, craft(model, density_kg_m3, model.trim), actuators_spec(model), density_kg_m3)
@@ -57,7 +57,7 @@ def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 
 def built_settings(
     model: VehicleModel, body: _core.Craft, actuators: _core.ActuatorsSpec, density_kg_m3: float
 ) -> ControlSettings:
-    """Return the settings of a vehicle whose parts are built. Raises ScenarioError."""
+    """Return the control settings of a vehicle whose parts are built. Raises ScenarioError."""
     plant = _core.ControlModel(body, actuators, density_kg_m3)
     control = model.control
     for axis, is_driven in zip(AXES, plant.driven, strict=True):

@@ -21,8 +21,8 @@ def craft(
 ) -> _core.Craft:
     """Return the vehicle's equations of motion in water of this surface density.
 
-    trim: of the vehicle; the published figures are without. buoyancy_share: of compressibility.buoyancy_share; by
-    default the hull shrinks with the water around it. Raises ScenarioError.
+    trim: the vehicle's; published values apply without it. buoyancy_share: from compressibility.buoyancy_share; by
+    default the hull is compressed like the water around it. Raises ScenarioError.
     """
     body = rigid_body(model, water_density_kg_m3)
     weights = trim_weights(model, body, trim, water_density_kg_m3)

@@ -19,15 +19,15 @@ from uwsim.scenario.spec.fields import Point3
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 MAX_SCALING = 0.1
-"""Largest change of lengths by which a mesh is scaled to a published volume: more would make another vehicle."""
+"""Largest change of length when a mesh is scaled to a published volume; more would make it a different vehicle."""
 
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
     """A hull's mass properties, body frame.
 
-    centre_of_buoyancy_m: (3,), when the whole hull is under water. inertia_kg_m2: (3,), about the centre of mass along
-    the body's axes.
+    centre_of_buoyancy_m: (3,), with the whole hull under water. inertia_kg_m2: (3,), about the centre of mass along the
+    body axes.
     """
 
     volume_m3: float
@@ -54,10 +54,10 @@ class _Hull(NamedTuple):
 
 
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward. Raises ScenarioError.
+    """Return vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward.
 
     The mesh is scaled uniformly to the model's volume and moved to its centre of buoyancy, if the model gives them.
-    Both arrays are shared and read-only.
+    Both arrays are shared and read-only. Raises ScenarioError.
     """
     hull = _placed(model)
     return hull.vertices_m, hull.triangles
@@ -83,7 +83,7 @@ def _placed_hull(
     volume_m3: float | None,
     centre_of_buoyancy_m: Point3 | None,
 ) -> _Hull:
-    """Scale and move the closed mesh, and measure it; `version` changes with the file and so keeps the cache fresh."""
+    """Scale, move and measure the closed mesh; `version` changes with the file, which keeps the cache fresh."""
     vertices, triangles = _closed_hull(path, version, scale, up)
     if volume_m3 is not None or centre_of_buoyancy_m is not None:
         hull = _solid(vertices, triangles)
@@ -103,7 +103,7 @@ def _placed_hull(
 
 
 def hull_radius_m(model: VehicleModel) -> float:
-    """Return the radius of a sphere about the vehicle's origin that holds its hull."""
+    """Return the radius of the sphere about the vehicle's origin that encloses its hull."""
     return float(np.linalg.norm(vehicle_hull(model)[0], axis=1).max())
 
 
@@ -111,7 +111,7 @@ def hull_radius_m(model: VehicleModel) -> float:
 def _closed_hull(
     path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Read the mesh and close it; version: as for _placed_hull."""
+    """Read the mesh and close it; version: see _placed_hull."""
     mesh = load_mesh(path, scale=scale, up=up)
     vertices, triangles = cached_arrays(lambda: closed_mesh(*mesh, name=str(path)), "hull", *mesh)
     vertices.flags.writeable = False
@@ -120,7 +120,7 @@ def _closed_hull(
 
 
 def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _Solid:
-    """Measure a closed mesh as a solid of density 1."""
+    """Return the properties of a closed mesh as a solid of density 1."""
 
     def measure() -> tuple[NDArray[np.float64], ...]:
         import trimesh
@@ -137,9 +137,10 @@ def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _S
 
 
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
-    """Mass properties: those that the model gives, the rest from the hull as a solid of uniform density.
+    """Return the mass properties: given values, and the rest from the hull as a solid of uniform density.
 
-    Raises ScenarioError, also for a hull or a mean density of no vehicle, and a centre of mass outside the hull's box.
+    Raises ScenarioError, also for a size or mean density that no vehicle has, or a centre of mass outside the hull's
+    box.
     """
     vertices, _, hull = _placed(model)
     volume = hull.volume_m3
@@ -160,7 +161,7 @@ def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
 
 
 def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> None:
-    """Refuse a centre of mass outside box_m (2, 3), the box round the hull, which its centre of buoyancy places."""
+    """Refuse a centre of mass outside box_m (2, 3), the hull's bounding box, placed by its centre of buoyancy."""
     centre = np.asarray(model.centre_of_mass_m)
     if np.all(centre >= box_m[0]) and np.all(centre <= box_m[1]):
         return

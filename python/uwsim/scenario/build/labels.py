@@ -1,4 +1,4 @@
-"""The labels that rays return for the surfaces of the world and its vehicles, and how those surfaces scatter sound."""
+"""Labels of the surfaces that rays meet, in the world and on vehicles, and how these surfaces scatter sound."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def label_names(scenario: Scenario) -> list[str]:
-    """The names by label: those of the world that `build_world` makes (World.label_names), then the vehicles'."""
+    """Return the names by label: those of the world from `build_world` (World.label_names), then the vehicles'."""
     station = ["station"] if scenario.station.mesh is not None else []
     obstacles, vehicles = ([named.name for named in part] for part in (scenario.obstacles, scenario.vehicles))
     return ["nothing", "terrain", *obstacles, *station, *vehicles]
 
 
 def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
-    """The backscatter of the surface with each label, in the order of `label_names`."""
+    """Return the backscatter of the surface with each label, in the order of `label_names`."""
     station = [scenario.station.material] if scenario.station.mesh is not None else []
     vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
     solids = [obstacle.material for obstacle in scenario.obstacles] + station + vehicles

@@ -1,4 +1,4 @@
-"""From a scenario's optics to the native core's: water, sun, wind, particles and turbulence, as light meets them."""
+"""A scenario's optics for the native core: water, sun, wind, particles and turbulence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scenario's clock, seed, mission time and warning limits as the core's simulation takes them."""
+"""A scenario's clock, seed, mission time and warning limits, for the core's simulation."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
-    """Everything that the core's simulation needs, beside the world and the vehicles."""
+    """Return all settings of the core's simulation except the world and the vehicles."""
     spec = _core.SimulationSpec()
     spec.step_s = scenario.step_s
     spec.seed = scenario.seed

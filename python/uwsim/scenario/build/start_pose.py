@@ -10,7 +10,7 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 def start_pose(scenario: Scenario, vehicle: VehicleEntry) -> tuple[tuple[float, float, float], float]:
-    """The vehicle's origin at the start (world, metres) and its yaw (radians), whether docked or free."""
+    """Return the vehicle's origin at the start (world, metres) and its yaw (radians), docked or free."""
     if vehicle.start is not None:
         return vehicle.start.position_m, float(np.radians(vehicle.start.yaw_deg))
     x, y, z = dock_position(scenario.station)

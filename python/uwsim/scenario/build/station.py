@@ -1,4 +1,4 @@
-"""The station in the world: its mesh, its rotation and its dock."""
+"""The station in the world: its mesh, orientation and dock."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ EXIT_M = 3.0  # ahead of the dock
 
 
 def dock_position(station: Station) -> NDArray[np.float64]:
-    """(3,) the origin of a docked vehicle, world."""
+    """Return the origin of a docked vehicle, (3,), world."""
     return in_world(station, station.dock_m)
 
 
 def exit_position(station: Station) -> NDArray[np.float64]:
-    """(3,) the origin of a vehicle that has just left the dock, world."""
+    """Return the origin of a vehicle just after undocking, (3,), world."""
     return in_world(station, np.add(station.dock_m, (EXIT_M, 0.0, 0.0)) if station.exit_m is None else station.exit_m)
 
 
 def in_world(station: Station, point_m: ArrayLike) -> NDArray[np.float64]:
-    """(3,) or (n, 3): points of the station's frame, world."""
+    """Return points (3,) or (n, 3) of the station's frame in the world frame."""
     return turned(about_z(math.radians(station.yaw_deg)), point_m) + np.asarray(station.position_m, np.float64)
 
 
 def station_mesh(station: Station) -> tuple[Vertices, Triangles]:
-    """The station's vertices (n, 3), world frame, and triangles (m, 3); the station must have a mesh."""
+    """Return the station's vertices (n, 3), world frame, and triangles (m, 3). The station must have a mesh."""
     assert station.mesh is not None
     vertices, triangles = load_mesh(station.mesh)
     return in_world(station, vertices), triangles

@@ -26,7 +26,7 @@ class Terrain:
 
     @property
     def extent_m(self) -> tuple[float, float, float, float]:
-        """(x0, y0, x1, y1), the outermost grid points."""
+        """The outermost grid points: (x0, y0, x1, y1)."""
         ny, nx = self.heights_m.shape
         x0, y0 = self.origin_m
         return x0, y0, x0 + (nx - 1) * self.spacing_m, y0 + (ny - 1) * self.spacing_m
@@ -43,20 +43,23 @@ class Terrain:
         return float(self.heights_m.min())
 
     def window(self, corners_m: tuple[tuple[float, float], tuple[float, float]] | None) -> Terrain:
-        """Return the whole cells about a box, corners (x, y); None: all of it. Raises ScenarioError if beside."""
+        """Return the whole cells that cover a box, corners (x, y); None: all cells.
+
+        Raises ScenarioError if it is outside.
+        """
         if corners_m is None:
             return self
         ny, nx = self.heights_m.shape
         cells = (np.array(corners_m) - self.origin_m) / self.spacing_m
         (i0, j0), (i1, j1) = np.clip(np.floor(cells[0]), 0, (nx, ny)), np.clip(np.ceil(cells[1]), -1, (nx - 1, ny - 1))
         if i1 <= i0 or j1 <= j0:
-            raise ScenarioError(f"terrain.window_m: is beside the terrain, {self.extent_text}")
+            raise ScenarioError(f"terrain.window_m: is outside the terrain, {self.extent_text}")
         rows, columns = slice(int(j0), int(j1) + 1), slice(int(i0), int(i1) + 1)
         origin_m = (self.origin_m[0] + i0 * self.spacing_m, self.origin_m[1] + j0 * self.spacing_m)
         return Terrain(np.ascontiguousarray(self.heights_m[rows, columns]), self.spacing_m, origin_m)
 
     def height_at(self, xy_m: ArrayLike) -> NDArray[np.float64]:
-        """Return z of the triangulated surface at points (n, 2): (n,), NaN outside.
+        """Return z of the triangulated surface at points (n, 2): (n,), NaN outside the terrain.
 
         Each cell is split along the diagonal from (i + 1, j) to (i, j + 1), as in the native world.
         """
@@ -76,9 +79,9 @@ class Terrain:
 
 
 def build_terrain(spec: TerrainSpec) -> Terrain:
-    """Build the heights from noise, a raster or an image, centred on the world's origin. Raises ScenarioError.
+    """Return the heights from noise, a raster or an image, centred on the world's origin. Raises ScenarioError.
 
-    The same spec gives the same bytes, with the same build of the libraries.
+    The same spec gives the same bytes with the same build of the libraries.
     """
     heights = np.ascontiguousarray(_heights(spec), np.float32)
     if not np.isfinite(heights).all():
@@ -89,7 +92,7 @@ def build_terrain(spec: TerrainSpec) -> Terrain:
 
 
 def _heights(spec: TerrainSpec) -> NDArray[np.floating]:
-    # Each source is imported where it is used: rasterio alone takes half a second.
+    # Each source is imported when needed: rasterio alone takes half a second.
     match spec:
         case NoiseTerrain():
             from uwsim.scenario.build.terrain_noise import noise_heights

@@ -12,7 +12,7 @@ FloatGrid = NDArray[np.float64]
 PixelAt = Callable[[FloatGrid, FloatGrid], tuple[FloatGrid, FloatGrid]]
 
 BLOCK_NODES = 1 << 20
-SPLINE_MARGIN = 12  # as SciPy's own: the values' edges repeated so often, beyond which a spline's coefficients end
+SPLINE_MARGIN = 12  # SciPy's padding: so many copies of the edge values
 
 
 def grid_axes(size_m: tuple[float, float], spacing_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -28,10 +28,10 @@ def grid_axes(size_m: tuple[float, float], spacing_m: float) -> tuple[NDArray[np
 def resampled(
     values: FloatGrid, x: FloatGrid, y: FloatGrid, pixel_at: PixelAt, interpolation: Literal["cubic", "linear"]
 ) -> FloatGrid:
-    """Interpolate values (h, w) at the nodes (ny, nx) of a grid, linearly or by a cubic spline through the values.
+    """Interpolate values (h, w) at the nodes (ny, nx) of a grid, linearly or with an interpolating cubic spline.
 
-    pixel_at: converts coordinates to fractional rows and columns. It is asked for a block after the other, since
-    those of a large terrain at once would take a gigabyte.
+    pixel_at: converts coordinates to fractional columns and rows. It is called for one block at a time: all nodes of a
+    large terrain at once would take a gigabyte.
     """
     from scipy.ndimage import map_coordinates, spline_filter  # here, since it takes long to import
 

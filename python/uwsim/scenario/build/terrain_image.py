@@ -12,11 +12,11 @@ from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, ImageTerrain
 
 FORMATS = ("PNG", "TIFF", "BMP", "JPEG", "JPEG2000", "PPM", "GIF", "WEBP", "TGA")
-"""Pillow knows more, but some of them run other programs, such as Ghostscript for EPS."""
+"""Formats that are read. Pillow supports more, but some of them start other programs, such as Ghostscript for EPS."""
 
 
 def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
-    """(ny, nx) heights: grey levels mapped to black_m..white_m, spread over size_m, with row 0 in the north."""
+    """Return heights (ny, nx): grey levels mapped to black_m..white_m, spread over size_m, with row 0 in the north."""
     share = _grey_share(spec)
     h, w = share.shape
     x, y = grid_axes(spec.size_m, spec.spacing_m)
@@ -29,7 +29,7 @@ def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
 
 
 def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
-    """(h, w) grey levels from 0, black, to 1, white. Raises ScenarioError."""
+    """Return grey levels (h, w) from 0, black, to 1, white. Raises ScenarioError."""
     try:
         require_whole_tiff(spec.file)
         with Image.open(spec.file, formats=FORMATS) as image:

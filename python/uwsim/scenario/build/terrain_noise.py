@@ -15,7 +15,7 @@ SHORE_EXPONENT = 2.5
 
 
 def noise_heights(spec: NoiseTerrain) -> FloatGrid:
-    """(ny, nx) heights: a bed within hill_height_m of its mean depth, blended into the rim."""
+    """Return heights (ny, nx): a bed within hill_height_m of its mean depth, blended into the rim."""
     x, y = np.meshgrid(*grid_axes(spec.size_m, spec.spacing_m))
     bed = spec.hill_height_m * _noise(x, y, spec, spec.seed) - spec.bed_depth_m
     if spec.rim is None:
@@ -26,10 +26,10 @@ def noise_heights(spec: NoiseTerrain) -> FloatGrid:
 
 
 def _rim_share(x: FloatGrid, y: FloatGrid, rim: Rim, variation: FloatGrid) -> FloatGrid:
-    """Weight of the rim: 1 outside the superellipse that touches the terrain's edges, 0 about width_m inside it.
+    """Return the weight of the rim: 1 outside the superellipse that touches the terrain's edges, 0 width_m inside it.
 
-    The variation, in [-0.5, 0.5], makes bays and headlands. Between them the weight is Perlin's step (2002), whose
-    second derivative is continuous, so that no crease echoes.
+    The variation, in [-0.5, 0.5], makes bays and headlands. In between, the weight is Perlin's step (2002): its second
+    derivative is continuous, so that there is no crease to echo.
     """
     half_x, half_y = x.max(), y.max()
     radius = (np.abs(x / half_x) ** SHORE_EXPONENT + np.abs(y / half_y) ** SHORE_EXPONENT) ** (1 / SHORE_EXPONENT)
@@ -39,7 +39,7 @@ def _rim_share(x: FloatGrid, y: FloatGrid, rim: Rim, variation: FloatGrid) -> Fl
 
 
 def _noise(x: FloatGrid, y: FloatGrid, spec: NoiseTerrain, seed: int) -> FloatGrid:
-    """OpenSimplex2 noise in fractal octaves, in [-1, 1]. Its float32 coordinates err by 1 mm at 10 km."""
+    """Return OpenSimplex2 noise in fractal octaves, in [-1, 1]. Its float32 coordinates err by 1 mm at 10 km."""
     noise = FastNoiseLite(seed=seed)
     noise.noise_type = NoiseType.NoiseType_OpenSimplex2
     noise.frequency = 1 / spec.hill_wavelength_m

@@ -29,15 +29,15 @@ Coordinates = TypeVar("Coordinates", float, FloatGrid)
 WGS84 = "EPSG:4326"
 LOCAL = "local"
 MAX_HEIGHT_M = 12_000.0
-"""Above or below the water surface; the sea is no deeper."""
+"""Largest distance from the water surface; no sea is deeper."""
 DEGREE_CELL = 0.1
-"""In a file without a coordinate system, cells narrower than this are taken for degrees if they lie on the globe."""
+"""In a file without a coordinate system, cells smaller than this are taken as degrees if they lie on the globe."""
 FORMATS = (
     *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
     *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB"),
 )
-"""GDAL's names of the formats that hold elevations themselves. Others, such as VRT, name files and servers to read
-from, and a file from a stranger could so reach whatever this machine can."""
+"""GDAL's names of formats that hold the elevations themselves. Others, such as VRT, name further files and servers to
+read, which would let an untrusted file reach whatever this machine can."""
 
 GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"yllcenter", b"cellsize", b"dx", b"dy")
 GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
@@ -54,7 +54,7 @@ class _Raster:
 
     @property
     def unit_m(self) -> float:
-        """Metres for each unit of a projected system (feet, mostly)."""
+        """Metres per unit of a projected system (mostly feet)."""
         return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
 
     @property
@@ -63,19 +63,19 @@ class _Raster:
         return self.crs is not None and bool(self.crs.is_geographic)
 
     def pixel_at(self, x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
-        """Convert the file's coordinates to fractional columns and rows, which are whole at the cells' centres."""
+        """Convert the file's coordinates to fractional columns and rows; whole numbers are cell centres."""
         columns, rows = _mapped(~self.file_from_pixel, x, y)
         return columns - 0.5, rows - 0.5
 
 
 def raster_heights(spec: RasterTerrain) -> FloatGrid:
-    """(ny, nx) heights: (elevation - water_level_m) * vertical_scale on a grid of metres about the centre."""
+    """Return heights (ny, nx): (elevation - water_level_m) * vertical_scale on a metric grid about the centre."""
     raster = _read(spec)
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
     _require_centre(raster, centre, spec)
     size = spec.size_m or _largest_size(raster, centre, spec)
-    margin = 0.5 + 1e-6  # a cell's value holds out to its edge
+    margin = 0.5 + 1e-6  # a cell's value applies up to its edge
 
     def pixel_at(x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
         columns, rows = raster.pixel_at(
@@ -98,8 +98,8 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
 class RasterPlace:
     """The place of a raster terrain's world on Earth.
 
-    crs: None for plain metres. origin: the world's origin, (x, y) in that system. units_per_m: the system's units for
-    each simulated metre.
+    crs: None for plain metres. origin: the world's origin, (x, y) in that system. units_per_m: units of the system per
+    simulated metre.
     """
 
     crs: CRS | None
@@ -108,7 +108,7 @@ class RasterPlace:
 
 
 def raster_place(spec: RasterTerrain) -> RasterPlace:
-    """Return the place of a raster terrain; for one in degrees, in the metres that it is projected to."""
+    """Return the place of a raster terrain; a raster in degrees has its place in the projection to metres."""
     raster = _read(spec)
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
@@ -130,13 +130,13 @@ def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTe
     if raster.is_geographic and abs(centre[1]) >= 90:
         raise ScenarioError(
             f"terrain.crs: '{raster.name}' is read as degrees, but the latitude of its middle is {centre[1]:g}: must "
-            f"be between -90 and 90; say in crs what its coordinates are ({LOCAL} for metres)",
+            f"be between -90 and 90; give its coordinate system as crs ({LOCAL} for metres)",
             at=("crs",) if spec.crs else ("file",),
         )
 
 
 def _heights(raster: _Raster, elevations: FloatGrid, spec: RasterTerrain) -> FloatGrid:
-    """Scale elevations above the water to heights; refuse those beyond MAX_HEIGHT_M. Raises ScenarioError."""
+    """Return elevations above the water, scaled; refuse those beyond MAX_HEIGHT_M. Raises ScenarioError."""
     above = elevations - spec.water_level_m
     heights = above * spec.vertical_scale
     if np.abs(heights).max() <= MAX_HEIGHT_M:
@@ -178,13 +178,11 @@ def _read(spec: RasterTerrain) -> _Raster:
     except RasterioError as error:
         raise ScenarioError(f"terrain '{name}': not a readable elevation raster: {_reason(error)}") from None
     if file_from_pixel.is_degenerate or file_from_pixel.is_identity:
-        raise ScenarioError(
-            f"terrain '{name}': does not say where and how large its cells are (for an image: source: image)"
-        )
+        raise ScenarioError(f"terrain '{name}': has no position or size of its cells (for an image: source: image)")
     crs = _crs(spec, crs, file_from_pixel)
     if crs is not None and not (crs.is_geographic or crs.is_projected):
         raise ScenarioError(
-            f"terrain.crs: that of '{name}' is neither geographic nor projected: say crs: {LOCAL} if it is in metres",
+            f"terrain.crs: that of '{name}' is neither geographic nor projected: give crs: {LOCAL} if it is in metres",
             at=("crs",) if spec.crs else ("file",),
         )
     complete = _without_gaps(name, elevations, has_data & np.isfinite(elevations), spec)
@@ -236,7 +234,7 @@ def _file_from_metres(
 
 
 def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
-    """Return the simulated extent of the largest grid about the centre within the raster's outermost cell centres."""
+    """Return the simulated extent of the largest grid about the centre that fits into the outermost cell centres."""
     h, w = raster.elevations.shape
     across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)
     columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
@@ -246,7 +244,7 @@ def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerr
         east, north = (np.asarray(axis) for axis in transform(raster.crs, _metres_about(centre), x, y))
     else:
         east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m
-    # A point of the border limits the extent along the axis on which it is relatively farther out.
+    # A border point limits the extent along the axis on which it is relatively farther out.
     limits_east = np.abs(east) / np.ptp(east) > np.abs(north) / np.ptp(north)
     halves = np.abs(east[limits_east]).min(), np.abs(north[~limits_east]).min()
     cells = [int(2 * half * spec.horizontal_scale / spec.spacing_m) for half in halves]
@@ -275,7 +273,7 @@ def _require_whole_tiff(path: Path) -> None:
 
 
 def _require_numbers(path: Path, cells: int) -> None:
-    """Refuse what GDAL would read as zero in an ASCII grid: words among its numbers, and numbers that are missing."""
+    """Refuse what GDAL would read as zero in an ASCII grid: words among its numbers, and missing numbers."""
     numbers = 0
     with path.open("rb") as lines:
         for number, line in enumerate(lines, 1):

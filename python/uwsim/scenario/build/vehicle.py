@@ -1,4 +1,4 @@
-"""A scenario's vehicle as the core's VehicleSpec: hull, mass, drive, sensors and multibeam."""
+"""A scenario's vehicle as the core's VehicleSpec: hull, mass, actuators, sensors and multibeam."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ COLLISION_SHAPES = {"hull": _core.CollisionShape.HULL, "box": _core.CollisionSha
 
 
 def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec:
-    """Everything that the core needs to make this vehicle. Raises ScenarioError or ValueError."""
+    """Return the core's spec of this vehicle. Raises ScenarioError or ValueError."""
     model = vehicle.model
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
@@ -62,7 +62,7 @@ def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.Vehicle
 
 @contextmanager
 def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
-    """Put the scenario's file and line, and the vehicle's, before errors that are found when a vehicle is built."""
+    """Prefix errors from the building of a vehicle with the file and line of the scenario, and of the vehicle."""
     where = scenario.source_file.line_prefix("vehicles", index) + scenario.source_file.place("vehicles", index)
     model_file = scenario.vehicles[index].model.source_file
     try:
@@ -75,9 +75,9 @@ def vehicle_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
 
 
 def authority(craft: _core.Craft, full_wrench_body: tuple[Vector, Vector]) -> Vector:
-    """(6,) acceleration from rest that full effort of each axis alone gives, deep in still water [m/s2, rad/s2].
+    """Return the acceleration from rest at full effort of each axis alone, deep in still water, (6,) [m/s2, rad/s2].
 
-    full_wrench_body: ahead and astern, (6,) each; the smaller of the two counts.
+    full_wrench_body: ahead and astern, (6,) each; the smaller magnitude counts.
     """
     deep = _core.BodyState((0.0, 0.0, -1e3), (0.0, 0.0, 0.0, 1.0), np.zeros(6))
     water = _core.Water()

@@ -1,4 +1,4 @@
-"""Whether a TIFF is whole: GDAL and Pillow leave the parts that a file lacks as they find them in memory, or zero."""
+"""Check that a TIFF is complete: GDAL and Pillow leave missing parts zero or uninitialised."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TILE_WIDTH, TILE_HEIGHT, TILE_OFFSETS, TILE_COUNTS = 322, 323, 324, 325
 
 
 def require_whole_tiff(path: Path) -> None:
-    """Raise ValueError if a TIFF lacks some of its strips or tiles, OSError. Files of other formats pass."""
+    """Raise ValueError if a TIFF lacks some of its strips or tiles, OSError. Other formats pass."""
     size = path.stat().st_size
     with path.open("rb") as file:
         if file.read(4) not in MAGIC:
@@ -30,7 +30,7 @@ def require_whole_tiff(path: Path) -> None:
                 _require_parts(file, tags, size)
         except (ValueError, OSError):
             raise
-        except Exception as error:  # tags that lack, or are of other types: Pillow raises errors of any type, too
+        except Exception as error:  # with missing or mistyped tags, Pillow raises errors of any type
             raise ValueError(f"damaged tags: {type(error).__name__}: {error}") from None
 
 
@@ -60,7 +60,7 @@ def _require_parts(file: IO[bytes], tags: dict[int, Any], size: int) -> None:
         raise ValueError(f"{len(offsets)} offsets and {len(counts)} lengths for {expected} strips or tiles")
     compression = tags.get(COMPRESSION, UNCOMPRESSED)
     for number, (offset, count) in enumerate(zip(offsets, counts, strict=True)):
-        if count == 0:  # without data, of a sparse file
+        if count == 0:  # no data: a sparse file
             continue
         if offset + count > size or (compression == UNCOMPRESSED and count < unpacked(number)):
             raise ValueError("a strip or tile ends beyond the file, which may be cut short")
@@ -70,7 +70,7 @@ def _require_parts(file: IO[bytes], tags: dict[int, Any], size: int) -> None:
 
 
 def _require_unpacks(data: bytes, size: int) -> None:
-    """Raise ValueError if a deflated part is damaged: GDAL gives the memory that it had for it, without a word."""
+    """Raise ValueError if a deflated part is damaged: GDAL would silently return its uninitialised buffer."""
     reader = zlib.decompressobj()
     try:
         found = len(reader.decompress(data, size + 1))
@@ -81,7 +81,7 @@ def _require_unpacks(data: bytes, size: int) -> None:
 
 
 def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return how many tiles there must be, and how many bytes each has unpacked."""
+    """Return the expected number of tiles, and the unpacked bytes of each."""
     planes, row_bits = _planes(tags, tags[TILE_WIDTH])
     across, down = -(-tags[WIDTH] // tags[TILE_WIDTH]), -(-tags[HEIGHT] // tags[TILE_HEIGHT])
     tile_bytes = tags[TILE_HEIGHT] * -(-row_bits // 8)
@@ -89,7 +89,7 @@ def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
 
 
 def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return how many strips there must be, and how many bytes each has unpacked."""
+    """Return the expected number of strips, and the unpacked bytes of each."""
     planes, row_bits = _planes(tags, tags[WIDTH])
     height: int = tags[HEIGHT]
     rows = min(tags.get(ROWS, height), height)
@@ -102,7 +102,7 @@ def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
 
 
 def _planes(tags: dict[int, Any], width: int) -> tuple[int, int]:
-    """Return the number of planes, and the bits of a row of one."""
+    """Return the number of planes, and the bits in one row of a plane."""
     bits = tags.get(BITS, (1,))
     separate = tags.get(PLANAR, 1) == SEPARATE
     samples = tags.get(SAMPLES, 1)

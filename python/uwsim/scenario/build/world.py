@@ -1,4 +1,4 @@
-"""The native world that physics and rays share: terrain, obstacles, station and water."""
+"""The native world for physics and rays: terrain, obstacles, station and water."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ FRESH_KG_M3 = 1000.0
 
 
 def build_world(scenario: Scenario) -> _core.World:
-    """Build terrain, obstacles, the station (named "station") and the water. Raises ScenarioError, all mistakes."""
+    """Return a world of terrain, obstacles, the station (named "station") and the water.
+
+    Raises ScenarioError, all mistakes.
+    """
     errors_at = scenario.source_file.errors_at
     with errors_at("terrain"):
         terrain = build_terrain(scenario.terrain)
@@ -58,7 +61,7 @@ def build_world(scenario: Scenario) -> _core.World:
 
 
 def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
-    """Return the vertices of a vehicle's hull; none of an unsound one, which is refused when the vehicle is built."""
+    """Return the vertices of a vehicle's hull; empty for an unsound one, which is refused when the vehicle is built."""
     try:
         rigid_body(vehicle.model, FRESH_KG_M3)
         return vehicle_hull(vehicle.model)[0]
@@ -67,7 +70,7 @@ def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
 
 
 def fill_with_water(world: _core.World, scenario: Scenario) -> None:
-    """Give the world the scenario's water, with waves and gusts of its seed. Raises ScenarioError."""
+    """Set the world's water from the scenario, with waves and gusts of its seed. Raises ScenarioError."""
     world.water = scenario_water(scenario, world)
 
 
@@ -78,7 +81,7 @@ def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain, found: Collected) -> None:
-    """Refuse a dry world; note vehicles that start beside or below the terrain, and survey corners beside it."""
+    """Refuse a dry world; note vehicles that start outside or below the terrain, and survey corners outside it."""
     errors_at = scenario.source_file.errors_at
     if terrain.lowest_m >= 0.0:
         with errors_at("terrain"):

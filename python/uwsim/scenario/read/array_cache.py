@@ -1,8 +1,8 @@
-"""A cache on disk for arrays that take long to make, such as closed hulls and noise terrain.
+"""A disk cache for arrays that take long to compute, such as closed hulls and noise terrain.
 
-Its folder is $UWSIM_CACHE if that is set (empty: no cache), else uwsim in $XDG_CACHE_HOME or ~/.cache. A file's name is
-the digest of all that its arrays are made from: inputs, our sources and the libraries' versions. It may be deleted at
-any time; one that is damaged, of an unusual owner or unwritable costs only the time to make its arrays again.
+Its folder is $UWSIM_CACHE if set (empty: no cache), else uwsim in $XDG_CACHE_HOME or ~/.cache. A file's name is the
+digest of everything its arrays depend on: inputs, our sources and the libraries' versions. The folder may be deleted at
+any time; if a file is damaged, unwritable or not the user's, its arrays are computed again.
 """
 
 from __future__ import annotations
@@ -32,10 +32,9 @@ DIGEST_BYTES = 32
 
 
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
-    """Return make(), or the arrays that it returned when it was last called with these inputs.
+    """Return make(), or the stored arrays of an earlier call with the same inputs.
 
-    kind: names what is made. A result that came with warnings is not kept, so that they come
-    again.
+    kind: names the arrays. A result that came with warnings is not stored, so that they are issued every time.
     """
     folder = _folder()
     if folder is None:
@@ -73,7 +72,7 @@ def _keep(path: Path, content: bytes) -> None:
 
 
 def _make_room(folder: Path, limit_bytes: int) -> None:
-    """Remove the oldest files until the rest is within the limit."""
+    """Remove the oldest files until the others are within the limit."""
     files = sorted(((p.stat().st_mtime, p.stat().st_size, p) for p in folder.glob("*.npz")), reverse=True)
     total = 0
     for _, size, path in files:
@@ -90,7 +89,7 @@ def _packed(arrays: Arrays) -> bytes:
 
 
 def _unpacked(data: bytes) -> Arrays:
-    """Return the arrays. Raises ValueError when the bytes are not those that were written."""
+    """Return the arrays. Raises ValueError if the bytes are not as written."""
     digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
     if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
         raise ValueError("damaged")
@@ -111,7 +110,7 @@ def _digest_of(*inputs: Input) -> str:
 
 @functools.cache
 def _versions() -> bytes:
-    """The libraries' versions and our sources, which decide what is made."""
+    """Return the libraries' versions and a digest of our sources, on which results depend."""
     digest = hashlib.blake2b()
     for name in LIBRARIES:
         with contextlib.suppress(metadata.PackageNotFoundError):

@@ -1,4 +1,4 @@
-"""The packaged assets, and which file a name or a relative path means."""
+"""The packaged assets, and the files that names and relative paths refer to."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ YAML_SUFFIXES = (".yaml", ".yml")
 
 
 def assets_folder() -> Path:
-    """Find the packaged assets: inside the package if it is installed, else at the root of the repository."""
+    """Return the folder of packaged assets: in the package if installed, else at the root of the repository."""
     package = Path(__file__).resolve().parents[2]
     candidates = [package / "assets", package.parents[1] / "assets"]
     for folder in candidates:
@@ -22,12 +22,12 @@ def assets_folder() -> Path:
 
 
 def packaged_names(kind: str) -> list[str]:
-    """Return the names that can be loaded without a path; kind: a folder of the assets, such as "scenarios"."""
+    """Return the names that can be loaded without a path. kind: a folder of the assets, such as "scenarios"."""
     return sorted(path.stem for path in (assets_folder() / kind).glob("*.yaml"))
 
 
 def find_yaml(source: str | Path, kind: str) -> Path:
-    """Find the YAML file that a packaged name or a path means. Raises ScenarioError that lists the known names."""
+    """Return the YAML file of a packaged name or a path. Raises ScenarioError, which lists the known names."""
     text = str(source)
     names = packaged_names(kind)
     if isinstance(source, str) and text in names:
@@ -50,7 +50,7 @@ def find_yaml(source: str | Path, kind: str) -> Path:
 
 
 def find_asset(name: Path, folder: Path) -> Path | None:
-    """Find a file that a YAML file names: relative to that file's folder, else to the packaged assets."""
+    """Return the file that a YAML file names: relative to that file's folder, else packaged; None if there is none."""
     for base in (folder, assets_folder()):
         path = base / name.expanduser()
         if path.is_file():
@@ -59,7 +59,7 @@ def find_asset(name: Path, folder: Path) -> Path | None:
 
 
 def shown_name(path: Path) -> str:
-    """Return what messages call a YAML file: a packaged one by its name alone, any other by its path."""
+    """Return a YAML file's name in messages: the bare name of a packaged file, the path of any other."""
     return path.name if assets_folder() in path.parents else str(path)
 
 

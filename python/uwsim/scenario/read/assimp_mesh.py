@@ -1,4 +1,4 @@
-"""Meshes by assimp, which knows dozens of formats and crashes or spins on damaged files: in a process with limits."""
+"""Mesh import with assimp, which reads dozens of formats but may crash or hang: in a process with limits."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 READER = Path(__file__).with_name("assimp_process.py")
 MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
 CPU_S, CPU_S_PER_BYTE = 8, 1e-6
-"""Limits of a small file, and what each byte of a larger one adds. A BlueROV2 of 5 MB takes a second."""
+"""Limits for a small file, and the allowance per byte of a larger one. A BlueROV2 of 5 MB takes a second."""
 
 
 def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:
-    """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError, which says why; ImportError."""
+    """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError with the reason, ImportError."""
     if find_spec("assimp_py") is None:
         raise ImportError("no assimp", name="assimp_py")
     size = path.stat().st_size

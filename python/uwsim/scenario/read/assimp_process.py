@@ -1,6 +1,6 @@
-"""Reads a mesh by assimp, in a process of its own: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
+"""Mesh import with assimp, in its own process: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
 
-It must not import uwsim, so that it starts quickly. stdout: points and triangles of each part, p0, t0, p1, t1 ...
+It must not import uwsim, to start quickly. stdout: points and triangles of each part, p0, t0, p1, t1 ...
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 
 def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
-    """Return points (n, 3) float64 and triangles (m, 3) int64 of each part of a file, the nodes' transforms applied."""
+    """Return points (n, 3) float64 and triangles (m, 3) int64 of each part of a file, with node transforms applied."""
     import assimp_py
 
     flags = (
@@ -45,10 +45,10 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
 
 
 def main() -> None:
-    """Read within the limits; an error is a line on stderr and exit code 1."""
+    """Read a mesh within the limits; on error, print one line to stderr and exit with code 1."""
     path, memory_bytes, cpu_s = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever assimp prints is not part of the answer
+    os.dup2(2, 1)  # keeps assimp's own prints out of the result
     for kind, limit in (
         (resource.RLIMIT_AS, memory_bytes),
         (resource.RLIMIT_CPU, cpu_s),
@@ -57,7 +57,7 @@ def main() -> None:
         resource.setrlimit(kind, (limit, limit))
     try:
         parts = read_parts(path)
-    except Exception as error:  # on malformed files assimp raises errors of any type
+    except Exception as error:  # assimp raises errors of any type for malformed files
         sys.exit(" ".join(str(error).split()) or type(error).__name__)
     np.savez(out, *parts)
     out.close()

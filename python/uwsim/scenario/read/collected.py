@@ -1,4 +1,4 @@
-"""Collects the errors of parts that are built one by one, so that they are reported all at once."""
+"""Collected: gathers the errors of parts that are built one by one, to report them together."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from uwsim.scenario.read.errors import ScenarioError
 
 
 class Collected:
-    """The mistakes so far, each one line."""
+    """The mistakes found so far, each one line."""
 
     def __init__(self) -> None:
         self.mistakes: list[str] = []
 
     @contextmanager
     def noted(self) -> Iterator[None]:
-        """Note the ScenarioError that is raised inside, and go on after it."""
+        """Catch and note a ScenarioError raised in the block."""
         try:
             yield
         except ScenarioError as error:
             self.mistakes += error.mistakes
 
     def raise_any(self) -> None:
-        """Raise one ScenarioError of all mistakes, if there are some."""
+        """Raise one ScenarioError with all mistakes, if there are any."""
         if self.mistakes:
             raise ScenarioError.of(self.mistakes)

@@ -1,4 +1,4 @@
-"""The one error that scenario, terrain and mesh files raise, and the warning about a file that was repaired."""
+"""The one error for scenario, terrain and mesh files, and the warning about a repaired file."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 
 class ScenarioError(ValueError):
-    """A scenario, or a file that it names, cannot be used. The message is one line: where, and what to do.
+    """A scenario, or a file that it names, cannot be used. The message is one line: the place and the remedy.
 
-    at: keys to the value at fault, below the part of the scenario that was being built. mistakes: the message of each,
-    if a file has several; the error's own message is the first, the others are its notes, which tracebacks show.
+    at: keys of the value at fault, relative to the part of the scenario being built. mistakes: the messages of a file
+    with several; the error's own message is the first, the others are notes, which tracebacks show.
     """
 
     def __init__(self, message: str, at: tuple[str | int, ...] = (), mistakes: Sequence[str] = ()) -> None:
@@ -19,7 +19,7 @@ class ScenarioError(ValueError):
 
     @classmethod
     def of(cls, mistakes: Sequence[str]) -> ScenarioError:
-        """Make one error of several mistakes."""
+        """Return one error for several mistakes."""
         error = cls(mistakes[0], mistakes=mistakes)
         for other in mistakes[1:]:
             error.add_note(other)
@@ -27,4 +27,4 @@ class ScenarioError(ValueError):
 
 
 class RepairWarning(UserWarning):
-    """A file was repaired before it was used. The message is one line that says what was done."""
+    """A file was repaired before use. The message is one line that describes the repair."""

@@ -1,4 +1,4 @@
-"""Whether a mesh file is whole: trimesh reads what it can of a damaged one, even if its header announces more."""
+"""Checks that a mesh file is complete: trimesh reads what it can of a damaged one, whatever its header announces."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ STL_FACET = re.compile(
 
 
 def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> None:
-    """Raise ValueError if fewer triangles were read than there are faces; warn if the last line of a text has no end.
+    """Raise ValueError if triangles are missing; warn if the last line of a text file has no line break.
 
-    name: what messages call the file. suffix: of TEXT_SUFFIXES. Of glTF the reader finds it out itself.
+    name: the file, in messages. suffix: of TEXT_SUFFIXES; the glTF reader checks this itself.
     """
     head = content[:MAX_HEADER]
     if suffix == ".off" and re.search(rb"[^\t\n\r -~]", re.sub(rb"#[^\n]*", b"", content)):
-        raise ValueError("holds other characters than numbers")  # trimesh guesses an encoding from all of the file
+        raise ValueError("holds other characters than numbers")  # trimesh would guess an encoding from the whole file
     if suffix == ".off" and re.match(rb"(?:\s|#[^\n]*\n)*C?OFF\b", content) is None:
-        raise ValueError("does not begin with OFF")  # trimesh looks for it in all of the file
+        raise ValueError("does not begin with OFF")  # trimesh would search for it in the whole file
     is_binary, faces = _ply_header(head) if suffix == ".ply" else (False, _announced_faces(suffix, head))
     if triangles < faces:
         raise ValueError(f"announces {faces} faces, but only {triangles} triangles follow: is the file cut short?")
@@ -39,8 +39,8 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
 
 
 def require_whole_stl(name: str, text: bytes) -> None:
-    """Raise ValueError if an STL text is not solids of facets from its beginning to its end; warn as require_whole."""
-    warn_if_cut_short(name, text)  # another solid may have followed
+    """Raise ValueError if an STL text is not solids of facets throughout; warn as require_whole."""
+    warn_if_cut_short(name, text)  # another solid may be missing
     text, at = text.lower(), 0
     while begins := STL_SOLID.match(text, at):
         at = begins.end()
@@ -58,9 +58,9 @@ def require_whole_stl(name: str, text: bytes) -> None:
 
 
 def _ply_header(head: bytes) -> tuple[bool, int]:
-    """Return whether a PLY file is binary, and how many faces it announces. Raises ValueError for another header.
+    """Return whether a PLY file is binary, and the number of faces that it announces. Raises ValueError.
 
-    trimesh passes over lines that it does not know, and takes the last of several elements of one name.
+    trimesh ignores lines that it does not know, and uses the last of several elements with one name.
     """
     header = PLY_HEADER.match(head)
     if header is None:

@@ -1,4 +1,4 @@
-"""Triangle meshes from files: STL, OBJ, glTF, FBX and others, as Blender and CAD programs export them."""
+"""Triangle meshes from files such as STL, OBJ, glTF and FBX, as Blender and CAD programs export them."""
 
 from __future__ import annotations
 
@@ -24,21 +24,20 @@ TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
 MAX_REACH_M = 1e5
 Y_UP_SUFFIXES = (".glb", ".gltf")
 CACHED_SUFFIXES = (".obj", ".stl")
-"""Files that hold all of their mesh, so that their content is a key to it."""
+"""Formats that hold the whole mesh in one file, whose content can therefore be a cache key."""
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""Rotates the file's y to z and keeps its x; the file's z, towards the viewer, becomes -y."""
+"""Rotates the file's y to z and keeps x; the file's z, towards the viewer, becomes -y."""
 
 
 def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None = None) -> tuple[Vertices, Triangles]:
-    """Read all triangles of a file, the nodes' transforms applied.
+    """Return all triangles of a file, with node transforms applied.
 
     Returns vertices (n, 3) float64 in metres, and triangles (m, 3) uint32. trimesh reads STL, PLY, OBJ, OFF and glTF;
-    assimp reads the rest, FBX above all, whose unit (usually centimetres) it converts to metres.
+    assimp reads all other formats, mainly FBX, and converts its unit (usually centimetres) to metres.
     scale: metres for each unit of the file; for FBX a further factor.
-    up: the file's axis that becomes z. By default y for glTF, as its specification says; for FBX and Collada what the
-    file declares; z for all others, so Blender's OBJ export with its default axes needs up="y".
-    Raises ScenarioError if the file is missing, malformed, empty, too large, not finite or has no area.
+    up: the file's axis that becomes z. The default is y for glTF, as in its specification, the declared axis for FBX
+    and Collada, and z for all others; Blender's OBJ export with its default axes therefore needs up="y".
     """
     path = Path(path)
     _require_readable(path)
@@ -52,7 +51,7 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
 
 
 def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
-    """Read the file; content: its bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
+    """Return the mesh; content: the file's bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
     suffix = path.suffix.lower()
     try:
         if suffix in TRIMESH_SUFFIXES:
@@ -62,7 +61,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
             y_up = suffix in Y_UP_SUFFIXES
         else:
             vertices, triangles = joined(read_by_assimp(path))
-            y_up = True  # assimp turns every file that declares its axes to y up
+            y_up = True  # assimp converts every file that declares its axes to y up
     except ScenarioError:
         raise
     except MemoryError:
@@ -71,7 +70,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
         raise ScenarioError(
             f"mesh '{path}': reading it needs the Python package '{error.name}', which cannot be imported: install it"
         ) from None
-    except Exception as error:  # on malformed files the readers raise errors of any type
+    except Exception as error:  # the readers raise errors of any type for malformed files
         raise ScenarioError(f"mesh '{path}': not a readable {suffix[1:] or 'mesh'} file: {_reason(error)}") from None
     _require_sound(path, vertices, triangles, scale)
     if up == "y" or (up is None and y_up):
@@ -95,7 +94,7 @@ def _require_readable(path: Path) -> None:
 
 
 def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertices, NDArray[Any]]:
-    import trimesh  # here, since it takes a second, and a cached mesh does not need it
+    import trimesh  # takes a second; not needed for a cached mesh
 
     if suffix == ".obj":  # comments and names may be in any encoding
         text = content.decode("utf-8", errors="replace")
@@ -110,7 +109,7 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
 
 
 def _require_indices_from_one(path: Path, text: str) -> None:
-    """Refuse a face with index 0, which means nothing; trimesh would take it for some vertex."""
+    """Refuse a face with index 0, which is invalid; trimesh would take it as some vertex."""
     zero = re.search(r"^[ \t]*f[ \t](?:.*[ \t])?[-+]?0+(?=[/\s]|\Z)", text, re.MULTILINE)
     if zero:
         line = text.count("\n", 0, zero.end()) + 1
@@ -118,7 +117,7 @@ def _require_indices_from_one(path: Path, text: str) -> None:
 
 
 def _sound_stl(path: Path, data: bytes) -> bytes:
-    """Return the file, as UTF-8 if it is text; refuse files in which trimesh would find no triangles."""
+    """Return the file, text converted to UTF-8; refuse files in which trimesh would find no triangles."""
     announced = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * announced:
         return data
@@ -130,7 +129,7 @@ def _sound_stl(path: Path, data: bytes) -> bytes:
 
 
 def joined(parts: list[tuple[Vertices, NDArray[Any]]]) -> tuple[Vertices, NDArray[Any]]:
-    """Join several meshes into one."""
+    """Return several meshes as one."""
     if not parts:
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     starts = np.cumsum([0] + [len(points) for points, _ in parts[:-1]])

@@ -1,4 +1,4 @@
-"""What is left of a file's values when what is at fault is left out, so that the rest can be checked as well."""
+"""The valid rest of a file's values: mistakes are left out so that everything else can be checked, too."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ Path = tuple[Key, ...]
 
 
 class Remainder:
-    """A copy of values from which parts are taken; it knows the place in the file of what is left.
+    """A copy of values without the parts left out; it maps places in the rest to places in the file.
 
-    values: dicts and lists of their own; models and plain values as given. left_out: places in the file, in order.
+    values: own copies of dicts and lists; models and plain values as given. left_out: places in the file, in order.
     """
 
     def __init__(self, values: Any) -> None:
         self.left_out: list[Path] = []
-        self._positions: dict[int, list[int]] = {}  # of the items that are left, by the list's identity
-        self._spelt: dict[tuple[int, Key], Key] = {}  # how the file spells a key, by the mapping's identity
+        self._positions: dict[int, list[int]] = {}  # of the remaining items, by the list's identity
+        self._spelt: dict[tuple[int, Key], Key] = {}  # the file's spelling of a key, by the mapping's identity
         self.values = self._copy(values)
 
     def _copy(self, value: Any) -> Any:
@@ -32,7 +32,7 @@ class Remainder:
         return value
 
     def in_file(self, path: Sequence[Key]) -> Path:
-        """Return the place in the file of a place in `values`."""
+        """Return the place in the file for a place in `values`."""
         node: Any = self.values
         found: list[Key] = []
         for key in path:
@@ -48,12 +48,12 @@ class Remainder:
         return tuple(found)
 
     def has(self, path: Path) -> bool:
-        """Whether there is such a key."""
+        """Return whether there is such a key."""
         node = self._at(path[:-1])
         return isinstance(node, dict) and path[-1] in node
 
     def rename(self, path: Path, key: str) -> bool:
-        """Read a key as another one; False if that is there as well."""
+        """Rename a key; return False if the new name is in use."""
         node = self._at(path[:-1])
         if not isinstance(node, dict) or key in node or path[-1] not in node:
             return False
@@ -62,9 +62,9 @@ class Remainder:
         return True
 
     def leave_out(self, path: Path) -> Path | None:
-        """Leave out a key, or an item of a list of mappings; if there is none, what it would be in.
+        """Leave out a key, or an item of a list of mappings; if it does not exist, its nearest ancestor.
 
-        Returns what was left out; None where that would be everything.
+        Returns the place left out; None if that would be everything.
         """
         while path:
             node, key = self._at(path[:-1]), path[-1]

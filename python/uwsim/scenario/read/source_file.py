@@ -1,4 +1,4 @@
-"""The file that a scenario was read from, so that errors found after reading still name file and line."""
+"""SourceFile: the file that a scenario was read from, so that later errors can still name file and line."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 @dataclass(frozen=True)
 class SourceFile:
-    """document: None for a scenario made in Python. All source files compare equal: they are no part of a scenario.
+    """document: None for a scenario made in Python. All source files compare equal: a scenario does not depend on them.
 
-    in_file: the place in the file of a place in the scenario, where parts of the file were left out.
+    in_file: maps a place in the scenario to the place in the file, if parts of the file were left out.
     """
 
     document: YamlDocument | None = field(default=None, compare=False, repr=False)
     in_file: Callable[[Sequence[Key]], Sequence[Key]] = field(default=tuple, compare=False, repr=False)
 
     def line_prefix(self, *keys: Key) -> str:
-        """Return `lake.yaml:12: ` for the value under these keys, or nothing."""
+        """Return `lake.yaml:12: ` for the value under these keys, or an empty string."""
         return f"{self.document.name}:{self.document.line(self.in_file(keys))}: " if self.document else ""
 
     def place(self, *keys: Key) -> str:
-        """Return the keys as messages write them: vehicles[0].model."""
+        """Return the keys in the form used in messages: vehicles[0].model."""
         return dotted(self.in_file(keys))
 
     @property
     def file_prefix(self) -> str:
-        """`lake.yaml: `, or nothing."""
+        """Return `lake.yaml: `, or an empty string."""
         return f"{self.document.name}: " if self.document else ""
 
     @contextmanager
     def errors_at(self, *keys: Key) -> Iterator[None]:
-        """Put file and line before the ScenarioErrors raised inside; the value at fault is at or below these keys."""
+        """Prefix ScenarioErrors from the block with file and line; the value at fault is at or below these keys."""
         try:
             yield
         except ScenarioError as error:

@@ -1,4 +1,4 @@
-"""A part of a scenario that has a YAML file of its own: a vehicle, a thruster, a sonar, a set of sensors."""
+"""Parts of a scenario in YAML files of their own: a vehicle, a thruster, a sonar, a set of sensors."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Spec = TypeVar("Spec", bound=BaseModel)
 
 
 def read_spec(model: type[Spec], source: str | Path, kind: str, folder: Path | None = None) -> Spec:
-    """Read and check the YAML file that a packaged name or a path means. Raises ScenarioError.
+    """Read and check the YAML file of a packaged name or a path. Raises ScenarioError.
 
-    kind: the assets' folder for packaged names, such as "vehicles". folder: where a relative path starts, by default
-    the working folder.
+    kind: the assets' folder for packaged names, such as "vehicles". folder: the base of relative paths, by default the
+    working folder.
     """
     beside = (folder or Path()) / source
     path = beside if beside.is_file() else find_yaml(source, kind)

@@ -1,4 +1,4 @@
-"""Textures and colours of mesh files: an image and the place of each triangle on it."""
+"""Textures and colours of mesh files: an image, and each triangle's place on it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, load_mesh
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
 MAX_SIDE = 4096
 PATCH = 4
-"""Side of a colour's patch, pixels."""
+"""Side of a colour patch, pixels."""
 UNCOLOURED = np.array([1.0, 1.0, 1.0])
-"""The base colour of a glTF material that names none: white, as its specification says."""
+"""The base colour of a glTF material without one: white, as in the specification."""
 
 Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
@@ -23,10 +23,10 @@ Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 def load_texture(path: Path) -> Texture | None:
     """Return a mesh file's image (h, w, 3) uint8, sRGB, and corners (m, 3, 2) float32 on it, from its lower left.
 
-    A glTF file without images, whose materials or vertices have colours, gives an image with a patch for each colour.
-    None for a file without either, or with an image that cannot be read, and for formats other than glTF and OBJ. The
-    triangles are those of load_mesh, in its order. Several images in a file are placed side by side. Images are reduced
-    to at most 4,096 pixels a side.
+    For a glTF file without images whose materials or vertices have colours, the image has a patch for each colour.
+    Returns None for files without either, for unreadable images, and for formats other than glTF and OBJ. The triangles
+    are those of load_mesh, in its order. Several images of a file are placed side by side. Images are reduced to at
+    most 4,096 pixels a side.
     """
     if path.suffix.lower() not in TEXTURED_SUFFIXES:
         return None
@@ -39,7 +39,7 @@ def load_texture(path: Path) -> Texture | None:
         mesh: Any = scene.to_mesh()
         uv = getattr(mesh.visual, "uv", None)
         image = _image_of(mesh.visual)
-    except Exception:  # readers raise all kinds of errors for malformed files; load_mesh has already read the geometry
+    except Exception:  # readers raise any error for malformed files; load_mesh has already read the geometry
         return None
     if uv is None or image is None or not np.isfinite(uv).all():
         return None
@@ -50,7 +50,7 @@ def load_texture(path: Path) -> Texture | None:
 
 
 def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
-    """Return the colour of each triangle (m, 3), sRGB, of a scene with colours and without images, else None."""
+    """Return the colour of each triangle (m, 3), sRGB, for a scene with colours but no images, else None."""
     parts, given = [], False
     for mesh in scene.dump(concatenate=False):
         material: Any = getattr(mesh.visual, "material", None)
@@ -72,7 +72,7 @@ def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
 
 
 def _palette(colours: NDArray[np.uint8]) -> Texture:
-    """Return an image with a patch for each of the colours (m, 3), and corners in the middle of theirs."""
+    """Return an image with a patch for each of the colours (m, 3), and corners in the middle of these patches."""
     known, which = np.unique(colours, axis=0, return_inverse=True)
     across = min(len(known), MAX_SIDE // PATCH)
     rows = -(-len(known) // across)

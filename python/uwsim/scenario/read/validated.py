@@ -1,7 +1,7 @@
-"""Values checked against a model, and all their mistakes at once.
+"""Validation of values against a model, with all mistakes reported together.
 
-pydantic stops at the first broken rule of a model, and does not come to rules that join several. So what is at fault is
-left out, or read under the name that was meant, and the rest is checked again, until nothing new is found.
+pydantic stops at a model's first broken rule and skips rules that combine several. So values at fault are left out, or
+read under the key that was meant, and the rest is checked again, until no new mistake is found.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MEANT = re.compile(r"did you mean '([^']+)'")
 
 
 def validated(model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None) -> M:
-    """Check values against a model and return it. Relative files are sought in `folder` first. Raises ScenarioError."""
+    """Return the model of these values. Files are looked up in `folder` first. Raises ScenarioError."""
     try:
         return model.model_validate(values, context={"folder": folder or Path(), HINTS: {}})
     except ValidationError:
@@ -35,7 +35,10 @@ def validated(model: type[M], values: Any, document: YamlDocument | None = None,
 
 @dataclass(frozen=True)
 class Holding(Generic[M]):
-    """What holds of some values. mistakes: in the order of the file. model: of what is left; None: too little is."""
+    """The result of a check. mistakes: in the order of the file.
+
+    model: of the valid rest; None if too little is left.
+    """
 
     mistakes: list[str]
     model: M | None
@@ -45,9 +48,9 @@ class Holding(Generic[M]):
 def what_holds(
     model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None
 ) -> Holding[M]:
-    """Find all mistakes, each in one line; at most MAX_MISTAKES, then the number of the others."""
+    """Return all mistakes, each in one line: at most MAX_MISTAKES, then the number of the others."""
     left = Remainder(values)
-    found: dict[str, tuple[bool, int]] = {}  # without repeats: each absent item of a list is an error of its own
+    found: dict[str, tuple[bool, int]] = {}  # unique: each absent item of a list is a separate error
     made: M | None = None
     for _ in range(MAX_ROUNDS):
         hints: Hints = {}
@@ -68,7 +71,7 @@ def what_holds(
 
 
 def _follows(mistake: Mistake, left: Remainder) -> bool:
-    """Whether it is there only because something was left out before."""
+    """Return whether a mistake exists only because something was left out before."""
     path, model = left.in_file(mistake.path), left.in_file(mistake.model)
     for gone in left.left_out:
         if path[: len(gone)] == gone:
@@ -82,11 +85,12 @@ def _follows(mistake: Mistake, left: Remainder) -> bool:
 
 
 def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
-    """Read misspelt keys as what was meant; else leave out what is wrong; else that of which something is missing.
+    """Rename misspelt keys; else leave out what is wrong; else leave out the mapping that lacks something.
 
-    One of these at a time, so that as much as can be is left to be checked. False if there is nothing more to do.
+    Only one of these is done at a time, to leave as much as possible to be checked. Returns False if nothing is left to
+    do.
     """
-    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # lists: from their ends
+    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # lists from their ends
     renamed = [each for each in ordered if (key := _meant(each)) is not None and left.rename(each.path, key)]
     if renamed:
         return True

@@ -1,4 +1,4 @@
-"""pydantic's validation errors, each as one line: where, the value, its unit, the rule.
+"""pydantic's validation errors, each as one line: place, value, unit, rule.
 
 `lake.yaml:12: vehicles[0].sonr: unknown key; did you mean 'sonar'?`
 `lake.yaml:7: water.density_kg_m3 = 5000 kg/m3: must be in [900, 1100] kg/m3`
@@ -18,13 +18,13 @@ from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 TAGS = ("source", "kind")
-"""Keys that select one of several models; pydantic adds their values to the locations of errors."""
+"""Keys that select one of several models; pydantic includes their values in the locations of errors."""
 
 HINTS = "hints"
-"""Key of the validation's context that holds the Hints."""
+"""Key for the Hints in the validation's context."""
 
 Hints = dict[str, str]
-"""The end of the message about each unknown key: the nearest known one."""
+"""For each unknown key, the end of the message: the nearest known key."""
 
 InFile = Callable[[Sequence[Key]], Sequence[Key]]
 
@@ -42,9 +42,9 @@ RULES = {
 
 
 class Mistake(NamedTuple):
-    """What pydantic found wrong. path: keys to it. model: keys to the model whose rule is broken. lines: to be read.
+    """One of pydantic's errors. path: keys to it. model: keys to the model whose rule is broken.
 
-    lines: (line of the file, text) of each; several if it is about another file that has several mistakes.
+    lines: pairs of line in the file and text; several if another file is at fault that has several mistakes.
     """
 
     path: tuple[Key, ...]
@@ -56,7 +56,7 @@ class Mistake(NamedTuple):
 def mistakes_in(
     errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None, in_file: InFile
 ) -> list[Mistake]:
-    """Describe each error that does not only follow from another. in_file: the place in the file of one in `values`."""
+    """Return the errors that are not mere consequences of others. in_file: maps places in `values` to the file."""
     return [
         _described(error, errors, hints, values, document, in_file)
         for error in errors
@@ -75,7 +75,7 @@ def _described(
     below, shown, rules = _explained(error, errors, hints)
     model = _path(values, error["loc"])
     path = [*model, *below]
-    if error["type"] == "missing" and isinstance(path[-1], int):  # report the list, not the absent item
+    if error["type"] == "missing" and isinstance(path[-1], int):  # report the list, not its absent item
         path.pop()
     found = in_file(path)
     place, line = dotted(found), document.line(found) if document else 0
@@ -85,17 +85,17 @@ def _described(
 
 
 def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints) -> bool:
-    """Whether an error is only the consequence of another, which alone is worth reporting."""
+    """Return whether an error is only a consequence of another, which alone is reported."""
     kind, loc = error["type"], error["loc"]
-    if kind == "default_factory_not_called":  # because something beside it is not valid
+    if kind == "default_factory_not_called":  # another field is invalid
         return True
-    if kind == "missing":  # because its key is misspelt
+    if kind == "missing":  # its key is misspelt
         unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
         return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
-    if kind == "extra_forbidden":  # because the kind that would know it is unknown, unless it is that kind, misspelt
+    if kind == "extra_forbidden":  # the kind that has this key is unknown or misspelt
         beside = [str(o["loc"][-1]) for o in errors if o["loc"][:-1] == loc[:-1]]
         return any(tag in beside and f"'{tag}'" not in hints.get(str(loc[-1]), "") for tag in TAGS)
-    if kind == "too_short":  # because invalid items do not count
+    if kind == "too_short":  # invalid items do not count
         return any(len(o["loc"]) > len(loc) and o["loc"][: len(loc)] == loc for o in errors)
     return False
 
@@ -140,13 +140,13 @@ def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence
 
 
 def _path(values: Any, loc: Sequence[Key]) -> list[Key]:
-    """Return the keys to the error in the file: pydantic's location without the tags of unions."""
+    """Return the keys to the error in the file: pydantic's location without tags of unions."""
     path: list[Key] = []
     node, entered = values, True
     for part in loc:
         if part == "[key]":  # of a dict
             continue
-        if isinstance(part, int) and isinstance(node, dict):  # one item, given without its list
+        if isinstance(part, int) and isinstance(node, dict):  # a single item without its list
             continue
         if entered and isinstance(node, dict) and part in [node.get(tag) for tag in TAGS]:
             entered = False
@@ -167,7 +167,7 @@ def _shown(value: Any, unit: str = "") -> str:
         text = str(value).lower()
     elif isinstance(value, float):
         text = f"{value:.12g}"
-    elif isinstance(value, int) and value.bit_length() > 1000:  # Python refuses to print more than some 4000 digits
+    elif isinstance(value, int) and value.bit_length() > 1000:  # Python refuses to print more than about 4000 digits
         text = f"a number of about {value.bit_length() * 0.30103:.0f} digits"
     else:
         text = f"'{value}'" if isinstance(value, str | Path) else str(value)

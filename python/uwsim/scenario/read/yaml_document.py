@@ -1,4 +1,4 @@
-"""A YAML file as plain values, with the line of each."""
+"""A YAML file as plain values, with the line number of each."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning, YAMLError
 
 from uwsim.scenario.read.errors import ScenarioError
 
-MAX_BYTES = 300_000  # take 7 s, whatever is in them
+MAX_BYTES = 300_000  # a file of this size takes at most 7 s
 MAX_VALUES = 200_000
-"""Counted with aliases expanded: a few lines of nested aliases can stand for billions of values."""
+"""Counted with aliases expanded: a few lines of nested aliases can expand to billions of values."""
 
 Key = str | int
 
 
 def dotted(path: Sequence[Key]) -> str:
-    """Return keys as they are written in messages: vehicles[0].sonar.model."""
+    """Return keys in the form used in messages: vehicles[0].sonar.model."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return text.removeprefix(".")
 
 
 @dataclass(frozen=True)
 class YamlDocument:
-    """name: what messages call the file. values: dicts, lists, text, numbers, booleans and None only."""
+    """name: the file, in messages. values: dicts, lists, text, numbers, booleans and None only."""
 
     name: str
     values: dict[str, Any]
@@ -54,14 +54,14 @@ class YamlDocument:
 
 
 def read_yaml(path: Path, name: str) -> YamlDocument:
-    """Read a YAML mapping. name: what messages call the file. Raises ScenarioError with name and line."""
+    """Return a YAML mapping. name: the file, in messages. Raises ScenarioError with name and line."""
     document = _parsed(_read_text(path, name), name)
     return replace(document, values=copy.deepcopy(document.values))
 
 
-@functools.lru_cache(maxsize=64)  # a simulator's files take a third of the time to make it, and change rarely
+@functools.lru_cache(maxsize=64)  # parsing is a third of a simulator's start, and files change rarely
 def _parsed(text: str, name: str) -> YamlDocument:
-    """Return the document, which is not to be changed. Raises ScenarioError with name and line."""
+    """Return the document, which must not be modified. Raises ScenarioError with name and line."""
     reader = YAML(typ="rt")
     reader.Constructor = _Constructor
     try:
@@ -79,7 +79,7 @@ def _parsed(text: str, name: str) -> YamlDocument:
         raise ScenarioError(f"{name}:{_line(error)}: not valid YAML: {reason}") from None
     except YAMLError as error:
         raise ScenarioError(f"{name}: not valid YAML: {_first_line(error)}") from None
-    except NotImplementedError as error:  # ruamel's, which keeps comments, where it finds two for one place
+    except NotImplementedError as error:  # raised by ruamel for two comments in one place
         found = re.search(r"line: (\d+)", str(error))
         line = f":{int(found[1]) + 1}" if found else ""
         raise ScenarioError(f"{name}{line}: a comment between a key and its value: write it above the key") from None
@@ -96,7 +96,7 @@ def _read_text(path: Path, name: str) -> str:
     try:
         size = path.stat().st_size
         if size > MAX_BYTES:
-            raise ScenarioError(f"{name}: {size} bytes, a YAML file here has at most {MAX_BYTES}")
+            raise ScenarioError(f"{name}: {size} bytes: must be at most {MAX_BYTES}")
         data = path.read_bytes()
     except OSError as error:
         raise ScenarioError(f"{name}: cannot be read: {error.strerror}") from None
@@ -111,7 +111,7 @@ def _read_text(path: Path, name: str) -> str:
 
 
 class _Constructor(RoundTripConstructor):
-    """Gives the line of a value that YAML accepts as a number or a date but Python does not."""
+    """Reports the line of a value that YAML accepts as a number or date but Python does not."""
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
         try:
@@ -123,7 +123,7 @@ class _Constructor(RoundTripConstructor):
     def check_mapping_key(self, node: Any, key_node: Any, mapping: Any, key: Any, value: Any) -> bool:
         try:
             return bool(super().check_mapping_key(node, key_node, mapping, key, value))
-        except TypeError as error:  # a mapping with a list in it has no hash
+        except TypeError as error:  # a mapping that contains a list has no hash
             raise ConstructorError(problem="a key is no plain word", problem_mark=key_node.start_mark) from error
 
 
@@ -182,13 +182,13 @@ class _Plain:
                 return kind(value)
         if value is None:
             return None
-        if type(value).__name__ == "ScalarBoolean":  # ruamel's boolean with an anchor is an int
+        if type(value).__name__ == "ScalarBoolean":  # ruamel's type for a boolean with an anchor is an int
             return bool(value)
         raise ScenarioError(f"{self._name}:{line}: neither text, number, boolean, list nor keys: {value!s:.60}")
 
 
 def _line_of(node: CommentedMap | CommentedSeq, key: Any) -> int:
-    """Return the line of a key or item; if it came in by an alias, that of the mapping or list around it."""
+    """Return the line of a key or item; for one from an alias, the line of the mapping or list around it."""
     try:
         line, _ = node.lc.key(key) if isinstance(node, CommentedMap) else node.lc.item(key)
     except (KeyError, TypeError):

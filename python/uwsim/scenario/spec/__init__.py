@@ -1,1 +1,1 @@
-"""The contents of a scenario: a pydantic model for each concept, with the range and unit of each value."""
+"""The contents of a scenario: one pydantic model per concept, with the range and unit of each value."""

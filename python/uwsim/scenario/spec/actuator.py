@@ -21,13 +21,13 @@ Microseconds = Annotated[float, InRange(1, 10_000, "us")]
 Component = Annotated[float, InRange(-1e6, 1e6)]
 ThrusterName = Annotated[str, AssetName("thrusters")]
 Direction = tuple[Component, Component, Component]
-"""A vector of any length but zero."""
+"""A vector of any length except zero."""
 
 
 class Pwm(Model):
-    """The pulse widths of a speed controller.
+    """A speed controller's pulse widths.
 
-    centre_us: of command 0. span_us: from there to the commands -1 and 1.
+    centre_us: for command 0. span_us: from the centre to commands -1 and 1.
     """
 
     centre_us: Microseconds
@@ -35,14 +35,14 @@ class Pwm(Model):
 
 
 class ThrusterType(Model):
-    """A thruster as one buys it.
+    """A thruster type, as sold.
 
     pwm: the pulse widths, if thrust_n is given by them.
-    thrust_n: pairs of a command in [-1, 1], or of a pulse width if `pwm` is given, and the still-water thrust on the
+    thrust_n: pairs of a command in [-1, 1], or a pulse width if `pwm` is given, and the still-water thrust on the
     vehicle; linear between pairs, constant beyond the ends. time_constant_s: of the thrust's first-order lag.
     diameter_m: of the propeller.
-    bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which no thrust is left;
-    if not given, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque for each newton,
+    bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes;
+    without it, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque per newton of thrust,
     k_q = D K_Q / K_T.
     """
 
@@ -66,7 +66,7 @@ class ThrusterType(Model):
 
     @property
     def curve_points(self) -> tuple[list[float], list[float]]:
-        """Commands in [-1, 1] and the thrusts [N] that they give."""
+        """Return commands in [-1, 1] and their thrusts [N]."""
         centre, span = (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
         commands = [(given - centre) / span for given, _ in self.thrust_n]
         return commands, [thrust_n for _, thrust_n in self.thrust_n]
@@ -90,9 +90,9 @@ class ThrusterMount(Model):
     """A thruster on a vehicle.
 
     model: a packaged thruster's name or the path of its YAML file, which is read into a ThrusterType. position_m: of
-    the propeller in the body's frame. axis: the direction of a positive thrust, of any length. spin: seen from behind,
-    at positive thrust. gain: a factor on the thrust of its type, as of a battery of another voltage; the allocation of
-    efforts knows it. health: the share of its thrust that a fault leaves; the allocation does not know of it.
+    the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: seen from behind, at
+    positive thrust. gain: a factor on the type's thrust, such as for another battery voltage; the allocation of efforts
+    takes it into account. health: the share of thrust left by a fault, of which the allocation is not aware.
     """
 
     model: Annotated[ThrusterType, BeforeValidator(_thruster_type, json_schema_input_type=ThrusterName | ThrusterType)]
@@ -111,11 +111,12 @@ class ThrusterMount(Model):
 class FinMount(Model):
     """A lifting surface: a fin that turns about its span, or a fixed one (deflection_max_deg 0).
 
-    position_m: its centre of pressure. span: the direction about which it turns, right-handed, perpendicular to x.
-    area_m2: to which lift and drag refer. aspect_ratio: effective, span^2 / area, doubled where the hull mirrors the
-    fin. parasitic_drag: the drag coefficient without lift. efficiency: Oswald's, of the induced drag. stall_angle_deg:
-    where lift is midway to that of a flat plate; leave out for a surface that does not stall, such as a hull's lift.
-    stall_sharpness_deg: of that transition. deflection_max_deg, rate_max_deg_s: how far and how fast it turns.
+    position_m: the centre of pressure. span: the direction about which it turns, right-handed, perpendicular to x.
+    area_m2: the reference area of lift and drag. aspect_ratio: effective, span^2 / area, doubled if the hull mirrors
+    the fin. parasitic_drag: the drag coefficient without lift. efficiency: Oswald's, for the induced drag.
+    stall_angle_deg: where lift is halfway to that of a flat plate; leave it out for a surface that does not stall, such
+    as a hull. stall_sharpness_deg: width of that transition. deflection_max_deg, rate_max_deg_s: limits of its angle
+    and rate.
     """
 
     position_m: Point3

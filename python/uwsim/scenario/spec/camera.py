@@ -19,9 +19,9 @@ Colour = tuple[Share, Share, Share]
 
 
 class PanTilt(Model):
-    """A motor that turns a camera on its mounting: pan about its z, positive to port, then tilt about y, positive down.
+    """A motor that turns a camera on its mount: pan about its z, positive to port, then tilt about y, positive down.
 
-    pan_limits_deg, tilt_limits_deg: from, to; 0, the mounting's own direction, is within. rate_deg_s: of each axis.
+    pan_limits_deg, tilt_limits_deg: from, to; 0, the mount's own direction, must be between. rate_deg_s: of each axis.
     """
 
     pan_limits_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
@@ -38,15 +38,15 @@ class PanTilt(Model):
 
 
 class CameraMount(Model):
-    """A camera: its mounting, its lens and its image sensor.
+    """A camera: its mount, lens and image sensor.
 
-    It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of what carries it. width,
+    It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of its carrier. width,
     height: pixels, which are square. horizontal_fov_deg: across the image's width, before distortion. distortion: k1,
-    k2, p1, p2, k3 of Brown and Conrady's model, as in OpenCV. exposure: a factor on the automatic or fixed exposure.
-    full_well, read_noise: electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: greatest bend of a
-    ray by turbulence; by default as `optics.turbulence_k` gives it. follows: what carries it; `body`: fixed to the
-    hull, which it does not see; `heading`: it follows the vehicle's place and heading from outside, level, and is kept
-    above the ground. pan_tilt: the motor that turns it, if it has one. on: the pictures of one that is off are black.
+    k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. exposure: a factor on the automatic or fixed exposure.
+    full_well, read_noise: electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: largest bend of a
+    ray by turbulence; by default derived from `optics.turbulence_k`. follows: its carrier; `body`: fixed to the hull,
+    which is not in its pictures; `heading`: it follows the vehicle's position and heading from outside, level, and is
+    kept above the ground. pan_tilt: its motor, if any. on: a camera that is off gives black pictures.
     """
 
     position_m: Point3
@@ -67,14 +67,14 @@ class CameraMount(Model):
     @model_validator(mode="after")
     def _turns_on_the_hull(self) -> CameraMount:
         if self.pan_tilt is not None and self.follows == "heading":
-            raise broken("is for a camera that is fixed to the hull", at=("pan_tilt",))
+            raise broken("is only for a camera that is fixed to the hull", at=("pan_tilt",))
         return self
 
 
 class LampSpot(Model):
-    """The mounting of one lamp on a switch; it shines along its x.
+    """The mount of one lamp on a switch; the lamp shines along its x.
 
-    position_m: in the body's frame.
+    position_m: in the body frame.
     """
 
     position_m: Point3
@@ -82,11 +82,11 @@ class LampSpot(Model):
 
 
 class Lamps(Model):
-    """The lamps on one switch, identical except for their mountings.
+    """The lamps on one switch, identical except for their mounts.
 
-    spots: where they are mounted. on: whether they shine at the start. flux_lm: of each lamp. half_angle_deg: of the
-    cone, outside which it is dark. soft_share: of that angle, over which the light falls off. colour: red, green, blue
-    relative to daylight's white.
+    spots: their mounts. on: whether they are on at the start. flux_lm: of each lamp. half_angle_deg: of the cone,
+    outside which it is dark. soft_share: share of that angle over which the light fades. colour: red, green, blue
+    relative to daylight white.
     """
 
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
@@ -105,7 +105,7 @@ DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 
 
 
 def dock_camera(dock_m: Point3) -> CameraMount:
-    """Return a camera in front of a dock, above and beside the way out, that looks back at the docked vehicle."""
+    """Return a camera in front of a dock, above and beside the exit, that looks back at the docked vehicle."""
     ahead_m, aside_m, above_m = DOCK_VIEW_M
     back_deg = 180.0 + math.degrees(math.atan2(aside_m, ahead_m))
     down_deg = math.degrees(math.atan2(above_m, math.hypot(ahead_m, aside_m)))

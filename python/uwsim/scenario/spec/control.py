@@ -11,11 +11,11 @@ Seconds = Annotated[float, InRange(0.001, 100, "s")]
 
 
 class Loop(Model):
-    """The cascade of one axis; units of error are m or rad.
+    """The cascade of one axis; position errors are in m or rad.
 
-    position_1_s: reference velocity for each unit of position error. velocity_1_s: acceleration for each unit of
-    velocity error. integral_1_s2: acceleration for each unit of the velocity error's integral. acceleration_share:
-    share of the measured acceleration that is opposed, as added inertia would.
+    position_1_s: reference velocity per unit of position error. velocity_1_s: acceleration per unit of velocity error.
+    integral_1_s2: acceleration per unit of the velocity error's integral. acceleration_share: share of the measured
+    acceleration that is opposed, like added inertia.
     """
 
     position_1_s: Rate = 1.0
@@ -33,12 +33,12 @@ class TurningLoop(Loop):
 
 
 class Control(Model):
-    """Gains and limits of all loops. An axis that nothing drives has none.
+    """Gains and limits of all loops. An axis without actuators has none.
 
-    surge, sway, heave, roll, pitch, yaw: of each axis. filter_s: time constant of the measured acceleration's filter.
-    tracking_s: time constant with which a saturated integral follows what the thrusters give. speed_max_m_s,
-    climb_max_m_s, turn_max_rad_s: of the reference velocities towards a position, horizontal and vertical, and an
-    attitude. acceleration_max_m_s2, turn_acceleration_max_rad_s2: of the reference velocities' change.
+    surge, sway, heave, roll, pitch, yaw: of each axis. filter_s: time constant of the filter of measured acceleration.
+    tracking_s: time constant with which a saturated integral follows the actual thrust. speed_max_m_s, climb_max_m_s,
+    turn_max_rad_s: limits of the reference velocities towards a position (horizontal, vertical) and an attitude.
+    acceleration_max_m_s2, turn_acceleration_max_rad_s2: limits of the rate of change of the reference velocities.
     """
 
     surge: Loop = Loop()

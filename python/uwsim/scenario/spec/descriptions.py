@@ -1,4 +1,4 @@
-"""The descriptions of a model and its fields: its docstring says `key, other_key [unit]: words.` of each field."""
+"""Descriptions of models and fields, from docstrings that have `key, other_key [unit]: words.` for each field."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ EVERYWHERE = {
     "yaw_pitch_roll_deg": "turns about z, then the new y, then the new x",
     "material": "a material's name, or its kind and the values that differ",
 }
-"""Fields that mean the same in all models that do not say otherwise."""
+"""Default descriptions of fields that most models share."""
 
 
 @functools.cache
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
-    """Return what the docstring says of each field, by name; else what that of a base class says."""
+    """Return the descriptions of a model's fields by name, from its docstring or a base class's."""
     found = {key: words for key, words in EVERYWHERE.items() if key in model.model_fields}
     for base in reversed(model.__mro__):
         if issubclass(base, BaseModel):
@@ -33,7 +33,7 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
 
 
 def _said_by(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
-    """Return what the docstring of a model says of these fields; inherited ones may be another model's."""
+    """Return the descriptions of these fields in a model's docstring; inherited ones may be another model's."""
     text = inspect.getdoc(model) or ""
     found: dict[str, str] = {}
     starts = [match for match in KEYS.finditer(text) if _fields(match[1]) & fields]
@@ -46,7 +46,7 @@ def _said_by(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
 
 
 def summary(model: type[BaseModel]) -> str:
-    """Return what the docstring says of the model itself: all before the first field."""
+    """Return the docstring's description of the model itself: everything before the first field."""
     text = inspect.getdoc(model) or ""
     for match in KEYS.finditer(text):
         if _fields(match[1]) & set(model.model_fields):

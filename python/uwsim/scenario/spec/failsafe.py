@@ -1,4 +1,4 @@
-"""What a vehicle does by itself when nobody speaks to it, or something aboard fails."""
+"""A vehicle's reaction to loss of contact or to a fault on board."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ from pydantic import model_validator
 from uwsim.scenario.spec.fields import InRange, Model, broken
 
 Behaviour = Literal["hold", "surface", "return", "go_on"]
-"""hold: depth, heading and place. surface: ascend. return: fly back to where it was released. go_on: only tell."""
+"""hold: keep depth, heading and position. surface: ascend. return: fly to the place of release. go_on: only report."""
 Percent = Annotated[float, InRange(0, 100, "%")]
 
 
 class Failsafe(Model):
-    """What a released vehicle does, in simulated time and by its own controller.
+    """The reaction of a released vehicle, in simulated time and by its own controller.
 
-    silence_s: without a command, or in a scenario with a link without anything from the station through that, after
-    which it does `then`; none: never. The next word ends it. then: what it does after such silence.
-    battery_percent, battery_then: the charge below which it does that; 0: never. leak_then, thruster_then, sensor_then:
-    what it does when it notices water inside, a thruster that does not obey, a sensor that is silent or stuck; none: it
-    is not watched. These stay until they are overridden; meanwhile commands have no effect.
-    ascent_m_s: the rate of `surface` and of the climb of `return`. surface_m: the depth at which it stops. speed_m_s:
-    of the way back. return_depth_m: its depth; none: that of where it was released. height_m: above the bed, which
-    `return` keeps at least.
+    silence_s: time without a command, or in a scenario with a link without any message from the station, after which it
+    does `then`; none: never. The next message ends the reaction. then: the reaction to such silence. battery_percent,
+    battery_then: the charge below which it reacts, and how; 0: never. leak_then, thruster_then, sensor_then: the
+    reaction when it detects water inside, a thruster that does not respond, a sensor that is silent or stuck; none: not
+    monitored. These reactions last until they are overridden; meanwhile commands have no effect. ascent_m_s: rate of
+    ascent of `surface` and `return`. surface_m: the depth at which the ascent stops. speed_m_s: of the way back.
+    return_depth_m: its depth; none: the depth at release. height_m: the smallest height above the bed during `return`.
     """
 
     silence_s: Annotated[float, InRange(0.1, 1e6, "s")] | None = None
@@ -43,5 +42,5 @@ class Failsafe(Model):
     def _watches_something(self) -> Failsafe:
         watched = (self.silence_s, self.leak_then, self.thruster_then, self.sensor_then)
         if self.battery_percent == 0 and all(value is None for value in watched):
-            raise broken("watches nothing: give silence_s, battery_percent, leak_then, thruster_then or sensor_then")
+            raise broken("monitors nothing: give silence_s, battery_percent, leak_then, thruster_then or sensor_then")
         return self

@@ -1,4 +1,4 @@
-"""Faults of a scenario: what fails, when, and for how long."""
+"""A scenario's faults: what fails, when, and for how long."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Axis = Literal["surge", "sway", "heave", "roll", "pitch", "yaw"]
 
 
 class FaultModel(Model):
-    """What every fault has.
+    """The fields of every fault.
 
-    name: in the log; by default its kind, or for several of one kind kind_2 and so on. vehicle: by default the first.
-    at_s: when it begins; this, or rate_per_h. rate_per_h: how often it begins in an hour on average, at times that are
-    drawn (exponential intervals, from the seed). for_s: how long it lasts; by default to the end.
+    name: in the log; by default its kind, or kind_2 and so on for several of a kind. vehicle: by default the first.
+    at_s: when it begins; either this or rate_per_h. rate_per_h: mean number of occurrences per hour, at random times
+    (exponential intervals, from the seed). for_s: its duration; by default until the end.
     """
 
     name: Name | None = None
@@ -35,10 +35,10 @@ class FaultModel(Model):
 
 
 class ThrusterFault(FaultModel):
-    """A thruster gives a share of its thrust; 0: it is out. The allocation does not know.
+    """A thruster gives only a share of its thrust; 0: none. The allocation is not aware of it.
 
-    thruster: its name. axis: instead, for a vehicle without thrusters, whose force or torque on it weakens. health: the
-    share that is left.
+    thruster: its name. axis: instead, for a vehicle without thrusters, the axis along which force or torque is reduced.
+    health: the share that is left.
     """
 
     kind: Literal["thruster"]
@@ -56,8 +56,8 @@ class ThrusterFault(FaultModel):
 class SensorFault(FaultModel):
     """A sensor fails.
 
-    sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last one, again and again; `bias`, a
-    constant is added. bias: in the sensor's unit, on every number of `field`. field: of the reading, needed for a
+    sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last reading is repeated; `bias`, a
+    constant is added. bias: in the sensor's unit, on every number of `field`. field: of the reading; required for a
     sensor of several quantities.
     """
 
@@ -77,7 +77,7 @@ class SensorFault(FaultModel):
 
 
 class SonarFault(FaultModel):
-    """The multibeam hears nothing: no beam has an echo."""
+    """The multibeam receives nothing: no beam has an echo."""
 
     kind: Literal["sonar"]
 
@@ -90,17 +90,17 @@ class CameraFault(FaultModel):
 
 
 class BatteryFault(FaultModel):
-    """The battery's voltage sags: all thrusters give a share of their thrust. thrust: the share."""
+    """The battery's voltage drops: all thrusters give only a share of their thrust. thrust: the share."""
 
     kind: Literal["battery"]
     thrust: Share
 
 
 class LeakFault(FaultModel):
-    """Water comes in, and stays when the leak ends: weight without buoyancy.
+    """Water enters, and remains when the leak ends: weight without buoyancy.
 
-    kg_per_s: the inflow. kg_max: after which the compartment is full. position_m: of the water in the body's frame; by
-    default at the centre of mass.
+    kg_per_s: the inflow. kg_max: the mass at which the compartment is full. position_m: of the water in the body frame;
+    by default at the centre of mass.
     """
 
     kind: Literal["leak"]
@@ -110,13 +110,13 @@ class LeakFault(FaultModel):
 
 
 class LinkLoss(FaultModel):
-    """Nothing passes between station and vehicle: commands are lost, and what the vehicle says over the link."""
+    """Nothing passes between station and vehicle: commands and the vehicle's messages over the link are lost."""
 
     kind: Literal["link"]
 
 
 class CurrentFault(FaultModel):
-    """The water moves otherwise.
+    """A further current.
 
     velocity_world_m_s: added to water.current_world_m_s; east, north, up.
     """

@@ -1,7 +1,7 @@
 """Field types of the scenario models: a strict base, numbers with a range and a unit, names, files.
 
-A rule is checked where the type is written, so that the same rule serves YAML and Python. Failures carry the unit and
-the rule to read/validation_errors.py, which adds the file and the line.
+Each rule belongs to a type, so that it applies to YAML and Python alike. Errors carry the unit and the rule to
+read/validation_errors.py, which adds file and line.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
 
 class Model(BaseModel):
-    """Base of all scenario models: immutable; an unknown key is an error that suggests the nearest known one."""
+    """Base of all scenario models: immutable; an unknown key is an error that suggests the nearest known key."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -49,7 +49,7 @@ class Model(BaseModel):
         super().__setattr__(name, value)
 
     def given(self) -> dict[str, Any]:
-        """Return the fields that say more than their absence would, by name: those given, and the name of a variant."""
+        """Return the fields whose presence carries information, by name: those given, and the name of a variant."""
         return {name: getattr(self, name) for name in type(self).model_fields if self._is_given(name)}
 
     def _is_given(self, name: str) -> bool:
@@ -60,7 +60,7 @@ class Model(BaseModel):
             return True
         if field.default_factory is None:
             return False
-        # A dict that was a default may have been filled since.
+        # A dict that was a default may have been filled since then.
         return bool(getattr(self, name) != field.get_default(call_default_factory=True, validated_data=self.__dict__))
 
     @classmethod
@@ -72,7 +72,7 @@ class Model(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _knows_every_key(cls, data: object, info: ValidationInfo) -> object:
-        """Note the nearest key to each unknown one for the message; pydantic then refuses all of them."""
+        """Note the nearest known key for each unknown one, for the message; pydantic then refuses all of them."""
         hints = (info.context or {}).get(HINTS)
         for key in data if isinstance(data, Mapping) else ():
             if key not in cls.model_fields:
@@ -84,13 +84,16 @@ class Model(BaseModel):
 
 
 def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:
-    """Make the error of a broken rule. at: keys below the model that raises it. context: the `value` and its `unit`."""
+    """Return the error of a broken rule. at: keys below the model that raises it.
+
+    context: the `value` and its `unit`.
+    """
     return PydanticCustomError("rule", "{rule}", {"rule": rule, "at": at, **context})
 
 
 @dataclass(frozen=True)
 class InRange:
-    """A number in [low, high], NumPy's included, but no text or boolean; a whole number if the field is an int."""
+    """A number in [low, high], also of a NumPy type, but no text or boolean; a whole number if the field is an int."""
 
     low: float
     high: float
@@ -108,7 +111,7 @@ class InRange:
         return in_range(handler(core)["type"], self.low, self.high, self.unit)
 
     def _check(self, value: float) -> float:
-        if not self.low <= value <= self.high:  # refuses NaN, too
+        if not self.low <= value <= self.high:  # also false for NaN
             raise broken(f"must be in [{self.low:.12g}, {self.high:.12g}] {self.unit}".rstrip(), unit=self.unit)
         return value
 
@@ -133,7 +136,7 @@ class OneOf:
 
 @dataclass(frozen=True)
 class AssetName:
-    """For schemas: a packaged name, which editors complete, or the path of a file. kind: a folder of the assets."""
+    """Schema annotation: a packaged name, which editors complete, or a path. kind: a folder of the assets."""
 
     kind: str
 
@@ -142,7 +145,7 @@ class AssetName:
 
 
 def _plain_int(value: object) -> object:
-    """Turn NumPy's whole numbers into Python's; leave anything else, booleans included, to be refused."""
+    """Return NumPy integers as Python's; leave anything else, booleans included, to be refused."""
     if isinstance(value, np.bool_):
         return bool(value)
     if isinstance(value, int) or not hasattr(value, "__index__"):
@@ -154,7 +157,7 @@ def _plain_int(value: object) -> object:
 
 
 def _plain_float(value: object) -> object:
-    """Turn NumPy's numbers into Python's floats; a whole number too large for a float becomes infinite."""
+    """Return NumPy numbers as Python floats; a whole number too large for a float becomes infinite."""
     value = _plain_int(value)
     if isinstance(value, np.floating):
         return float(value)
@@ -183,7 +186,7 @@ def _check_file(value: object, info: ValidationInfo) -> Path:
 Name = Annotated[str, AfterValidator(_check_name), WithJsonSchema({"type": "string", "pattern": f"^{NAME.pattern}$"})]
 
 AssetFile = Annotated[Path, BeforeValidator(_check_file, json_schema_input_type=str)]
-"""A file that exists: relative to the YAML file that names it (in Python: to the working folder), else packaged."""
+"""An existing file: relative to the YAML file that names it (in Python: to the working folder), else packaged."""
 
 # Rays are traced in float32, which resolves a millimetre within 10 km.
 Metres = Annotated[float, InRange(-10_000, 10_000, "m")]

@@ -1,7 +1,7 @@
-"""An imaging sonar on a vehicle, as read from its YAML file: its kind, where it is mounted, and changed figures.
+"""An imaging sonar on a vehicle, as read from its YAML file: its kind, its mount, and changed parameters.
 
-The native core's table of kinds (cpp/uwsim/sonar/imaging/) lists the kinds and their figures: a
-new kind needs nothing here.
+The kinds and their parameters are in the native core's table (cpp/uwsim/sonar/imaging/): a new kind needs no change
+here.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from uwsim.scenario.spec.parameter import checked_values
 
 RADIANS, DEGREES = "_rad", "_deg"
 STRENGTHS = "strengths_db"
-"""The one figure that is a mapping, from a surface's name to its strength; the core takes it by label."""
+"""The one parameter that is a mapping, from surface names to backscatter strengths; the core takes it by label."""
 LOUDEST_DB = 300.0
 
 
 class ImagingMount(Model):
-    """An imaging sonar of one of _core.imaging_kinds(), and where it is mounted: x ahead, y to port, z up; pitch down.
+    """An imaging sonar of one of _core.imaging_kinds(), and its mount: x ahead, y to port, z up; pitch positive down.
 
-    Figures that differ from the kind's defaults (see uwsim.sonars.imaging) stand beside the other keys in YAML, angles
-    in degrees under names that end in _deg. position_m: in the body's frame. figures: in Python, those beside the other
-    keys, by their own names and in SI units.
+    Parameters that differ from the kind's defaults (see uwsim.sonars.imaging) stand beside the other keys in YAML,
+    angles in degrees under names that end in _deg. position_m: in the body frame. figures: in Python, the parameters
+    that stand beside the other keys in YAML, by their own names and in SI units.
     """
 
     kind: str
@@ -83,12 +83,12 @@ class ImagingMount(Model):
         known = (*_core.imaging_kind(self.kind).parameters, STRENGTHS)
         for name, value in self.figures.items():
             if name not in known:
-                raise broken(f"unknown figure of a {self.kind}{did_you_mean(name, known)}", at=("figures", name))
+                raise broken(f"unknown parameter of a {self.kind}{did_you_mean(name, known)}", at=("figures", name))
             _check(self.kind, name, value, key=name)
         return self
 
     def body_from_sonar(self) -> NDArray[np.float64]:
-        """(4, 4)."""
+        """Return the transform from the sonar's frame to the body's, (4, 4)."""
         matrix = np.eye(4)
         matrix[:3, :3] = quaternions.matrix(quaternions.of_yaw_pitch_roll_deg(self.yaw_pitch_roll_deg))
         matrix[:3, 3] = self.position_m
@@ -100,7 +100,7 @@ def _yaml_key(name: str) -> str:
 
 
 def _figure(kind: str, name: str, value: Any) -> Any:
-    """Return a figure as it is kept, from its value in YAML."""
+    """Return a parameter as it is stored, from its value in YAML."""
     key = _yaml_key(name)
     _check(kind, name, value, key=key)
     return value if key == name else float(np.radians(value))
@@ -112,7 +112,7 @@ def _check(kind: str, name: str, value: Any, *, key: str) -> None:
             raise broken("must be a strength in dB for each surface, by name", at=(key,), value=value)
         for surface, strength_db in value.items():
             is_number = isinstance(strength_db, int | float) and not isinstance(strength_db, bool)
-            if not (is_number and abs(strength_db) <= LOUDEST_DB):  # false for nan, too
+            if not (is_number and abs(strength_db) <= LOUDEST_DB):  # also false for NaN
                 rule = f"must be a number in [{-LOUDEST_DB:g}, {LOUDEST_DB:g}] dB"
                 raise broken(rule, at=(key, str(surface)), value=strength_db, unit="dB")
         return

@@ -1,6 +1,6 @@
-"""JSON Schema of what pydantic cannot know: docstrings' words, ranges with units, kinds from the core's tables.
+"""The parts of a JSON Schema that pydantic cannot derive: descriptions, units and ranges, kinds of the core's tables.
 
-Draft 7, which all editors understand.
+Draft 7, which all editors support.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from uwsim import _core
 from uwsim.scenario.spec.descriptions import descriptions, summary
 
 UNIT = "x-unit"
-"""Keyword with a number's unit; validators ignore what they do not know."""
+"""Keyword for a number's unit; validators ignore unknown keywords."""
 
 
 def in_range(kind: str, low: float, high: float, unit: str = "") -> JsonSchemaValue:
@@ -32,19 +32,19 @@ def in_range(kind: str, low: float, high: float, unit: str = "") -> JsonSchemaVa
 
 
 def described(model: type[BaseModel], schema: JsonSchemaValue) -> None:
-    """Give a model's schema, and its properties, the words of its docstring, with ranges and units."""
+    """Add descriptions from its docstring, with ranges and units, to a model's schema and its properties."""
     schema["description"] = summary(model)
     words = descriptions(model)
     for name, part in schema.get("properties", {}).items():
         part.pop("title", None)
-        if part.get("default") is None or isinstance(part["default"], dict):  # said in words, or the part's own
+        if part.get("default") is None or isinstance(part["default"], dict):  # in the description, or the part's own
             part.pop("default", None)
         if text := "; ".join(filter(None, (words.get(name, "").rstrip(".;"), _range(part)))):
             part["description"] = text[:1].upper() + text[1:]
 
 
 def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], without: set[str]) -> None:
-    """Make a model's schema a choice of kinds, each with properties of its own beside those that all share."""
+    """Make a model's schema a choice of kinds, each with its own properties beside the shared ones."""
     shared = {key: value for key, value in schema["properties"].items() if key not in {"kind", *without}}
     required = [key for key in schema.get("required", []) if key not in without]
     options = [
@@ -63,7 +63,7 @@ def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], 
 
 
 def figures(parameters: Mapping[str, _core.Parameter], in_degrees: bool = False) -> JsonSchemaValue:
-    """Return properties, and those that are required, for figures of a kind of sensor or imaging sonar.
+    """Return the properties for parameters of a kind of sensor or imaging sonar, and the required ones.
 
     in_degrees: whether angles are given in degrees, under names that end in _deg.
     """
@@ -93,7 +93,7 @@ def _figure(parameter: _core.Parameter, turned: bool) -> JsonSchemaValue:
 
 
 def _range(part: JsonSchemaValue) -> str:
-    """Return `0 to 5 m` for a number, or for the numbers of a list; nothing for anything else."""
+    """Return `0 to 5 m` for a number, or for the numbers of a list; empty for anything else."""
     if "maximum" in part:
         least = part.get("minimum", part.get("exclusiveMinimum"))
         return f"{_short(least)} to {_short(part['maximum'])} {part.get(UNIT, '')}".strip() if least is not None else ""
@@ -108,5 +108,5 @@ def _short(value: float) -> str:
 
 
 def _whole(value: float) -> Any:
-    """Write 1e+06 as 1000000 and 5.0 as 5."""
+    """Return 1e+06 as 1000000 and 5.0 as 5."""
     return int(value) if float(value).is_integer() and abs(value) < 2**63 else value

@@ -1,4 +1,4 @@
-"""The link between station and vehicles, as a scenario has it."""
+"""A scenario's link between station and vehicles."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ BOTTOMS: dict[str, tuple[float, float, float]] = {
 
 
 class LinkFault(Model):
-    """A time in which packets are lost whatever the water does.
+    """A time in which packets are lost, whatever the state of the water.
 
-    from_s, until_s: simulated. loss: their share; 1 is a blackout.
+    from_s, until_s: simulated time. loss: share of packets lost; 1 is a blackout.
     """
 
     from_s: Annotated[float, InRange(0, 1e9, "s")]
@@ -47,13 +47,14 @@ def _modem(value: object, info: ValidationInfo) -> object:
 
 
 class LinkSetup(Model):
-    """What joins the station and the vehicles. In a scenario, a modem's name alone will do.
+    """The link between the station and the vehicles. In a scenario, a modem's name alone suffices.
 
-    modem: a packaged modem's name or the path of its YAML file, which is read into a ModemModel. access: who may send
-    when, instead of the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin. wind_m_s,
-    shipping: what makes the water loud; shipping 0: none, 1: heavy. bottom: what reflects sound at the bed. carries:
-    patterns of the channels that go over the link, by default all that may. repeats: how often messages of channels are
-    sent again, by pattern, whether or not they arrive; a command of a service is `command/NAME`. faults: by schedule.
+    modem: a packaged modem's name or the path of its YAML file, which is read into a ModemModel. access: the access
+    protocol, instead of the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin.
+    wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the material that reflects sound
+    at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of further
+    copies of each message, by pattern of channel, whether or not the first arrives; a service's command is
+    `command/NAME`. faults: by schedule.
     """
 
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]
@@ -79,7 +80,7 @@ class LinkSetup(Model):
 
 
 def _link_setup(value: Any) -> Any:
-    """Turn a modem's name or path into a setup; leave anything else to be checked."""
+    """Return a setup for a modem's name or path; anything else unchanged, to be validated."""
     return {"modem": value} if isinstance(value, str | Path) else value
 
 

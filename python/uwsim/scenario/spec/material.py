@@ -15,10 +15,10 @@ Relief = Annotated[float, InRange(0, 2)]
 
 
 class Backscatter(Model):
-    """A surface that scatters sound by Lambert's law.
+    """A surface that scatters sound according to Lambert's law.
 
-    strength_db: backscattering strength of a square metre at normal incidence. relief: rms slope of the roughness that
-    the mesh does not show, across a footprint; it spreads the echo in range.
+    strength_db: backscattering strength per square metre at normal incidence. relief: rms slope, across a footprint, of
+    roughness that is finer than the mesh; it spreads the echo in range.
     """
 
     strength_db: Strength
@@ -26,10 +26,10 @@ class Backscatter(Model):
 
 
 ROCK = Backscatter(strength_db=-30.0, relief=0.1)
-"""BS = -30 dB as the manufacturer's coverage table of the EM 2040 has it (the seed paper's Fig. 8); relief assumed."""
+"""BS = -30 dB as in the manufacturer's coverage table of the EM 2040 (the seed paper's Fig. 8); relief assumed."""
 
-# All assumed, except rock's strength, which has a source. Softer bottoms are weaker, as in all textbooks; metal and
-# concrete are hard and smooth; paint is as strong as what it covers.
+# All assumed, except rock's strength, which has a source. Softer bottoms are weaker, as in textbooks; metal and
+# concrete are hard and smooth; paint is as strong as the surface it covers.
 BACKSCATTER = {
     "rock": ROCK,
     "gravel": Backscatter(strength_db=-32.0, relief=0.06),
@@ -48,8 +48,8 @@ MaterialName = Annotated[str, OneOf(tuple(_core.material_names()))]
 class Material(Model):
     """The material of a surface.
 
-    kind: its name. colour: its albedo, red, green and blue; strength_db, relief: how it scatters sound, as in
-    Backscatter. Each replaces the material's own value.
+    kind: its name. colour: its albedo, red, green and blue; strength_db, relief: its backscatter, as in Backscatter.
+    Each overrides the material's own value.
     """
 
     kind: MaterialName
@@ -59,7 +59,7 @@ class Material(Model):
 
     @property
     def backscatter(self) -> Backscatter:
-        """How it scatters sound."""
+        """How the surface scatters sound."""
         return _with_own(BACKSCATTER[self.kind], self.strength_db, self.relief)
 
 
@@ -72,10 +72,10 @@ MaterialSpec = Annotated[Material, BeforeValidator(_named, json_schema_input_typ
 
 
 class Ground(Model):
-    """The materials of the terrain: under water, where it is steep, and above the water.
+    """The materials of the terrain: under water, on steep slopes, and above the water.
 
-    bed: under water. steep: where it is steep. land: above the water. strength_db, relief: how all of it scatters
-    sound, as in Backscatter; they replace those of the bed's material.
+    bed: under water. steep: on steep slopes. land: above the water. strength_db, relief: the backscatter of the whole
+    terrain, as in Backscatter; they override those of the bed's material.
     """
 
     bed: MaterialName = "sand"
@@ -86,7 +86,7 @@ class Ground(Model):
 
     @property
     def backscatter(self) -> Backscatter:
-        """How it scatters sound."""
+        """How the terrain scatters sound."""
         return _with_own(BACKSCATTER[self.bed], self.strength_db, self.relief)
 
 

@@ -1,4 +1,4 @@
-"""A modem, or whatever else joins station and vehicle: its figures, as read from its YAML file."""
+"""A modem, or another connection of station and vehicle, as read from its YAML file."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ NEEDED = ("bit_rate_bit_s", "frequency_hz", "bandwidth_hz", "source_level_db")
 
 
 class ModemModel(Model):
-    """What joins station and vehicle.
+    """A connection between station and vehicle.
 
-    kind: `none` (everything passes at once), `cable` (a rate and a latency), `ideal` (the sound's travel time alone, as
-    in the paper) or `modem`, which has all figures. Levels in dB re 1 uPa (at 1 m).
-    bit_rate_bit_s: of a packet's bits, header included. latency_s: of a cable. header_bytes: of each packet.
-    packet_bytes: payload of a packet, at most; longer messages take several. preamble_s: before each. frequency_hz,
-    bandwidth_hz: centre and width of the band. source_level_db: of what it sends, re 1 uPa at 1 m. modulation: which
-    bit error rate follows from the signal-to-noise ratio. coding_gain_db: of error correction. receiver_noise_db_hz:
-    the vehicle's and the electronics' own. fading: Rayleigh. multipath_window_s: echoes within it after the first
-    arrival help, later ones are noise. speed_max_m_s: of the ends towards each other, beyond which nothing is received
-    (Doppler). range_max_m: for which TDMA leaves time. slot_s: of a turn in TDMA. backoff_s: longest random wait in
-    ALOHA. access: `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the
-    vehicles take turns of slot_s, each followed by the sound's travel over range_max_m. queue_bytes: that may wait to
+    kind: `none` (messages pass at once), `cable` (a rate and a latency), `ideal` (the sound's travel time alone, as in
+    the paper) or `modem`, which has all parameters. Levels in dB re 1 uPa (at 1 m). bit_rate_bit_s: of a packet's bits,
+    header included. latency_s: of a cable. header_bytes: of each packet. packet_bytes: largest payload of a packet;
+    longer messages take several. preamble_s: before each packet. frequency_hz, bandwidth_hz: centre and width of the
+    band. source_level_db: of the transmitter, re 1 uPa at 1 m. modulation: it determines the bit error rate at a
+    signal-to-noise ratio. coding_gain_db: of error correction. receiver_noise_db_hz: of the vehicle and the
+    electronics. fading: Rayleigh. multipath_window_s: echoes that follow the first arrival within this time add to the
+    signal, later ones are noise. speed_max_m_s: closing speed beyond which nothing is received (Doppler). range_max_m:
+    the range for which TDMA leaves time. slot_s: of a turn in TDMA. backoff_s: longest random wait in ALOHA. access:
+    `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns
+    of slot_s, each followed by the travel time over range_max_m. queue_bytes: largest size of the queue of messages to
     be sent.
     """
 
@@ -83,7 +83,7 @@ class ModemModel(Model):
         return self.range_max_m / SLOWEST_SOUND_M_S
 
     def packet_s(self, payload_bytes: int | None = None) -> float:
-        """Return how long a packet lasts, by default a full one, seconds."""
+        """Return the duration of a packet, by default a full one, seconds."""
         if self.bit_rate_bit_s is None:
             return 0.0
         size = self.packet_bytes if payload_bytes is None else payload_bytes

@@ -1,4 +1,4 @@
-"""Fixed obstacles in the water, selected by `kind`. Each one both collides and echoes.
+"""Fixed obstacles in the water, selected by `kind`. All collide and echo.
 
 Rays meet round obstacles as exact shapes; contacts and map scores use meshes of them, see build/obstacles.py.
 """
@@ -31,10 +31,10 @@ LEVEL: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 class Placed(Model):
-    """What has its place by coordinates.
+    """An obstacle placed by coordinates.
 
-    on_bed: whether it stands on the terrain: z of position_m is then how far its lowest point is above the bed that it
-    would touch first; below 0, it is sunk in. position_m: in the world.
+    on_bed: whether it stands on the terrain: z of position_m is then the height of its lowest point above the point of
+    the bed that it would touch first; if negative, it is sunk in. position_m: in the world.
     """
 
     on_bed: StrictBool = False
@@ -42,9 +42,9 @@ class Placed(Model):
 
 
 class OnBed(Model):
-    """What always stands on the terrain or follows it.
+    """An obstacle that always stands on the terrain or follows it.
 
-    on_bed: always true; it need not be said.
+    on_bed: always true; may be left out.
     """
 
     on_bed: Literal[True] = True
@@ -53,7 +53,7 @@ class OnBed(Model):
 class Pipeline(OnBed):
     """A pipe that follows the terrain under a line through points_m (x, y).
 
-    points_m: its corners, x and y. radius_m: outer. buried_fraction: share of the diameter below the bed.
+    points_m: its corners, x and y. radius_m: outer. buried_fraction: share of the diameter that is below the bed.
     """
 
     kind: Literal["pipeline"]
@@ -73,7 +73,7 @@ class Pipeline(OnBed):
         for before, after in pairwise(headings):
             bend_deg = abs(math.degrees(math.remainder(after - before, 2 * math.pi)))
             if bend_deg > MAX_BEND_DEG:
-                rule = f"the pipe bends by {bend_deg:.0f} deg, must be at most {MAX_BEND_DEG:.0f} deg"
+                rule = f"the pipe bends by {bend_deg:.0f} deg: must be at most {MAX_BEND_DEG:.0f} deg"
                 raise broken(rule, at=("points_m",))
         return self
 
@@ -83,7 +83,7 @@ class Gate(OnBed):
 
     position_m: x and y of its middle. yaw_deg: of the gate's x from east, counter-clockwise. width_m: between the
     posts' axes. height_m: of the crossbar's axis above the bed at position_m. bar_radius_m: of posts and bars.
-    lower_bar_m: height of a second bar, none by default.
+    lower_bar_m: height of a second bar; none by default.
     """
 
     kind: Literal["gate"]
@@ -149,9 +149,9 @@ class Sphere(Placed):
 class MeshObstacle(Placed):
     """A mesh file.
 
-    file: FBX, glTF, OBJ, STL, PLY and others. position_m: where its own origin is (world), unless it is on_bed.
-    scale: metres for each unit of the file. up: the file's axis that points up; by default y for glTF, what the file
-    declares for FBX, z for the rest.
+    file: FBX, glTF, OBJ, STL, PLY and others. position_m: of the mesh's own origin (world), unless it is on_bed.
+    scale: metres per unit of the file. up: the file's axis that points up; by default y for glTF, the declared axis for
+    FBX, z for all others.
     """
 
     kind: Literal["mesh"]

@@ -1,4 +1,4 @@
-"""The light in a scenario: water, sun, wind on the surface, particles."""
+"""The light in a scenario: water, sun, wind over the surface, particles."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ PerBand = tuple[PerMetre, PerMetre, PerMetre]
 
 
 class WaterCoefficients(Model):
-    """A custom water, for red (600 nm), green (550 nm) and blue (450 nm).
+    """Custom water, for red (600 nm), green (550 nm) and blue (450 nm).
 
-    diffuse_attenuation: Kd, of daylight. absorption, scattering: of light on its way through the water.
+    diffuse_attenuation: Kd, of daylight. absorption, scattering: of light in the water.
     """
 
     diffuse_attenuation: PerBand
@@ -26,13 +26,11 @@ class WaterCoefficients(Model):
 
     @model_validator(mode="after")
     def _absorbs_at_most_what_is_lost(self) -> WaterCoefficients:
-        """Kd is never less than a: light that goes down a metre has gone at least a metre."""
+        """Kd is never less than a: light that descends by a metre has travelled at least a metre."""
         for band, (a, kd) in enumerate(zip(self.absorption, self.diffuse_attenuation, strict=True)):
             if a > kd:
-                rule = (
-                    f"must be at most diffuse_attenuation[{band}] = {kd:g} 1/m: light that goes down a metre has gone "
-                )
-                raise broken(rule + "at least a metre", at=("absorption", band), value=a, unit="1/m")
+                rule = f"must be at most diffuse_attenuation[{band}] = {kd:g} 1/m: light that descends a metre has gone"
+                raise broken(rule + " at least that", at=("absorption", band), value=a, unit="1/m")
         return self
 
 
@@ -56,14 +54,14 @@ class OpticsChanges(TypedDict, total=False):
 
 
 class Optics(Model):
-    """The light that cameras see by.
+    """The light for cameras.
 
-    jerlov: the water type, unless coefficients are given. coefficients: of a custom water. sun_elevation_deg: above the
-    horizon. sun_azimuth_deg: direction towards the sun, from east,
-    counter-clockwise. wind_m_s, wind_heading_deg: the breeze that ruffles the surface, and the direction in which it
-    blows; its ripples only bend light: vehicles feel the waves of `water.surface`. particles_per_m3: those large enough
-    to be seen one by one. turbulence_k: standard deviation of the temperature in the eddies that bend light (effect
-    `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed.
+    jerlov: the water type, unless coefficients are given. coefficients: of custom water. sun_elevation_deg: above the
+    horizon. sun_azimuth_deg: direction towards the sun, from east, counter-clockwise. wind_m_s, wind_heading_deg: speed
+    and direction of the breeze that ripples the surface; the ripples only refract light: vehicles feel the waves of
+    `water.surface`. particles_per_m3: number of particles that are large enough to be visible one by one. turbulence_k:
+    standard deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in
+    calm water, 2 where warm and cold water mix; assumed.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"

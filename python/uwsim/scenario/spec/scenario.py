@@ -1,4 +1,4 @@
-"""A scenario: the place, the obstacles in it, the vehicles and the survey that they are sent to fly."""
+"""A scenario: the environment, its obstacles, the vehicles and their survey."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from uwsim.scenario.spec.water import Water
 
 RESERVED_NAMES = ("nothing", "terrain", "station")
 WITHOUT_STATION = Station(dock_m=(0.0, 0.0, -2.0))
-"""Of a scenario that names none: a point on the water over the world's origin, its dock 2 m below it."""
+"""The default station: a point on the water over the world's origin, with its dock 2 m below."""
 
 
 class WarningLimits(Model):
-    """When the panel warns.
+    """Limits beyond which the panel warns.
 
-    range_m: from the station, beyond it. proximity_m: above the bed, below it.
+    range_m: largest distance from the station. proximity_m: smallest height above the bed.
     """
 
     range_m: Annotated[float, InRange(0, 1e5, "m")] = 110.0
@@ -39,15 +39,13 @@ class WarningLimits(Model):
 
 
 class Scenario(Model):
-    """Everything that determines a run's results. World ENU, z up, water surface at z = 0.
+    """All inputs that determine a run's results. World ENU, z up, water surface at z = 0.
 
     name: of the scenario. seed: of every random draw, such as sensor noise. step_s: of the simulation. water: its
-    surface, currents and profile. optics: the light that cameras see by. terrain: the bed. ground: its materials.
-    obstacles: in the water, fixed. station: from which
-    distances are measured, with the dock. vehicles: at least one.
-    warnings: when the panel warns. survey: what `uwsim survey` flies. mission_time_s: how long a vehicle's battery
-    lasts after its release. link: between station and vehicles; None: what they say passes at once. faults: what fails,
-    and when.
+    surface, currents and profile. optics: the light for cameras. terrain: the bed. ground: its materials.
+    obstacles: in the water, fixed. station: the reference for distances; it has the dock. vehicles: at least one.
+    warnings: when the panel warns. survey: what `uwsim survey` flies. mission_time_s: battery life after the vehicle's
+    release. link: between station and vehicles; None: messages pass at once. faults: what fails, and when.
     """
 
     name: Name
@@ -106,7 +104,7 @@ class Scenario(Model):
         return copy
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy as pydantic does; a copy with updates no longer refers to the file."""
+        """Return pydantic's copy; a copy with updates no longer refers to the file."""
         copy = super().model_copy(update=update, deep=deep)
         return copy.read_from(SourceFile()) if update else copy
 
@@ -122,7 +120,7 @@ class Scenario(Model):
     ) -> Scenario:
         """Return a checked copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError.
 
-        vehicle_model: of the first vehicle. modem: of the link, by a packaged name or a path.
+        vehicle_model: for the first vehicle. modem: of the link, by a packaged name or a path.
         """
         data = self.given()
         if seed is not None:

@@ -1,7 +1,6 @@
-"""A vehicle's sensor, as read from its YAML file: its kind, where it is mounted, its rate and its errors.
+"""A vehicle's sensor, as read from its YAML file: its kind, mount, rate and errors.
 
-The native core's table of kinds (cpp/uwsim/sensors/) lists the kinds and their parameters: a new
-kind needs nothing here.
+The kinds and their parameters are in the native core's table (cpp/uwsim/sensors/): a new kind needs no change here.
 """
 
 from __future__ import annotations
@@ -29,10 +28,10 @@ Limit = Annotated[float, InRange(-1e12, 1e12)]
 
 
 class Noise(Model):
-    """Errors of a sensor, or of one of its channels, in its unit u; those left out are zero.
+    """Errors of a sensor, or of one of its channels, in its unit u; zero if left out.
 
     std [u]: white noise of each sample. density [u/sqrt(Hz)]: white noise as in data sheets; std = density x
-    sqrt(rate). turn_on_std [u]: a constant bias, drawn once for each run. bias_std [u], bias_time_s: a bias that varies
+    sqrt(rate). turn_on_std [u]: a constant bias, drawn once per run. bias_std [u], bias_time_s: a bias that varies
     about zero, first-order Gauss-Markov. walk [u/sqrt(s)]: a bias that is a random walk from zero. quantum [u]:
     readings are integer multiples of it. limits [u]: readings saturate at them.
     """
@@ -56,15 +55,15 @@ class Noise(Model):
 
 
 class SensorMount(Model):
-    """A sensor of one of _core.sensor_kinds(), and where it is mounted on the body.
+    """A sensor of one of _core.sensor_kinds(), and its mount on the body.
 
-    Rays are cast along the sensor's x: yaw 90 looks to port. Parameters of the kind (_core.sensor_kind(...).parameters,
-    such as range_max_m) stand beside the other keys in YAML, and in `parameters` here.
-    position_m: in the body's frame. parameters: in Python, the figures of the kind that stand beside the other keys in
-    YAML. on: whether it is powered; off, it has no readings. rate_hz: of samples; every step by default. latency_s:
-    from the measurement to its arrival. drop_out: the share of samples that is lost; a read then returns the last
-    sample that was not, marked invalid. noise: of every channel; noise_std: short for noise: {std: ...}. channels: by
-    name, instead of `noise`.
+    Rays are cast along the sensor's x: yaw 90 points to port. Parameters of the kind
+    (_core.sensor_kind(...).parameters, such as range_max_m) stand beside the other keys in YAML, and in `parameters`
+    here. position_m: in the body frame. parameters: in Python, the parameters of the kind that stand beside the other
+    keys in YAML. on: whether it is powered; off, it has no readings. rate_hz: of samples; every step by default.
+    latency_s: from the measurement to its arrival. drop_out: the share of samples that is lost; a read then returns the
+    last sample that was not lost, marked invalid. noise: of every channel; noise_std: short for noise: {std: ...}.
+    channels: noise by channel, instead of `noise`.
     """
 
     kind: str
@@ -130,7 +129,7 @@ class SensorMount(Model):
 
 
 class SensorSet(Model):
-    """Sensors that several vehicles have in common, in a YAML file of their own.
+    """Sensors that several vehicles share, in a YAML file of their own.
 
     sensors: by name.
     """
@@ -150,11 +149,11 @@ def _sensors(value: object, info: ValidationInfo) -> object:
 
 
 def _named_as_their_kind(sensors: dict[str, SensorMount]) -> dict[str, SensorMount]:
-    """A sensor that has the name of a kind is of that kind: programs, and their type checkers, rely on it."""
+    """Return sensors if those named after a kind are of that kind: programs and their type checkers rely on it."""
     kinds = _core.sensor_kinds()
     for name, mount in sensors.items():
         if name in kinds and mount.kind != name:
-            raise broken(f"must be {name}, as the sensor has that name", at=(name, "kind"), value=mount.kind)
+            raise broken(f"must be {name}, as the sensor's name is that kind", at=(name, "kind"), value=mount.kind)
     return sensors
 
 

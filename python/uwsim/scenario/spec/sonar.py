@@ -1,4 +1,4 @@
-"""A multibeam's model, as read from its YAML file: its fan and, for physics mode, its acoustic figures."""
+"""A multibeam model, as read from its YAML file: its fan and, for physics mode, its acoustic parameters."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
 
 
 class SonarMounting(Model):
-    """The pose of the head on the vehicle's mount: x forward, y left, z up.
+    """The pose of the sonar head on the vehicle's mount: x forward, y left, z up.
 
     position_m: from the mount.
     """
@@ -37,10 +37,11 @@ class SonarMounting(Model):
 
 
 class SonarNoise(Model):
-    """The noise of the receiver and its effects.
+    """The receiver's noise and its effects.
 
-    level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio with a detection
-    probability of one half. false_detections: whether noise may be detected as a bottom. range: whether ranges err.
+    level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio at which the probability
+    of detection is one half. false_detections: whether noise may be detected as a bottom. range: whether ranges have
+    errors.
     """
 
     level_db: NoiseLevel = 45.0
@@ -50,10 +51,11 @@ class SonarNoise(Model):
 
 
 class SonarNoiseChanges(Model):
-    """Figures of SonarNoise that take the place of the model's; those left out are the model's.
+    """Values of SonarNoise that override the model's; the others are the model's.
 
-    level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio with a detection
-    probability of one half. false_detections: whether noise may be detected as a bottom. range: whether ranges err.
+    level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio at which the probability
+    of detection is one half. false_detections: whether noise may be detected as a bottom. range: whether ranges have
+    errors.
     """
 
     level_db: NoiseLevel | None = None
@@ -62,17 +64,17 @@ class SonarNoiseChanges(Model):
     range: bool | None = None
 
     def of(self, noise: SonarNoise) -> SonarNoise:
-        """Return a model's noise with these figures."""
+        """Return a model's noise with these values."""
         return noise.model_copy(update={key: value for key, value in dict(self).items() if value is not None})
 
 
 class SonarBand(Model):
-    """A frequency of the instrument, and its figures there.
+    """One of the instrument's frequencies, with its parameters there.
 
     frequency_khz: centre. field_of_view_deg: of the fan. range_max_m: a range at or beyond it is no echo.
     range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by default.
-    beam_width_along_deg: the transmitter's, across the plane of the fan, -3 dB one way. beam_width_across_deg: an
-    unsteered receiving beam's, within that plane, -3 dB one way. pulse_length_s, bandwidth_hz: of the pulse.
+    beam_width_along_deg: of the transmitter, across the plane of the fan, -3 dB one way. beam_width_across_deg: of an
+    unsteered receiving beam, within that plane, -3 dB one way. pulse_length_s, bandwidth_hz: of the pulse.
     source_level_db: re 1 uPa at 1 m. directivity_index_db: of the receiver. The last six are for physics mode: all or
     none.
     """
@@ -93,7 +95,7 @@ class SonarBand(Model):
         acoustic = {key: getattr(self, key) for key in ACOUSTIC}
         missing = [key for key, value in acoustic.items() if value is None]
         if missing and len(missing) < len(acoustic):
-            raise broken("missing: physics mode needs it beside the others", at=(missing[0],))
+            raise broken("missing: physics mode needs it with the others", at=(missing[0],))
         if self.range_limit_m is not None and self.range_limit_m > self.range_max_m:
             rule = f"must be at most range_max_m, {self.range_max_m:g} m"
             raise broken(rule, at=("range_limit_m",), value=self.range_limit_m, unit="m")
@@ -120,11 +122,11 @@ ACOUSTIC = (
 class SonarModel(Model):
     """A commercial multibeam.
 
-    beams: evenly spaced over the field of view, about the head's forward axis. wire_number: of the four models of the
-    published simulator. dual_swath: two fans a ping. tilt_rate_deg_s: of the head. mounting: on the
-    vehicle's mount. noise: for physics mode. receiver_tilt_deg: of each of two receivers. ping_rate_max_hz: limit of
-    the electronics. receivers: flat arrays, one ahead or two ("dual RX"), each turned to its side by receiver_tilt_deg;
-    a model with one that has a tilt can be had with two. frequencies: a scenario selects one.
+    beams: evenly spaced over the field of view, about the head's forward axis. wire_number: among the four models of
+    the published simulator. dual_swath: two fans per ping. tilt_rate_deg_s: of the head. mounting: on the vehicle's
+    mount. noise: for physics mode. receiver_tilt_deg: of each of two receivers. ping_rate_max_hz: limit of the
+    electronics. receivers: flat arrays, one ahead or two ("dual RX"), each turned to its side by receiver_tilt_deg; a
+    model with one receiver and a tilt is also available with two. frequencies: a scenario selects one.
     """
 
     name: Name
@@ -153,7 +155,7 @@ class SonarModel(Model):
         return self
 
     def band(self, frequency_khz: float | None = None) -> SonarBand:
-        """Return the figures at a frequency, which may be left out if there is only one. Raises ValueError."""
+        """Return the parameters at a frequency; None selects the only one. Raises ValueError."""
         known = ", ".join(f"{band.frequency_khz:g}" for band in self.frequencies)
         if frequency_khz is None and len(self.frequencies) > 1:
             raise ValueError(f"frequency_khz: missing: {self.name} works at {known} kHz, choose one")
@@ -163,7 +165,7 @@ class SonarModel(Model):
         raise ValueError(f"frequency_khz = {frequency_khz:g} kHz: {self.name} works at {known} kHz")
 
     def acoustic_band(self, frequency_khz: float | None = None) -> SonarBand:
-        """Return the figures at a frequency for physics mode. Raises ValueError if they are missing."""
+        """Return the parameters at a frequency for physics mode. Raises ValueError if any are missing."""
         band = self.band(frequency_khz)
         for key in ACOUSTIC:
             if getattr(band, key) is None:
@@ -171,7 +173,10 @@ class SonarModel(Model):
         return band
 
     def with_receivers(self, receivers: Receivers, frequency_khz: float | None = None) -> SonarModel:
-        """Return the model with that many receivers, for a frequency. Two have twice the beams. Raises ValueError."""
+        """Return the model with this number of receivers, for a frequency. Two have twice the beams.
+
+        Raises ValueError.
+        """
         if receivers == self.receivers:
             return self
         if receivers == 1 or self.receiver_tilt_deg is None:
@@ -184,7 +189,7 @@ class SonarModel(Model):
         return self.model_copy(update={"receivers": 2, "beams": 2 * self.beams, "frequencies": (wider,)})
 
     def within(self, range_m: float) -> SonarModel:
-        """Return the model with its ranges limited."""
+        """Return the model with its range limited."""
         bands = [
             band.model_copy(
                 update={
@@ -198,7 +203,7 @@ class SonarModel(Model):
 
 
 def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarModel:
-    """Load a model from its number on the wire (1 to 4), a packaged name ("em2040-04") or a path. ScenarioError."""
+    """Load a model by its number on the wire (1 to 4), packaged name ("em2040-04") or path. Raises ScenarioError."""
     if isinstance(source, int):
         return _em2040(source)
     return read_spec(SonarModel, source, "sonars", folder)
@@ -206,7 +211,7 @@ def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarMod
 
 @cache
 def _em2040(number: int) -> SonarModel:
-    """Read a packaged model once: setups ask for theirs often."""
+    """Return a packaged model, which is read once: setups ask for theirs often."""
     return read_spec(SonarModel, f"em2040-{number}", "sonars")
 
 

@@ -10,18 +10,18 @@ from uwsim.scenario.spec.fields import InRange, Model, NoseDown, Point2, broken
 from uwsim.scenario.spec.polygon import area, crossing_edges, narrowest_width
 
 MIN_WIDTH_VOXELS, MIN_AREA_VOXELS = 2, 10
-"""A smaller survey area would hardly show on the map."""
+"""A smaller survey area would hardly be visible on the map."""
 
 
 class Survey(Model):
-    """The survey of the scenario.
+    """The scenario's survey.
 
-    area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of
-    the lawn-mower's lanes. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
-    ping_rate_hz: of the sonar, at most. outlier_filter: whether ranging.reject_uncertain and reject_outliers are in the
-    chain; by default in the sonar's physics mode. max_uncertainty_m: the limit of the former, at 95 % confidence; by
-    default half a voxel, within which most echoes come to lie in the voxels where they belong. Physics mode alone knows
-    uncertainties.
+    area_m: corners (x, y) of the polygon to cover, in order round it. altitude_m: above the bed. line_spacing_m: of the
+    lawn-mower's lanes. speed_m_s: along them. tilt_deg: of the sonar, positive nose down. voxel_m: of the map.
+    ping_rate_hz: largest rate of the sonar. outlier_filter: whether ranging.reject_uncertain and reject_outliers are
+    used; by default in the sonar's physics mode. max_uncertainty_m: the limit of reject_uncertain, at 95 % confidence;
+    by default half a voxel, within which most echoes fall into the right voxels. Uncertainties are only known in
+    physics mode.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]

@@ -16,12 +16,12 @@ Coordinate = Annotated[float, InRange(-1e9, 1e9)]
 
 
 class Grid(Model):
-    """The grid that every terrain has. Its middle is the world's origin.
+    """The grid of any terrain. Its centre is the world's origin.
 
     size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: between neighbouring heights.
-    source: what the heights come from; each source has keys of its own. window_m: corners (x, y), the lowest and the
-    highest, of the part that is built, whole cells about them; the heights and the world's origin are those of the
-    whole. For a part of a survey so large that one process need not hold all of it.
+    source: of the heights; each source has keys of its own. window_m: corners (x, y), south-west and north-east, of the
+    part that is built, extended to whole cells; the heights and the world's origin are those of the whole terrain. It
+    is for a part of a survey so large that no single process needs to hold all of it.
     """
 
     spacing_m: Spacing = 0.5
@@ -50,7 +50,7 @@ class Grid(Model):
 
 
 class Rim(Model):
-    """Hills all round the lake, above water everywhere on the terrain's edge.
+    """Hills around the lake, above water everywhere on the terrain's edge.
 
     height_m: mean height of the crest, which varies by half of that. width_m: distance over which the bed rises to the
     crest.
@@ -63,10 +63,10 @@ class Rim(Model):
 class NoiseTerrain(Grid):
     """A bed of fractal OpenSimplex2 noise, ringed by hills.
 
-    seed: of this noise; it is not the scenario's seed, so that the terrain stays when the sensors' noise changes.
-    bed_depth_m: mean depth of the bed. hill_height_m: how far the bed may rise above and fall below that.
-    hill_wavelength_m: of the broadest hills. octaves: of the noise; each further one halves the wavelength. gain: by
-    which each further octave multiplies the height. rim: hills all round, above the water; none by default.
+    seed: of this noise; separate from the scenario's seed, so that the terrain stays when the sensors' noise changes.
+    bed_depth_m: mean depth of the bed. hill_height_m: largest deviation of the bed from it, up and down.
+    hill_wavelength_m: of the broadest hills. octaves: of the noise; each further one halves the wavelength. gain: the
+    factor of height from each octave to the next. rim: hills around the lake, above the water; none by default.
     """
 
     source: Literal["noise"]
@@ -92,7 +92,7 @@ class RasterTerrain(Grid):
     system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names one, a file whose
     cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres by a transverse
     Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the file's own units;
-    it becomes z = 0. horizontal_scale: simulated metres for each real metre; 0.05 makes 10 km a 500 m lake.
+    it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m lake.
     vertical_scale: likewise. centre: of the terrain in the file's coordinates (longitude, latitude or easting,
     northing); default the file's centre. size_m: simulated extent; default the largest that fits. fill_nodata:
     interpolate cells without data.

@@ -1,4 +1,4 @@
-"""An entry of a scenario's `vehicles:`: a vehicle model, where it starts and which multibeam it carries."""
+"""An entry of a scenario's `vehicles:`: a vehicle model, its start and its multibeam."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _vehicle_model(value: object, info: ValidationInfo) -> object:
 class VehicleEntry(Model):
     """One vehicle in the scenario.
 
-    sonar: which multibeam it carries, on the model's mount. model: a packaged vehicle's name or the path of its YAML
+    sonar: its multibeam, on the model's mount. model: a packaged vehicle's name or the path of its YAML
     file, which is read into a VehicleModel. failsafe, trim: instead of the model's. start: `station` (docked there;
     None in Python) or a free pose.
     """

@@ -37,8 +37,8 @@ class StillSurface(Model):
 class AirySurface(Model):
     """One linear (Airy) wave.
 
-    amplitude_m, period_s, phase_deg: of the surface's cosine at the origin. heading_deg: towards which it runs,
-    from east, counter-clockwise. depth_m: of the water under it; by default, and at most, that of the terrain's
+    amplitude_m, period_s, phase_deg: of the surface's cosine at the origin. heading_deg: direction of travel,
+    from east, counter-clockwise. depth_m: of the water below; by default, and at most, that of the terrain's
     deepest point.
     """
 
@@ -53,8 +53,8 @@ class AirySurface(Model):
 class JonswapSurface(Model):
     """A random sea with the JONSWAP spectrum, drawn with the scenario's seed.
 
-    significant_height_m, peak_period_s: of the spectrum. heading_deg: towards which the sea runs, from east,
-    counter-clockwise. component_count: of the waves that are summed. peak_enhancement: gamma; 1 is a Pierson-
+    significant_height_m, peak_period_s: of the spectrum. heading_deg: direction of travel, from east,
+    counter-clockwise. component_count: number of waves that are summed. peak_enhancement: gamma; 1 is a Pierson-
     Moskowitz sea. spreading_exponent: n of cos^n about the heading; 0 for long crests. depth_m: as for an Airy
     wave.
     """
@@ -74,7 +74,7 @@ SurfaceSpec = Annotated[StillSurface | AirySurface | JonswapSurface, Field(discr
 
 
 class UniformCurrent(Model):
-    """A current that is the same at all places and times.
+    """A current that is the same everywhere and always.
 
     velocity_m_s: along the world's axes.
     """
@@ -118,8 +118,8 @@ class LayeredCurrent(Model):
 class TidalCurrent(Model):
     """A current amplitude_m_s sin(2 pi t / period_s + phase_deg).
 
-    amplitude_m_s: along the world's axes. period_s, phase_deg: of the sine; the default period is that of M2, the lunar
-    tide.
+    amplitude_m_s: along the world's axes. period_s, phase_deg: of the sine; the default period is that of M2, the
+    lunar tide.
     """
 
     kind: Literal["tidal"]
@@ -129,7 +129,7 @@ class TidalCurrent(Model):
 
 
 class GustyCurrent(Model):
-    """A mean with Gauss-Markov gusts about it, drawn with the scenario's seed.
+    """A mean current with Gauss-Markov gusts, drawn with the scenario's seed.
 
     mean_m_s: along the world's axes. sigma_m_s: standard deviation along each world axis. correlation_time_s: the
     lag at which correlation falls to 1/e.
@@ -175,8 +175,8 @@ CurrentSpecs = Annotated[
 class WaterLevel(Model):
     """The water at a depth.
 
-    depth_m, temperature_deg_c: of the level. salinity_psu, density_kg_m3: as those of one water. sound_speed_m_s: at
-    all levels or none; by default from the others.
+    depth_m, temperature_deg_c: of the level. salinity_psu, density_kg_m3: must agree with each other. sound_speed_m_s:
+    at all levels or none; by default from the others.
     """
 
     depth_m: Depth
@@ -186,13 +186,13 @@ class WaterLevel(Model):
     sound_speed_m_s: SoundSpeed | None = None
 
     def state(self, *, in_place: bool = False) -> WaterState:
-        """Return its density and its salinity. in_place: whether the density was measured at its depth."""
+        """Return the density and the salinity. in_place: whether the density was measured at its depth."""
         depth_m = self.depth_m if in_place else 0.0
         return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
 
 class TableProfile(Model):
-    """Levels of the water, linear between them: given here or in a file.
+    """Levels of the water, linear between them, given here or in a file.
 
     levels: from the surface down. file: instead, a CSV file whose columns are the levels' keys.
     """
@@ -216,8 +216,8 @@ class TableProfile(Model):
 class LinearProfile(Model):
     """Temperature and salinity linear from the surface down to bottom_depth_m, constant below.
 
-    surface, bottom: the water there. bottom_depth_m: by default that of the terrain's deepest point. Density is linear,
-    too, if both ends give it; else it follows from temperature and salinity at every depth (EOS-80).
+    surface, bottom: the water there. bottom_depth_m: by default that of the terrain's deepest point. Density is also
+    linear if both ends give it; else it follows from temperature and salinity at every depth (EOS-80).
     """
 
     kind: Literal["linear"]
@@ -235,7 +235,7 @@ class LinearProfile(Model):
 class LinearEnd(Model):
     """One end of a linear profile.
 
-    temperature_deg_c: there. salinity_psu, density_kg_m3: as those of one water; the density at both ends or none.
+    temperature_deg_c: there. salinity_psu, density_kg_m3: must agree with each other; the density at both ends or none.
     """
 
     temperature_deg_c: Celsius
@@ -243,7 +243,7 @@ class LinearEnd(Model):
     density_kg_m3: Density | None = None
 
     def state(self, depth_m: float = 0.0) -> WaterState:
-        """Return its density and its salinity. depth_m: at which the density was measured; 0: at the surface."""
+        """Return the density and the salinity. depth_m: at which the density was measured; 0: at the surface."""
         return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
 
@@ -253,19 +253,19 @@ ProfileSpec = Annotated[TableProfile | LinearProfile, Field(discriminator="kind"
 
 
 ONE_WATER = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
-"""What a profile gives instead."""
+"""Keys that a profile replaces."""
 
 
 class Water(Model):
-    """The water; by default still, of one density, and without current.
+    """The water; by default still, of uniform density, and without current.
 
-    density_kg_m3: of all the water, at atmospheric pressure; by default it follows from the surface's temperature and
-    the salinity (EOS-80). salinity_psu: of all the water; by default 0, or what gives a density that fresh water does
-    not have. Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c:
-    linear between the surface and the terrain's deepest point. compressible: whether pressure includes the compression
-    by the water's own weight (EOS-80). sound_speed_equation: automatic takes the best that is valid in all of the
-    water; one that is not valid in it is refused. surface: flat, or with waves. current_world_m_s: a current that is
-    the same everywhere. current: others; all add up, to 10 m/s at most, gusts counted at three sigma. profile:
+    density_kg_m3: of all the water, at atmospheric pressure; by default from the surface's temperature and the salinity
+    (EOS-80). salinity_psu: of all the water; by default 0, or the value that gives a density that fresh water cannot
+    have. Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c: linear
+    between the surface and the terrain's deepest point. compressible: whether pressure includes the compression by the
+    water's own weight (EOS-80). sound_speed_equation: automatic selects the best that is valid in all of the water; one
+    that is not valid in it is refused. surface: flat, or with waves. current_world_m_s: a current that is the same
+    everywhere. current: further currents; all add up, to 10 m/s at most, gusts counted at three sigma. profile:
     temperature, salinity, density and sound speed by depth, instead of the first four.
     """
 
@@ -286,7 +286,7 @@ class Water(Model):
         if isinstance(data, Mapping) and data.get("profile") is not None:
             for key in ONE_WATER:
                 if data.get(key) is not None:
-                    raise broken("must not be given beside profile, which gives it", at=(key,), value=data[key])
+                    raise broken("must not be given beside profile, which replaces it", at=(key,), value=data[key])
         return data
 
     @model_serializer(mode="wrap")
@@ -303,7 +303,7 @@ class Water(Model):
         return self
 
     def state(self, bottom_depth_m: float = DEEPEST_M) -> WaterState:
-        """Return its density and its salinity, without a profile."""
+        """Return the density and the salinity, without a profile."""
         temperatures = self.surface_temperature_deg_c, self.bottom_temperature_deg_c
         return WaterState(self.density_kg_m3, self.salinity_psu, temperatures, self._measured_at(bottom_depth_m))
 
@@ -311,7 +311,7 @@ class Water(Model):
         return 0.0 if self.compressible else depth_m
 
     def _states(self) -> Iterator[tuple[tuple[str | int, ...], WaterState]]:
-        """Yield what is given here, and its place; levels in a file are read later."""
+        """Yield each given state of the water and its place; levels in a file are read later."""
         if isinstance(self.profile, LinearProfile):
             yield ("profile", "surface"), self.profile.surface.state()
             bottom_m = self._measured_at(self.profile.bottom_depth_m or DEEPEST_M)

@@ -1,4 +1,4 @@
-"""Density, temperature and salinity of water: what follows from what (EOS-80), and whether they agree."""
+"""Density, temperature and salinity of water: derived values (EOS-80), and whether given ones agree."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import NamedTuple
 from uwsim import _core
 
 TOLERANCE_KG_M3 = 5.0
-"""How far a given density may be from that of the temperature and the salinity.
+"""Largest accepted difference between a given density and that of the temperature and salinity.
 
-Fresh water that is rounded to 1000 kg/m3 is off by up to 4.4 from 0 to 30 deg C, a sea of 35 psu that is rounded to
+Fresh water rounded to 1000 kg/m3 is off by up to 4.4 from 0 to 30 deg C, a sea of 35 psu rounded to
 1025 by up to 3.3, and a density measured in place 1 km down by 4.6. A sea taken for fresh water is off by 26.
 """
 SALTIEST_PSU = 45.0
@@ -18,10 +18,10 @@ _PA_PER_M = 1e4
 
 
 class WaterState(NamedTuple):
-    """What a scenario gives of some water. density_kg_m3, salinity_psu: None where they follow.
+    """A scenario's values for some water. density_kg_m3, salinity_psu: None if derived.
 
-    temperatures_deg_c: of its ends. depth_m: under which the density may have been measured; 0 for those at atmospheric
-    pressure.
+    temperatures_deg_c: at its ends. depth_m: the depth at which the density may have been measured; 0 for densities at
+    atmospheric pressure.
     """
 
     density_kg_m3: float | None
@@ -31,7 +31,7 @@ class WaterState(NamedTuple):
 
     @property
     def salinity(self) -> float:
-        """The salinity given; else 0 if no density is, or fresh water has it; else the nearest that has it [psu]."""
+        """The salinity given; else 0 if no density is given or fresh water has it; else the nearest that fits [psu]."""
         if self.salinity_psu is not None:
             return self.salinity_psu
         if self.density_kg_m3 is None or self.density_kg_m3 <= self._at_top(0.0) + TOLERANCE_KG_M3:
@@ -49,7 +49,7 @@ class WaterState(NamedTuple):
 
     @property
     def broken_rule(self) -> str:
-        """The rule that the density breaks beside the salinity, or nothing."""
+        """The rule that the density breaks given the salinity, or an empty string."""
         if self.density_kg_m3 is None or self.salinity_psu is None:
             return ""
         low, high = self._density_of(self.salinity_psu)
@@ -64,7 +64,7 @@ class WaterState(NamedTuple):
         return _core.sea_water_density_kg_m3(self.temperatures_deg_c[0], salinity_psu)
 
     def _density_of(self, salinity_psu: float) -> tuple[float, float]:
-        """Return the least density of water of this salinity, and the greatest, which is under pressure."""
+        """Return the smallest density of water of this salinity, and the largest, which is under pressure."""
         pressure_pa = _PA_PER_M * self.depth_m
         return (
             min(_core.sea_water_density_kg_m3(t, salinity_psu) for t in self.temperatures_deg_c),
